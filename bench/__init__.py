@@ -1,0 +1,7 @@
+"""A virtual test bench for heavy industrial robots with a counterbalance: simulate, identify, diagnose."""
+
+from gymnasium import register
+
+__version__ = "0.1.0"
+
+register(id="Bench-v0", entry_point="bench.simulate.env:BenchEnv")  # gymnasium.make("bench:Bench-v0")

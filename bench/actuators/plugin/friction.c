@@ -1,0 +1,87 @@
+// bench.friction: an elasto-plastic element that holds, with a level that may depend on speed, direction, load, angle.
+
+#include "instance.h"
+
+typedef struct Friction {
+  Element element;
+  double coulomb;
+  double presliding_stiffness;
+  double static_rise;
+  double stribeck_velocity;
+  double asymmetry;
+  double load_coefficient;
+  double ripple;
+  double ripple_period;
+  double ripple_phase;
+  int tendon;  // of the transmitted torque, -1: none
+} Friction;
+
+static const Number kNumbers[] = {
+    {"coulomb", offsetof(Friction, coulomb), REQUIRED, NONNEGATIVE},
+    {"presliding_stiffness", offsetof(Friction, presliding_stiffness), REQUIRED, POSITIVE},
+    {"static_rise", offsetof(Friction, static_rise), 0, NONNEGATIVE},
+    {"stribeck_velocity", offsetof(Friction, stribeck_velocity), UNSET, POSITIVE},
+    {"asymmetry", offsetof(Friction, asymmetry), 0, SIGNED_FRACTION},
+    {"load_coefficient", offsetof(Friction, load_coefficient), 0, NONNEGATIVE},
+    {"ripple", offsetof(Friction, ripple), 0, FRACTION},
+    {"ripple_period", offsetof(Friction, ripple_period), UNSET, POSITIVE},
+    {"ripple_phase", offsetof(Friction, ripple_phase), 0, ANY},
+};
+
+static const char* const kTexts[] = {"element"};
+
+static void read(Element* element, Reader* reader) {
+  Friction* self = (Friction*)element;
+  self->tendon = read_tendon(reader, "element");
+  if (self->static_rise > 0) {
+    need(reader, "stribeck_velocity", "is needed with static_rise > 0");
+  }
+  if (self->ripple > 0) {
+    need(reader, "ripple_period", "is needed with ripple > 0");
+  }
+  if (self->load_coefficient > 0) {
+    need(reader, "element", "is needed with load_coefficient > 0");
+  }
+}
+
+// Torque of a tendon's spring, from its stiffness polynomial and dead band.
+static mjtNum spring_torque(const mjModel* m, const mjData* d, int tendon) {
+  int plastic = m->tendon_plasticadr[tendon];
+  const mjtNum* rest = plastic < 0 ? m->tendon_lengthspring + 2 * tendon : d->plastic + plastic;
+  mjtNum length = d->ten_length[tendon];
+  mjtNum x = length > rest[1] ? length - rest[1] : length < rest[0] ? length - rest[0] : 0;
+  const mjtNum* poly = m->tendon_stiffnesspoly + mjNPOLY * tendon;
+  return x * (m->tendon_stiffness[tendon] + x * (poly[0] + x * poly[1]));
+}
+
+static mjtNum force(Element* element, const mjModel* m, const mjData* d, const mjtNum* state, mjtNum* next) {
+  const Friction* self = (const Friction*)element;
+  mjtNum x = d->actuator_length[element->output];
+  mjtNum coulomb = self->coulomb;
+  if (self->static_rise > 0) {
+    mjtNum speed = d->actuator_velocity[element->output] / self->stribeck_velocity;
+    coulomb *= 1 + self->static_rise * exp(-speed * speed);
+  }
+  if (self->ripple > 0) {
+    coulomb *= 1 + self->ripple * sin(2 * mjPI * x / self->ripple_period + self->ripple_phase);
+  }
+  mjtNum load = 0;
+  if (self->load_coefficient > 0) {
+    load = self->load_coefficient * fabs(spring_torque(m, d, self->tendon));
+  }
+  mjtNum level_minus = coulomb * (1 - self->asymmetry) + load;
+  mjtNum level_plus = coulomb * (1 + self->asymmetry) + load;
+  return hold(state, x, self->presliding_stiffness, level_minus, level_plus, next);
+}
+
+const Law friction_law = {
+    .name = "bench.friction",
+    .numbers = kNumbers,
+    .nnumber = sizeof(kNumbers) / sizeof(kNumbers[0]),
+    .texts = kTexts,
+    .ntext = 1,
+    .size = sizeof(Friction),
+    .nstate = FRICTION_STATES,
+    .read = read,
+    .force = force,
+};

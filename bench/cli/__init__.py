@@ -1,0 +1,46 @@
+"""The `bench` command: one file per subcommand, each importing what it needs only when it runs."""
+
+import sys
+from typing import Annotated
+
+import tyro
+
+from bench.cli.benchmark import Benchmark
+from bench.cli.check import Check
+from bench.cli.identify import Identify
+from bench.cli.paper import Paper
+from bench.cli.run import Run
+from bench.cli.view import View
+from bench.errors import BenchError
+
+Command = (
+    Annotated[Paper, tyro.conf.subcommand("paper")]
+    | Annotated[Run, tyro.conf.subcommand("run")]
+    | Annotated[View, tyro.conf.subcommand("view")]
+    | Annotated[Identify, tyro.conf.subcommand("identify")]
+    | Annotated[Check, tyro.conf.subcommand("check")]
+    | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
+)
+
+INTERRUPTED = 130
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line; return its exit code (README.md lists them)."""
+    command: Command = tyro.cli(
+        Command, args=arguments, prog="bench", description=__doc_for_users__, config=(tyro.conf.OmitSubcommandPrefixes,)
+    )
+    try:
+        return command.run()
+    except BenchError as error:
+        print(f"bench: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        print("bench: interrupted; nothing half-written was left behind.", file=sys.stderr)
+        return INTERRUPTED
+
+
+__doc_for_users__ = (
+    "Virtual test bench for heavy industrial robots with a counterbalance. "
+    "Start with `bench paper`: the paper's measurements and the virtual robot, side by side."
+)

@@ -1,0 +1,21 @@
+"""`bench view`: open the recording of a session."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+
+
+@dataclass(frozen=True)
+class View:
+    """Open the recording of a results folder in the Rerun viewer."""
+
+    folder: tyro.conf.Positional[Path]
+    """Folder that `bench run` or `bench paper` wrote, or an .rrd file."""
+
+    def run(self) -> int:
+        """Open the viewer; return the exit code."""
+        from bench.report.view import view
+
+        view(self.folder)
+        return 0

@@ -1,0 +1,64 @@
+"""What goes wrong, said once: the place, what was wrong there, and what to do.
+
+Every error that a user can cause is a `BenchError`. The command line prints it without a traceback and ends with its
+`exit_code`; the codes are part of the interface and stand in README.md.
+"""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class BenchError(Exception):
+    """Root of all errors of this package.
+
+    Attributes:
+        exit_code: What the `bench` command returns when this error ends it.
+    """
+
+    exit_code = 1
+
+
+class InputError(BenchError):
+    """A file, an option or a value that the user gave cannot be used.
+
+    `problems` holds every fault that was found, each naming its place ("loading.yaml: poses[2].q_deg[1]"), so that all
+    can be mended at once.
+    """
+
+    exit_code = 2
+
+    def __init__(self, problems: str | Iterable[str]) -> None:
+        self.problems: tuple[str, ...] = (problems,) if isinstance(problems, str) else tuple(problems)
+        super().__init__("\n".join(self.problems))
+
+
+class CampaignError(InputError):
+    """A campaign folder that breaks the format of `bench/record/README.md`."""
+
+    exit_code = 3
+
+
+class RobotError(InputError):
+    """A robot folder that breaks the format of `models/README.md`."""
+
+    exit_code = 4
+
+
+class ConvergenceError(BenchError):
+    """An iteration that did not settle; the message gives the residual reached and the one asked for."""
+
+    exit_code = 5
+
+
+class MissingPluginError(BenchError):
+    """The engine plugin with the counterbalance and friction actuators is not installed or was not built."""
+
+    exit_code = 6
+
+
+def unknown_name(what: str, name: str, known: Iterable[str]) -> str:
+    """Return the sentence for an unknown name: what it is, the nearest known one, and all known ones."""
+    names = sorted(known)
+    near = get_close_matches(name, names, n=1)
+    hint = f" Did you mean {near[0]!r}?" if near else ""
+    return f"unknown {what} {name!r}.{hint} Known: {', '.join(names) or 'none'}."

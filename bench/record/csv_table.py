@@ -1,0 +1,86 @@
+"""CSV: commas, decimal points, UTF-8, names in the first line. Numbers come back bit for bit."""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from bench.record.campaign import Array
+from bench.record.finding import Finding, spell_rows
+
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_COMMA_NUMBER = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
+
+
+def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
+    """Read a CSV file; see `bench.record.table.Format`."""
+
+    def fault(message: str, remedy: str, row: int | None = None, column: str = "") -> None:
+        findings.append(Finding("error", file, row, column, message, remedy))
+
+    text = _text(path.read_bytes())
+    if text is None:
+        fault("is not UTF-8 text", "save it as UTF-8")
+        return None
+    header, *lines = text.split("\n")
+    while lines and not lines[-1].strip():
+        lines.pop()
+    for separator, word in ((";", "semicolons"), ("\t", "tabs")):
+        if separator in header and "," not in header:
+            decimals = " and numbers have decimal commas" if any("," in line for line in lines) else ""
+            fault(f"cells are separated by {word}{decimals}", "save it with commas and decimal points")
+            return None
+    names = tuple(_cells(header)) if header or lines else ()
+    rows = [_cells(line) for line in lines]
+    wrong = [number for number, cells in enumerate(rows, 1) if len(cells) != len(names)]
+    if wrong:
+        first = rows[wrong[0] - 1]
+        decimal = len(first) > len(names) and len(wrong) == len(rows)
+        fault(
+            f"{len(first)} cells under {len(names)} names in {spell_rows(wrong)}",
+            "write numbers with decimal points, not commas" if decimal else "give every row one cell for each name",
+            wrong[0],
+        )
+        return None
+    columns: dict[str, Array] = {}
+    for name, cells in zip(names, zip(*rows, strict=True) if rows else ((),) * len(names), strict=True):
+        bad = [number for number, cell in enumerate(cells, 1) if cell and not _NUMBER.fullmatch(cell)]
+        if bad:
+            comma = _COMMA_NUMBER.fullmatch(cells[bad[0] - 1])
+            fault(
+                f"{cells[bad[0] - 1][:40]!r} is no number, {spell_rows(bad)}",
+                "write a decimal point" if comma else "write a number; remarks belong into the note of the run",
+                bad[0],
+                name,
+            )
+        elif name not in columns:
+            columns[name] = np.array([float(cell or "nan") for cell in cells])
+    return names, columns
+
+
+def write(path: Path, columns: Mapping[str, Array]) -> None:
+    """Write columns; whole numbers without a decimal point, all others with as many digits as they need."""
+    cells = [[_number(value) for value in values.tolist()] for values in columns.values()]
+    lines = [",".join(columns), *(",".join(row) for row in zip(*cells, strict=True))]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+
+
+def _number(value: float) -> str:
+    text = repr(value)
+    return text[:-2] if text.endswith(".0") else text
+
+
+def _text(data: bytes) -> str | None:
+    """Decode, with any line ends and with or without a byte order mark."""
+    try:
+        return data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError:
+        return None
+
+
+def _cells(line: str) -> Sequence[str]:
+    """Split a line; spreadsheets may put quotes around a cell, and a quoted cell may hold a comma."""
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(",")]
+    return [cell.strip().strip('"').strip() for cell in re.findall(r'(?:^|,)((?:\s*"[^"]*"|[^,])*)', line)]

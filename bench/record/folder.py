@@ -1,0 +1,55 @@
+"""Folders that appear complete or not at all."""
+
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from bench.errors import InputError
+
+
+@contextmanager
+def new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
+    """Give an empty folder to fill, and move it to `folder` when the block ends without an exception.
+
+    It stands beside its destination until then, and is removed if the block fails, also by Ctrl-C.
+
+    Args:
+        folder: Where it shall be. May exist if it is empty.
+        mark: A file that tells a folder of the same kind. Only a folder that holds it is ever replaced.
+        replace: Whether to replace a folder that is not empty.
+
+    Raises:
+        InputError: `folder` is a file, or not empty and not to be replaced.
+    """
+    folder = folder.resolve()
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file; choose another name")
+    if folder.exists() and any(folder.iterdir()):
+        if not replace:
+            raise InputError(f"{folder}: is not empty; choose another name, or ask for it to be replaced")
+        if not (folder / mark).is_file():
+            raise InputError(f"{folder}: holds other things than {mark} and is not replaced; choose another name")
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    partial, old = (folder.with_name(f".{folder.name}.{secrets.token_hex(4)}.{end}") for end in ("partial", "old"))
+    partial.mkdir()
+    try:
+        yield partial
+        if replace and folder.exists():
+            folder.rename(old)
+        elif folder.exists():
+            _remove_empty(folder)
+        partial.rename(folder)
+    finally:
+        if old.exists() and not folder.exists():
+            old.rename(folder)
+        for leftover in (partial, old):
+            shutil.rmtree(leftover, ignore_errors=True)
+
+
+def _remove_empty(folder: Path) -> None:
+    try:
+        folder.rmdir()
+    except OSError as error:
+        raise InputError(f"{folder}: was filled by somebody else meanwhile; choose another name") from error

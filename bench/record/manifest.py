@@ -1,0 +1,153 @@
+"""`campaign.yaml`: what was done, with which robot, and which table belongs to which run."""
+
+from collections.abc import Mapping
+from datetime import date, datetime, time
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from bench.errors import unknown_name
+from bench.record.campaign import Campaign, RunKind
+from bench.record.channels import NOISY
+from bench.record.finding import Finding
+from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
+
+MANIFEST = "campaign.yaml"
+RUN_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"  # a file name on every system
+SUFFIXES = (".csv", ".parquet")
+
+
+def _moment(value: object) -> object:
+    """Take a bare date as its midnight."""
+    try:
+        return datetime.combine(date.fromisoformat(str(value)), time())
+    except ValueError:
+        return datetime.fromisoformat(str(value))
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class RunEntry(_Strict):
+    """One run of the list."""
+
+    name: str = Field(pattern=RUN_NAME, max_length=100, description="letters, digits, '_', '-' and '.'")
+    kind: RunKind
+    start_s: float = Field(ge=0, description="seconds from the start of the campaign; file dates are good enough")
+    file: str = Field("", pattern=r"^[^\x00]*$", description="default: runs/<name>.csv")
+    note: str = ""
+
+    @property
+    def path(self) -> str:
+        """Path of the table relative to the campaign folder."""
+        return self.file or f"runs/{self.name}.csv"
+
+
+class Head(_Strict):
+    """Everything but the runs."""
+
+    format: Literal["1"] = Field(description="write 1")
+    robot: str = Field(min_length=1, description="name of a robot folder, or a path to one")
+    started: Annotated[datetime | None, BeforeValidator(_moment)] = None
+    noise: dict[str, Annotated[float, Field(gt=0)]] = {}
+    notes: str = ""
+
+
+class Manifest(NamedTuple):
+    """What could be understood of `campaign.yaml`; `head` is None if it has errors, faulty runs are left out."""
+
+    head: Head | None
+    runs: tuple[RunEntry, ...]
+    findings: tuple[Finding, ...]
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """Read `campaign.yaml` of a folder, as far as it can be understood."""
+    try:
+        content = load_yaml(folder / MANIFEST)
+    except YamlFault as fault:
+        return Manifest(None, (), (_fault("", str(fault), fault.remedy),))
+    entries = content.pop("runs", None)
+    findings: list[Finding] = []
+    head = _validated(Head, content, "", findings)
+    for quantity in sorted(set(head.noise if head else ()) - NOISY):
+        findings.append(_fault(f"noise.{quantity}", unknown_name("quantity", quantity, NOISY), "rename or remove it"))
+    if not isinstance(entries, list) or not entries:
+        findings.append(_fault("runs", "no list of runs", "list at least one run"))
+        entries = []
+    runs = [_validated(RunEntry, entry, f"runs[{i}]", findings) for i, entry in enumerate(entries)]
+    usable = tuple(run for run in runs if run is not None and _is_inside(folder, run, findings))
+    findings += _repeated(usable)
+    return Manifest(head, usable, tuple(findings))
+
+
+def manifest_text(campaign: Campaign, suffix: str) -> str:
+    """Return `campaign.yaml` for a campaign whose tables end in `suffix` (".csv" or ".parquet")."""
+    head: dict[str, object] = {"format": 1, "robot": campaign.robot}
+    if campaign.started is not None:
+        head["started"] = campaign.started.isoformat()
+    head |= {"noise": dict(campaign.noise)} if campaign.noise else {}
+    head |= {"notes": campaign.notes} if campaign.notes else {}
+    head["runs"] = [
+        {"name": run.name, "kind": run.kind, "start_s": float(run.start_s)}
+        | ({"file": f"runs/{run.name}{suffix}"} if suffix != ".csv" else {})
+        | ({"note": run.note} if run.note else {})
+        for run in campaign.runs
+    ]
+    return dump_yaml(head)
+
+
+def _fault(key: str, message: str, remedy: str) -> Finding:
+    return Finding("error", MANIFEST, None, key, message, remedy)
+
+
+_Model = TypeVar("_Model", bound=_Strict)
+
+
+def _validated(model: type[_Model], content: object, where: str, findings: list[Finding]) -> _Model | None:
+    try:
+        return model.model_validate(content)
+    except ValidationError as error:
+        findings += [_finding(model, dict(detail), where) for detail in error.errors()]
+        return None
+
+
+def _finding(model: type[_Strict], detail: Mapping[str, Any], where: str) -> Finding:
+    key = ".".join([where, *map(str, detail["loc"])]).lstrip(".")
+    field = model.model_fields.get(str(detail["loc"][0])) if detail["loc"] else None
+    expected = (field.description if field else None) or "correct it"
+    match detail["type"]:
+        case "extra_forbidden":
+            known = [*model.model_fields, *([] if where else ["runs"])]
+            return _fault(key, unknown_name("key", str(detail["loc"][-1]), known), "rename or remove it")
+        case "missing":
+            return _fault(key, "is missing", f"add it: {expected}")
+        case _:
+            return _fault(key, f"{str(detail['input'])[:60]!r}: {detail['msg']}", expected)
+
+
+def _is_inside(folder: Path, run: RunEntry, findings: list[Finding]) -> bool:
+    path = folder / run.path
+    if not path.resolve().is_relative_to(folder.resolve()):
+        findings.append(_fault(f"{run.name}.file", f"{run.path} is outside of the campaign folder", "move it inside"))
+        return False
+    if path.suffix.lower() not in SUFFIXES:
+        findings.append(_fault(f"{run.name}.file", f"{run.path} is no table", f"save it as {' or '.join(SUFFIXES)}"))
+        return False
+    return True
+
+
+def _repeated(runs: tuple[RunEntry, ...]) -> list[Finding]:
+    found = []
+    names: set[str] = set()
+    files: set[str] = set()
+    for run in runs:
+        if run.name.casefold() in names:
+            found.append(_fault(run.name, "two runs have this name", "rename one; capitals do not make a difference"))
+        elif run.path.casefold() in files:
+            found.append(_fault(run.name, f"{run.path} belongs to another run too", "name one table for each run"))
+        names.add(run.name.casefold())
+        files.add(run.path.casefold())
+    return found

@@ -1,0 +1,45 @@
+"""What healthy tables of readings look like, one rule for each kind of fault.
+
+A rule takes a `Sheet` and yields findings; its docstring says what is healthy. The rules run in this order, and a
+column in which one of them found an error is not shown to the next, so that one fault is reported once.
+"""
+
+from collections.abc import Callable, Iterator
+
+from bench.record.finding import Finding
+from bench.record.rules import alignment, clock, copies, labels, names, pairing, scale, stuck, tracker, values, work
+from bench.record.rules.sheet import Sheet
+
+Rule = Callable[[Sheet], Iterator[Finding]]
+
+HEADER_RULES: tuple[Rule, ...] = (names.known, names.enough, names.fits_arm)
+
+READING_RULES: tuple[Rule, ...] = (
+    values.finite,
+    values.plausible,
+    clock.rises,
+    clock.is_regular,
+    labels.are_counts,
+    labels.tell_readings_apart,
+    labels.complete_states,
+    labels.agree_with_pose,
+    scale.angles,
+    scale.magnitudes,
+    stuck.frozen_or_saturated,
+    tracker.sees_reflectors,
+    copies.identical,
+    pairing.encoders_follow,
+    pairing.sensors_agree,
+    alignment.leads,
+    work.friction_takes,
+)
+
+
+def examine(sheet: Sheet) -> list[Finding]:
+    """Put one sheet through all rules."""
+    findings: list[Finding] = []
+    for rule in HEADER_RULES + (READING_RULES if len(sheet.run) else ()):
+        found = list(rule(sheet))
+        findings += found
+        sheet = sheet.without({finding.column for finding in found if finding.level == "error"})
+    return findings

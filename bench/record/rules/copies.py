@@ -1,0 +1,34 @@
+"""Channels that are one and the same record under two names."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from bench.record.finding import Finding
+from bench.record.rules.sheet import Sheet
+
+DIFFERENT = 10  # values in a column; with fewer, two drives near rest may agree in every row at a coarse resolution
+
+
+def identical(sheet: Sheet) -> Iterator[Finding]:
+    """No two drives read the same numbers, and a moving motor is never exactly where it was told to be.
+
+    At rest it may be: a servo with integral action comes to its command, and a simulation without noise says so.
+    Two drives that are commanded alike may move alike.
+    """
+    for quantity in ("q_motor", "q_link", "current", "tau_motor"):
+        rich = [(column, values) for column, values in sheet.columns(quantity) if len(np.unique(values)) >= DIFFERENT]
+        for place, (column, values) in enumerate(rich):
+            for other, others in rich[:place]:
+                if np.array_equal(values, others) and not _commanded_alike(sheet, column.index, other.index):
+                    yield sheet.warning(column.name, f"is a copy of {other.name}", "look which of them was recorded")
+                    break
+    for column, values in sheet.columns("q_motor") if sheet.run.kind == "motion" else ():
+        command = sheet.joint(column.index, "q_cmd")
+        if command and len(np.unique(values)) >= DIFFERENT and np.array_equal(values, command[1]):
+            yield sheet.warning(column.name, f"is a copy of {command[0].name}", "record the encoder")
+
+
+def _commanded_alike(sheet: Sheet, first: int, second: int) -> bool:
+    one, other = sheet.joint(first, "q_cmd"), sheet.joint(second, "q_cmd")
+    return one is not None and other is not None and np.array_equal(one[1], other[1])

@@ -1,0 +1,91 @@
+"""Columns that must agree because they tell of the same thing: sign, order of the joints, unit."""
+
+from collections.abc import Iterator, Mapping
+from math import pi
+
+import numpy as np
+
+from bench.record.campaign import Array
+from bench.record.finding import Finding
+from bench.record.rules.sheet import Sheet
+from bench.record.units import STANDARD_GRAVITY
+
+MANY = 10  # rows; fewer may agree by chance
+CLEAR = 0.1  # another explanation must leave a tenth of the difference that the column's own one leaves
+WRONG = 0.3  # part of the movement that the column's own explanation must miss; real servos miss up to 0.2
+CORRELATED = 0.95
+NEAR = 0.05  # of a factor between two units; gain errors of sensors are smaller, no two factors are closer
+LOAD_N = 10.0  # [N] change of a load that a force sensor cannot miss
+
+ANGLES: Mapping[str, Mapping[float, str]] = {
+    "rad": {180 / pi: "degrees?", pi / 180: "degrees in the other?"},
+    "m": {1e3: "millimetres?", 1e-3: "millimetres in the other?"},
+}
+FORCES: Mapping[float, str] = {
+    STANDARD_GRAVITY: "kilograms in the load?",
+    1 / STANDARD_GRAVITY: "kilograms in the sensor?",
+    1e3: "kilonewtons in the load?",
+    1e-3: "kilonewtons in the sensor?",
+}
+
+
+def encoders_follow(sheet: Sheet) -> Iterator[Finding]:
+    """Each motor follows its own command, in its own direction, and a secondary encoder its motor."""
+    for column, values in sheet.columns("q_motor", "q_link"):
+        source = "q_cmd" if column.channel.quantity == "q_motor" else "q_motor"
+        own = sheet.joint(column.index, source)
+        if own is None or not sheet.moves(own[0].name) or not sheet.moves(column.name):
+            continue
+        misfits = {
+            (sign, other.name): float(np.std(values - sign * reference))
+            for other, reference in sheet.columns(source)
+            for sign in (1, -1)
+            if sheet.moves(other.name)
+        }
+        own_misfit = misfits[1, own[0].name]
+        (sign, best), misfit = min(misfits.items(), key=lambda item: item[1])
+        if own_misfit > WRONG * np.std(values) and misfit < CLEAR * own_misfit:
+            message = f"follows {'minus ' if sign < 0 else ''}{best}, not {own[0].name}"
+            remedy = "look at the order of the joints" if best != own[0].name else "turn the sign of one of them"
+            yield sheet.warning(column.name, message, remedy)
+        else:
+            yield from _in_one_unit(sheet, column.name, own[0].name, ANGLES[column.unit])
+
+
+def sensors_agree(sheet: Sheet) -> Iterator[Finding]:
+    """Each force sensor feels the load, a current makes torque in its own direction, and a weight pulls down."""
+    for axis in "xyz":
+        force, load = f"force_{axis}_n", f"load_{axis}_n"
+        if force in sheet.run.columns and np.ptp(sheet.run.columns.get(load, np.zeros(1))) > LOAD_N:
+            yield from _in_one_direction(sheet, force, load)
+            yield from _in_one_unit(sheet, force, load, FORCES)
+    for column, _ in sheet.columns("tau_motor"):
+        if (current := f"current_{column.index}_a") in sheet.run.columns:
+            yield from _in_one_direction(sheet, column.name, current)
+    load_force = sheet.run.load_wrench()[:, :3]
+    is_vertical = bool(np.all(load_force[:, :2] == 0))
+    if is_vertical and load_force.min(initial=0) >= 0 and load_force.max(initial=0) > LOAD_N:
+        yield sheet.warning("load_z_n", "all loads pull straight up", "a weight is negative: z points up")
+
+
+def _in_one_direction(sheet: Sheet, name: str, reference: str) -> Iterator[Finding]:
+    if _correlation(sheet.run.columns[name], sheet.run.columns[reference]) < -CORRELATED:
+        yield sheet.warning(name, f"runs against {reference}", "turn the sign of one of them")
+
+
+def _in_one_unit(sheet: Sheet, name: str, reference: str, factors: Mapping[float, str]) -> Iterator[Finding]:
+    values, references = sheet.run.columns[name], sheet.run.columns[reference]
+    if _correlation(values, references) > CORRELATED:
+        ratio = float(np.std(values) / np.std(references))
+        for factor, guess in factors.items():
+            if abs(ratio / factor - 1) < NEAR:
+                yield sheet.error(name, f"is {ratio:.4g} times {reference}", f"{guess} give both in SI units")
+
+
+def _correlation(first: Array, second: Array) -> float:
+    """Return the correlation coefficient; 0 where there is none, or too few rows to tell."""
+    if len(first) < MANY or np.ptp(first) == 0 or np.ptp(second) == 0:
+        return 0.0
+    a, b = first - first.mean(), second - second.mean()
+    norms = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return float(a @ b) / norms if norms > 0 else 0.0

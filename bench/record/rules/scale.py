@@ -1,0 +1,54 @@
+"""Values that are only possible in another unit than the one in the column's name."""
+
+from collections.abc import Iterator
+from math import inf, pi
+
+import numpy as np
+
+from bench.record.finding import Finding
+from bench.record.rules.sheet import Sheet, rows_where
+
+# A joint of an arm turns by at most two rounds either way; the wrist axes with the widest range have 720 deg.
+MAX_ANGLE = 4 * pi
+MAX_LENGTH = 100.0  # [m]; no arm stands on a longer track, and no tracker sees a reflector much further away
+MAX_CURRENT = 1000.0  # [A]; drives of the heaviest arms stay below 200
+MIN_TEMPERATURE = 200.0  # [K]; colder than any place with a robot, and above any temperature there in degrees Celsius
+MIN_PRESSURE = 5e4  # [Pa]; counterbalances hold 2 to 30 MPa, and 30 MPa are 3e4 in kPa
+
+FAR = 1.5  # times the joint's own limit; model limits and soft limits differ by less
+BESIDE = {"rad": 0.02, "m": 0.005}  # what zero offsets and end stops explain
+
+
+def angles(sheet: Sheet) -> Iterator[Finding]:
+    """Joint coordinates lie in the limits of the robot, or, if it is not known, of any robot."""
+    for column, values in sheet.columns("q_cmd", "q_motor", "q_link"):
+        lower, upper = sheet.arm.limits[column.index - 1] if sheet.arm else (-inf, inf)
+        bound = MAX_LENGTH if column.is_slide else MAX_ANGLE
+        if sheet.arm:
+            bound = FAR * max(abs(lower), abs(upper))
+        beside = BESIDE[column.unit]
+        if rows := rows_where(np.abs(values) > bound):
+            guess = "millimetres? multiply by 0.001" if column.is_slide else "degrees? multiply by pi / 180"
+            message = f"{values[rows[0] - 1]:g} {column.unit} is no position of this joint"
+            yield sheet.error(column.name, message, guess, rows)
+        elif rows := rows_where((values < lower - beside) | (values > upper + beside)):
+            message = f"leaves the joint's limits, {lower:g} to {upper:g} {column.unit}"
+            yield sheet.warning(column.name, message, "look at zero position, sign and order of the joints", rows)
+
+
+def magnitudes(sheet: Sheet) -> Iterator[Finding]:
+    """Positions, currents, temperatures and pressures have a size that occurs in a laboratory."""
+    for column, values in sheet.columns("reflector"):
+        if rows := rows_where(np.abs(values) > MAX_LENGTH):
+            yield sheet.error(column.name, f"over {MAX_LENGTH:g} m", "millimetres? multiply by 0.001", rows)
+    for column, values in sheet.columns("current"):
+        if rows := rows_where(np.abs(values) > MAX_CURRENT):
+            yield sheet.error(column.name, f"over {MAX_CURRENT:g} A", "milliamperes? multiply by 0.001", rows)
+    temperatures = ("motor_temperature", "gear_temperature", "gas_temperature", "ambient_temperature")
+    for column, values in sheet.columns(*temperatures):
+        if rows := rows_where(values < MIN_TEMPERATURE):
+            yield sheet.error(column.name, f"under {MIN_TEMPERATURE:g} K", "degrees Celsius? add 273.15", rows)
+    for column, values in sheet.columns("gas_pressure"):
+        if 0 < np.max(np.abs(values), initial=0.0) < MIN_PRESSURE:
+            message = f"never reaches {MIN_PRESSURE:g} Pa, an empty cylinder"
+            yield sheet.warning(column.name, message, "bar? multiply by 100000; MPa? by 1000000")

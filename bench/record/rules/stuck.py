@@ -1,0 +1,91 @@
+"""Channels that stand still to the last digit while what they measure goes on: frozen, clipped, or not connected."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.record.campaign import Array
+from bench.record.channels import Column
+from bench.record.finding import Finding
+from bench.record.rules.sheet import TRAVEL, Sheet
+
+EFFORT = ("current", "tau_motor")
+LOAD_N = 10.0  # [N] change of a load that a force sensor cannot miss
+AT_EXTREME = 5  # equal samples in a row at the largest or smallest value, which noise rarely reaches even once
+ANYWHERE = 15  # equal samples in a row at another value: 0.2^14 of 1e5 samples is 2e-5 by chance (see EQUAL)
+# Noise shows in efforts: outside of such stretches few neighbours are equal, and many steps go back on the one before
+# (two in three, in theory). Without noise an effort may keep its value at a smooth turning point, and nothing is said.
+EQUAL = 0.2
+BACK = 0.3
+
+
+class Cause(NamedTuple):
+    """What makes a channel change: name and values of a column, and the change of it that the channel cannot miss."""
+
+    name: str
+    values: Array
+    enough: float
+
+
+def frozen_or_saturated(sheet: Sheet) -> Iterator[Finding]:
+    """While a joint moves or a load changes, the channel that measures it does not repeat one number.
+
+    Motor torque at rest is left out: the load on a joint may be the same (or zero) in every pose.
+    """
+    for column, values in sheet.columns("q_motor", "q_link", *EFFORT, "force"):
+        cause = _cause(sheet, column)
+        is_effort = column.channel.quantity in EFFORT
+        if cause is None or len(values) < AT_EXTREME or (is_effort and sheet.run.kind == "static"):
+            continue
+        if np.ptp(values) > 0:
+            if not is_effort or _is_noisy(values):
+                yield from _resting(sheet, column.name, values, cause)
+        elif np.ptp(cause.values) > cause.enough:
+            what = f"is {values[0]:g} in every row while {cause.name} changes"
+            yield sheet.warning(column.name, what, "look whether it is connected, or remove it")
+
+
+def _cause(sheet: Sheet, column: Column) -> Cause | None:
+    if column.channel.quantity == "force":
+        load = f"load_{column.key}_n"
+        return Cause(load, sheet.run.columns[load], LOAD_N) if load in sheet.run.columns else None
+    sources = ("q_cmd",) if column.channel.quantity == "q_motor" else ("q_motor", "q_cmd")
+    joint = sheet.joint(column.index, *sources)
+    return Cause(joint[0].name, joint[1], TRAVEL[joint[0].unit]) if joint else None
+
+
+def _stretches(values: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return where stretches of equal samples start and end (exclusive)."""
+    edges = np.flatnonzero(np.diff(values)) + 1
+    return np.append(0, edges), np.append(edges, len(values))
+
+
+def _is_noisy(values: Array) -> bool:
+    starts, ends = _stretches(values)
+    length, level = ends - starts, values[starts]
+    is_extreme = (level == values.max()) | (level == values.min())
+    step = np.sign(np.diff(np.repeat(level, np.where(length >= np.where(is_extreme, AT_EXTREME, ANYWHERE), 1, length))))
+    turns = step[step != 0]
+    return len(turns) > 1 and bool(np.mean(step == 0) < EQUAL and np.mean(turns[1:] != turns[:-1]) > BACK)
+
+
+def _resting(sheet: Sheet, name: str, values: Array, cause: Cause) -> Iterator[Finding]:
+    """Look for equal samples in a row during which the cause travels further than it may."""
+    starts, ends = _stretches(values)
+    length, level = ends - starts, values[starts]
+    travel = np.maximum.reduceat(cause.values, starts) - np.minimum.reduceat(cause.values, starts)
+    for extreme, word in ((values.max(), "largest"), (values.min(), "smallest")):
+        at = (length >= AT_EXTREME) & (level == extreme)
+        if travel[at].sum() > cause.enough:
+            message = f"rests at its {word} value {extreme:g} while {cause.name} goes on"
+            yield sheet.warning(name, message, "saturated? widen the range", _rows(starts[at], ends[at]))
+    inside = (length >= ANYWHERE) & (travel > cause.enough) & (level > values.min()) & (level < values.max())
+    if inside.any():
+        message = f"does not change while {cause.name} goes on"
+        yield sheet.warning(name, message, "frozen? look for lost packets", _rows(starts[inside], ends[inside]))
+
+
+def _rows(starts: NDArray[np.intp], ends: NDArray[np.intp]) -> list[int]:
+    return [row for start, end in zip(starts.tolist(), ends.tolist(), strict=True) for row in range(start + 1, end + 1)]

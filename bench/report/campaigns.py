@@ -1,0 +1,37 @@
+"""A campaign folder together with the robot that it names."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from bench.record.campaign import Arm
+from bench.record.check import check_campaign
+from bench.record.finding import Report
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import load_robot
+
+
+def open_campaign(folder: Path) -> tuple[Report, CompiledRobot | None]:
+    """Check a campaign, with the joints and limits of its robot once the tables can be read.
+
+    Returns:
+        What the check found, and the robot; None where the campaign cannot be read.
+
+    Raises:
+        RobotError: The campaign's robot is unknown or broken.
+    """
+    report = check_campaign(folder)
+    if report.campaign is None:
+        return report, None
+    name = report.campaign.robot
+    compiled = compile_robot(load_robot(folder / name if (folder / name).is_dir() else name))
+    return check_campaign(folder, plain_arm(compiled)), compiled
+
+
+def plain_arm(compiled: CompiledRobot) -> Arm:
+    """Return what a check needs to know of a robot."""
+    model, at = compiled.model, compiled.at
+    limits = np.where(model.jnt_limited[at.joint, None].astype(bool), compiled.limits, [-np.inf, np.inf])
+    is_slide = model.jnt_type[at.joint] == mujoco.mjtJoint.mjJNT_SLIDE
+    return Arm(tuple(bool(slide) for slide in is_slide), tuple((float(low), float(high)) for low, high in limits))

@@ -1,0 +1,128 @@
+"""Stiffness from a campaign by every method that its channels allow, as table and as JSON."""
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from bench.errors import InputError
+from bench.identify.arm import Arm
+from bench.identify.estimate import JointEstimate, StiffnessEstimate
+from bench.identify.from_campaign import static_readings
+from bench.identify.methods import METHODS
+from bench.identify.options import Options
+from bench.report.campaigns import open_campaign
+from bench.robot.compiled import rigid_bodies
+
+MNM = 1e6  # [Nm/rad] per 10^6 Nm/rad, the unit of Table 6
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What the methods say about one campaign.
+
+    Attributes:
+        campaign: Its folder.
+        estimates: Method -> estimate.
+        refused: Method -> why it could not be used on this campaign.
+    """
+
+    campaign: Path
+    estimates: Mapping[str, StiffnessEstimate]
+    refused: Mapping[str, str]
+
+
+def identify_campaign(folder: Path, methods: Iterable[str] | None = None) -> Identification:
+    """Identify the stiffness from the static runs of a campaign.
+
+    Args:
+        folder: Campaign folder.
+        methods: Names of methods; None takes every one and notes which the campaign has not the channels for.
+
+    Raises:
+        CampaignError: The folder is not a usable campaign; every fault is listed.
+        InputError: A method that was asked for by name lacks a channel.
+    """
+    report, compiled = open_campaign(folder)
+    campaign = report.usable()
+    assert compiled is not None  # a usable campaign comes with its robot
+    arm = Arm(rigid_bodies(compiled))
+    readings = static_readings(campaign, compiled.robot.figures)
+    estimates, refused = {}, {}
+    for name in METHODS if methods is None else methods:
+        try:
+            estimates[name] = METHODS[name](arm, compiled.counterbalance, readings, Options())
+        except InputError as error:
+            if methods is not None:
+                raise
+            refused[name] = str(error)
+    return Identification(folder, estimates, refused)
+
+
+def as_json(estimate: StiffnessEstimate, level: float = 0.95) -> dict[str, object]:
+    """Return an estimate as plain data, units in the keys; what is undefined is null."""
+    content: dict[str, object] = {
+        "method": estimate.method,
+        "joints": list(estimate.joint_names),
+        "stiffness_nm_per_rad": plain(estimate.stiffness),
+        "standard_error_nm_per_rad": plain(estimate.standard_error),
+        "interval_level": level,
+        "interval_nm_per_rad": plain(estimate.interval(level)),
+        "compliance_rad_per_nm": plain(estimate.compliance),
+        "compliance_covariance_rad2_per_nm2": plain(estimate.covariance),
+        "observable": [bool(seen) for seen in estimate.observable],
+        "condition_number": plain(np.float64(estimate.condition_number)),
+        "residual_rms_in_sigma": {
+            channel: plain(np.sqrt(np.mean(np.square(values)))) for channel, values in estimate.residuals.items()
+        },
+        "notes": list(estimate.notes),
+    }
+    if isinstance(estimate, JointEstimate):
+        content["link_side_share_of_friction"] = plain(estimate.link_share)
+        content["link_side_share_sigma"] = plain(estimate.link_share_sigma)
+    return content
+
+
+def plain(values: object) -> object:
+    """Return an array as nested lists; nan and inf, which JSON does not know, as null."""
+    if isinstance(values, np.ndarray):
+        return [plain(value) for value in values]
+    number = float(values)  # type: ignore[arg-type]
+    return number if np.isfinite(number) else None
+
+
+def print_json(result: Identification, level: float) -> None:
+    """Print the estimates as JSON."""
+    content = {name: as_json(estimate, level) for name, estimate in result.estimates.items()}
+    print(json.dumps({"campaign": str(result.campaign), "estimates": content, "refused": dict(result.refused)}, indent=2))
+
+
+def print_table(result: Identification, level: float) -> None:
+    """Print the estimates as a table, then what they cannot tell."""
+    from rich.console import Console
+    from rich.table import Table
+
+    first = next(iter(result.estimates.values()))
+    table = Table(title=f"joint stiffness [10^6 Nm/rad], {level:.0%} intervals")
+    table.add_column("method")
+    for name in first.joint_names:
+        table.add_column(name, justify="right")
+    for name, estimate in result.estimates.items():
+        table.add_row(name, *cells(estimate, level))
+    console = Console()
+    console.print(table)
+    for name, estimate in result.estimates.items():
+        for note in estimate.notes:
+            console.print(f"{name}: {note}", highlight=False)
+    for name, reason in result.refused.items():
+        console.print(f"{name}: not used: {reason}", highlight=False)
+
+
+def cells(estimate: StiffnessEstimate, level: float) -> list[str]:
+    """Return one cell per joint: value and interval in 10^6 Nm/rad."""
+    return [
+        "cannot tell" if np.isnan(value) else f"{value / MNM:.3f}\n{low / MNM:.3f} to {high / MNM:.3f}"
+        for value, (low, high) in zip(estimate.stiffness, estimate.interval(level), strict=True)
+    ]

@@ -1,0 +1,38 @@
+"""Results folders: a session as campaign, truth and recording side by side, complete or not at all."""
+
+from pathlib import Path
+
+from bench.record.truth import TrueValue, Truth, write_truth
+from bench.record.write import TableFormat, write_campaign
+from bench.report.recording import write_recording
+from bench.simulate.session import Session
+
+CAMPAIGN, TRUTH, RECORDING = "campaign", "truth", "session.rrd"
+
+
+def write_session(session: Session, folder: Path, table_format: TableFormat = "csv") -> None:
+    """Write what a session gave into an existing folder: `campaign/`, `truth/` and `session.rrd`.
+
+    Args:
+        session: What `bench.simulate.session` returned.
+        folder: An empty folder.
+        table_format: How the campaign's tables are stored.
+    """
+    write_campaign(session.campaign, folder / CAMPAIGN, table_format)
+    write_truth(truth_of(session), folder / TRUTH)
+    write_recording(folder / RECORDING, session.compiled, session.film)
+
+
+def truth_of(session: Session) -> Truth:
+    """Return the true parameters and the readings of ideal instruments."""
+    compiled, errors = session.compiled, session.instruments.errors
+    parameters = {"force_gain": TrueValue(errors.force_gain, "")}
+    for i, drive in enumerate(compiled.robot.figures.drives):
+        parameters[f"stiffness.{drive.joint}"] = TrueValue(float(compiled.stiffness[i]), "Nm/rad")
+        parameters[f"current_gain.{drive.joint}"] = TrueValue(float(errors.current_gain[i]), "")
+        parameters[f"motor_coulomb.{drive.joint}"] = TrueValue(float(compiled.motor_coulomb[i]), "Nm")
+        parameters[f"link_coulomb.{drive.joint}"] = TrueValue(float(compiled.link_coulomb[i]), "Nm")
+    if compiled.counterbalance:
+        parameters["counterbalance.constant"] = TrueValue(compiled.counterbalance.gas_constant, "Nm")
+        parameters["counterbalance.critical_length"] = TrueValue(compiled.counterbalance.critical_length, "m")
+    return Truth(parameters, (), {run.name: run.columns for run in session.ideal})

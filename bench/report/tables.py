@@ -1,0 +1,132 @@
+"""Tables for the terminal: numbers with their standard errors, their decimal points below each other."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import floor, isfinite, isinf, isnan, log10
+from typing import TYPE_CHECKING
+
+from bench.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table as RichTable
+
+SIGNIFICANT = 2  # digits of the smallest standard error of a column, or of its smallest number where none has an error
+MOST_DECIMALS = 9
+UNKNOWN = "-"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A number with its standard error.
+
+    Attributes:
+        value: In the unit of its column; nan prints as "-".
+        error: Standard error in the same unit; None for a number that is known as it stands.
+    """
+
+    value: float
+    error: float | None = None
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of numbers.
+
+    Attributes:
+        name: Heading.
+        unit: Stands below the heading, such as "1e6 Nm/rad".
+        decimals: Digits behind the point; None takes as many as the numbers need.
+    """
+
+    name: str
+    unit: str = ""
+    decimals: int | None = None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line.
+
+    Attributes:
+        name: Stands on the left.
+        values: One per column.
+    """
+
+    name: str
+    values: tuple[Measured, ...]
+
+
+def print_table(
+    title: str,
+    columns: Sequence[Column],
+    rows: Sequence[Row],
+    notes: Sequence[str] = (),
+    console: "Console | None" = None,
+) -> None:
+    """Print a table; without colour where the output is not a terminal, and in ASCII where it cannot show more.
+
+    Args:
+        title: Stands above.
+        columns: The columns, without that of the names.
+        rows: The lines.
+        notes: Sentences below the table.
+        console: Where to; None is standard output.
+
+    Raises:
+        InputError: A row has not as many values as there are columns.
+    """
+    from rich.console import Console
+
+    console = console or Console()
+    sign = "\u00b1" if console.encoding.lower().startswith("utf") else "+-"
+    table = rich_table(title, columns, rows, sign)
+    width = console.measure(table).maximum  # a number is never cut, also where the output is narrower
+    console.print(table, width=width, crop=False, no_wrap=True, overflow="ignore")
+    for note in notes:
+        console.print(note, highlight=False, markup=False)
+
+
+def rich_table(title: str, columns: Sequence[Column], rows: Sequence[Row], sign: str = "\u00b1") -> "RichTable":
+    """Return the table for Rich; `sign` stands between value and error. Arguments and errors as in `print_table`."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    ragged = [row.name for row in rows if len(row.values) != len(columns)]
+    if ragged:
+        raise InputError(f"table {title!r}: {', '.join(ragged)}: needs {len(columns)} values, one per column.")
+    table = Table(title=Text(title), title_justify="left", box=SIMPLE_HEAD, pad_edge=False, title_style="bold")
+    table.add_column("")
+    for column in columns:
+        table.add_column(Text(f"{column.name}\n{column.unit}".rstrip(), justify="right"), justify="right", no_wrap=True)
+    texts = [aligned([row.values[i] for row in rows], column.decimals, sign) for i, column in enumerate(columns)]
+    for i, row in enumerate(rows):
+        table.add_row(Text(row.name), *(Text(column[i]) for column in texts))
+    return table
+
+
+def aligned(values: Sequence[Measured], decimals: int | None = None, sign: str = "\u00b1") -> list[str]:
+    """Return the numbers of one column as text of one width, with as many decimals for all, points below each other."""
+    digits = _decimals(values) if decimals is None else decimals
+    errors = ["" if value.error is None or isnan(value.value) else _text(value.error, digits) for value in values]
+    width = max(map(len, errors), default=0)
+    blank = " " * (len(sign) + 2 + width) if width else ""
+    return [
+        _text(value.value, digits) + (f" {sign} {error:>{width}}" if error else blank)
+        for value, error in zip(values, errors, strict=True)
+    ]
+
+
+def _decimals(values: Sequence[Measured]) -> int:
+    sizes = [value.error for value in values if value.error] or [value.value for value in values]
+    sizes = [abs(size) for size in sizes if isfinite(size) and size != 0]
+    if not sizes:
+        return 0
+    return min(max(SIGNIFICANT - 1 - floor(log10(min(sizes))), 0), MOST_DECIMALS)
+
+
+def _text(number: float, decimals: int) -> str:
+    if isnan(number):
+        return UNKNOWN
+    return ("inf" if number > 0 else "-inf") if isinf(number) else f"{number:.{decimals}f}"

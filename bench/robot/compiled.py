@@ -1,0 +1,327 @@
+"""From a robot folder to a compiled MuJoCo model, with every address looked up once."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import RobotError, unknown_name
+from bench.robot.bodies import Point, RigidBodies, read_only
+from bench.robot.counterbalance import Counterbalance
+from bench.robot.folder import Robot
+from bench.robot.plugins import number_of
+
+Index = NDArray[np.int64]
+SAME_PLACE = 1e-9  # [m]
+SpecEdit = Callable[[mujoco.MjSpec, Robot], None]
+
+
+@dataclass(frozen=True)
+class Addresses:
+    """Where the parts named in the figures sit in the compiled model; arrays have one entry per drive.
+
+    Attributes:
+        joint: Joint ids of the links (theta).
+        theta, theta_dof: Entries of qpos and qvel of the link joints.
+        q, q_dof: Entries of qpos and qvel of the rotors.
+        element: Tendon ids of the elastic elements.
+        servo: Actuator ids; `servo_ctrl` their first control entry (position set point; the next is the velocity).
+        motor_friction, link_friction: Actuator ids of the friction elements.
+        load_body: Body id on which wrenches act.
+        load_point: Site id.
+        reflectors: Site ids.
+        counterbalance, counterbalance_tendon: Actuator and tendon id, -1 for a robot without one.
+    """
+
+    joint: Index
+    theta: Index
+    theta_dof: Index
+    q: Index
+    q_dof: Index
+    element: Index
+    servo: Index
+    servo_ctrl: Index
+    motor_friction: Index
+    link_friction: Index
+    load_body: int
+    load_point: int
+    reflectors: Index
+    counterbalance: int
+    counterbalance_tendon: int
+
+
+@dataclass(frozen=True)
+class CompiledRobot:
+    """A robot, its compiled model, and the addresses of its parts. The model is not to be changed.
+
+    Attributes:
+        robot: The folder it came from.
+        model: Compiled MjModel.
+        at: Addresses in the model.
+        motor_coulomb, link_coulomb: Shape (n,) [Nm], Coulomb levels of the friction elements.
+        link_presliding: Shape (n,) [Nm/rad], stiffness of the link-side friction elements while they hold.
+        counterbalance: Closed form of the counterbalance with the anchors and gas figures of the MJCF, if there is one.
+    """
+
+    robot: Robot
+    model: mujoco.MjModel
+    at: Addresses
+    motor_coulomb: NDArray[np.float64]
+    link_coulomb: NDArray[np.float64]
+    link_presliding: NDArray[np.float64]
+    counterbalance: Counterbalance | None
+
+    @property
+    def n_joints(self) -> int:
+        """Number of driven joints."""
+        return self.robot.n_joints
+
+    @property
+    def torque_constant(self) -> NDArray[np.float64]:
+        """Shape (n,) [Nm/A]; xi of Table 2."""
+        return np.array([drive.torque_constant_nm_per_a for drive in self.robot.figures.drives])
+
+    @property
+    def stiffness(self) -> NDArray[np.float64]:
+        """Shape (n,) [Nm/rad]; linear stiffness of the elastic elements."""
+        return np.array(self.model.tendon_stiffness[self.at.element])
+
+    @property
+    def limits(self) -> NDArray[np.float64]:
+        """Shape (n, 2) [rad]; range of the link joints."""
+        return np.array(self.model.jnt_range[self.at.joint])
+
+
+def read_spec(robot: Robot) -> mujoco.MjSpec:
+    """Return the MJCF of a robot as an editable `MjSpec`.
+
+    Raises:
+        RobotError: The file is not valid MJCF; MuJoCo's own message is kept.
+    """
+    try:
+        return mujoco.MjSpec.from_file(str(robot.mjcf))
+    except ValueError as error:
+        raise RobotError(f"{robot.mjcf}: {error}") from error
+
+
+def compile_robot(robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float | None = None) -> CompiledRobot:
+    """Compile a robot after applying `edits` to its spec, in order.
+
+    Raises:
+        RobotError: The MJCF does not compile, or lacks a part that the figures name; every missing part is listed.
+    """
+    spec = read_spec(robot)
+    for edit in edits:
+        edit(spec, robot)
+    if timestep is not None:
+        spec.option.timestep = timestep
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        raise RobotError(f"{robot.mjcf}: {error}") from error
+    at = _addresses(robot, model)
+    _check_load_body(robot, model, at)
+    drives = robot.figures.drives
+
+    def configured(part: str, key: str) -> NDArray[np.float64]:
+        return np.array([number_of(spec, getattr(drive, part), key) for drive in drives])
+
+    return CompiledRobot(
+        robot=robot,
+        model=model,
+        at=at,
+        motor_coulomb=configured("motor_friction", "coulomb"),
+        link_coulomb=configured("link_friction", "coulomb"),
+        link_presliding=configured("link_friction", "presliding_stiffness"),
+        counterbalance=_counterbalance(robot, spec, model, at),
+    )
+
+
+def _addresses(robot: Robot, model: mujoco.MjModel) -> Addresses:
+    problems: list[str] = []
+
+    def find(kind: str, name: str | None, place: str) -> int:
+        if name is None:
+            return -1
+        element = getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}")
+        index = mujoco.mj_name2id(model, element, name)
+        if index < 0:
+            count = {"joint": model.njnt, "tendon": model.ntendon, "actuator": model.nactuator}
+            count |= {"site": model.nsite, "body": model.nbody}
+            known = (mujoco.mj_id2name(model, element, i) for i in range(count[kind]))
+            problems.append(f"figures.yaml: {place}: {unknown_name(f'{kind} of {robot.mjcf.name}', name, filter(None, known))}")
+        return int(index)
+
+    figures = robot.figures
+    drives = list(enumerate(figures.drives))
+    joint = np.array([find("joint", d.joint, f"drives[{i}].joint") for i, d in drives])
+    rotor = np.array([find("joint", d.rotor, f"drives[{i}].rotor") for i, d in drives])
+    element = np.array([find("tendon", d.element, f"drives[{i}].element") for i, d in drives])
+    servo = np.array([find("actuator", d.servo, f"drives[{i}].servo") for i, d in drives])
+    motor_friction = np.array([find("actuator", d.motor_friction, f"drives[{i}].motor_friction") for i, d in drives])
+    link_friction = np.array([find("actuator", d.link_friction, f"drives[{i}].link_friction") for i, d in drives])
+    reflectors = np.array([find("site", name, f"reflectors[{i}]") for i, name in enumerate(figures.reflectors)])
+    load_body = find("body", figures.load_body, "load_body")
+    load_point = find("site", figures.load_point, "load_point")
+    balance = figures.counterbalance
+    balance_actuator = find("actuator", balance.actuator if balance else None, "counterbalance.actuator")
+    balance_tendon = find("tendon", balance.tendon if balance else None, "counterbalance.tendon")
+    if problems:
+        raise RobotError(problems)
+    return Addresses(
+        joint=joint,
+        theta=model.jnt_qposadr[joint].astype(np.int64),
+        theta_dof=model.jnt_dofadr[joint].astype(np.int64),
+        q=model.jnt_qposadr[rotor].astype(np.int64),
+        q_dof=model.jnt_dofadr[rotor].astype(np.int64),
+        element=element,
+        servo=servo,
+        servo_ctrl=model.actuator_ctrladr[servo].astype(np.int64),
+        motor_friction=motor_friction,
+        link_friction=link_friction,
+        load_body=load_body,
+        load_point=load_point,
+        reflectors=reflectors,
+        counterbalance=balance_actuator,
+        counterbalance_tendon=balance_tendon,
+    )
+
+
+def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
+    """Return the links of the arm as plain numbers; a jointless body, or a rotor, is merged into the link that carries it.
+
+    Raises:
+        RobotError: A link moves by more than one joint or by one that is not driven, or a joint has a `ref`.
+    """
+    model, at = compiled.model, compiled.at
+    joint_of_body = {int(model.jnt_bodyid[j]): i for i, j in enumerate(at.joint)}
+    rotor_bodies = {int(model.dof_bodyid[dof]) for dof in at.q_dof}
+    n = compiled.n_joints
+    if len(joint_of_body) < n:
+        raise RobotError(f"{compiled.robot.mjcf}: two driven joints share a body; give each joint a body of its own.")
+
+    if np.any(model.qpos0[at.theta]):
+        raise RobotError(f"{compiled.robot.mjcf}: a driven joint has ref != 0; move its zero into the body's pose instead.")
+
+    # Pose of every MuJoCo body in the joint frame of the arm's body that carries it, all joints at zero.
+    carrier = np.full(model.nbody, -1)
+    position = np.zeros((model.nbody, 3))
+    rotation = np.tile(np.eye(3), (model.nbody, 1, 1))
+    parent = np.full(n, -1)
+    placement = np.zeros((n, 3))
+    orientation = np.zeros((n, 3, 3))
+    for body in range(1, model.nbody):
+        above = int(model.body_parentid[body])
+        local = _matrix(model.body_quat[body])
+        origin = position[above] + rotation[above] @ model.body_pos[body]
+        turned = rotation[above] @ local
+        if body in joint_of_body:
+            i = joint_of_body[body]
+            pivot = model.jnt_pos[at.joint[i]]
+            parent[i] = carrier[above]
+            placement[i] = origin + turned @ pivot
+            orientation[i] = turned
+            carrier[body], position[body], rotation[body] = i, -pivot, np.eye(3)
+        elif model.body_jntnum[body] and body not in rotor_bodies:
+            name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body)
+            raise RobotError(f"{compiled.robot.mjcf}: body {name!r} has a joint that no drive of figures.yaml names.")
+        else:
+            carrier[body], position[body], rotation[body] = carrier[above], origin, turned
+    if np.any(parent >= np.arange(n)):
+        raise RobotError("figures.yaml: drives: list them from the base to the tool.")
+
+    mass = np.zeros(n)
+    moment = np.zeros((n, 3))
+    spread = np.zeros((n, 3, 3))  # second moments about the joint frame's origin, kept as inertia tensors
+    for body in range(1, model.nbody):
+        i = carrier[body]
+        if i < 0:
+            continue
+        com = position[body] + rotation[body] @ model.body_ipos[body]
+        axes = rotation[body] @ _matrix(model.body_iquat[body])
+        mass[i] += model.body_mass[body]
+        moment[i] += model.body_mass[body] * com
+        spread[i] += axes @ np.diag(model.body_inertia[body]) @ axes.T + _steiner(model.body_mass[body], com)
+    com = moment / mass[:, None]
+    inertia = np.stack([spread[i] - _steiner(mass[i], com[i]) for i in range(n)])
+
+    points = {}
+    for site in range(model.nsite):
+        body = int(model.site_bodyid[site])
+        name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SITE, site)
+        if name:
+            where = position[body] + rotation[body] @ model.site_pos[site]
+            points[name] = Point(
+                int(carrier[body]), read_only(where), read_only(rotation[body] @ _matrix(model.site_quat[site]))
+            )
+    return RigidBodies(
+        names=tuple(drive.joint for drive in compiled.robot.figures.drives),
+        parent=parent,
+        is_hinge=np.asarray(model.jnt_type[at.joint] == mujoco.mjtJoint.mjJNT_HINGE),
+        position=read_only(placement),
+        rotation=read_only(orientation),
+        axis=read_only(model.jnt_axis[at.joint]),
+        mass=read_only(mass),
+        com=read_only(com),
+        inertia=read_only(inertia),
+        limits=read_only(compiled.limits),
+        gravity=read_only(model.opt.gravity),
+        points=points,
+    )
+
+
+def _check_load_body(robot: Robot, model: mujoco.MjModel, at: Addresses) -> None:
+    """Wrenches act at the centre of mass of the load body; that must be the load point."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    if np.linalg.norm(data.xipos[at.load_body] - data.site_xpos[at.load_point]) > SAME_PLACE:
+        name, site = robot.figures.load_body, robot.figures.load_point
+        raise RobotError(
+            f"{robot.mjcf}: body {name!r} must have its centre of mass at site {site!r}; put it there and give it "
+            '<inertial pos="0 0 0" mass="0" diaginertia="0 0 0"/> (without it MuJoCo puts the centre elsewhere).'
+        )
+
+
+def _counterbalance(robot: Robot, spec: mujoco.MjSpec, model: mujoco.MjModel, at: Addresses) -> Counterbalance | None:
+    """Return the closed form of the counterbalance: anchors from the tendon, gas figures from the actuator."""
+    named = robot.figures.counterbalance
+    if named is None:
+        return None
+    joints = [drive.joint for drive in robot.figures.drives]
+    if named.joint not in joints:
+        raise RobotError(f"figures.yaml: counterbalance.joint: {unknown_name('driven joint', named.joint, joints)}")
+    if model.tendon_num[at.counterbalance_tendon] != 2:
+        raise RobotError(f"{robot.mjcf}: tendon {named.tendon!r} must run straight between two sites.")
+    index = joints.index(named.joint)
+    joint = at.joint[index]
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    axis, pivot = data.xaxis[joint], data.xanchor[joint]
+    start = model.tendon_adr[at.counterbalance_tendon]
+    arms = data.site_xpos[model.wrap_objid[start : start + 2]] - pivot
+    heights = arms @ axis
+    if abs(heights[0] - heights[1]) > SAME_PLACE:
+        raise RobotError(f"{robot.mjcf}: the anchors of tendon {named.tendon!r} must lie in one plane across {named.joint!r}.")
+    fixed, moving = arms - np.outer(heights, axis)
+    from_fixed_to_moving = np.arctan2(axis @ np.cross(fixed, moving), fixed @ moving)
+    return Counterbalance(
+        joint=index,
+        rho=float(np.linalg.norm(fixed)),
+        b=float(np.linalg.norm(moving)),
+        dead_centre=float(-from_fixed_to_moving),
+        gas_constant=number_of(spec, named.actuator, "constant"),
+        critical_length=number_of(spec, named.actuator, "critical_length"),
+    )
+
+
+def _matrix(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
+    matrix = np.empty(9)
+    mujoco.mju_quat2Mat(matrix, quaternion)
+    return matrix.reshape(3, 3)
+
+
+def _steiner(mass: float, offset: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the inertia of a point mass at `offset` about the origin."""
+    return mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))

@@ -1,0 +1,81 @@
+"""A robot is a folder: MJCF, `figures.yaml`, README. This finds one and reads its figures."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+from pydantic import ValidationError
+
+from bench import paths
+from bench.errors import RobotError, unknown_name
+from bench.robot.figures import Figures
+
+FIGURES_FILE = "figures.yaml"
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot folder whose figures have been validated; the MJCF is read when it is compiled.
+
+    Attributes:
+        name: Folder name.
+        folder: Where it stands.
+        figures: Contents of `figures.yaml`.
+    """
+
+    name: str
+    folder: Path
+    figures: Figures
+
+    @property
+    def mjcf(self) -> Path:
+        """The MJCF of the robot alone."""
+        return self.folder / self.figures.mjcf
+
+    @property
+    def n_joints(self) -> int:
+        """Number of driven joints."""
+        return len(self.figures.drives)
+
+
+def robot_names() -> tuple[str, ...]:
+    """Return the names of the robots that come with the package, sorted."""
+    return tuple(sorted(entry.parent.name for entry in paths.models_dir().glob(f"*/{FIGURES_FILE}")))
+
+
+def load_robot(name_or_folder: str | Path) -> Robot:
+    """Read a robot by the name of a folder in `models/`, or by a path to a folder of one's own.
+
+    Raises:
+        RobotError: No such robot, or its figures break the schema; every fault is listed.
+    """
+    folder = Path(name_or_folder)
+    if not (folder / FIGURES_FILE).is_file():
+        folder = paths.models_dir() / str(name_or_folder)
+    if not (folder / FIGURES_FILE).is_file():
+        raise RobotError(
+            unknown_name("robot", str(name_or_folder), robot_names()) + f" A folder of your own needs a {FIGURES_FILE}."
+        )
+    source = folder / FIGURES_FILE
+    try:
+        content = yaml.safe_load(source.read_text(encoding="utf-8"))
+        figures = Figures.model_validate(content)
+    except yaml.YAMLError as error:
+        raise RobotError(f"{source}: not valid YAML: {error}") from error
+    except ValidationError as error:
+        raise RobotError(problems_of(error, source.name)) from error
+    robot = Robot(folder.resolve().name, folder.resolve(), figures)
+    if not robot.mjcf.is_file():
+        raise RobotError(f"{source}: mjcf: there is no file {figures.mjcf!r} beside it.")
+    return robot
+
+
+def problems_of(error: ValidationError, file: str) -> list[str]:
+    """Return one sentence per fault of a pydantic validation, each with its place in the file."""
+    sentences = []
+    for fault in error.errors():
+        place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in fault["loc"]).lstrip(".")
+        given = "" if fault["type"] == "missing" else f", not {str(fault['input'])[:80]!r}"
+        message = fault["msg"].removeprefix("Value error, ")
+        sentences.append(f"{file}: {place or 'top level'}: {message}{given}")
+    return sentences

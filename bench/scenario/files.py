@@ -1,0 +1,45 @@
+"""Scenario files: find, read, validate; all faults at once."""
+
+from pathlib import Path
+
+import yaml
+from pydantic import ValidationError
+
+from bench import paths
+from bench.errors import InputError, unknown_name
+from bench.robot.folder import problems_of
+from bench.scenario.loading import Loading
+
+Scenario = Loading
+EXPERIMENTS: dict[str, type[Scenario]] = {"loading": Loading}
+
+
+def scenario_names() -> tuple[str, ...]:
+    """Return the names of the scenarios that come with the package, sorted."""
+    return tuple(sorted(file.stem for file in paths.scenarios_dir().glob("*.yaml")))
+
+
+def read_scenario(name_or_file: str | Path) -> Scenario:
+    """Read a scenario by name or by path.
+
+    Raises:
+        InputError: No such file, not YAML, unknown experiment, or keys that break its schema; every fault is listed.
+    """
+    file = Path(name_or_file)
+    if not file.is_file():
+        file = paths.scenarios_dir() / f"{Path(name_or_file).stem}.yaml"
+        if not file.is_file() or Path(name_or_file).suffix not in ("", ".yaml") or len(Path(name_or_file).parts) > 2:
+            raise InputError(f"no scenario file {str(name_or_file)!r}. Those that come along: {', '.join(scenario_names())}.")
+    try:
+        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise InputError(f"{file.name}: not valid YAML: {error}") from error
+    if not isinstance(content, dict):
+        raise InputError(f"{file.name}: a scenario is a list of 'key: value' lines; this is not.")
+    experiment = content.get("experiment")
+    if experiment not in EXPERIMENTS:
+        raise InputError(f"{file.name}: experiment: {unknown_name('experiment', str(experiment), EXPERIMENTS)}")
+    try:
+        return EXPERIMENTS[experiment].model_validate(content)
+    except ValidationError as error:
+        raise InputError(problems_of(error, file.name)) from error

@@ -1,0 +1,31 @@
+"""What every scenario file says, whatever its experiment. Experiments add their own keys (`bench.scenario.loading`)."""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0)]
+NonNegative = Annotated[float, Field(ge=0)]
+FrictionSide = Literal["as-model", "motor", "link", "none"]
+
+
+class Strict(BaseModel):
+    """Unknown keys are errors, values do not change after construction."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class ScenarioBase(Strict):
+    """Keys that every scenario has.
+
+    `friction` puts the robot into one of the friction worlds: "as-model" leaves both sides as the MJCF has them; "link"
+    and "motor" put the level of the link-side element on that side and none on the other; "none" removes both.
+    `servo`: "integral" holds the motor angle at its command under load, "proportional" gives by torque / kp.
+    """
+
+    robot: str = "hh150"
+    seed: int = Field(0, ge=0)
+    friction: FrictionSide = "as-model"
+    servo: Literal["integral", "proportional"] = "integral"
+    perfect_instruments: bool = False
+    notes: str = ""

@@ -1,0 +1,203 @@
+"""The robot under its servo, advanced in time: commands and wrench in, true quantities out. No instruments here."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from typing import Self
+
+import mujoco
+import numpy as np
+from mujoco.rollout import Rollout
+from numpy.typing import NDArray
+
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
+from bench.robot.folder import Robot
+
+Array = NDArray[np.float64]
+
+_PREFIX = "bench/"
+_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+_CONTROL = mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_XFRC_APPLIED
+
+
+@dataclass(frozen=True)
+class Trace:
+    """True quantities over T instants, all of the same instant; n drives, r reflectors.
+
+    Attributes:
+        time: Shape (T,) [s].
+        q, q_velocity: Shape (T, n), motor angle reflected to the joint [rad] and its rate.
+        theta, theta_velocity: Shape (T, n), link angle [rad] and its rate.
+        motor_torque: Shape (T, n) [Nm], what the servo puts out, reflected to the joint.
+        motor_friction, link_friction: Shape (T, n) [Nm], torque of the friction elements on rotor and link.
+        reflectors: Shape (T, r, 3) [m], world frame.
+        load_point: Shape (T, 3) [m], world frame.
+        wrench: Shape (T, 6) [N, Nm], force and moment on the load point, world axes.
+        counterbalance_force: Shape (T,) [N], pull of the cylinder; nan for a robot without one.
+        counterbalance_length: Shape (T,) [m]; nan for a robot without one.
+    """
+
+    time: Array
+    q: Array
+    q_velocity: Array
+    theta: Array
+    theta_velocity: Array
+    motor_torque: Array
+    motor_friction: Array
+    link_friction: Array
+    reflectors: Array
+    load_point: Array
+    wrench: Array
+    counterbalance_force: Array
+    counterbalance_length: Array
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __getitem__(self, rows: slice) -> Self:
+        return type(self)(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
+
+    @classmethod
+    def concatenate(cls, parts: Iterable["Trace"]) -> "Trace":
+        """Join traces end to end."""
+        parts = list(parts)
+        return cls(**{f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)})
+
+
+def add_trace_sensors(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """Add the sensors that a `Trace` is read from, in its order, after the sensors that the MJCF has."""
+    kinds, objects = mujoco.mjtSensor, mujoco.mjtObj
+    figures = robot.figures
+
+    def add(kind: mujoco.mjtSensor, objtype: mujoco.mjtObj, name: str) -> None:
+        spec.add_sensor(name=f"{_PREFIX}{sensor_kind_name(kind)}/{name}", type=kind, objtype=objtype, objname=name)
+
+    for kind in (kinds.mjSENS_JOINTPOS, kinds.mjSENS_JOINTVEL):
+        for drive in figures.drives:
+            add(kind, objects.mjOBJ_JOINT, drive.rotor)
+    for kind in (kinds.mjSENS_JOINTPOS, kinds.mjSENS_JOINTVEL):
+        for drive in figures.drives:
+            add(kind, objects.mjOBJ_JOINT, drive.joint)
+    for part in ("servo", "motor_friction", "link_friction"):
+        for drive in figures.drives:
+            add(kinds.mjSENS_ACTUATORFRC, objects.mjOBJ_ACTUATOR, getattr(drive, part))
+    for site in (*figures.reflectors, figures.load_point):
+        add(kinds.mjSENS_FRAMEPOS, objects.mjOBJ_SITE, site)
+    if figures.counterbalance:
+        add(kinds.mjSENS_ACTUATORFRC, objects.mjOBJ_ACTUATOR, figures.counterbalance.actuator)
+        add(kinds.mjSENS_TENDONPOS, objects.mjOBJ_TENDON, figures.counterbalance.tendon)
+
+
+def sensor_kind_name(kind: mujoco.mjtSensor) -> str:
+    """Return the short lower-case name of a sensor kind."""
+    return str(kind.name).removeprefix("mjSENS_").lower()
+
+
+class Plant:
+    """One simulated robot. Commands are interpolated within a control period, as a drive's fine interpolator does.
+
+    Args:
+        robot: The robot folder.
+        edits: Changes of the model, applied in order before it is compiled.
+        timestep: Integration step [s]; None takes the MJCF's.
+    """
+
+    def __init__(self, robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float | None = None) -> None:
+        self.compiled: CompiledRobot = compile_robot(robot, (*edits, add_trace_sensors), timestep)
+        self.model: mujoco.MjModel = self.compiled.model
+        self.data = mujoco.MjData(self.model)
+        self._rollout = Rollout(nthread=0)
+        self._n_state = mujoco.mj_stateSize(self.model, _STATE)
+        n, figures = robot.n_joints, robot.figures
+        size = 7 * n + 3 * (len(figures.reflectors) + 1) + (2 if figures.counterbalance else 0)
+        self._sensors = slice(self.model.nsensordata - size, self.model.nsensordata)
+        self._command = np.zeros(n)
+        self._wrench = np.zeros(6)
+        self.reset(np.zeros(n))
+
+    @property
+    def timestep(self) -> float:
+        """Integration step [s]."""
+        return float(self.model.opt.timestep)
+
+    def reset(self, q: Array) -> None:
+        """Put the robot at rest with all motors at `q` [rad], unloaded, friction elements unstressed.
+
+        The links hang on their elastic elements in static equilibrium, and the integral action of the servo already
+        carries the load, so nothing moves after a reset.
+        """
+        from bench.simulate.equilibrium import settle  # the two need each other
+
+        mujoco.mj_resetData(self.model, self.data)
+        self._command = np.array(q, dtype=np.float64)
+        self._wrench = np.zeros(6)
+        settle(self.compiled, self.data, self._command)
+
+    def advance(self, commands: Array, wrenches: Array, period: float) -> Trace:
+        """Follow commands for one control period each, and return every integration step.
+
+        Args:
+            commands: Shape (P, n) [rad], motor angle asked for at the end of each period; linear in between.
+            wrenches: Shape (P, 6) [N, Nm], on the load point in world axes at the end of each period; linear in between.
+            period: [s], a multiple of the timestep.
+
+        Returns:
+            Trace of P * period / timestep instants; the last is one timestep before the end of the last period.
+        """
+        substeps = round(period / self.timestep)
+        at, n = self.compiled.at, self.compiled.n_joints
+        blend = (np.arange(substeps) / substeps)[None, :, None]
+        starts = np.concatenate([self._command[None], commands[:-1]])
+        positions = (starts[:, None] + blend * (commands - starts)[:, None]).reshape(-1, n)
+        velocities = np.repeat((commands - starts) / period, substeps, axis=0)
+        pushes = np.concatenate([self._wrench[None], wrenches[:-1]])
+        pushes = (pushes[:, None] + blend * (wrenches - pushes)[:, None]).reshape(-1, 6)
+
+        control = np.zeros((1, len(positions), self.model.nu + 6 * self.model.nbody))
+        control[0, :, at.servo_ctrl] = positions.T
+        control[0, :, at.servo_ctrl + 1] = velocities.T
+        first = self.model.nu + 6 * at.load_body
+        control[0, :, first : first + 6] = pushes
+        state = np.empty((1, self._n_state))
+        mujoco.mj_getState(self.model, self.data, state[0], _STATE)
+        readings = np.empty((1, len(positions), self.model.nsensordata))
+        self._rollout.rollout(
+            [self.model],
+            [self.data],
+            state,
+            control,
+            control_spec=int(_CONTROL),
+            nstep=len(positions),
+            sensordata=readings,
+            skip_checks=True,  # shapes are right by construction, and checking costs as much as stepping
+        )
+        self._command, self._wrench = commands[-1].copy(), wrenches[-1].copy()
+        end = self.data.time
+        times = end - self.timestep * np.arange(len(positions), 0, -1)
+        return self._trace(times, readings[0, :, self._sensors], pushes)
+
+    def look(self) -> Trace:
+        """Return the present instant, shape (1, ...), without moving."""
+        mujoco.mj_forward(self.model, self.data)
+        return self._trace(np.array([self.data.time]), self.data.sensordata[None, self._sensors].copy(), self._wrench[None])
+
+    def _trace(self, time: Array, readings: Array, wrench: Array) -> Trace:
+        n, r = self.compiled.n_joints, len(self.compiled.robot.figures.reflectors)
+        joints = readings[:, : 7 * n].reshape(-1, 7, n)
+        points = readings[:, 7 * n : 7 * n + 3 * (r + 1)].reshape(-1, r + 1, 3)
+        missing = np.full((len(time), 2), np.nan)
+        cylinder = readings[:, 7 * n + 3 * (r + 1) :] if self.compiled.at.counterbalance >= 0 else missing
+        return Trace(
+            time=time,
+            q=joints[:, 0],
+            q_velocity=joints[:, 1],
+            theta=joints[:, 2],
+            theta_velocity=joints[:, 3],
+            motor_torque=joints[:, 4],
+            motor_friction=joints[:, 5],
+            link_friction=joints[:, 6],
+            reflectors=points[:, :r],
+            load_point=points[:, r],
+            wrench=wrench.copy(),
+            counterbalance_force=-cylinder[:, 0],
+            counterbalance_length=cylinder[:, 1],
+        )

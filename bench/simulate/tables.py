@@ -1,0 +1,69 @@
+"""From readings to the columns of a campaign's runs."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.record.campaign import Run
+from bench.simulate.drive import Log
+from bench.simulate.instruments import Reading
+from bench.simulate.plant import Array, Trace
+
+
+def run_of(name: str, log: Log, reading: Reading, gravity: Array, with_moving_reflector: bool) -> Run:
+    """Return one run of a session.
+
+    Args:
+        name: Which.
+        log: What happened.
+        reading: What was read at every marked step of the log, by real or by ideal instruments.
+        gravity: Shape (3,) [m/s^2].
+        with_moving_reflector: Whether a reflector was carried round the other nests; else they stayed empty.
+    """
+    rows = log.rows(name)
+    start = float(reading.time[rows[0]])
+    columns: dict[str, Array] = {"time_s": reading.time[rows] - start}
+    marks = [step.mark for step in (log.steps[i] for i in rows) if step.mark]
+    for label in marks[0].labels:
+        columns[label] = np.array([mark.labels[label] for mark in marks])
+    payload = np.array([log.payload_kg[i] for i in rows])
+    load = np.stack([log.steps[i].wrench for i in rows])
+    load[:, :3] += payload[:, None] * gravity
+    columns |= _columns(reading[rows], np.stack([log.steps[i].q_cmd for i in rows]), load)
+    if np.any(payload):
+        columns["load_mass_kg"] = payload
+    if not with_moving_reflector:
+        columns = {key: values for key, values in columns.items() if not key.startswith("reflector_") or key[10] == "1"}
+    return Run(name, "static" if marks[0].labels else "motion", start, columns)
+
+
+def with_link_angles(run: Run, log: Log, instants: Trace) -> Run:
+    """Return a run with the true link angles beside the other columns."""
+    theta = instants.theta[log.rows(run.name)]
+    return replace(run, columns={**run.columns, **_numbered("q_link", "rad", theta)})
+
+
+def _columns(reading: Reading, q_cmd: Array, load: Array) -> dict[str, Array]:
+    """Return the columns of a reading, T instants; quantities without an instrument are left out.
+
+    Args:
+        reading: T instants.
+        q_cmd: Shape (T, n) [rad].
+        load: Shape (T, 6) [N, Nm], what hangs at the load point as the lab knows it from its weights.
+    """
+    columns = _numbered("q_cmd", "rad", q_cmd) | _numbered("q_motor", "rad", reading.q_motor)
+    columns |= _numbered("current", "a", reading.current)
+    columns |= _along("load", "n", load[:, :3]) | _along("force", "n", reading.force)
+    columns |= _along("moment", "nm", reading.moment)
+    for k in range(reading.reflectors.shape[1]):
+        columns |= _along(f"reflector_{k + 1}", "m", reading.reflectors[:, k])
+    columns["gas_pressure_pa"] = reading.gas_pressure
+    return {name: values for name, values in columns.items() if not np.all(np.isnan(values))}
+
+
+def _along(quantity: str, unit: str, values: Array) -> dict[str, Array]:
+    return {f"{quantity}_{axis}_{unit}": column for axis, column in zip("xyz", values.T, strict=True)}
+
+
+def _numbered(quantity: str, unit: str, values: Array) -> dict[str, Array]:
+    return {f"{quantity}_{j}_{unit}": column for j, column in enumerate(values.T, start=1)}

@@ -1,0 +1,30 @@
+"""What all tests share."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.small_robot import write_small_robot
+
+os.environ.setdefault("MUJOCO_GL", "egl")  # read when MuJoCo is imported; machines that run tests have no display
+
+
+@pytest.fixture(autouse=True)
+def floating_point_errors_raise() -> Iterator[None]:
+    with np.errstate(all="raise"):
+        yield
+
+
+@pytest.fixture(scope="session")
+def small_robot(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a two-joint robot."""
+    return write_small_robot(tmp_path_factory.mktemp("robots") / "small")
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """Random numbers that are the same in every run."""
+    return np.random.default_rng(20261121)

@@ -1,0 +1,123 @@
+"""Rules that fire on healthy data are defects: nothing here may be found, with noise and without."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from bench.record.campaign import Array, Run
+from tests.record.build import ARM, examine, loading, motion, static, sweep
+
+Columns = dict[str, Array]
+
+
+def dwell() -> Run:
+    """Nothing moves for ten minutes, and without noise nothing changes at all."""
+    held = {name: np.full(600, values[0]) for name, values in sweep(None).items()}
+    return motion(held | {"time_s": np.arange(600.0), "gear_temperature_2_k": 300 + np.round(np.arange(600) / 200)})
+
+
+def long_dwell() -> Run:
+    """Rest for ten minutes at 250 Hz; a coarse secondary encoder shows one number, the one at the motor flickers."""
+    n = 150_000
+    flicker = np.random.default_rng(4).integers(-1, 2, n) * 2e-7
+    ends = {"q_cmd_1_rad": 0.5, "q_motor_1_rad": 0.5, "q_link_1_rad": 0.498}
+    columns = {name: np.append(np.linspace(0, end, 500), np.full(n, end)) for name, end in ends.items()}
+    columns["q_motor_1_rad"][500:] += flicker
+    return motion(columns | {"time_s": np.arange(n + 500) * 0.004})
+
+
+def two_joints_alike() -> Run:
+    columns = sweep(None)
+    for name in ("q_cmd_i_rad", "q_motor_i_rad", "current_i_a"):
+        columns[name.replace("_i_", "_1_")] = columns[name.replace("_i_", "_2_")]
+    return motion(columns)
+
+
+def pauses_under_load(seed: int | None) -> Run:
+    """Rest for a second where the motor has most to carry; without noise the current is constant there."""
+    columns = sweep(seed)
+    peak = int(np.argmax(columns["current_2_a"]))
+    held = {name: np.insert(values, peak, np.full(250, values[peak])) for name, values in columns.items()}
+    return motion(held | {"time_s": np.arange(2750) * 0.004})
+
+
+def coarse(resolution_a: float) -> Run:
+    """Without noise, the current keeps its largest value over many samples where gravity has its maximum."""
+    columns = sweep(None)
+    angle = columns["q_motor_2_rad"] - 0.4
+    current = 9 * np.cos(angle) + 0.8 * np.tanh(np.gradient(angle, 0.004) / 1e-3)
+    return motion(columns | {"current_2_a": np.round(current / resolution_a) * resolution_a})
+
+
+def slide() -> Run:
+    columns = {name.replace("_rad", "_m").replace("_nm", "_n"): values for name, values in sweep().items()}
+    return motion(columns)
+
+
+def hung_only_in_z() -> Run:
+    """Read a sensor that rounds to 1 N and feels nothing sideways."""
+    columns = loading(None)
+    columns["force_z_n"] = np.round(columns["force_z_n"])
+    return static(columns)
+
+
+def without_labels_that_may_miss() -> Run:
+    return static({name: values for name, values in loading().items() if name not in ("repeat", "time_s")})
+
+
+def read_by_hand() -> Run:
+    """Repeats share the time that was written down once."""
+    columns = loading()
+    columns["time_s"] = np.floor(columns["time_s"] / 15) * 15
+    return static(columns)
+
+
+def jitter() -> Run:
+    columns = sweep()
+    columns["time_s"] = columns["time_s"] + np.random.default_rng(2).uniform(-2e-4, 2e-4, 2500)
+    return motion(columns)
+
+
+def weak_servo() -> Run:
+    """Follow 0.15 s behind, as a position loop without feedforward does."""
+    columns = sweep()
+    behind = np.interp(columns["time_s"] - 0.15, columns["time_s"], columns["q_cmd_2_rad"])
+    return motion(columns | {"q_motor_2_rad": behind, "q_link_2_rad": behind - 0.002})
+
+
+HEALTHY: dict[str, Callable[[], Run]] = {
+    "sweep": lambda: motion(sweep()),
+    "sweep without noise": lambda: motion(sweep(None)),
+    "loading": lambda: static(loading()),
+    "loading without noise": lambda: static(loading(None)),
+    "dwell": dwell,
+    "long dwell": long_dwell,
+    "two joints alike": two_joints_alike,
+    "pause under load": lambda: pauses_under_load(1),
+    "pause under load without noise": lambda: pauses_under_load(None),
+    "fine resolution, no noise": lambda: coarse(0.01),
+    "coarse resolution, no noise": lambda: coarse(0.5),
+    "slide": slide,
+    "hung only in z": hung_only_in_z,
+    "fewest labels": without_labels_that_may_miss,
+    "read by hand": read_by_hand,
+    "jitter": jitter,
+    "weak servo": weak_servo,
+}
+
+
+@pytest.mark.parametrize("name", HEALTHY)
+def test_nothing_is_found_in_healthy_data(name: str) -> None:
+    assert [str(finding) for finding in examine(HEALTHY[name]())] == []
+
+
+@pytest.mark.parametrize("name", [name for name in HEALTHY if name not in ("slide", "long dwell")])
+def test_nothing_is_found_where_the_arm_is_known(name: str) -> None:
+    assert [str(finding) for finding in examine(HEALTHY[name](), ARM)] == []
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_noise_alone_is_never_a_finding(seed: int) -> None:
+    findings = examine(motion(sweep(seed))) + examine(static(loading(seed)))
+    assert [str(finding) for finding in findings] == []

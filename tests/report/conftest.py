@@ -1,0 +1,22 @@
+"""What the tests of the report share."""
+
+from pathlib import Path
+
+import pytest
+
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import load_robot
+from bench.simulate.session import Film
+from tests.report.films import made_film
+
+
+@pytest.fixture(scope="session")
+def compiled(small_robot: Path) -> CompiledRobot:
+    """The two-joint robot."""
+    return compile_robot(load_robot(small_robot))
+
+
+@pytest.fixture(scope="session")
+def film(compiled: CompiledRobot) -> Film:
+    """A film of it by perfect instruments."""
+    return made_film(compiled)

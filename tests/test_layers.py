@@ -1,0 +1,71 @@
+"""Import arrows run one way (DESIGN: errors <- record <- robot <- {simulate, identify} <- diagnose <- report <- cli)."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[1] / "bench"
+
+# What each part of the package may import from the others, besides itself.
+MAY_IMPORT = {
+    "__init__": set(),
+    "errors": set(),
+    "paths": {"errors"},
+    "actuators": {"errors"},
+    "record": {"errors"},
+    "robot": {"errors", "paths", "record", "actuators"},
+    "scenario": {"errors", "paths", "record", "robot"},
+    "simulate": {"errors", "paths", "record", "actuators", "robot", "scenario"},
+    "identify": {"errors", "paths", "record", "actuators", "robot"},
+    "report": {"errors", "paths", "record", "actuators", "robot", "scenario", "simulate", "identify"},
+    "cli": {"errors", "paths", "record", "actuators", "robot", "scenario", "simulate", "identify", "report"},
+}
+ENGINES_OF = {"identify": {"mujoco", "gymnasium"}, "record": {"mujoco", "pinocchio", "gymnasium"}}
+TRUTH_READERS = {"report/scoring.py"}
+
+
+def part_of(file: Path) -> str:
+    return file.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports_of(file: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{file}: imports are absolute here"
+            assert node.module
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+
+
+@pytest.mark.parametrize("file", SOURCES, ids=lambda file: str(file.relative_to(PACKAGE)))
+def test_imports_point_down(file: Path) -> None:
+    part = part_of(file)
+    allowed = MAY_IMPORT[part] | {part}
+    for name in imports_of(file):
+        words = name.split(".")
+        if words[0] == "bench" and len(words) > 1 and (PACKAGE / words[1]).exists():
+            assert words[1] in allowed, f"{part} may not import bench.{words[1]}"
+        assert words[0] not in ENGINES_OF.get(part, set()), f"{part} may not import {words[0]}"
+
+
+@pytest.mark.parametrize("file", SOURCES, ids=lambda file: str(file.relative_to(PACKAGE)))
+def test_only_scoring_reads_truth(file: Path) -> None:
+    if str(file.relative_to(PACKAGE)) not in TRUTH_READERS:
+        assert "bench.record.truth.read_truth" not in set(imports_of(file))
+
+
+def test_identification_runs_without_mujoco() -> None:
+    probe = (
+        "import sys; sys.modules['mujoco'] = None; import pkgutil, importlib, bench.identify;"
+        "[importlib.import_module('bench.identify.' + m.name) for m in pkgutil.iter_modules(bench.identify.__path__)]"
+    )
+    subprocess.run([sys.executable, "-W", "error", "-c", probe], check=True)
