@@ -89,7 +89,7 @@ def play(series: NDArray[np.int64], drive: Array, level: Array) -> Array:
         level: Shape (n,), half its width in units of the drive.
     """
     state = np.zeros_like(drive)
-    width = np.maximum(level, np.finfo(float).tiny)
+    width = np.maximum(level, 1e-9 * np.abs(drive).max(initial=1.0))
     for s in np.unique(series):
         rows = np.flatnonzero(series == s)
         for before, now in zip(rows[:-1], rows[1:], strict=True):

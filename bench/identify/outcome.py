@@ -12,7 +12,7 @@ from bench.identify.gls import SeriesModel, Solution, solve, whiten
 
 Array = NDArray[np.float64]
 
-SIGNAL_TO_NOISE = 3.0  # a joint's torque must stand this far above its own noise to be used as a regressor
+SIGNAL_TO_NOISE = 10.0  # of a joint's torque as a regressor; its noise then shrinks the compliance by less than 1 %
 RIGID_QUANTILE = 1.959964  # 95 %: a joint is observed when its interval excludes a rigid joint
 LACK_OF_FIT = 0.01  # significance at which residuals are larger than the instruments explain
 

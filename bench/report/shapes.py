@@ -104,8 +104,8 @@ def _mesh(model: mujoco.MjModel, mesh: int, rgba: Rgba) -> "AsComponents":
 def _shading(corners: Array, normals: Array) -> Array:
     """Return the normals to shade with, shape (n_faces, 3, 3), from corners and MuJoCo's normals of the same shape.
 
-    MuJoCo has one normal for all faces that meet in a vertex; at a sharp edge it belongs to one of them and is wrong for
-    the others, which get the normal of their own plane.
+    MuJoCo has one normal for all faces that meet in a vertex. At a sharp edge it belongs to one and is wrong for
+    the others; these get the normal of their own plane.
     """
     planes = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(planes, axis=1, keepdims=True)

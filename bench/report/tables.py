@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 SIGNIFICANT = 2  # digits of the smallest standard error of a column, or of its smallest number where none has an error
 MOST_DECIMALS = 9
 UNKNOWN = "-"
+WIDEST = 1000  # characters
 
 
 @dataclass(frozen=True)
@@ -77,12 +78,13 @@ def print_table(
         InputError: A row has not as many values as there are columns.
     """
     from rich.console import Console
+    from rich.segment import Segments
 
     console = console or Console()
     sign = "\u00b1" if console.encoding.lower().startswith("utf") else "+-"
     table = rich_table(title, columns, rows, sign)
-    width = console.measure(table).maximum  # a number is never cut, also where the output is narrower
-    console.print(table, width=width, crop=False, no_wrap=True, overflow="ignore")
+    wide = console.options.update_width(WIDEST)  # a number is never cut, also where the output is narrower
+    console.print(Segments(console.render(table, wide)), crop=False, end="")
     for note in notes:
         console.print(note, highlight=False, markup=False)
 
@@ -119,11 +121,15 @@ def aligned(values: Sequence[Measured], decimals: int | None = None, sign: str =
 
 
 def _decimals(values: Sequence[Measured]) -> int:
-    sizes = [value.error for value in values if value.error] or [value.value for value in values]
-    sizes = [abs(size) for size in sizes if isfinite(size) and size != 0]
+    errors = [value.error for value in values if value.error is not None]
+    sizes = _countable(errors) or _countable([value.value for value in values])
     if not sizes:
         return 0
     return min(max(SIGNIFICANT - 1 - floor(log10(min(sizes))), 0), MOST_DECIMALS)
+
+
+def _countable(numbers: Sequence[float]) -> list[float]:
+    return [abs(number) for number in numbers if isfinite(number) and number != 0]
 
 
 def _text(number: float, decimals: int) -> str:

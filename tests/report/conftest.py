@@ -12,11 +12,11 @@ from tests.report.films import made_film
 
 @pytest.fixture(scope="session")
 def compiled(small_robot: Path) -> CompiledRobot:
-    """The two-joint robot."""
+    """Compile the two-joint robot."""
     return compile_robot(load_robot(small_robot))
 
 
 @pytest.fixture(scope="session")
 def film(compiled: CompiledRobot) -> Film:
-    """A film of it by perfect instruments."""
+    """Film it with perfect instruments."""
     return made_film(compiled)

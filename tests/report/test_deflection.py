@@ -22,15 +22,19 @@ def test_is_what_the_load_moves(film: Film) -> None:
 
 
 def test_what_is_wrong_with_the_frame_cancels(film: Film) -> None:
-    shifted = replace(film.reading, reflectors=film.reading.reflectors + [1e-3, -2e-3, 3e-3])
-    np.testing.assert_allclose(deflection_of(replace(film, reading=shifted)).measured, deflection_of(film).measured, atol=1e-14)
+    shifted = replace(film.reading, reflectors=film.reading.reflectors + np.array([1e-3, -2e-3, 3e-3]))
+    np.testing.assert_allclose(
+        deflection_of(replace(film, reading=shifted)).measured, deflection_of(film).measured, atol=1e-14
+    )
 
 
 def test_ringing_after_a_move_is_not_the_reference(film: Film) -> None:
     ringing = film.trace.reflectors.copy()
     ringing[MOVE : MOVE + 3] += 0.01
     film_that_rings = replace(film, trace=replace(film.trace, reflectors=ringing))
-    np.testing.assert_array_equal(deflection_of(film_that_rings).true[MOVE + PART :], deflection_of(film).true[MOVE + PART :])
+    np.testing.assert_array_equal(
+        deflection_of(film_that_rings).true[MOVE + PART :], deflection_of(film).true[MOVE + PART :]
+    )
 
 
 def test_a_stand_that_begins_loaded_refers_to_its_unloaded_end(film: Film) -> None:

@@ -159,7 +159,9 @@ def test_missing_instruments_leave_no_empty_curves(compiled: CompiledRobot, film
     assert "/deflection/true\\ x" in columns
 
 
-def test_the_same_film_is_the_same_recording(compiled: CompiledRobot, film: Film, recording: Path, tmp_path: Path) -> None:
+def test_the_same_film_is_the_same_recording(
+    compiled: CompiledRobot, film: Film, recording: Path, tmp_path: Path
+) -> None:
     def identity(path: Path) -> str:
         return RrdReader(path).recordings()[0].recording_id
 

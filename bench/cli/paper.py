@@ -1,0 +1,32 @@
+"""`bench paper`: the main job."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True)
+class Paper:
+    """The paper's measurements and the virtual robot, identified by every method, side by side."""
+
+    out: Annotated[Path, tyro.conf.arg(aliases=["-o"])] = Path("results-paper")
+    """Folder to write."""
+    replace: bool = False
+    """Replace a results folder that stands there already."""
+
+    def run(self) -> int:
+        """Run everything, print the table, name the folder; return the exit code."""
+        from bench.cli.progress import progress_bar
+        from bench.record.folder import new_folder
+        from bench.report.paper import RESULTS, print_paper, run_paper, write_paper
+
+        with new_folder(self.out, RESULTS, self.replace) as folder:
+            with progress_bar("the paper's experiments") as progress:
+                result = run_paper(folder, progress)
+            write_paper(result, folder)
+        print_paper(result)
+        print(f"\nresults in {self.out.resolve()}: {RESULTS}, figures, one folder per friction world")
+        print(f"look at an experiment with: bench view {self.out / result.worlds[0].world.name}")
+        return 0

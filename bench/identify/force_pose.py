@@ -1,0 +1,176 @@
+"""Force method in full, Eqs. (19) to (25): all six components of the deflection, corrected by K_C.
+
+It estimates the stiffness itself, linear in K, with the measured deflection in the regressor H. That deflection is noisy, its
+orientation most of all, and plain least squares, Eq. (25), would be biased towards soft joints. Each equation is therefore weighted
+by its own noise, and from the second pass on the deflection that the fit predicts takes the place of the measured one
+where H is an instrument: K = (Z^T V^-1 H)^-1 Z^T V^-1 E.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import InputError
+from bench.identify.arm import Arm
+from bench.identify.channels import usable
+from bench.identify.estimate import StiffnessEstimate
+from bench.identify.force import force_change, wrench_covariance
+from bench.identify.gls import SeriesModel, Solution, whiten
+from bench.identify.options import Options
+from bench.identify.outcome import estimate, is_signal
+from bench.identify.readings import StaticReadings
+from bench.identify.rigid_motion import pose_deflection
+from bench.identify.statics import SecondOrder, link_torque
+from bench.robot.counterbalance import Counterbalance
+
+Array = NDArray[np.float64]
+
+SINGULAR = 1e4  # condition number of J_m beyond which a pose says nothing about single joints
+
+
+@dataclass(frozen=True)
+class PoseProblem:
+    """H K = E in m loaded states, Eq. (23).
+
+    Attributes:
+        series: Shape (m,) int.
+        H: Shape (m, 6, 6), Eq. (24).
+        E: Shape (m, 6) [N, Nm], Eq. (20).
+        to_wrench: Shape (m, 6, 6), J_f^-T.
+        to_joints: Shape (m, 6, 6), J_m^-1.
+        load: Shape (m, 6) [Nm], J_f^T W.
+        stiffness: Shape (m, 6, 6) [Nm/rad], K_C, less gravity and counterbalance stiffness.
+        deflection_covariance: Shape (m, 6, 6), of Delta X, without the shared unloaded reading.
+        reference_root: Shape (m, 6, 6), square root of the covariance of the shared unloaded reading.
+        wrench_covariance: Shape (m, 6, 6), of W.
+    """
+
+    series: NDArray[np.int64]
+    H: Array
+    E: Array
+    to_wrench: Array
+    to_joints: Array
+    load: Array
+    stiffness: Array
+    deflection_covariance: Array
+    reference_root: Array
+    wrench_covariance: Array
+
+
+def build_force_pose(
+    arm: Arm, counterbalance: Counterbalance | None, readings: StaticReadings, options: Options
+) -> PoseProblem:
+    """Return Eqs. (20) and (24) for every loaded state, Jacobians taken at the unloaded pose.
+
+    What the motors gave under load is subtracted from Delta X beforehand: Delta X - J_m Delta q.
+
+    Args:
+        arm: A six-joint arm.
+        counterbalance: Its counterbalance, if it has one.
+        readings: States with wrench and at least three reflectors.
+        options: Options; each of WRENCH, GRAVITY, COUNTERBALANCE adds its part to the correction by K_C.
+
+    Raises:
+        InputError: All poses are singular, or the reflectors stand in one line.
+    """
+    first = readings.first_of_series
+    q = readings.q_motor[first]
+    wrench = readings.load(arm.bodies.gravity)
+    moment_arm = arm.jacobian(q, readings.reflector_names[0])
+    regular = np.linalg.cond(moment_arm) < SINGULAR
+    keep = ~readings.is_reference & regular
+    if not keep.any():
+        raise InputError("method 'force-pose': every pose is singular (axes 4 and 6 in line); bend joint 5 away from zero.")
+    measured = pose_deflection(readings)
+    given = readings.q_motor - q
+    change = measured.change - (moment_arm @ given[..., None])[..., 0]
+    added = link_torque(arm, counterbalance, readings.load_point, q, q, wrench, options.second_order)
+    to_wrench = np.linalg.inv(added.jacobian[keep].transpose(0, 2, 1))
+    to_joints = np.linalg.inv(moment_arm[keep])
+    bent = (to_joints @ change[keep][..., None])[..., 0]
+    pushed = (wrench - wrench[first])[keep]
+    corrected = (to_wrench @ (added.stiffness[keep] @ bent[..., None]))[..., 0]
+    noise = wrench_covariance(arm, readings) / readings.n_repeats[:, None, None]
+    return PoseProblem(
+        series=readings.series[keep],
+        H=to_wrench * bent[:, None, :],
+        E=corrected + pushed,
+        to_wrench=to_wrench,
+        to_joints=to_joints,
+        load=np.einsum("mkn,mk->mn", added.jacobian[keep], pushed),
+        stiffness=added.stiffness[keep],
+        deflection_covariance=measured.covariance[keep],
+        reference_root=np.linalg.cholesky(measured.covariance[first][keep]),
+        wrench_covariance=noise[keep] + noise[first][keep],
+    )
+
+
+def solve_force_pose(problem: PoseProblem, used: NDArray[np.bool_], stiffness: Array | None) -> Solution:
+    """Return the stiffness of the used joints and its covariance.
+
+    Args:
+        problem: From `build_force_pose`.
+        used: Shape (6,) bool.
+        stiffness: Shape (6,) [Nm/rad] of the pass before, for weights and instrument; None: Eq. (25), plain.
+    """
+    m = len(problem.E)
+    if stiffness is None:
+        instrument = problem.H
+        covariance, shared = np.tile(np.eye(6), (m, 1, 1)), np.zeros((m, 6, 0))
+    else:
+        net = np.diag(stiffness) - problem.stiffness
+        instrument = problem.to_wrench * np.linalg.solve(net, problem.load[..., None]).transpose(0, 2, 1)
+        carry = problem.to_wrench @ net @ problem.to_joints
+        covariance = carry @ problem.deflection_covariance @ carry.transpose(0, 2, 1) + problem.wrench_covariance
+        shared = carry @ problem.reference_root
+    columns = np.concatenate([problem.H[..., used], instrument[..., used]], axis=2)
+    white = whiten(SeriesModel(problem.series, problem.E, columns, covariance, shared, has_offset=False))
+    H, Z = np.split(white.regressor, 2, axis=1)
+    parameters = np.linalg.solve(Z.T @ H, Z.T @ white.response)
+    residual = white.response - H @ parameters
+    return Solution(
+        parameters=parameters,
+        covariance=np.linalg.inv(Z.T @ Z),
+        information=Z.T @ Z,
+        residual=residual,
+        chi_square=float(residual @ residual),
+        degrees_of_freedom=white.n_free - len(parameters),
+        log_likelihood=np.nan,
+    )
+
+
+def identify_force_pose(
+    arm: Arm, counterbalance: Counterbalance | None, readings: StaticReadings, options: Options
+) -> StiffnessEstimate:
+    """Return the stiffness by the full force method.
+
+    The covariance holds instrument noise, placement of the reflectors and the gain error of the force sensor, but not the
+    direction error of slanting loads.
+
+    Args:
+        arm: A six-joint arm.
+        counterbalance: Its counterbalance; needed for its k_b only.
+        readings: Needs the load and three reflectors.
+        options: Options.
+
+    Raises:
+        InputError: A channel is missing, the arm has not six joints, every pose is singular, or reflectors stand in line.
+    """
+    readings = usable("force-pose", readings, "force", "reflectors")
+    if readings.n_joints != 6:
+        raise InputError(f"method 'force-pose' inverts J_m and needs six joints, not {readings.n_joints}; use 'force'.")
+    used = is_signal(*force_change(arm, counterbalance, readings, SecondOrder.NONE))
+    problem = build_force_pose(arm, counterbalance, readings, options)
+    stiffness: Array | None = None
+    for _ in range(options.iterations):
+        solution = solve_force_pose(problem, used, stiffness)
+        stiffness = np.full(6, np.median(solution.parameters))
+        stiffness[used] = solution.parameters
+    compliance = 1 / solution.parameters
+    slope = -(compliance**2)
+    in_compliance = replace(solution, parameters=compliance, covariance=np.outer(slope, slope) * solution.covariance)
+    full = np.zeros(6)
+    full[used] = compliance
+    gain_covariance = readings.systematic.force_gain**2 * np.outer(full, full)
+    return estimate("force-pose", arm.joint_names, used, in_compliance, gain_covariance)
