@@ -21,7 +21,7 @@ from bench.identify.options import Options
 from bench.identify.outcome import estimate, is_signal
 from bench.identify.readings import StaticReadings
 from bench.identify.rigid_motion import pose_deflection
-from bench.identify.statics import SecondOrder, link_torque
+from bench.identify.statics import SecondOrder, equilibrium, link_torque
 from bench.robot.counterbalance import Counterbalance
 
 Array = NDArray[np.float64]
@@ -59,10 +59,11 @@ class PoseProblem:
 
 
 def build_force_pose(
-    arm: Arm, counterbalance: Counterbalance | None, readings: StaticReadings, options: Options
+    arm: Arm, counterbalance: Counterbalance | None, readings: StaticReadings, options: Options, compliance: Array
 ) -> PoseProblem:
-    """Return Eqs. (20) and (24) for every loaded state, Jacobians taken at the unloaded pose.
+    """Return Eqs. (20) and (24) for every loaded state.
 
+    J_f is taken at the unloaded, J_m and K_C half way to the loaded link angles, as far as the compliance is known already.
     What the motors gave under load is subtracted from Delta X beforehand: Delta X - J_m Delta q.
 
     Args:
@@ -70,36 +71,37 @@ def build_force_pose(
         counterbalance: Its counterbalance, if it has one.
         readings: States with wrench and at least three reflectors.
         options: Options; each of WRENCH, GRAVITY, COUNTERBALANCE adds its part to the correction by K_C.
+        compliance: Shape (6,) [rad/Nm]; zero takes everything at the motor angles.
 
     Raises:
         InputError: All poses are singular, or the reflectors stand in one line.
     """
-    first = readings.first_of_series
-    q = readings.q_motor[first]
+    first, q, load_point = readings.first_of_series, readings.q_motor, readings.load_point
     wrench = readings.load(arm.bodies.gravity)
-    moment_arm = arm.jacobian(q, readings.reflector_names[0])
-    regular = np.linalg.cond(moment_arm) < SINGULAR
-    keep = ~readings.is_reference & regular
+    deflecting, _ = equilibrium(arm, counterbalance, load_point, q, wrench, compliance, options.second_order)
+    theta = q + compliance * deflecting if SecondOrder.POSE in options.second_order else q
+    half_way = (theta + theta[first]) / 2
+    moving = arm.jacobian(half_way, readings.reflector_names[0])
+    keep = ~readings.is_reference & (np.linalg.cond(moving) < SINGULAR)
     if not keep.any():
         raise InputError("method 'force-pose': every pose is singular (axes 4 and 6 in line); bend joint 5 away from zero.")
     measured = pose_deflection(readings)
-    given = readings.q_motor - q
-    change = measured.change - (moment_arm @ given[..., None])[..., 0]
-    added = link_torque(arm, counterbalance, readings.load_point, q, q, wrench, options.second_order)
-    to_wrench = np.linalg.inv(added.jacobian[keep].transpose(0, 2, 1))
-    to_joints = np.linalg.inv(moment_arm[keep])
+    change = measured.change - (moving @ (q - q[first])[..., None])[..., 0]
+    stiffness = link_torque(arm, counterbalance, load_point, q, half_way, wrench, options.second_order).stiffness[keep]
+    loading = arm.jacobian(theta[first], load_point)[keep].transpose(0, 2, 1)
+    to_wrench = np.linalg.inv(loading)
+    to_joints = np.linalg.inv(moving[keep])
     bent = (to_joints @ change[keep][..., None])[..., 0]
     pushed = (wrench - wrench[first])[keep]
-    corrected = (to_wrench @ (added.stiffness[keep] @ bent[..., None]))[..., 0]
     noise = wrench_covariance(arm, readings) / readings.n_repeats[:, None, None]
     return PoseProblem(
         series=readings.series[keep],
         H=to_wrench * bent[:, None, :],
-        E=corrected + pushed,
+        E=(to_wrench @ (stiffness @ bent[..., None]))[..., 0] + pushed,
         to_wrench=to_wrench,
         to_joints=to_joints,
-        load=np.einsum("mkn,mk->mn", added.jacobian[keep], pushed),
-        stiffness=added.stiffness[keep],
+        load=(loading @ pushed[..., None])[..., 0],
+        stiffness=stiffness,
         deflection_covariance=measured.covariance[keep],
         reference_root=np.linalg.cholesky(measured.covariance[first][keep]),
         wrench_covariance=noise[keep] + noise[first][keep],
@@ -161,16 +163,17 @@ def identify_force_pose(
     if readings.n_joints != 6:
         raise InputError(f"method 'force-pose' inverts J_m and needs six joints, not {readings.n_joints}; use 'force'.")
     used = is_signal(*force_change(arm, counterbalance, readings, SecondOrder.NONE))
-    problem = build_force_pose(arm, counterbalance, readings, options)
+    compliance = np.zeros(6)
     stiffness: Array | None = None
     for _ in range(options.iterations):
+        problem = build_force_pose(arm, counterbalance, readings, options, compliance)
         solution = solve_force_pose(problem, used, stiffness)
-        stiffness = np.full(6, np.median(solution.parameters))
+        compliance[used] = 1 / solution.parameters
+        stiffness = np.full(6, np.median(solution.parameters))  # a joint without signal needs some value for its noise
         stiffness[used] = solution.parameters
-    compliance = 1 / solution.parameters
-    slope = -(compliance**2)
-    in_compliance = replace(solution, parameters=compliance, covariance=np.outer(slope, slope) * solution.covariance)
-    full = np.zeros(6)
-    full[used] = compliance
-    gain_covariance = readings.systematic.force_gain**2 * np.outer(full, full)
+    slope = -(compliance[used] ** 2)
+    in_compliance = replace(
+        solution, parameters=compliance[used], covariance=np.outer(slope, slope) * solution.covariance
+    )
+    gain_covariance = readings.systematic.force_gain**2 * np.outer(compliance, compliance)
     return estimate("force-pose", arm.joint_names, used, in_compliance, gain_covariance)

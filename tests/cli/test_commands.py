@@ -1,0 +1,126 @@
+"""The command line: what it writes, what it returns, and what it says when it cannot."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from bench.cli import main
+from tests.simulate.loading_small import small_loading
+
+
+@pytest.fixture(scope="module")
+def scenario(small_robot: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("scenarios") / "mine.yaml"
+    content = small_loading(small_robot, orientation=True).model_dump(mode="json")
+    file.write_text(yaml.safe_dump(content))
+    return file
+
+
+@pytest.fixture(scope="module")
+def results(scenario: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("out") / "results"
+    assert main(["run", str(scenario), "-o", str(folder)]) == 0
+    return folder
+
+
+def test_run_writes_campaign_truth_and_recording_apart(results: Path) -> None:
+    assert {entry.name for entry in results.iterdir()} == {"campaign", "truth", "session.rrd"}
+    assert (results / "campaign" / "campaign.yaml").is_file()
+    assert (results / "truth" / "truth.yaml").is_file()
+
+
+def test_check_accepts_it(results: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(results / "campaign")]) == 0
+    assert "0 errors, 0 warnings; 4 runs" in capsys.readouterr().out
+
+
+def test_check_names_the_place_of_a_fault(
+    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "campaign"
+    (folder / "runs").mkdir(parents=True)
+    (folder / "campaign.yaml").write_text((results / "campaign" / "campaign.yaml").read_text())
+    for table in (results / "campaign" / "runs").iterdir():
+        (folder / "runs" / table.name).write_text(table.read_text())
+    table = folder / "runs" / "pose1-from-below.csv"
+    lines = table.read_text().splitlines()
+    lines[3] = lines[3].replace(",", ",oops", 1)
+    table.write_text("\n".join(lines))
+    assert main(["check", str(folder)]) == 3
+    assert "runs/pose1-from-below.csv: row 3 (line 4): pose" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("method", ["current", "force", "joint", "all"])
+def test_identify_prints_json(results: Path, capsys: pytest.CaptureFixture[str], method: str) -> None:
+    assert main(["identify", str(results / "campaign"), "--method", method, "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    estimates = printed["estimates"]
+    assert set(estimates) >= ({"current", "force", "joint"} if method == "all" else {method})
+    for estimate in estimates.values():
+        assert estimate["joints"] == ["hinge_a", "hinge_b"]
+        for value, (low, high) in zip(
+            estimate["stiffness_nm_per_rad"], estimate["interval_nm_per_rad"], strict=True
+        ):
+            assert low < value
+            assert high is None or value < high
+
+
+def test_identify_prints_a_table(results: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["identify", str(results / "campaign")]) == 0
+    printed = capsys.readouterr().out
+    assert "hinge_b" in printed
+    assert "joint" in printed
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["run", "lodaing", "-o", "OUT"], 2, "no scenario file 'lodaing'"),
+        (["check", "NOWHERE"], 3, ""),
+        (["identify", "NOWHERE"], 3, "NOWHERE"),
+        (["view", "NOWHERE"], 2, "does not exist"),
+    ],
+)
+def test_bad_input_ends_in_its_exit_code(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], code: int, said: str
+) -> None:
+    out = tmp_path / "out"
+    arguments = [str(out) if word == "OUT" else word for word in arguments]
+    assert main(arguments) == code
+    assert said in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_a_full_folder_is_not_touched(scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "mine.txt").write_text("precious")
+    assert main(["run", str(scenario), "-o", str(tmp_path)]) == 2
+    assert "not empty" in capsys.readouterr().err
+    assert [entry.name for entry in tmp_path.iterdir()] == ["mine.txt"]
+
+
+def test_unfit_scenario_leaves_nothing_behind(
+    scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    content = yaml.safe_load(scenario.read_text())
+    content["poses"][0]["force_n"] = [100, 5000]
+    bad = tmp_path / "bad.yaml"
+    bad.write_text(yaml.safe_dump(content))
+    assert main(["run", str(bad), "-o", str(tmp_path / "out")]) == 2
+    assert "poses[0].force_n[1]: 5000 N is above the rating of small, 300 N" in capsys.readouterr().err
+    assert [entry.name for entry in tmp_path.iterdir()] == ["bad.yaml"]
+
+
+def test_help_is_light() -> None:
+    """`bench --help` imports neither an engine nor a plotting library."""
+    heavy = ["mujoco", "pinocchio", "matplotlib", "rerun", "scipy", "pyarrow"]
+    probe = (
+        "import sys; from bench.cli import main\n"
+        "try: main(['--help'])\n"
+        f"except SystemExit: pass\nprint([name for name in {heavy} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", probe], check=True, capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] == "[]"
