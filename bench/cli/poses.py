@@ -13,8 +13,12 @@ from bench.report.pose_request import PoseRequest
 class Poses(PoseRequest):
     """Choose the measuring poses that tell most about the joint stiffness, and say what to expect of them."""
 
+    robot: str = "hh150"
+    """Name of a robot folder, or a path to one."""
     count: Annotated[int, tyro.conf.arg(aliases=["-n"])] = 6
     """Number of poses."""
+    against: str | None = "loading"
+    """Loading scenario to compare with, by name or path; left out where it is for another robot."""
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Scenario file to write, for `bench run`."""
     json: bool = False

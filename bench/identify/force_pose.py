@@ -15,8 +15,8 @@ from bench.errors import InputError
 from bench.identify.arm import Arm
 from bench.identify.channels import usable
 from bench.identify.estimate import StiffnessEstimate
-from bench.identify.force import force_change, wrench_covariance
-from bench.identify.gls import SeriesModel, Solution, whiten
+from bench.identify.force import force_change, turned_wrench, wrench_covariance
+from bench.identify.gls import SURE, SeriesModel, Solution, whiten
 from bench.identify.options import Options
 from bench.identify.outcome import estimate, is_signal
 from bench.identify.readings import StaticReadings
@@ -44,6 +44,8 @@ class PoseProblem:
         deflection_covariance: Shape (m, 6, 6), of Delta X, without the shared unloaded reading.
         reference_root: Shape (m, 6, 6), square root of the covariance of the shared unloaded reading.
         wrench_covariance: Shape (m, 6, 6), of W.
+        turned: Shape (m, 6, 3) [N/rad, Nm/rad], change of W per turn of the force sensor's axes.
+        turned_sigma: [rad], standard deviation of such a turn about each axis.
     """
 
     series: NDArray[np.int64]
@@ -56,6 +58,8 @@ class PoseProblem:
     deflection_covariance: Array
     reference_root: Array
     wrench_covariance: Array
+    turned: Array
+    turned_sigma: float
 
 
 def build_force_pose(
@@ -105,11 +109,13 @@ def build_force_pose(
         deflection_covariance=measured.covariance[keep],
         reference_root=np.linalg.cholesky(measured.covariance[first][keep]),
         wrench_covariance=noise[keep] + noise[first][keep],
+        turned=turned_wrench(readings, wrench)[keep],
+        turned_sigma=max(readings.systematic.force_direction, SURE),
     )
 
 
 def solve_force_pose(problem: PoseProblem, used: NDArray[np.bool_], stiffness: Array | None) -> Solution:
-    """Return the stiffness of the used joints and its covariance.
+    """Return the stiffness of the used joints and the three turns of the force sensor's axes.
 
     Args:
         problem: From `build_force_pose`.
@@ -126,18 +132,22 @@ def solve_force_pose(problem: PoseProblem, used: NDArray[np.bool_], stiffness: A
         carry = problem.to_wrench @ net @ problem.to_joints
         covariance = carry @ problem.deflection_covariance @ carry.transpose(0, 2, 1) + problem.wrench_covariance
         shared = carry @ problem.reference_root
-    columns = np.concatenate([problem.H[..., used], instrument[..., used]], axis=2)
+    columns = np.concatenate([problem.H[..., used], problem.turned, instrument[..., used], problem.turned], axis=2)
     white = whiten(SeriesModel(problem.series, problem.E, columns, covariance, shared, has_offset=False))
     H, Z = np.split(white.regressor, 2, axis=1)
-    parameters = np.linalg.solve(Z.T @ H, Z.T @ white.response)
+    count = int(used.sum())
+    prior = np.diag(np.concatenate([np.zeros(count), np.full(3, problem.turned_sigma**-2.0)]))
+    parameters = np.linalg.solve(Z.T @ H + prior, Z.T @ white.response)
     residual = white.response - H @ parameters
+    information = Z.T @ Z
+    surprise = parameters[count:] / problem.turned_sigma
     return Solution(
         parameters=parameters,
-        covariance=np.linalg.inv(Z.T @ Z),
-        information=Z.T @ Z,
+        covariance=np.linalg.inv(information + prior),
+        information=information,
         residual=residual,
-        chi_square=float(residual @ residual),
-        degrees_of_freedom=white.n_free - len(parameters),
+        chi_square=float(residual @ residual + surprise @ surprise),
+        degrees_of_freedom=white.n_free - count,
         log_likelihood=np.nan,
     )
 
@@ -147,8 +157,7 @@ def identify_force_pose(
 ) -> StiffnessEstimate:
     """Return the stiffness by the full force method.
 
-    The covariance holds instrument noise, placement of the reflectors and the gain error of the force sensor, but not the
-    direction error of slanting loads.
+    The covariance holds instrument noise, placement of the reflectors, and gain and direction error of the force sensor.
 
     Args:
         arm: A six-joint arm.
@@ -168,12 +177,15 @@ def identify_force_pose(
     for _ in range(options.iterations):
         problem = build_force_pose(arm, counterbalance, readings, options, compliance)
         solution = solve_force_pose(problem, used, stiffness)
-        compliance[used] = 1 / solution.parameters
-        stiffness = np.full(6, np.median(solution.parameters))  # a joint without signal needs some value for its noise
-        stiffness[used] = solution.parameters
-    slope = -(compliance[used] ** 2)
+        found = solution.parameters[: used.sum()]
+        compliance[used] = 1 / found
+        stiffness = np.full(6, np.median(found))  # a joint without signal needs some value for its noise
+        stiffness[used] = found
+    slope = np.concatenate([-(compliance[used] ** 2), np.ones(3)])  # from stiffness to compliance
     in_compliance = replace(
-        solution, parameters=compliance[used], covariance=np.outer(slope, slope) * solution.covariance
+        solution,
+        parameters=np.concatenate([compliance[used], solution.parameters[-3:]]),
+        covariance=np.outer(slope, slope) * solution.covariance,
     )
     gain_covariance = readings.systematic.force_gain**2 * np.outer(compliance, compliance)
     return estimate("force-pose", arm.joint_names, used, in_compliance, gain_covariance)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.identify.gls import SURE
 from bench.identify.readings import StaticReadings
 
 Array = NDArray[np.float64]
@@ -75,7 +76,7 @@ def friction_change(readings: StaticReadings, gamma: Array, sigma_force: Array) 
         return np.sqrt(np.maximum(excess, 0.0))
 
     sliding = play(readings.series, force, scale(force - current))
-    prior = np.hypot(readings.systematic.torque_gain, readings.systematic.force_gain)
+    prior = np.maximum(np.hypot(readings.systematic.torque_gain, readings.systematic.force_gain), SURE)
     gain, gain_sigma = current_gain(readings.series, force, current, sliding, variance.max(axis=0), prior)
     return FrictionChange(force, current, gain, gain_sigma, scale(force - (1 + gain) * current), sliding)
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+SURE = 1e-9  # a prior sharper than this, zero included, is taken to be this sharp
 EIGENVALUE_FLOOR = 1e-13  # of the largest; directions below it are unknown, and get a variance that says so
 
 
@@ -110,6 +111,7 @@ def solve(problem: Whitened, prior_mean: Array, prior_sigma: Array) -> Solution:
         prior_mean: Shape (p,).
         prior_sigma: Shape (p,); inf where nothing is known beforehand.
     """
+    prior_sigma = np.maximum(prior_sigma, SURE)
     precision = prior_sigma**-2.0
     information = problem.regressor.T @ problem.regressor
     normal = information + np.diag(precision)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.identify.arm import Arm
-from bench.identify.force import by_direction, wrench_covariance
+from bench.identify.force import turned_wrench, wrench_covariance
 from bench.identify.friction import FrictionChange, friction_change
 from bench.identify.gls import SeriesModel
 from bench.identify.options import Options
@@ -83,7 +83,7 @@ def build_joint(
             -moved.per_torque * (load.total - load.total[first] - seen)[:, None, :],
             -deviation * friction.sliding[:, None, :],
             moved.per_torque * (share * friction.current)[:, None, :],
-            moved.per_torque @ ((1 - share)[:, None] * by_direction(load, readings, wrench)),
+            moved.per_torque * (1 - share) @ load.jacobian.transpose(0, 2, 1) @ turned_wrench(readings, wrench),
         ],
         axis=2,
     )

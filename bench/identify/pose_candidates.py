@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 DEGREE = np.pi / 180
 MILLIMETRE = 1e-3  # [m]
-DRAWS_PER_CANDIDATE = 200  # so many poses are drawn at most for one that the rules let pass
+DRAWS_PER_CANDIDATE = 50  # so many poses are drawn at most for one that the rules let pass
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ class PoseDesign:
     """Chosen visits and what they will tell.
 
     Attributes:
-        method: PlannedMethod of identification they were chosen for.
+        method: Method of identification they were chosen for.
         visits: The new poses, each with its load; poses may lie close together, where that says most.
         precision: What to expect of them, together with what was measured before.
     """

@@ -66,7 +66,7 @@ class Setup:
     Attributes:
         arm: The arm.
         counterbalance: Its counterbalance, if it has one.
-        compliance: Shape (n,) [rad/Nm], the best guess there is; it scales the noise, and a wrong guess costs little.
+        compliance: Shape (n,) [rad/Nm], the best guess there is; off by a factor of two it costs 3 %.
         load_point: Point of the arm where loads act.
         reference_point: Point of the arm whose position is measured.
         sigma_reflector: [m], standard deviation of one coordinate of one tracker reading; one number for all poses, so

@@ -107,7 +107,7 @@ def prior_information(setup: Setup, method: PlannedMethod, guess: float = GUESS)
 
     Args:
         setup: What is the same at every pose.
-        method: PlannedMethod of identification.
+        method: Method of identification.
         guess: Relative standard deviation of the guessed compliances; inf for none.
     """
     nuisance = method.nuisance_sigma(setup)

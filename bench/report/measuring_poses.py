@@ -15,7 +15,7 @@ from bench.report.pose_request import PoseRequest
 from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot, compile_robot, rigid_bodies
 from bench.robot.figures import Rating
-from bench.robot.folder import load_robot
+from bench.robot.folder import Robot, load_robot
 from bench.scenario.files import read_scenario
 from bench.scenario.loading import Loading
 
@@ -28,14 +28,16 @@ class PosePlan:
     """Designed poses and what they are compared with.
 
     Attributes:
-        robot: Name of the robot.
+        robot: Name or path of its folder, as it was asked for.
         design: The new poses.
+        after: Name of the scenario that was measured before; None without one.
         against: Name of the scenario they are compared with; None without one.
         reference: What its poses tell; None without one.
     """
 
     robot: str
     design: PoseDesign
+    after: str | None
     against: str | None
     reference: Precision | None
 
@@ -49,15 +51,17 @@ def plan_poses(request: PoseRequest) -> PosePlan:
     """Design poses for a robot with its own instruments and rating.
 
     Raises:
-        InputError: The robot has no tracker or lacks the method's instrument, a scenario does not exist, that of `after`
-            is for another robot, an angle makes no sense, or too few poses can be reached.
+        InputError: The robot has no tracker or lacks the method's instrument, a scenario does not exist, that of
+            `after` is for another robot, an angle makes no sense, or too few poses can be reached.
     """
     compiled = compile_robot(load_robot(request.robot))
-    name, rating = compiled.robot.name, compiled.robot.figures.rating
+    rating = compiled.robot.figures.rating
     setup = setup_of(compiled, request.method)
-    measured = None if request.after is None else read_scenario(request.after)
-    if measured is not None and measured.robot != name:
-        raise InputError(f"scenario {request.after!r} is for robot {measured.robot!r}, not {name!r}.")
+    measured = None if request.after is None else _visits_on(compiled.robot, request.after)
+    if request.after is not None and measured is None:
+        raise InputError(
+            f"scenario {request.after!r} is for another robot than {compiled.robot.name!r}; name one of its own."
+        )
     rules = Rules(
         worst_wrench=np.repeat([rating.force_n, rating.moment_nm], 3),
         zone_limit=request.zone_limit,
@@ -76,12 +80,13 @@ def plan_poses(request: PoseRequest) -> PosePlan:
         request.count,
         request.slanting,
         np.random.default_rng(request.seed),
-        None if measured is None else visits_of(measured),
+        measured,
     )
-    other = None if request.against is None else read_scenario(request.against)
-    if other is None or other.robot != name:
-        return PosePlan(name, design, None, None)
-    return PosePlan(name, design, request.against, expected_precision(setup, visits_of(other), request.method))
+    other = None if request.against is None else _visits_on(compiled.robot, request.against)
+    if other is None:
+        return PosePlan(request.robot, design, request.after, None, None)
+    reference = expected_precision(setup, other, request.method)
+    return PosePlan(request.robot, design, request.after, request.against, reference)
 
 
 def setup_of(compiled: CompiledRobot, method: str) -> Setup:
@@ -146,6 +151,14 @@ def visits_of(scenario: Loading) -> Visits:
     """Return the poses of a loading scenario, each visited once, loading up only, so that designs compare with it."""
     loads = tuple(Load(_unit(np.array(pose.direction)), pose.force_n) for pose in scenario.poses)
     return Visits(np.deg2rad([pose.q_deg for pose in scenario.poses]), loads)
+
+
+def _visits_on(robot: Robot, name: str) -> Visits | None:
+    """Return the visits of a loading scenario, None where it is for another robot."""
+    scenario = read_scenario(name)
+    if not isinstance(scenario, Loading):
+        raise InputError(f"scenario {name!r} is of experiment {scenario.experiment!r}; poses need one of 'loading'.")
+    return visits_of(scenario) if load_robot(scenario.robot).folder == robot.folder else None
 
 
 def _unit(vector: Array) -> tuple[float, float, float]:

@@ -8,7 +8,7 @@ from typing import Literal
 class PoseRequest:
     """Which poses are wanted, and which can be had."""
 
-    robot: str = "hh150"
+    robot: str
     """Name of a robot folder, or a path to one."""
     count: int = 6
     """Number of poses."""
@@ -18,7 +18,7 @@ class PoseRequest:
     """Number of poses at which the load may slant; a hanging load does not show an axis that is vertical."""
     slant_deg: float = 45.0
     """Angle between a slanting load and the vertical."""
-    against: str | None = "loading"
+    against: str | None = None
     """Loading scenario to compare with, by name or path; left out where it is for another robot."""
     after: str | None = None
     """Loading scenario whose poses have been measured already, so that the new ones complement them."""

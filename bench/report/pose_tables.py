@@ -52,9 +52,9 @@ def print_plan(plan: PosePlan) -> None:
     ]
     steps = ", ".join(f"{force:.0f}" for force in design.visits.loads[0].forces)
     print_table(f"poses for the {design.method} method", columns, rows, [f"Read unloaded, then at {steps} N."])
-    expected = [("these poses", design.precision)]
+    expected = [("these poses" if plan.after is None else f"these after {plan.after}", design.precision)]
     if plan.reference is not None:
-        expected.append((f"scenario {plan.against}", plan.reference))
+        expected.append((f"{plan.against} alone", plan.reference))
     rows = [
         Row(name, tuple(Measured(100 * value) for value in precision.standard_error / precision.stiffness))
         for name, precision in expected
@@ -88,6 +88,7 @@ def print_json(plan: PosePlan) -> None:
         "poses": [pose.model_dump(mode="json") for pose in scenario.poses],
         "joints": list(precision.joint_names),
         "expected": _as_json(precision),
+        "after": plan.after,
         "against": plan.against,
         "expected_against": None if plan.reference is None else _as_json(plan.reference),
         "d_efficiency": None if plan.efficiency is None else plain(plan.efficiency),

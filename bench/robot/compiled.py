@@ -61,7 +61,7 @@ class CompiledRobot:
         model: Compiled MjModel.
         at: Addresses in the model.
         motor_coulomb, link_coulomb: Shape (n,) [Nm], Coulomb levels of the friction elements.
-        link_presliding: Shape (n,) [Nm/rad], stiffness of the link-side friction elements while they hold.
+        motor_presliding, link_presliding: Shape (n,) [Nm/rad], stiffness of the friction elements while they hold.
         counterbalance: Closed form of the counterbalance with the anchors and gas figures of the MJCF, if there is one.
     """
 
@@ -70,6 +70,7 @@ class CompiledRobot:
     at: Addresses
     motor_coulomb: NDArray[np.float64]
     link_coulomb: NDArray[np.float64]
+    motor_presliding: NDArray[np.float64]
     link_presliding: NDArray[np.float64]
     counterbalance: Counterbalance | None
 
@@ -134,6 +135,7 @@ def compile_robot(robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float 
         at=at,
         motor_coulomb=configured("motor_friction", "coulomb"),
         link_coulomb=configured("link_friction", "coulomb"),
+        motor_presliding=configured("motor_friction", "presliding_stiffness"),
         link_presliding=configured("link_friction", "presliding_stiffness"),
         counterbalance=_counterbalance(robot, spec, model, at),
     )

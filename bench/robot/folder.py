@@ -49,12 +49,11 @@ def load_robot(name_or_folder: str | Path) -> Robot:
     Raises:
         RobotError: No such robot, or its figures break the schema; every fault is listed.
     """
-    folder = Path(name_or_folder)
-    if not (folder / FIGURES_FILE).is_file():
-        folder = paths.models_dir() / str(name_or_folder)
+    known = robot_names()
+    folder = paths.models_dir() / name_or_folder if str(name_or_folder) in known else Path(name_or_folder)
     if not (folder / FIGURES_FILE).is_file():
         raise RobotError(
-            unknown_name("robot", str(name_or_folder), robot_names()) + f" A folder of your own needs a {FIGURES_FILE}."
+            unknown_name("robot", str(name_or_folder), known) + f" A folder of your own needs a {FIGURES_FILE}."
         )
     source = folder / FIGURES_FILE
     try:

@@ -9,9 +9,10 @@ from bench import paths
 from bench.errors import InputError, unknown_name
 from bench.robot.folder import problems_of
 from bench.scenario.loading import Loading
+from bench.scenario.rotation import Rotation
 
-Scenario = Loading
-EXPERIMENTS: dict[str, type[Scenario]] = {"loading": Loading}
+Scenario = Loading | Rotation
+EXPERIMENTS: dict[str, type[Scenario]] = {"loading": Loading, "rotation": Rotation}
 
 
 def scenario_names() -> tuple[str, ...]:

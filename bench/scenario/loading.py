@@ -32,6 +32,7 @@ class Loading(ScenarioBase):
     repeats: Annotated[int, Field(ge=1)] = 10
     repeat_interval_s: Positive = 0.1
     move_speed: Positive = Field(0.3, le=1.0, description="share of the drives' speed limit, between poses")
+    acceleration_deg_per_s2: Positive = 30.0
     approach_speed_deg_per_s: Positive = 2.0
     load_ramp_s: Positive = 1.0
     settle_s: NonNegative = 2.0

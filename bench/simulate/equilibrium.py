@@ -1,9 +1,10 @@
-"""Quasi-static equilibrium: the links' rest position for given motor angles, by fixed point instead of time stepping.
+"""Quasi-static equilibrium: where the robot rests for given commands, by fixed point instead of time stepping.
 
-The elastic elements are far stiffer than everything else that depends on the link angles (gravity, counterbalance, the
-moving load: some parts in a thousand), so theta <- theta + residual / stiffness contracts by that factor each time. Where a
-friction element begins to slip, the stiffness falls from that of both in parallel to that of the elastic element alone;
-each joint therefore takes the secant of its last step, kept between the two.
+Each joint has a link, on its elastic element, and a motor, on its servo. A servo with integral action rests at its command,
+so its motor angle is known; a proportional one gives. The elastic elements are far stiffer than everything else that depends
+on the link angles (gravity, counterbalance, the moving load: some parts in a thousand), so solving joint by joint contracts
+by that factor each time. Where a friction element begins to slip, its stiffness falls to zero: each unknown therefore takes
+the secant of its last step, kept between slipping and sticking.
 """
 
 import mujoco
@@ -15,40 +16,51 @@ from bench.robot.compiled import CompiledRobot
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-9  # [Nm] on every link; the elastic elements carry 1e2 to 1e4 Nm
+TOLERANCE = 1e-8  # [Nm] on every link and motor; elements carry 1e2 to 1e4 Nm, and a servo's kp rounds at 1e-9 Nm
 MAX_ITERATIONS = 200
 STEP_RESOLUTION = 1e-13  # [rad]
-REST = 1e-12  # [rad], how close motor angles and servo torques must fit together after a reset
 
 
 class Equilibrium:
-    """Rest positions of one robot along a path of motor angles and wrenches; friction elements remember the path.
+    """Rest positions of one robot along a path of commands and wrenches; friction elements remember the path.
+
+    Friction elements are rate independent: between two poses or loads the path may be as long as it likes, as long as every
+    angle and load changes in one direction only.
 
     Args:
         compiled: The robot.
-        data: State to work on; it is left at the equilibrium with zero velocities. None makes a fresh one, with all
-            friction elements unstressed.
+        data: State to work on; it is left at the equilibrium with zero velocities. None makes a fresh one at the model's
+            zero, with all friction elements unstressed.
     """
 
     def __init__(self, compiled: CompiledRobot, data: mujoco.MjData | None = None) -> None:
-        self._compiled = compiled
+        self.compiled = compiled
         self.data = mujoco.MjData(compiled.model) if data is None else data
-        self._slipping = compiled.stiffness
-        self._sticking = compiled.stiffness + compiled.link_presliding
+        model, at, k = compiled.model, compiled.at, compiled.stiffness
+        self._command = np.array(self.data.qpos[at.q])
+        self._gives = model.actuator_actnum[at.servo] == 0
+        servo = np.where(self._gives, -model.actuator_biasprm[at.servo, 1], 0.0)
+        self._slipping = np.stack([k, k + servo])
+        self._sticking = self._slipping + np.stack([compiled.link_presliding, compiled.motor_presliding])
 
-    def solve(self, q: Array, wrench: Array) -> Array:
+    def solve(self, command: Array, wrench: Array) -> Array:
         """Return the link angles at rest, shape (n,) [rad], and leave `data` there.
 
         Args:
-            q: Shape (n,) [rad], motor angles, held exactly.
+            command: Shape (n,) [rad], what the servos are commanded to.
             wrench: Shape (6,) [N, Nm], on the load point in world axes.
 
         Raises:
             ConvergenceError: The residual did not fall below `TOLERANCE`.
         """
-        model, data, at = self._compiled.model, self.data, self._compiled.at
+        model, data, at, k = self.compiled.model, self.data, self.compiled.at, self.compiled.stiffness
         data.qvel[:] = 0
-        data.qpos[at.q] = q
+        data.ctrl[at.servo_ctrl] = command
+        data.ctrl[at.servo_ctrl + 1] = 0
+        way = command - self._command
+        self._command = np.array(command)
+        data.qpos[at.theta] += way
+        data.qpos[at.q] = np.where(self._gives, data.qpos[at.q] + way, command)
         data.xfrc_applied[at.load_body] = wrench
         slope = self._sticking
         residual = self._residual()
@@ -56,12 +68,13 @@ class Equilibrium:
             if np.max(np.abs(residual)) < TOLERANCE:
                 self._remember()
                 return data.qpos[at.theta].copy()
-            step = residual / slope
-            data.qpos[at.theta] += step
+            step = self._step(slope, residual)
+            data.qpos[at.theta] += step[0]
+            data.qpos[at.q] += step[1]
             before, residual = residual, self._residual()
+            change = before - residual + k * step[::-1]  # what the elastic element passes on from the other side is known
             moved = np.abs(step) > STEP_RESOLUTION  # below it the difference of residuals is rounding
-            secant = np.divide(before - residual, step, out=slope.copy(), where=moved)
-            slope = np.clip(secant, self._slipping, self._sticking)
+            slope = np.clip(np.divide(change, step, out=slope.copy(), where=moved), self._slipping, self._sticking)
         raise ConvergenceError(
             f"no equilibrium within {MAX_ITERATIONS} iterations: {np.max(np.abs(residual)):.3g} Nm are left, "
             f"{TOLERANCE:g} Nm were asked for; is the load far above the rating?"
@@ -69,13 +82,21 @@ class Equilibrium:
 
     def motor_torque(self) -> Array:
         """Return what the motors put out at the last equilibrium, shape (n,) [Nm]: spring torque less motor friction."""
-        data, at = self.data, self._compiled.at
-        spring = self._compiled.model.tendon_stiffness[at.element] * data.ten_length[at.element]
-        return spring - data.actuator_force[at.motor_friction]
+        data, at = self.data, self.compiled.at
+        spring = self.compiled.stiffness * data.ten_length[at.element]
+        return np.array(spring - data.actuator_force[at.motor_friction])
+
+    def _step(self, slope: Array, residual: Array) -> Array:
+        """Solve each joint's two balances, shape (2, n): link first, then motor; a motor that holds does not move."""
+        k = self.compiled.stiffness
+        determinant = slope[0] * slope[1] - k * k
+        link = np.where(self._gives, (slope[1] * residual[0] + k * residual[1]) / determinant, residual[0] / slope[0])
+        motor = np.where(self._gives, (slope[0] * residual[1] + k * residual[0]) / determinant, 0.0)
+        return np.stack([link, motor])
 
     def _residual(self) -> Array:
-        """Return the torque that is left on each link, shape (n,) [Nm]."""
-        model, data, at = self._compiled.model, self.data, self._compiled.at
+        """Return the torque that is left on each link and each giving motor, shape (2, n) [Nm]."""
+        model, data, at = self.compiled.model, self.data, self.compiled.at
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_tendon(model, data)
@@ -85,11 +106,11 @@ class Equilibrium:
         forces = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
         push = data.xfrc_applied[at.load_body]
         mujoco.mj_applyFT(model, data, push[:3], push[3:], data.xipos[at.load_body], at.load_body, forces)
-        return forces[at.theta_dof]
+        return np.stack([forces[at.theta_dof], np.where(self._gives, forces[at.q_dof], 0.0)])
 
     def _remember(self) -> None:
         """Let the plugins take over the state of this instant: an integration step in which nothing moves."""
-        model, data = self._compiled.model, self.data
+        model, data = self.compiled.model, self.data
         time, act = data.time, data.act.copy()
         mujoco.mj_fwdPosition(model, data)
         data.qacc[:] = 0
@@ -100,24 +121,13 @@ class Equilibrium:
 def settle(compiled: CompiledRobot, data: mujoco.MjData, command: Array) -> None:
     """Put a freshly reset robot at rest, unloaded, under servos commanded to `command`, shape (n,) [rad].
 
-    A servo with integral action holds its command, and its integral carries what hangs on it; a proportional one gives
-    until its position error carries it.
+    Friction elements are unstressed. The integral action of the servos, where they have it, carries what hangs on them.
     """
     model, at = compiled.model, compiled.at
-    has_integral = model.actuator_actnum[at.servo] > 0
-    proportional_gain = -model.actuator_biasprm[at.servo, 1]
+    data.qpos[at.theta] = data.qpos[at.q] = command
     equilibrium = Equilibrium(compiled, data)
-    data.qpos[at.theta] = command
-    q = command.copy()
-    while True:
-        data.plugin_state[:] = 0  # friction elements unstressed, wherever this ends
-        equilibrium.solve(q, np.zeros(6))
-        torque = equilibrium.motor_torque()
-        given = np.where(has_integral, command, command - torque / proportional_gain)
-        if np.max(np.abs(given - q)) < REST:
-            break
-        q = given
-    integrating = at.servo[has_integral]
-    data.act[model.actuator_actadr[integrating]] = torque[has_integral] / model.actuator_gainprm[integrating, 0]
-    data.ctrl[at.servo_ctrl] = command
+    equilibrium.solve(command, np.zeros(6))
+    integrating = model.actuator_actnum[at.servo] > 0
+    servo = at.servo[integrating]
+    data.act[model.actuator_actadr[servo]] = equilibrium.motor_torque()[integrating] / model.actuator_gainprm[servo, 0]
     mujoco.mj_forward(model, data)

@@ -46,6 +46,11 @@ class Reading:
     def __getitem__(self, rows: slice | Sequence[int]) -> Self:
         return type(self)(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
 
+    @classmethod
+    def concatenate(cls, parts: Sequence["Reading"]) -> "Reading":
+        """Join readings end to end."""
+        return cls(**{f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)})
+
 
 @dataclass(frozen=True)
 class SystematicErrors:

@@ -23,15 +23,16 @@ def loading_policy(scenario: Loading, robot: Robot, start: Array) -> Iterator[St
     slowly from there, so that every joint's friction points the same known way; read unloaded; then load step by step,
     reading at each; then, with `unload`, take the loads off in the same steps, reading at each, the last unloaded.
     """
-    speed_limit = np.array([drive.speed_limit_rad_per_s for drive in robot.figures.drives])
+    top_speed = scenario.move_speed * np.array([drive.speed_limit_rad_per_s for drive in robot.figures.drives])
+    acceleration = float(np.deg2rad(scenario.acceleration_deg_per_s2))
     script = Script(start)
     for i, pose in enumerate(scenario.poses, start=1):
         q = np.deg2rad(pose.q_deg)
         for sign in scenario.approach:
             side = "below" if sign > 0 else "above"
             run = f"pose{i}-from-{side}"
-            yield from script.move(q - sign * np.deg2rad(scenario.approach_deg), scenario.move_speed * speed_limit)
-            yield from script.move(q, np.deg2rad(scenario.approach_speed_deg_per_s))
+            yield from script.move(q - sign * np.deg2rad(scenario.approach_deg), top_speed, acceleration)
+            yield from script.move(q, np.deg2rad(scenario.approach_speed_deg_per_s), acceleration)
             yield from script.hold(scenario.settle_s)
             for k, wrench in enumerate(load_steps(pose, scenario.unload)):
                 yield from script.say(f"pose {i}, from {side}, {np.linalg.norm(wrench[:3]):.0f} N")

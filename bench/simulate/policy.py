@@ -11,7 +11,10 @@ from bench.simulate.env import CONTROL_PERIOD
 
 Array = NDArray[np.float64]
 
-QUINTIC_PEAK = 1.875  # peak speed of the minimum-jerk profile 10 s^3 - 15 s^4 + 6 s^5 against its mean speed
+GENTLE = 0.5  # [rad/s^2], default acceleration of moves; rotors and arm then ask for a few kNm
+# Peaks of the minimum-jerk profile 10 s^3 - 15 s^4 + 6 s^5 over 0 to 1
+QUINTIC_SPEED = 15 / 8
+QUINTIC_ACCELERATION = 10 / np.sqrt(3)
 
 
 @dataclass(frozen=True)
@@ -72,10 +75,18 @@ class Script:
         self._q = np.array(q)
         self._wrench = np.zeros(6)
 
-    def move(self, q: Array, top_speed: Array | float) -> Iterator[Step]:
-        """Move all joints to `q` at once, minimum jerk, no joint faster than `top_speed` [rad/s], shape (n,) or scalar."""
+    def move(self, q: Array, top_speed: Array | float, acceleration: float = GENTLE) -> Iterator[Step]:
+        """Move all joints to `q` [rad] at once, minimum jerk.
+
+        Args:
+            q: Shape (n,) [rad].
+            top_speed: Shape (n,) or scalar [rad/s], which no joint exceeds.
+            acceleration: [rad/s^2], which no joint exceeds.
+        """
         way = q - self._q
-        seconds = float(np.max(QUINTIC_PEAK * np.abs(way) / top_speed))
+        by_speed = np.max(QUINTIC_SPEED * np.abs(way) / top_speed)
+        by_acceleration = np.sqrt(QUINTIC_ACCELERATION * np.max(np.abs(way)) / acceleration)
+        seconds = float(max(by_speed, by_acceleration))
         start = self._q
         for s in _ramp(seconds):
             self._q = start + way * (s**3 * (10 - 15 * s + 6 * s**2))

@@ -7,7 +7,7 @@ from bench.record.campaign import Campaign, Run
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on, proportional_servo
 from bench.robot.folder import Robot, load_robot
-from bench.scenario.loading import Loading
+from bench.scenario.files import Scenario
 from bench.scenario.types import ScenarioBase
 from bench.simulate.drive import Log, Progress, drive, stacked
 from bench.simulate.env import BenchEnv
@@ -15,11 +15,15 @@ from bench.simulate.instruments import Instruments, Reading
 from bench.simulate.loading import loading_sittings
 from bench.simulate.plant import Trace
 from bench.simulate.policy import Mark, Sitting
+from bench.simulate.rotation import rotation_sittings
 from bench.simulate.tables import run_of, with_link_angles
 
 BREAK = 60.0  # [s], between two sittings of one session
 
-SITTINGS: dict[str, Callable[..., tuple[Sitting, ...]]] = {"loading": loading_sittings}
+SITTINGS: dict[str, Callable[..., tuple[Sitting, ...]]] = {
+    "loading": loading_sittings,
+    "rotation": rotation_sittings,
+}
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,7 @@ class Session:
     film: Film
 
 
-def run_session(scenario: Loading, progress: Progress = lambda share: None) -> Session:
+def run_session(scenario: Scenario, progress: Progress = lambda share: None) -> Session:
     """Run a scenario on the virtual robot.
 
     Args:

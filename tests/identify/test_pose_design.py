@@ -139,6 +139,15 @@ def test_designed_poses_say_more_than_the_paper_s(setup, paper, designed):
     assert theirs.efficiency(theirs) == pytest.approx(1)
 
 
+def test_wrong_guess_of_the_stiffness_costs_little(setup, designed):
+    guess = STIFFNESS * np.array([2.0, 0.5, 2.0, 0.5, 2.0, 0.5])
+    loads = [load for load in designed.visits.loads if load.direction != DOWN]
+    rng = np.random.default_rng(1)
+    wrong = design_poses(replace(setup, compliance=1 / guess), "current", RULES, Load(DOWN, FORCES), loads, 6, 2, rng)
+    true = expected_precision(setup, wrong.visits, "current")
+    assert true.efficiency(designed.precision) > 0.9
+
+
 def test_design_keeps_the_rules(setup, designed):
     assert np.all(allowed(setup, designed.visits, RULES))
     assert sum(load.direction != DOWN for load in designed.visits.loads) == 2

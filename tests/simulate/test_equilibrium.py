@@ -7,7 +7,7 @@ import pytest
 
 from bench.errors import ConvergenceError
 from bench.robot.compiled import compile_robot
-from bench.robot.edits import friction_on
+from bench.robot.edits import friction_on, proportional_servo
 from bench.robot.folder import load_robot
 from bench.simulate.equilibrium import Equilibrium
 from bench.simulate.plant import Plant
@@ -67,19 +67,38 @@ def test_link_friction_follows_the_return_map(small_robot: Path) -> None:
         np.testing.assert_allclose(equilibrium.data.actuator_force[compiled.at.link_friction], friction, atol=BALANCE)
 
 
+@pytest.mark.parametrize("servo", ["integral", "proportional"])
 @pytest.mark.parametrize("side", ["none", "link", "motor", "as-model"])
-def test_time_stepping_comes_to_the_same_rest(small_robot: Path, side: str) -> None:
+def test_time_stepping_comes_to_the_same_rest(small_robot: Path, side: str, servo: str) -> None:
     """Slowly loaded below slip, with every friction element stuck, both must end in the same place."""
-    plant = Plant(load_robot(small_robot), [friction_on(side)])
+    edits = [friction_on(side), *([proportional_servo] if servo == "proportional" else [])]
+    plant = Plant(load_robot(small_robot), edits)
     q, wrench = np.array([0.3, 0.2]), np.array([0.0, 0, -20, 0, 0, 0])
     plant.reset(q)
     equilibrium = Equilibrium(plant.compiled)
+    equilibrium.data.qpos[plant.compiled.at.q] = q
     equilibrium.solve(q, np.zeros(6))
     expected = equilibrium.solve(q, wrench)
     shares = np.clip(np.arange(1, 2001) / 500, 0, 1)[:, None]
     trace = plant.advance(np.tile(q, (2000, 1)), shares * wrench, PERIOD)
     np.testing.assert_allclose(trace.theta[-1], expected, atol=AGREEMENT)
     np.testing.assert_allclose(trace.motor_torque[-1], equilibrium.motor_torque(), atol=1e-3)
+
+
+def test_giving_motor_slips_in_its_friction(small_robot: Path) -> None:
+    """A proportional servo under load past slip: both balances hold, and motor friction follows its return map."""
+    compiled = compile_robot(load_robot(small_robot), [friction_on("motor"), proportional_servo])
+    equilibrium, at = Equilibrium(compiled), compiled.at
+    kp = -compiled.model.actuator_biasprm[at.servo, 1]
+    command = np.array([0.3, 0.2])
+    equilibrium.solve(command, np.zeros(6))
+    q, friction = equilibrium.data.qpos[at.q].copy(), np.zeros(2)
+    for force in [*np.linspace(0, -300, 40), *np.linspace(-300, 200, 60)]:
+        theta = equilibrium.solve(command, np.array([0, 0, force, 0, 0, 0]))
+        before, q = q, equilibrium.data.qpos[at.q].copy()
+        friction = np.clip(friction - compiled.motor_presliding * (q - before), *np.outer([-1, 1], FRICTION))
+        np.testing.assert_allclose(equilibrium.data.actuator_force[at.motor_friction], friction, atol=BALANCE)
+        np.testing.assert_allclose(kp * (command - q) + friction, np.array(K) * (q - theta), atol=BALANCE)
 
 
 def test_says_when_there_is_no_rest(frictionless: Equilibrium) -> None:
