@@ -9,6 +9,7 @@ from bench.cli.benchmark import Benchmark
 from bench.cli.check import Check
 from bench.cli.identify import Identify
 from bench.cli.paper import Paper
+from bench.cli.poses import Poses
 from bench.cli.run import Run
 from bench.cli.view import View
 from bench.errors import BenchError
@@ -18,6 +19,7 @@ Command = (
     | Annotated[Run, tyro.conf.subcommand("run")]
     | Annotated[View, tyro.conf.subcommand("view")]
     | Annotated[Identify, tyro.conf.subcommand("identify")]
+    | Annotated[Poses, tyro.conf.subcommand("poses")]
     | Annotated[Check, tyro.conf.subcommand("check")]
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
 )

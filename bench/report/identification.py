@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from bench.errors import InputError
 from bench.identify.arm import Arm
@@ -51,13 +52,14 @@ def identify_campaign(folder: Path, methods: Iterable[str] | None = None) -> Ide
     arm = Arm(rigid_bodies(compiled))
     readings = static_readings(campaign, compiled.robot.figures)
     estimates, refused = {}, {}
-    for name in METHODS if methods is None else methods:
-        try:
-            estimates[name] = METHODS[name](arm, compiled.counterbalance, readings, Options())
-        except InputError as error:
-            if methods is not None:
-                raise
-            refused[name] = str(error)
+    with threadpool_limits(1, "blas"):  # the matrices are small: threads cost five times what they give
+        for name in METHODS if methods is None else methods:
+            try:
+                estimates[name] = METHODS[name](arm, compiled.counterbalance, readings, Options())
+            except InputError as error:
+                if methods is not None:
+                    raise
+                refused[name] = str(error)
     return Identification(folder, estimates, refused)
 
 

@@ -51,8 +51,8 @@ def plan_poses(request: PoseRequest) -> PosePlan:
     """Design poses for a robot with its own instruments and rating.
 
     Raises:
-        InputError: The robot has no tracker or lacks the method's instrument, a scenario does not exist, that of
-            `after` is for another robot, an angle makes no sense, or too few poses can be reached.
+        InputError: The robot has no tracker or lacks the method's instrument, a scenario does not exist or is no
+            loading, that of `after` is for another robot, an angle makes no sense, or too few poses can be reached.
     """
     compiled = compile_robot(load_robot(request.robot))
     rating = compiled.robot.figures.rating
@@ -62,6 +62,7 @@ def plan_poses(request: PoseRequest) -> PosePlan:
         raise InputError(
             f"scenario {request.after!r} is for another robot than {compiled.robot.name!r}; name one of its own."
         )
+    other = None if request.against is None else _visits_on(compiled.robot, request.against)
     rules = Rules(
         worst_wrench=np.repeat([rating.force_n, rating.moment_nm], 3),
         zone_limit=request.zone_limit,
@@ -82,7 +83,6 @@ def plan_poses(request: PoseRequest) -> PosePlan:
         np.random.default_rng(request.seed),
         measured,
     )
-    other = None if request.against is None else _visits_on(compiled.robot, request.against)
     if other is None:
         return PosePlan(request.robot, design, request.after, None, None)
     reference = expected_precision(setup, other, request.method)

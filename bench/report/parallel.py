@@ -28,6 +28,7 @@ def run_all(work: Callable[[Job, Progress], Result], jobs: Sequence[Job], progre
     Raises:
         Exception: Whatever the first failing job raised.
     """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # of the workers: there is one for each core already
     context = multiprocessing.get_context("spawn")
     queue: Queue[tuple[int, float]] = context.Queue()
     done = [0.0] * len(jobs)

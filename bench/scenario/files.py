@@ -8,11 +8,12 @@ from pydantic import ValidationError
 from bench import paths
 from bench.errors import InputError, unknown_name
 from bench.robot.folder import problems_of
+from bench.scenario.line import Line
 from bench.scenario.loading import Loading
 from bench.scenario.rotation import Rotation
 
-Scenario = Loading | Rotation
-EXPERIMENTS: dict[str, type[Scenario]] = {"loading": Loading, "rotation": Rotation}
+Scenario = Line | Loading | Rotation
+EXPERIMENTS: dict[str, type[Scenario]] = {"line": Line, "loading": Loading, "rotation": Rotation}
 
 
 def scenario_names() -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """The trajectory experiment of section 6: a straight line at low speed, out and back, without and with a hanging load."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -11,6 +11,7 @@ from bench.robot.compiled import compile_robot, rigid_bodies
 from bench.robot.folder import Robot
 from bench.robot.kinematics import place, turn_onto
 from bench.robot.line_path import JointPath, line_path
+from bench.scenario.rotation import CONTROL_PERIOD_S
 from bench.scenario.types import NonNegative, Positive, ScenarioBase, Strict
 
 Triple = tuple[float, float, float]
@@ -61,7 +62,7 @@ class Line(ScenarioBase):
     lead_in_s: Positive = Field(3.0, description="before and after the line: half of it from rest to speed, half at speed")
     settle_s: NonNegative = 2.0
     load_ramp_s: Positive = 2.0
-    sample_period_s: Positive = Field(0.1, description="a multiple of the control period, 4 ms")
+    sample_period_s: Annotated[float, Field(gt=0, multiple_of=CONTROL_PERIOD_S)] = 0.1
     corrections: Corrections | None = None
 
     @property

@@ -109,6 +109,12 @@ class Script:
         for _ in _ramp(seconds):
             yield Step(self._q, self._wrench)
 
+    def follow(self, angles: Array, marks: Mapping[int, Mark]) -> Iterator[Step]:
+        """Take joint angles, shape (T, n) [rad], one per control period; read at the end of those periods that have a mark."""
+        for i, q in enumerate(angles):
+            self._q = q
+            yield Step(q, self._wrench, marks.get(i))
+
     def read(self, mark: Mark, move_reflector: bool = False) -> Iterator[Step]:
         """Stand still for one period and read at its end."""
         yield Step(self._q, self._wrench, mark, move_reflector)

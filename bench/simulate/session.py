@@ -12,6 +12,7 @@ from bench.scenario.types import ScenarioBase
 from bench.simulate.drive import Log, Progress, drive, stacked
 from bench.simulate.env import BenchEnv
 from bench.simulate.instruments import Instruments, Reading
+from bench.simulate.line import line_sittings
 from bench.simulate.loading import loading_sittings
 from bench.simulate.plant import Trace
 from bench.simulate.policy import Mark, Sitting
@@ -21,6 +22,7 @@ from bench.simulate.tables import run_of, with_link_angles
 BREAK = 60.0  # [s], between two sittings of one session
 
 SITTINGS: dict[str, Callable[..., tuple[Sitting, ...]]] = {
+    "line": line_sittings,
     "loading": loading_sittings,
     "rotation": rotation_sittings,
 }

@@ -61,6 +61,7 @@ def test_robot_of_another_shape(small_robot: Path) -> None:
         ({"slant_deg": 90.0}, "between 0 and 90 deg"),
         ({"floor_m": 9.0}, "relax"),
         ({"against": "no_such"}, "no scenario"),
+        ({"against": "rotation"}, "poses need one of 'loading'"),
     ],
 )
 def test_requests_that_cannot_be_met(small_robot: Path, change: dict[str, object], said: str) -> None:
