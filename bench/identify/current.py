@@ -76,5 +76,5 @@ def identify_current(
         build=lambda compliance: build_current(arm, readings, options, compliance),
         used=is_signal(change, sigma),
         gain_covariance=lambda compliance: np.diag((compliance * readings.systematic.torque_gain) ** 2),
-        iterations=options.iterations,
+        options=options,
     )

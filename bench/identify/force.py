@@ -111,6 +111,6 @@ def identify_force(
         build=lambda compliance: build_force(arm, counterbalance, readings, options, compliance),
         used=is_signal(change, sigma),
         gain_covariance=lambda compliance: readings.systematic.force_gain**2 * np.outer(compliance, compliance),
-        iterations=options.iterations,
+        options=options,
         nuisance_sigma=np.full(3, readings.systematic.force_direction),
     )

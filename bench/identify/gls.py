@@ -103,6 +103,18 @@ def whiten(model: SeriesModel) -> Whitened:
     return Whitened(real[:, :p], real[:, p], n_free, log_determinant)
 
 
+def equal_weights(model: SeriesModel) -> Whitened:
+    """Return every state less the first of its series, all rows alike; in units of the mean noise of such a difference."""
+    rows, is_real = _padded(model.series)
+    first = np.broadcast_to(rows[:, :1], rows.shape)
+    later, first = rows[:, 1:][is_real[:, 1:]], first[:, 1:][is_real[:, 1:]]
+    variance = np.trace(model.covariance, axis1=1, axis2=2) / model.covariance.shape[1]
+    sigma = np.sqrt(np.mean(variance[later] + variance[first]))
+    regressor = (model.regressor[later] - model.regressor[first]) / sigma
+    response = (model.response[later] - model.response[first]) / sigma
+    return Whitened(regressor.reshape(-1, regressor.shape[2]), response.ravel(), response.size, 0.0)
+
+
 def solve(problem: Whitened, prior_mean: Array, prior_sigma: Array) -> Solution:
     """Return the parameters that fit best, under independent normal priors.
 

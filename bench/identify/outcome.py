@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from bench.identify.estimate import StiffnessEstimate
-from bench.identify.gls import SeriesModel, Solution, solve, whiten
+from bench.identify.gls import SeriesModel, Solution, equal_weights, solve, whiten
+from bench.identify.options import Options
 
 Array = NDArray[np.float64]
 
@@ -62,7 +63,7 @@ def fit_compliance(
     build: Callable[[Array], SeriesModel],
     used: NDArray[np.bool_],
     gain_covariance: Callable[[Array], Array],
-    iterations: int,
+    options: Options,
     nuisance_sigma: Array = NO_NUISANCE,
 ) -> StiffnessEstimate:
     """Fit the compliance by Gauss-Newton from a rigid arm.
@@ -73,19 +74,21 @@ def fit_compliance(
         build: Compliance, shape (n,) -> the problem linearised there; its parameters are N and then nuisances.
         used: Shape (n,) bool, joints whose torque is a signal; the others stay rigid in the fit and are not reported.
         gain_covariance: Compliance -> covariance due to gain errors that these readings cannot reveal, shape (n, n).
-        iterations: Gauss-Newton steps.
+        options: Options.
         nuisance_sigma: Prior standard deviations of the nuisances; their prior means are zero.
     """
     n = len(joint_names)
     columns = np.concatenate([np.flatnonzero(used), n + np.arange(len(nuisance_sigma))])
     prior_sigma = np.concatenate([np.full(int(used.sum()), np.inf), nuisance_sigma])
     compliance = np.zeros(n)
-    for _ in range(iterations):
-        problem = whiten(build(compliance))
+    weigh = whiten if options.weights == "noise" else equal_weights
+    for _ in range(options.iterations):
+        problem = weigh(build(compliance))
         problem = replace(problem, regressor=problem.regressor[:, columns])
         solution = solve(problem, np.zeros(len(columns)), prior_sigma)
         compliance[used] = solution.parameters[: used.sum()]
-    return estimate(method, joint_names, used, solution, gain_covariance(compliance))
+    by_residuals = options.weights == "equal"
+    return estimate(method, joint_names, used, solution, gain_covariance(compliance), by_residuals)
 
 
 def estimate(
@@ -94,14 +97,23 @@ def estimate(
     used: NDArray[np.bool_],
     solution: Solution,
     gain_covariance: Array,
+    by_residuals: bool = False,
 ) -> StiffnessEstimate:
     """Return the estimate from a solution whose first parameters are the compliances of the used joints.
 
     Where the residuals are significantly larger than the instruments explain, the model is wrong for these readings; the
-    covariance is then scaled by their ratio, and a note says so. The gain covariance, shape (n, n), is added unscaled.
+    covariance is then scaled by their ratio, and a note says so.
+
+    Args:
+        method: Its name.
+        joint_names: Length n.
+        used: Shape (n,) bool.
+        solution: From the last iteration.
+        gain_covariance: Shape (n, n), added unscaled.
+        by_residuals: The noise level is that of the residuals in any case.
     """
     n, count = len(joint_names), int(used.sum())
-    ratio = misfit(solution)
+    ratio = solution.chi_square / max(solution.degrees_of_freedom, 1) if by_residuals else misfit(solution)
     compliance = np.full(n, np.nan)
     covariance = np.full((n, n), np.nan)
     compliance[used] = solution.parameters[:count]
@@ -117,7 +129,7 @@ def estimate(
         joint_names=joint_names,
         compliance=compliance,
         covariance=covariance,
-        degrees_of_freedom=solution.degrees_of_freedom if ratio > 1 else np.inf,
+        degrees_of_freedom=solution.degrees_of_freedom if ratio != 1 else np.inf,
         condition_number=condition_number(solution.information[np.ix_(seen, seen)]),
         observable=observable,
         residuals={"reflector": solution.residual},

@@ -15,7 +15,7 @@ from bench.record.campaign import Array, Campaign, Run
 from bench.robot.drives import Drives
 
 BIN = np.deg2rad(0.5)  # [rad]; in it a torque that bends by 5 kNm/rad^2 leaves a straight line by 0.02 Nm
-STEADY = 0.01  # share by which the speed may differ from the run's; what differs more belongs to a ramp
+STEADY = 0.002  # share by which the speed may differ from the run's; what differs more belongs to a ramp
 STILL = 1e-3  # [rad]; the other joints move less
 SAME_SPEED = 0.02  # share by which the speeds of the two ways may differ
 UNEXPLAINED = 1.0  # [N] of load beyond the weight of the payload

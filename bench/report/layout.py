@@ -99,6 +99,6 @@ def _plot_view(plot: Plot) -> "View":
         origin=plot.path,
         name=plot.title,
         axis_x=rrb.TimeAxis(link="LinkToGlobal", view_range=window),
-        axis_y=rrb.ScalarAxis(range=plot.span),
+        axis_y=None if plot.span is None else rrb.ScalarAxis(range=plot.span),
         plot_legend=rrb.Corner2D.LeftTop,
     )

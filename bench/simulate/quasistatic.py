@@ -38,6 +38,7 @@ class RestLog:
         equilibrium = Equilibrium(compiled)
         equilibrium.data.qpos[compiled.at.theta] = equilibrium.data.qpos[compiled.at.q] = start
         equilibrium = Equilibrium(compiled, equilibrium.data)
+        equilibrium.solve(start, np.zeros(6))  # friction elements begin here, unstressed
         steps, instants = [], []
         for time, step in enumerate(rests):
             equilibrium.solve(step.q_cmd, step.wrench)
