@@ -19,7 +19,7 @@ from bench.robot.counterbalance import Counterbalance
 from bench.robot.drives import Drives
 from bench.robot.payload import with_payload
 
-SMOOTH = 7  # degree of the polynomial from which the slope of a torque is taken
+SMOOTH = 7  # degree of the polynomial that stands for a torque where its noise must not enter
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,11 @@ class Geometry:
     def of(cls, counterbalance: Counterbalance) -> "Geometry":
         """Return the geometry of a counterbalance without its gas figures."""
         return cls(counterbalance.joint, counterbalance.rho, counterbalance.b, counterbalance.dead_centre)
+
+    @property
+    def rod(self) -> Counterbalance:
+        """Some counterbalance of this geometry, for its lengths and lever arms."""
+        return self.filled(1.0, self.rho + self.b + 1.0)
 
     def filled(self, gas_constant: float, critical_length: float) -> Counterbalance:
         """Return the counterbalance with gas in it: C [Nm] and l_c [m]."""
@@ -131,11 +136,13 @@ def _torque(traverse: Traverse, arm: Arm, empty: Arm, drives: Drives, priors: Pr
     theta = traverse.q - twist
     motor = traverse.torque[:, j]
     without = _dynamics(arm, theta, traverse) + drives.rotor_inertia[j] * traverse.acceleration
+    # With the measured torque as a column, a gain that shrinks the noise too would look like a better fit.
+    smooth = np.polynomial.Polynomial.fit(theta[:, j], motor, SMOOTH)
     slope = arm.gravity_stiffness(theta)[:, j]
-    slope[:, j] = np.polynomial.Polynomial.fit(theta[:, j], motor, SMOOTH).deriv()(theta[:, j])  # gravity's and M's
+    slope[:, j] = smooth.deriv()(theta[:, j])  # gravity's and M's
     sensitivity = np.column_stack(
         [
-            drives.torque_gain_sigma[j] * motor,
+            drives.torque_gain_sigma[j] * smooth(theta[:, j]),
             np.full_like(motor, drives.torque_constant[j] * drives.current_offset_sigma),
             -priors.compliance * slope * twist,
             priors.first_moment * empty.gravity(theta)[:, j],

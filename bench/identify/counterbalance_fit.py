@@ -1,26 +1,26 @@
 """C and l_c of a hydropneumatic counterbalance from its torque, Eq. (34), with intervals, k_b and the rival law.
 
-C and l_c are nearly degenerate: over a narrow range only F = C / (l_c - l) at its middle is well determined. The likelihood
-is then a long bent ridge, and its profile gives the intervals: they are not symmetric, and may have no upper end.
+C and l_c are nearly degenerate: a narrow range determines F = C / (l_c - l) in its middle and little else. The likelihood is
+a long ridge; its profile gives intervals that need not be symmetric and may have no upper end.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
-from scipy.stats import chi2, norm
+from scipy.stats import chi2
 
 from bench.errors import InputError
 from bench.identify.balancing_torque import BalancingTorque, Geometry
-from bench.identify.gas_law_problem import GasLawProblem
+from bench.identify.gas_law_problem import GasLawProblem, Spring
+from bench.identify.gas_law_profile import intervals, minimum
 from bench.record.campaign import Array
 from bench.robot.counterbalance import Counterbalance
 
-NEAREST, FARTHEST = 1e-4, 1e3  # [m], l_c beyond the longest cylinder measured; 1 km is a constant force
-GRID = 60  # points over which the minimum is looked for before it is refined
 DECIDED = 6.0  # difference of chi-square: 20 to 1 between two laws with as many unknowns
-DEGENERATE = 0.99  # correlation above which C and l_c are called not separately determined
+TRUSTED = 0.005  # share of M to which the shape of a computed torque is believed, whatever the noise
+DEGENERATE = 0.99  # correlation above which a note is due
+TOO_LARGE = 1.2  # chi-square per degree of freedom above which a note is due
 
 
 @dataclass(frozen=True)
@@ -31,16 +31,18 @@ class CounterbalanceFit:
         geometry: Of the counterbalance, taken as known.
         gas_constant: C [Nm].
         critical_length: l_c [m].
-        covariance: Shape (2, 2), of (C, l_c) [Nm, m], first order; widened by `scale`.
-        intervals: Shape (2, 2), profile-likelihood ends of C [Nm] and l_c [m]; inf where data set no upper end.
+        covariance: Shape (2, 2), of (C, l_c) [Nm, m], first order, times `scale`.
+        intervals: Shape (2, 2), ends of C [Nm] and of l_c [m] by profile likelihood; inf where the data set no end.
         level: Of the intervals.
         chi_square: Of the gas law.
-        spring_chi_square: Of a linear spring between the anchors, with as many unknowns.
-        degrees_of_freedom: Of both.
+        spring: The best linear spring with its chi-square.
+        spring_misfit: Root mean square of M by that spring less M by the gas law, over the data [Nm].
+        degrees_of_freedom: Of both laws.
         scale: Factor on all variances: chi-square per degree of freedom where that exceeds 1.
-        nuisances: What the data say about what else M depends on: name -> mean, in prior standard deviations.
-        corrected: Shape (B,) [Nm] for each traverse: M less what the nuisances account for.
-        notes: What these data cannot tell and what would; one sentence each.
+        nuisances: What the data say about everything else that M depends on, in prior standard deviations.
+        corrected: For each traverse, shape (B,) [Nm]: M less what the nuisances account for.
+        largest: Largest |M| [Nm].
+        notes: What these data cannot tell, and what would; one sentence each.
     """
 
     geometry: Geometry
@@ -50,12 +52,14 @@ class CounterbalanceFit:
     intervals: Array
     level: float
     chi_square: float
-    spring_chi_square: float
+    spring: Spring
+    spring_misfit: float
     degrees_of_freedom: int
     scale: float
     nuisances: Mapping[str, float]
     corrected: tuple[Array, ...]
-    notes: tuple[str, ...]
+    largest: float
+    notes: tuple[str, ...] = ()
 
     @property
     def counterbalance(self) -> Counterbalance:
@@ -69,33 +73,35 @@ class CounterbalanceFit:
 
     @property
     def preferred(self) -> str:
-        """Law that these data prefer: "gas", "spring", or "cannot tell"."""
-        difference = (self.spring_chi_square - self.chi_square) / self.scale
-        return "gas" if difference > DECIDED else "spring" if difference < -DECIDED else "cannot tell"
+        """"gas" or "spring", or "cannot tell": the laws differ by less than noise, or than a computed torque is believed."""
+        difference = (self.spring.chi_square - self.chi_square) / self.scale
+        if abs(difference) < DECIDED or self.spring_misfit < TRUSTED * self.largest:
+            return "cannot tell"
+        return "gas" if difference > 0 else "spring"
 
     def torque_sigma(self, theta: Array) -> Array:
-        """Return the standard deviation of the predicted M [Nm]; the shape of theta [rad], one dimension."""
+        """Return the standard deviation of the predicted M [Nm]; theta of shape (T,) [rad]."""
         law = self.counterbalance
         torque = law.torque(theta)
         return self._propagated(torque / self.gas_constant, -torque / (self.critical_length - law.length(theta)))
 
     def stiffness_sigma(self, theta: Array) -> Array:
-        """Return the standard deviation of k_b, Eq. (12) [Nm/rad]; the shape of theta [rad], one dimension."""
+        """Return the standard deviation of k_b, Eq. (12) [Nm/rad]; theta of shape (T,) [rad]."""
         law = self.counterbalance
         k_b = law.stiffness(theta)
-        slope = -(k_b + law.torque(theta) ** 2 / self.gas_constant) / (self.critical_length - law.length(theta))
-        return self._propagated(k_b / self.gas_constant, slope)
+        by_length = -(k_b + law.torque(theta) ** 2 / self.gas_constant) / (self.critical_length - law.length(theta))
+        return self._propagated(k_b / self.gas_constant, by_length)
 
     def _propagated(self, by_constant: Array, by_length: Array) -> Array:
         gradient = np.stack([by_constant, by_length])
-        return np.sqrt(np.einsum("ib,ij,jb->b", gradient, self.covariance, gradient))
+        return np.sqrt(np.einsum("it,ij,jt->t", gradient, self.covariance, gradient))
 
 
 def fit_counterbalance(
     torques: Sequence[BalancingTorque],
     geometry: Geometry,
     nuisance_names: Sequence[str],
-    limits: tuple[float, float],
+    limits: Array,
     level: float = 0.95,
 ) -> CounterbalanceFit:
     """Identify C and l_c by generalised least squares over all traverses.
@@ -104,67 +110,73 @@ def fit_counterbalance(
         torques: M of at least one traverse.
         geometry: Of the counterbalance.
         nuisance_names: Of the columns of `BalancingTorque.sensitivity`.
-        limits: Range of the joint [rad], for advice on a wider sweep.
+        limits: Shape (2,) [rad], range of the joint, for advice on a wider sweep.
         level: Of the intervals.
 
     Raises:
-        InputError: The torque is not one that a cylinder in these anchors can have made.
+        InputError: The torque is not one that a gas-loaded cylinder in these anchors can have made.
     """
     problem = GasLawProblem.build(torques, geometry)
-    longest = float(problem.length.max())
-    log_gap = _minimum(lambda u: problem.for_critical_length(longest + np.exp(u))[1])
-    critical_length = float(longest + np.exp(log_gap))
-    constant, chi_square, _ = problem.for_critical_length(critical_length)
-    if constant <= 0:
+    best = minimum(problem)
+    if best.gas_constant <= 0:
         raise InputError("the counterbalance pushes where it should pull; check the sign of the current and the geometry.")
-    dof = len(problem) - 2
-    scale = max(1.0, chi_square / dof)
-    rise = float(chi2.ppf(level, 1)) * scale
-    residual = problem.torque - constant * problem.per_gas_constant(critical_length)
-    found = problem.nuisances(residual)
-    covariance = scale * problem.covariance(constant, critical_length)
+    freedom = len(problem) - 2
+    scale = max(1.0, best.chi_square / freedom)
+    model = best.gas_constant * problem.per_gas_constant(best.critical_length)
+    spring = problem.spring()
+    theta = np.concatenate([t.theta for t in torques])
+    found = problem.nuisances(problem.torque - model)
     fit = CounterbalanceFit(
         geometry=geometry,
-        gas_constant=constant,
-        critical_length=critical_length,
-        covariance=covariance,
-        intervals=_profile(problem, longest, log_gap, chi_square, rise),
+        gas_constant=best.gas_constant,
+        critical_length=best.critical_length,
+        covariance=scale * problem.covariance(best.gas_constant, best.critical_length),
+        intervals=intervals(problem, best, scale * float(chi2.ppf(level, 1))),
         level=level,
-        chi_square=chi_square,
-        spring_chi_square=problem.spring_chi_square(),
-        degrees_of_freedom=dof,
+        chi_square=best.chi_square,
+        spring=spring,
+        spring_misfit=float(np.sqrt(np.mean((spring.torque(theta, geometry) - model) ** 2))),
+        degrees_of_freedom=freedom,
         scale=scale,
         nuisances=dict(zip(nuisance_names, map(float, found), strict=True)),
         corrected=tuple(t.torque - t.sensitivity @ found for t in torques),
-        notes=(),
+        largest=float(np.abs(model).max()),
     )
-    return fit
+    return replace(fit, notes=tuple(_notes(fit, theta, limits)))
 
 
-def _minimum(chi_square: Callable[[float], float]) -> float:
-    """Return where a chi-square over ln(l_c - l_max) is least."""
-    grid = np.linspace(np.log(NEAREST), np.log(FARTHEST), GRID)
-    best = int(np.argmin([chi_square(u) for u in grid]))
-    low, high = grid[max(best - 1, 0)], grid[min(best + 1, GRID - 1)]
-    return float(minimize_scalar(chi_square, bounds=(low, high), method="bounded", options={"xatol": 1e-9}).x)
+def _notes(fit: CounterbalanceFit, theta: Array, limits: Array) -> list[str]:
+    notes = []
+    reach = "{:.0f} to {:.0f} deg".format(*np.rad2deg([theta.min(), theta.max()]))
+    full = "{:.0f} to {:.0f} deg".format(*np.rad2deg(limits))
+    if abs(fit.correlation) > DEGENERATE:
+        middle = np.array([np.quantile(np.abs(theta - fit.geometry.dead_centre), 0.75) + fit.geometry.dead_centre])
+        force_error = float(fit.torque_sigma(middle)[0] / abs(fit.counterbalance.torque(middle)[0]))
+        constant_error = float(np.sqrt(fit.covariance[0, 0]) / fit.gas_constant)
+        gain = _spread_of_constant(fit, theta.min(), theta.max()) / _spread_of_constant(fit, *limits)
+        notes.append(
+            f"C and l_c are correlated {fit.correlation:.3f}: {reach} determine C / (l_c - l) there to {force_error:.2%}, "
+            f"but C only to {constant_error:.2%}; as far as noise goes, a sweep of {full} tells C {gain:.0f} times better."
+        )
+    if fit.preferred == "cannot tell":
+        notes.append(
+            f"gas law or linear spring cannot be decided over {reach}: the best spring differs by {fit.spring_misfit:.1f} Nm "
+            f"of {fit.largest:.0f} Nm, less than a dynamic model is good for; sweep up to {np.rad2deg(limits[1]):.0f} deg."
+        )
+    if fit.chi_square > TOO_LARGE * fit.degrees_of_freedom:
+        notes.append(
+            f"the residuals are {np.sqrt(fit.scale):.1f} times the noise, so something is missing in the model; intervals are "
+            "widened by that factor, which makes them honest only if what is missing looks like noise."
+        )
+    return notes
 
 
-def _profile(problem: GasLawProblem, longest: float, log_gap: float, least: float, rise: float) -> Array:
-    """Return the profile-likelihood intervals of C and l_c, shape (2, 2): where chi-square has risen by `rise`."""
-
-    def left(u: float) -> float:
-        return rise - (problem.for_critical_length(longest + np.exp(u))[1] - least)
-
-    def constant_end(sign: int) -> float:
-        def end(u: float) -> float:
-            constant, _, curvature = problem.for_critical_length(longest + np.exp(u))
-            return -sign * (constant + sign * np.sqrt(max(left(u), 0.0) / curvature))
-
-        at = minimize_scalar(end, bounds=tuple(edges), method="bounded", options={"xatol": 1e-6})
-        return -sign * float(at.fun)
-
-    extremes = np.log(NEAREST), np.log(FARTHEST)
-    edges = [extreme if left(extreme) > 0 else brentq(left, log_gap, extreme, xtol=1e-9) for extreme in extremes]
-    open_end = edges[1] == extremes[1]
-    upper = (np.inf, np.inf) if open_end else (constant_end(1), longest + np.exp(edges[1]))
-    return np.array([[constant_end(-1), upper[0]], [longest + np.exp(edges[0]), upper[1]]])
+def _spread_of_constant(fit: CounterbalanceFit, low: float, high: float) -> float:
+    """Return the standard deviation of C that equal noise over a range gives, up to a factor."""
+    law = fit.counterbalance
+    theta = np.arange(low, high, np.deg2rad(0.5))
+    gap = fit.critical_length - law.length(theta)
+    theta, gap = theta[gap > 0], gap[gap > 0]
+    torque = law.torque(theta)
+    jacobian = np.column_stack([torque / fit.gas_constant, -torque / gap]) * [fit.gas_constant, 1.0]
+    return float(np.sqrt(np.linalg.inv(jacobian.T @ jacobian)[0, 0]))

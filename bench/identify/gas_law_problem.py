@@ -14,6 +14,26 @@ from bench.record.campaign import Array
 
 
 @dataclass(frozen=True)
+class Spring:
+    """The rival law: a linear spring between the anchors, F = k_s (l - l_0).
+
+    Attributes:
+        rate: k_s [N/m].
+        rest_length: l_0 [m].
+        chi_square: Of its best fit.
+    """
+
+    rate: float
+    rest_length: float
+    chi_square: float
+
+    def torque(self, theta: Array, geometry: Geometry) -> Array:
+        """Return M [Nm]; the shape of theta [rad]."""
+        rod = geometry.rod
+        return self.rate * (rod.length(theta) - self.rest_length) * rod.lever_arm(theta)
+
+
+@dataclass(frozen=True)
 class GasLawProblem:
     """Measured M of all traverses with its covariance diag(sigma^2) + S S^T, where S are the nuisance sensitivities.
 
@@ -41,7 +61,7 @@ class GasLawProblem:
         theta = np.concatenate([t.theta for t in torques])
         sigma = np.concatenate([t.sigma for t in torques])
         sensitivity = np.concatenate([t.sensitivity for t in torques])
-        rod = geometry.filled(1.0, geometry.rho + geometry.b + 1.0)  # only its geometry is asked for
+        rod = geometry.rod
         rows = np.concatenate([sensitivity / sigma[:, None], np.eye(sensitivity.shape[1])])
         basis, triangle = np.linalg.qr(rows)
         torque = np.concatenate([t.torque for t in torques])
@@ -71,12 +91,13 @@ class GasLawProblem:
         constant = float(column @ target) / curvature
         return constant, float(np.sum((target - constant * column) ** 2)), curvature
 
-    def spring_chi_square(self) -> float:
-        """Return the chi-square of the best linear spring F = k_s (l - l_0), as many unknowns as the gas law has."""
+    def spring(self) -> "Spring":
+        """Return the best linear spring, which has as many unknowns as the gas law has."""
         columns = self.whitened(np.column_stack([self.lever_arm, self.lever_arm * self.length]))
         target = self.whitened(self.torque)
-        solution = np.linalg.lstsq(columns, target, rcond=None)[0]
-        return float(np.sum((target - columns @ solution) ** 2))
+        at_zero, rate = np.linalg.lstsq(columns, target, rcond=None)[0]
+        chi_square = float(np.sum((target - columns @ np.array([at_zero, rate])) ** 2))
+        return Spring(float(rate), float(-at_zero / rate), chi_square)
 
     def covariance(self, constant: float, critical_length: float) -> Array:
         """Return the covariance of (C, l_c) at a point, shape (2, 2), first order."""

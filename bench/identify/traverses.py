@@ -16,6 +16,7 @@ from bench.robot.drives import Drives
 
 BIN = np.deg2rad(0.5)  # [rad]; in it a torque that bends by 5 kNm/rad^2 leaves a straight line by 0.02 Nm
 STEADY = 0.002  # share by which the speed may differ from the run's; what differs more belongs to a ramp
+RUN_IN = 0.25  # [s] at steady speed before samples count: the arm, at some 5 Hz, still follows from the ramp
 STILL = 1e-3  # [rad]; the other joints move less
 SAME_SPEED = 0.02  # share by which the speeds of the two ways may differ
 UNEXPLAINED = 1.0  # [N] of load beyond the weight of the payload
@@ -117,16 +118,22 @@ def _ways(campaign: Campaign, drives: Drives, gravity: Array, problems: list[str
         if np.ptp(payload) > 0 or np.abs(surplus).max() > UNEXPLAINED:
             problems.append(f"{run.name}: the load is not the weight of load_mass_kg; a load that moves along needs its mass.")
             continue
-        yield _steady_way(run, joint, float(payload[0]), np.where(np.isfinite(command), command, encoder), q, drives)
+        smooth = np.where(np.isfinite(command), command, encoder)
+        if way := _steady_way(run, joint, float(payload[0]), smooth, q, drives):
+            yield way
+        else:
+            problems.append(f"{run.name}: has less than {RUN_IN:g} s at steady speed; go further or gather speed sooner.")
 
 
-def _steady_way(run: Run, joint: int, payload: float, smooth: Array, q: Array, drives: Drives) -> _Way:
+def _steady_way(run: Run, joint: int, payload: float, smooth: Array, q: Array, drives: Drives) -> _Way | None:
     time = run.columns["time_s"]
     velocity = np.gradient(smooth[:, joint], time)
     acceleration = np.gradient(velocity, time)
     speed = float(np.median(velocity))
     steady = np.abs(velocity - speed) < STEADY * abs(speed)
-    steady[1:-1] &= steady[:-2] & steady[2:]  # their acceleration reaches over to the neighbours
+    steady &= time > time[np.argmax(steady)] + RUN_IN
+    if np.count_nonzero(steady) < 2:
+        return None
     torque = drives.torque_constant * run.stack("current", "a", _numbers(drives))
     bins, place, samples = np.unique(
         np.floor(q[steady, joint] / BIN).astype(np.int64), return_inverse=True, return_counts=True

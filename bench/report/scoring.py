@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.errors import InputError
+from bench.identify.counterbalance_fit import CounterbalanceFit
 from bench.identify.estimate import StiffnessEstimate
 from bench.record.truth import read_truth
 
@@ -57,3 +58,46 @@ def as_json(scores: tuple[JointScore, ...]) -> list[dict[str, object]]:
         {key: None if isinstance(value, float) and np.isnan(value) else value for key, value in asdict(score).items()}
         for score in scores
     ]
+
+
+@dataclass(frozen=True)
+class ParameterScore:
+    """One identified parameter beside the truth.
+
+    Attributes:
+        name: Of the parameter, as in the truth.
+        unit: Of all numbers.
+        truth: As simulated.
+        estimate: As identified.
+        low, high: Ends of the interval.
+        error: Relative, estimate / truth - 1.
+        covered: Whether the interval contains the truth.
+    """
+
+    name: str
+    unit: str
+    truth: float
+    estimate: float
+    low: float
+    high: float
+    error: float
+    covered: bool
+
+
+def score_counterbalance(fit: CounterbalanceFit, truth_folder: Path) -> tuple[ParameterScore, ...]:
+    """Hold C and l_c against the truth of a simulated campaign.
+
+    Raises:
+        InputError: The truth holds no counterbalance.
+    """
+    parameters = read_truth(truth_folder).parameters
+    estimates = {"counterbalance.constant": fit.gas_constant, "counterbalance.critical_length": fit.critical_length}
+    if missing := [name for name in estimates if name not in parameters]:
+        raise InputError(f"{truth_folder}: holds no {' and no '.join(missing)}; it belongs to another robot.")
+    scores = []
+    for (name, value), (low, high) in zip(estimates.items(), fit.intervals, strict=True):
+        true, unit = parameters[name].value, parameters[name].unit
+        scores.append(
+            ParameterScore(name, unit, true, value, float(low), float(high), value / true - 1, bool(low <= true <= high))
+        )
+    return tuple(scores)

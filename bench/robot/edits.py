@@ -14,13 +14,24 @@ def friction_on(side: str) -> SpecEdit:
     "link": as the MJCF has it on the link side, none on the motor side. "motor": the same levels on the motor side, none
     on the link side. "none": none at all. "as-model": both sides as the MJCF has them.
     """
+    if side == "as-model":
+        return lambda spec, robot: None
+    return shared_friction(scale=0.0 if side == "none" else 1.0, link_share=1.0 if side == "link" else 0.0)
+
+
+def shared_friction(scale: float, link_share: float) -> SpecEdit:
+    """Return the edit that shares static friction between the sides of the elastic elements.
+
+    Args:
+        scale: Friction of both sides together, relative to what the MJCF has on the link side.
+        link_share: Share of it that sits on the link side, 0 to 1.
+    """
 
     def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
         for drive in robot.figures.drives:
-            level = number_of(spec, drive.link_friction, "coulomb")
-            if side in ("link", "motor", "none"):
-                configure(spec, drive.link_friction, coulomb=level if side == "link" else 0)
-                configure(spec, drive.motor_friction, coulomb=level if side == "motor" else 0)
+            level = scale * number_of(spec, drive.link_friction, "coulomb")
+            configure(spec, drive.link_friction, coulomb=link_share * level)
+            configure(spec, drive.motor_friction, coulomb=(1 - link_share) * level)
 
     return edit
 

@@ -15,6 +15,7 @@ from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.scenario.loading import Loading
 from bench.simulate.drive import Log
+from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.equilibrium import Equilibrium
 from bench.simulate.instruments import Instruments, Reading
 from bench.simulate.loading import loading_sittings
@@ -22,6 +23,17 @@ from bench.simulate.plant import Array, Trace
 from bench.simulate.policy import Step
 from bench.simulate.session import edits_of
 from bench.simulate.tables import run_of
+
+
+# A rest does not depend on how long the way there took; with these the policy takes one step for each move.
+HURRY = {
+    "move_speed": 1e6,
+    "acceleration_deg_per_s2": 1e12,
+    "approach_speed_deg_per_s": 1e9,
+    "load_ramp_s": CONTROL_PERIOD,
+    "settle_s": 0.0,
+    "repeat_interval_s": CONTROL_PERIOD,
+}
 
 
 class RestLog:
@@ -72,10 +84,17 @@ def rest_log(scenario: Loading) -> RestLog:
     Raises:
         InputError: The scenario does not fit the robot.
     """
-    robot = load_robot(scenario.robot)
-    compiled = compile_robot(robot, edits_of(scenario))
-    scenario.check(robot, compiled.limits)
-    (sitting,) = loading_sittings(scenario, robot)
+    return rests_of(scenario, compile_robot(load_robot(scenario.robot), edits_of(scenario)))
+
+
+def rests_of(scenario: Loading, compiled: CompiledRobot) -> RestLog:
+    """Return the rests of a loading scenario on a robot as it was compiled; the scenario's friction and servo are not used.
+
+    Raises:
+        InputError: The scenario does not fit the robot.
+    """
+    scenario.check(compiled.robot, compiled.limits)
+    (sitting,) = loading_sittings(scenario.model_copy(update=HURRY), compiled.robot)
     return RestLog(compiled, turning_points(sitting.steps), sitting.start)
 
 
