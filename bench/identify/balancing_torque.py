@@ -1,8 +1,8 @@
-"""The torque of the counterbalance from traverses of its joint, Eqs. (31) to (33), with everything that may be wrong in it.
+"""The torque of the counterbalance from traverses of its joint, Eqs. (31) to (33), and all that may be wrong in it.
 
-M is restoring, and torques are those of the motor in the direction of growing angles. Where the paper writes tau it means
-what the load does to the joint, which has the opposite sign; Eq. (32) then reads M = tau_motor - tau_0, where tau_0 is the
-motor torque that the same motion would need without a counterbalance.
+M is restoring, and torques are those of the motor in the direction of growing angles. Where the paper writes tau it
+means what the load does to the joint, which has the opposite sign; Eq. (32) then reads M = tau_motor - tau_0, where
+tau_0 is the motor torque that the same motion would need without a counterbalance.
 """
 
 from collections.abc import Sequence
@@ -20,6 +20,8 @@ from bench.robot.drives import Drives
 from bench.robot.payload import with_payload
 
 SMOOTH = 7  # degree of the polynomial that stands for a torque where its noise must not enter
+
+TORQUE_CONSTANT = "torque constant"  # the nuisance that tells the gain of the current
 
 
 @dataclass(frozen=True)
@@ -77,8 +79,8 @@ class BalancingTorque:
         theta: Shape (B,) [rad], link angle.
         torque: Shape (B,) [Nm], M of Eq. (32).
         sigma: Shape (B,) [Nm], its standard deviation from the current's noise.
-        sensitivity: Shape (B, m) [Nm], what M is wrong by where the m quantities of `nuisances` are wrong by one standard
-            deviation.
+        sensitivity: Shape (B, m) [Nm], what M is wrong by where the m quantities of `nuisances` are wrong by one
+            standard deviation.
     """
 
     name: str
@@ -100,8 +102,8 @@ def balancing_torques(
 ) -> tuple[BalancingTorque, ...]:
     """Return M for each traverse of the counterbalance's joint.
 
-    The link angles are the motor angles less the twist of the elastic elements, theta = q - tau / k (Eq. 1): at 1 mrad of
-    twist M and gravity are wrong by some Nm without it.
+    The link angles are the motor angles less the twist of the elastic elements, theta = q - tau / k (Eq. 1). Without
+    it, at 1 mrad of twist, M and gravity are wrong by some Nm.
 
     Args:
         traverses: Of any joints; those of others are passed over.
@@ -118,7 +120,7 @@ def balancing_torques(
     if not mine:
         raise InputError(f"no motion run turns {bodies.names[geometry.joint]!r} alone, there and back; record one.")
     if missing := [t.name for t in mine if np.isnan(t.torque).any()]:
-        raise InputError(f"{', '.join(missing)}: a motor current is missing; the twist of a joint needs its current too.")
+        raise InputError(f"{', '.join(missing)}: a motor current is missing; every joint's twist needs its current.")
     empty = Arm(bodies)
     arms = {mass: Arm(with_payload(bodies, mass, load_point)) for mass in {t.payload for t in mine}}
     return tuple(_torque(t, arms[t.payload], empty, drives, priors or Priors()) for t in mine)
@@ -127,7 +129,7 @@ def balancing_torques(
 def nuisances(bodies: RigidBodies) -> tuple[str, ...]:
     """Return the names of the columns of `BalancingTorque.sensitivity`."""
     compliances = (f"compliance of {name}" for name in bodies.names)
-    return ("torque constant", "current offset", *compliances, "first moment, along", "first moment, across")
+    return (TORQUE_CONSTANT, "current offset", *compliances, "first moment, along", "first moment, across")
 
 
 def _torque(traverse: Traverse, arm: Arm, empty: Arm, drives: Drives, priors: Priors) -> BalancingTorque:
@@ -142,7 +144,7 @@ def _torque(traverse: Traverse, arm: Arm, empty: Arm, drives: Drives, priors: Pr
     slope[:, j] = smooth.deriv()(theta[:, j])  # gravity's and M's
     sensitivity = np.column_stack(
         [
-            drives.torque_gain_sigma[j] * smooth(theta[:, j]),
+            drives.torque_gain_sigma[j] * motor,
             np.full_like(motor, drives.torque_constant[j] * drives.current_offset_sigma),
             -priors.compliance * slope * twist,
             priors.first_moment * empty.gravity(theta)[:, j],
@@ -155,7 +157,7 @@ def _torque(traverse: Traverse, arm: Arm, empty: Arm, drives: Drives, priors: Pr
 
 
 def _dynamics(arm: Arm, theta: Array, traverse: Traverse) -> Array:
-    """Return D a + C(theta, v) + G at the joint, Eq. (29), shape (B,) [Nm]; both ways have the same, C being quadratic."""
+    """Return D a + C(theta, v) + G at the joint, Eq. (29), shape (B,) [Nm]; C is quadratic in v, so alike both ways."""
     velocity, acceleration = np.zeros_like(theta), np.zeros_like(theta)
     velocity[:, traverse.joint] = traverse.speed
     acceleration[:, traverse.joint] = traverse.acceleration

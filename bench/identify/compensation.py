@@ -1,8 +1,8 @@
 """Compensation of the joints' compliance (section 6): subtract the predicted deformation from the commanded angles.
 
 The commands q - N u put the links at q if u is what the elastic elements carry there. u is the whole torque: the
-load, and what weight and counterbalance put on the joints unloaded, since the error of a path is counted from the commanded
-line. The current method has all of it in its currents; the others take it from the model.
+load, and what weight and counterbalance put on the joints unloaded, since the error of a path is counted from the
+commanded line. The current method has all of it in its currents; the others take it from the model.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the paper checks about the counterbalance: that M depends on the angle alone, and that C and l_c predict it elsewhere."""
+"""What the paper checks: that M depends on the angle alone, and that C and l_c predict it elsewhere."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,7 +29,8 @@ class Spread:
     @property
     def mean(self) -> Array:
         """Shape (T,) [Nm], over the traverses."""
-        return self.torque.mean(axis=0)
+        mean: Array = self.torque.mean(axis=0)
+        return mean
 
     @property
     def largest(self) -> float:
@@ -64,7 +65,8 @@ class Prediction:
     Attributes:
         name: Of the traverse.
         theta: Shape (B,) [rad].
-        measured: Shape (B,) [Nm], M of Eq. (32).
+        measured: Shape (B,) [Nm], M of Eq. (32) with the torque constant as it stands in the figures.
+        corrected: Shape (B,) [Nm], M less what the fit found the torque constant and other nuisances to be wrong by.
         predicted: Shape (B,) [Nm], Eq. (11).
         by_spring: Shape (B,) [Nm], by the linear spring that fits the same data best.
     """
@@ -72,24 +74,40 @@ class Prediction:
     name: str
     theta: Array
     measured: Array
+    corrected: Array
     predicted: Array
     by_spring: Array
 
     @property
     def error(self) -> float:
         """Largest error as a share of the largest |M| measured."""
-        return float(np.abs(self.predicted - self.measured).max() / np.abs(self.measured).max())
+        return self._share(self.predicted - self.measured)
+
+    @property
+    def corrected_error(self) -> float:
+        """The same with nuisances corrected."""
+        return self._share(self.predicted - self.corrected)
 
     @property
     def spring_error(self) -> float:
         """The same for the linear spring."""
-        return float(np.abs(self.by_spring - self.measured).max() / np.abs(self.measured).max())
+        return self._share(self.by_spring - self.measured)
+
+    def _share(self, error: Array) -> float:
+        return float(np.abs(error).max() / np.abs(self.measured).max())
 
 
 def predict(fit: CounterbalanceFit, torques: Sequence[BalancingTorque]) -> tuple[Prediction, ...]:
     """Return the prediction of each traverse; angles at which the identified gas would have no volume give nan."""
-    law = fit.counterbalance
+    law, found = fit.counterbalance, np.array(list(fit.nuisances.values()))
     return tuple(
-        Prediction(t.name, t.theta, t.torque, law.torque(t.theta), fit.spring.torque(t.theta, fit.geometry))
+        Prediction(
+            name=t.name,
+            theta=t.theta,
+            measured=t.torque,
+            corrected=t.torque - t.sensitivity @ found,
+            predicted=law.torque(t.theta),
+            by_spring=fit.spring.torque(t.theta, fit.geometry),
+        )
         for t in torques
     )

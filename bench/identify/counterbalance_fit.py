@@ -1,7 +1,7 @@
 """C and l_c of a hydropneumatic counterbalance from its torque, Eq. (34), with intervals, k_b and the rival law.
 
-C and l_c are nearly degenerate: a narrow range determines F = C / (l_c - l) in its middle and little else. The likelihood is
-a long ridge; its profile gives intervals that need not be symmetric and may have no upper end.
+C and l_c are nearly degenerate: a narrow range determines F = C / (l_c - l) in its middle and little else. The
+likelihood is a long ridge; its profile gives intervals that need not be symmetric and may have no upper end.
 """
 
 from collections.abc import Mapping, Sequence
@@ -73,7 +73,10 @@ class CounterbalanceFit:
 
     @property
     def preferred(self) -> str:
-        """"gas" or "spring", or "cannot tell": the laws differ by less than noise, or than a computed torque is believed."""
+        """The law that the data prefer: "gas", "spring", or "cannot tell".
+
+        They cannot tell where the laws differ by less than the noise, or by less than a computed torque is believed.
+        """
         difference = (self.spring.chi_square - self.chi_square) / self.scale
         if abs(difference) < DECIDED or self.spring_misfit < TRUSTED * self.largest:
             return "cannot tell"
@@ -94,7 +97,8 @@ class CounterbalanceFit:
 
     def _propagated(self, by_constant: Array, by_length: Array) -> Array:
         gradient = np.stack([by_constant, by_length])
-        return np.sqrt(np.einsum("it,ij,jt->t", gradient, self.covariance, gradient))
+        sigma: Array = np.sqrt(np.einsum("it,ij,jt->t", gradient, self.covariance, gradient))
+        return sigma
 
 
 def fit_counterbalance(
@@ -119,7 +123,7 @@ def fit_counterbalance(
     problem = GasLawProblem.build(torques, geometry)
     best = minimum(problem)
     if best.gas_constant <= 0:
-        raise InputError("the counterbalance pushes where it should pull; check the sign of the current and the geometry.")
+        raise InputError("the counterbalance pushes where it should pull; check the current's sign and the geometry.")
     freedom = len(problem) - 2
     scale = max(1.0, best.chi_square / freedom)
     model = best.gas_constant * problem.per_gas_constant(best.critical_length)
@@ -155,18 +159,19 @@ def _notes(fit: CounterbalanceFit, theta: Array, limits: Array) -> list[str]:
         constant_error = float(np.sqrt(fit.covariance[0, 0]) / fit.gas_constant)
         gain = _spread_of_constant(fit, theta.min(), theta.max()) / _spread_of_constant(fit, *limits)
         notes.append(
-            f"C and l_c are correlated {fit.correlation:.3f}: {reach} determine C / (l_c - l) there to {force_error:.2%}, "
-            f"but C only to {constant_error:.2%}; as far as noise goes, a sweep of {full} tells C {gain:.0f} times better."
+            f"C and l_c are correlated {fit.correlation:.3f}: {reach} determine C / (l_c - l) there to "
+            f"{force_error:.2%}, but C only to {constant_error:.2%}; as far as noise goes, a sweep of {full} tells C "
+            f"{gain:.0f} times better."
         )
     if fit.preferred == "cannot tell":
         notes.append(
-            f"gas law or linear spring cannot be decided over {reach}: the best spring differs by {fit.spring_misfit:.1f} Nm "
-            f"of {fit.largest:.0f} Nm, less than a dynamic model is good for; sweep up to {np.rad2deg(limits[1]):.0f} deg."
+            f"gas law or linear spring cannot be decided over {reach}: the best spring is {fit.spring_misfit:.1f} Nm "
+            f"rms of {fit.largest:.0f} Nm away, less than a dynamic model is good for; sweep {full}."
         )
     if fit.chi_square > TOO_LARGE * fit.degrees_of_freedom:
         notes.append(
-            f"the residuals are {np.sqrt(fit.scale):.1f} times the noise, so something is missing in the model; intervals are "
-            "widened by that factor, which makes them honest only if what is missing looks like noise."
+            f"the residuals are {np.sqrt(fit.scale):.1f} times the noise: something is missing in the model; intervals "
+            "are widened by that factor, which makes them honest only if what is missing looks like noise."
         )
     return notes
 

@@ -18,7 +18,7 @@ from bench.identify.line_passes import LinePass
 
 Array = NDArray[np.float64]
 
-SLIDING = 1e-3  # [rad]; friction of gears is at its level after 1e-5 to 1e-4 rad of motion, elastic elements relax in 5e-4
+SLIDING = 1e-3  # [rad]; gears reach their friction level after 1e-5 to 1e-4 rad, elastic elements wind back within 5e-4
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ class PairFriction:
     """Equivalent friction torque of each joint along a path run there and back; T places, n joints.
 
     Attributes:
-        direction: Shape (T, n), +1 or -1: which way the joint turns on the way out; 0 where it has not turned far enough
-            since it last stood for friction to be known.
+        direction: Shape (T, n), +1 or -1: which way the joint turns on the way out; 0 where it has not turned far
+            enough since it last stood for friction to be known.
         torque: Shape (T, n) [Nm], f at each place; nan where the direction is 0.
         level: Shape (n,) [Nm], mean of f along the path; nan for joints that do not turn.
         noise: Shape (n,) [Nm], standard error of the level from the noise of the currents.
@@ -46,8 +46,8 @@ class PairFriction:
         return np.hypot(self.noise, self.gain)
 
     def along(self) -> Array:
-        """Return friction on the way out, signed by the motion, shape (T, n) [Nm]; zero where the joint does not turn."""
-        return np.where(self.direction == 0, 0.0, self.direction * np.nan_to_num(self.level))
+        """Return friction on the way out, signed by the motion, shape (T, n) [Nm]; zero where a joint does not turn."""
+        return np.asarray(self.direction * np.nan_to_num(self.level))
 
 
 def pair_friction(out: LinePass, back: LinePass, current_gain: Array) -> PairFriction:
@@ -76,11 +76,11 @@ def sliding_direction(q: Array) -> NDArray[np.int64]:
     """
     step = np.diff(q, axis=0)
     turning = np.concatenate([step, step[-1:]])  # the direction in which it leaves each place
-    direction = np.sign(turning).astype(np.int64)
+    direction = np.asarray(np.sign(turning), dtype=np.int64)
     for j in range(q.shape[1]):
         if np.ptp(q[:, j]) < SLIDING:
             direction[:, j] = 0
             continue
         for place in np.flatnonzero(np.diff(direction[:, j])) + 1:
             direction[np.abs(q[:, j] - q[place, j]) < SLIDING, j] = 0
-    return direction
+    return np.asarray(direction)

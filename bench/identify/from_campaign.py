@@ -18,7 +18,7 @@ UNIFORM = 1 / np.sqrt(12)  # standard deviation of rounding to 1
 
 @dataclass(frozen=True)
 class _State:
-    """Means over the repeats of one state, and how many there were."""
+    """Means over the repeats of one state, how many there were, and from which side the pose was reached (0: unknown)."""
 
     q_motor: Array
     current: Array
@@ -26,6 +26,7 @@ class _State:
     wrench: Array
     load: Array
     repeats: int
+    approach: int
 
 
 def static_readings(campaign: Campaign, figures: Figures) -> StaticReadings:
@@ -71,6 +72,7 @@ def static_readings(campaign: Campaign, figures: Figures) -> StaticReadings:
         load_point=figures.load_point,
         systematic=noise.systematic,
         sigma_q_motor=noise.q_motor,
+        approach=np.array([state.approach for state in states]),
     )
 
 
@@ -93,7 +95,9 @@ def _visits(run: Run, figures: Figures) -> Iterator[list[_State]]:
         here = np.all(visit == pose, axis=1)
         rows = [np.flatnonzero(here & (steps == step)) for step in np.unique(steps[here])]
         yield [
-            _State(*(values[r].mean(axis=0) for values in (q_motor, current, reflectors, wrench, load)), len(r))
+            _State(
+                *(values[r].mean(axis=0) for values in (q_motor, current, reflectors, wrench, load)), len(r), int(pose[1])
+            )
             for r in rows
         ]
 

@@ -37,8 +37,8 @@ class Spring:
 class GasLawProblem:
     """Measured M of all traverses with its covariance diag(sigma^2) + S S^T, where S are the nuisance sensitivities.
 
-    The chi-square of a residual r is r^T covariance^-1 r. It is computed as the least squares over the nuisances b, with
-    their priors as further rows: min |r / sigma - S b / sigma|^2 + |b|^2.
+    The chi-square of a residual r is r^T covariance^-1 r. It is computed as the least squares over the nuisances b,
+    with their priors as further rows: min |r / sigma - S b / sigma|^2 + |b|^2.
 
     Attributes:
         length: Shape (N,) [m], l of Eq. (9).
@@ -71,21 +71,24 @@ class GasLawProblem:
         return len(self.torque)
 
     def whitened(self, torque: Array) -> Array:
-        """Return torques, shape (N,) or (N, p) [Nm], as rows whose sum of squares is chi-square; shape (N + m,) or more."""
+        """Return rows whose sum of squares is chi-square, shape (N + m, ...), of torques of shape (N, ...) [Nm]."""
         rows = np.zeros((len(self.basis), *torque.shape[1:]))
         rows[: len(self)] = (torque.T / self.sigma).T
-        return rows - self.basis @ (self.basis.T @ rows)
+        free: Array = rows - self.basis @ (self.basis.T @ rows)
+        return free
 
     def nuisances(self, residual: Array) -> Array:
-        """Return what the residual M - model, shape (N,) [Nm], says of the nuisances, shape (m,), in standard deviations."""
-        return np.linalg.solve(self.triangle, self.basis[: len(self)].T @ (residual / self.sigma))
+        """Return the nuisances in prior standard deviations, shape (m,), by the residual M - model, shape (N,) [Nm]."""
+        return np.asarray(
+            np.linalg.solve(self.triangle, self.basis[: len(self)].T @ (residual / self.sigma)), np.float64
+        )
 
     def per_gas_constant(self, critical_length: float) -> Array:
         """Return M / C = l' / (l_c - l), shape (N,)."""
         return self.lever_arm / (critical_length - self.length)
 
     def for_critical_length(self, critical_length: float) -> tuple[float, float, float]:
-        """Return the best C [Nm] for a given l_c [m], in which M is linear; its chi-square, and the curvature 1 / sigma_C^2."""
+        """Return the best C [Nm] for a given l_c [m], its chi-square, and 1 / sigma_C^2; M is linear in C."""
         column, target = self.whitened(self.per_gas_constant(critical_length)), self.whitened(self.torque)
         curvature = float(column @ column)
         constant = float(column @ target) / curvature

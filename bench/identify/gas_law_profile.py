@@ -61,9 +61,10 @@ def intervals(problem: GasLawProblem, best: Minimum, rise: float) -> Array:
 
         def inside(u: float) -> float:
             constant, _, curvature = problem.for_critical_length(longest + float(np.exp(u)))
-            return -sign * constant - np.sqrt(max(left(u), 0.0) / curvature)
+            return -sign * constant - float(np.sqrt(max(left(u), 0.0) / curvature))
 
-        return -sign * float(minimize_scalar(inside, bounds=(low, high), method="bounded", options={"xatol": 1e-6}).fun)
+        found = minimize_scalar(inside, bounds=(low, high), method="bounded", options={"xatol": 1e-6})
+        return -sign * float(found.fun)
 
     centre, nearest, farthest = (float(np.log(g)) for g in (best.critical_length - longest, NEAREST, FARTHEST))
     low = nearest if left(nearest) > 0 else brentq(left, nearest, centre, xtol=1e-9)

@@ -60,11 +60,12 @@ def identify_joint(
     n = readings.n_joints
     used = is_signal(*force_change(arm, counterbalance, readings, SecondOrder.NONE))
     count = int(used.sum())
-    compliance, share = np.zeros(n), np.full(n, SHARE_PRIOR[0])
+    compliance, share, level = np.zeros(n), np.full(n, SHARE_PRIOR[0]), np.zeros(n)
     for step in range(options.iterations):
-        problem = build_joint(arm, counterbalance, readings, options, compliance, share)
+        problem = build_joint(arm, counterbalance, readings, options, compliance, share, level)
         solution = solve_joint(problem, used, SPREADS if step else SPREADS[:1])
-        compliance[used], share[used] = solution.parameters[:count], solution.parameters[count : 2 * count]
+        found = solution.parameters[: 3 * count].reshape(3, count)
+        compliance[used], share[used], level[used] = found
     share_sigma = np.full(n, SHARE_PRIOR[1])
     share_sigma[used] = np.sqrt(np.diag(solution.covariance)[count : 2 * count])
     gain_covariance = readings.systematic.force_gain**2 * np.outer(compliance, compliance)

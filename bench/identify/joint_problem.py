@@ -10,6 +10,7 @@ from bench.identify.force import turned_wrench, wrench_covariance
 from bench.identify.friction import FrictionChange, friction_change
 from bench.identify.gls import SeriesModel
 from bench.identify.options import Options
+from bench.identify.play import play
 from bench.identify.readings import StaticReadings
 from bench.identify.statics import equilibrium, motion
 from bench.robot.counterbalance import Counterbalance
@@ -51,6 +52,7 @@ def build_joint(
     options: Options,
     compliance: Array,
     share: Array,
+    level: Array,
 ) -> JointProblem:
     """Return the problem, linearised.
 
@@ -61,6 +63,7 @@ def build_joint(
         options: Options.
         compliance: Shape (n,) [rad/Nm], N.
         share: Shape (n,), lambda.
+        level: Shape (n,), beta.
     """
     n, q, first = readings.n_joints, readings.q_motor, readings.first_of_series
     repeats = readings.n_repeats[:, None, None]
@@ -69,25 +72,33 @@ def build_joint(
     _, load = equilibrium(*place)
     force_noise = load.jacobian.transpose(0, 2, 1) @ (wrench_covariance(arm, readings) / repeats) @ load.jacobian
     variance = np.diagonal(force_noise, axis1=1, axis2=2)
-    friction = friction_change(readings, load.total, np.sqrt(variance + variance[first]))
+    turned = turned_wrench(readings, wrench)
+    by_direction = load.jacobian.transpose(0, 2, 1) @ turned
+    friction = friction_change(readings, load.total, np.sqrt(variance + variance[first]), by_direction)
 
-    # u = Gamma - lambda s; the part of s that does not change with theta goes into the constant
+    # u = Gamma - lambda s - (1 - lambda) P; only the part of Gamma that theta changes stays out of the constant
     seen = (1 + friction.gain) * friction.current
-    torque, load = equilibrium(*place, 1 - share, share * (load.total[first] + seen))
+    held = play(readings, friction.force, np.maximum(level, 0.0) * friction.scale)
+    held_change = held.torque - held.torque[first]
+    torque, load = equilibrium(*place, 1 - share, share * (load.total[first] + seen) - (1 - share) * held_change)
     stiffness = (1 - share)[:, None] * load.stiffness
     moved = motion(arm, readings.reflector_names[0], q, torque, compliance, options.second_order, stiffness)
     deviation = moved.per_torque * friction.scale
+    by_gain = moved.per_torque * (share * friction.current)[:, None, :]
+    # A load that is turned changes Gamma, and with it the gain that was found by comparing the currents with it
+    by_direction = moved.per_torque * (1 - share) @ load.jacobian.transpose(0, 2, 1) @ turned
+    by_direction = by_direction + by_gain @ friction.gain_by_direction
     regressor = np.concatenate(
         [
             moved.per_compliance,
-            -moved.per_torque * (load.total - load.total[first] - seen)[:, None, :],
-            -deviation * friction.sliding[:, None, :],
-            moved.per_torque * (share * friction.current)[:, None, :],
-            moved.per_torque * (1 - share) @ load.jacobian.transpose(0, 2, 1) @ turned_wrench(readings, wrench),
+            -moved.per_torque * (load.total - load.total[first] - seen - held_change)[:, None, :],
+            -deviation * ((1 - share) * (held.direction - held.direction[first]))[:, None, :],
+            by_gain,
+            by_direction,
         ],
         axis=2,
     )
-    about = np.concatenate([compliance, share, np.zeros(n), friction.gain, np.zeros(3)])
+    about = np.concatenate([compliance, share, np.maximum(level, 0.0), friction.gain, np.zeros(3)])
     torque_noise = (1 - share)[:, None] * force_noise * (1 - share)
     torque_noise = torque_noise + np.diag((share * readings.sigma_current_torque) ** 2) / repeats
     noise = moved.per_torque @ torque_noise @ moved.per_torque.transpose(0, 2, 1)

@@ -45,11 +45,13 @@ class AxisComparison:
         return self.rms <= self.rms_allowed
 
 
-def compare(measured: Array, sigma: Array, predicted: Prediction, rng: np.random.Generator) -> tuple[AxisComparison, ...]:
+def compare(
+    measured: Array, sigma: Array, predicted: Prediction, rng: np.random.Generator
+) -> tuple[AxisComparison, ...]:
     """Return one comparison per axis.
 
-    Errors of the estimate are common to all places, noise is not. What they allow together is drawn, since the largest of
-    many correlated errors has no handy distribution.
+    Errors of the estimate are common to all places, noise is not. What they allow together is drawn, since the
+    largest of many correlated errors has no handy distribution.
 
     Args:
         measured: Shape (T, 3) [m].
@@ -66,7 +68,7 @@ def compare(measured: Array, sigma: Array, predicted: Prediction, rng: np.random
         allowed = np.abs(by_estimate + noise[:, a] * rng.standard_normal(by_estimate.shape))
         mean_way = predicted.per_parameter[:, a].mean(axis=0)
         m, p = measured[:, a], predicted.displacement[:, a]
-        size = float(m @ m)
+        size = float(m @ m) or np.nan  # nothing moved along this axis
         ratio_way = m @ predicted.per_parameter[:, a] / size
         results.append(
             AxisComparison(

@@ -1,18 +1,20 @@
 """Deflection along a line as each method predicts it, and how it compares with what the tracker saw.
 
-The deflection is the place of the reference point on the loaded pass less that on the unloaded pass of the same direction,
-at equal commands. The robot moves in both, so friction slides at its level in both, and has the same sign.
+The deflection is the place of the reference point on the loaded pass less that on the unloaded pass of the same
+direction, at equal commands. The robot moves in both, so friction slides at its level in both, and has the same sign.
 
-What the elastic elements carry, u, each method takes from where it takes it in identification (`bench.identify.statics`):
+What the elastic elements carry, u, each method takes from where it takes it in identification (see
+`bench.identify.statics`):
 
 - force: u = Gamma, the load J_f^T W with weight and counterbalance; friction on the link side is left out.
-- current: u = -xi I, the torque of the motor; friction on the motor side is left in. This is the paper's *practical load*,
-  J_f^T W plus or minus friction: the current has friction in it already, with the sign that the motion gives it.
-- joint: u = Gamma - lambda f sign(v), f from Eq. (48) and lambda the share of friction that the estimate puts on the link side.
+- current: u = -xi I, the torque of the motor; friction on the motor side is left in. This is the paper's *practical
+  load*, J_f^T W plus or minus friction: the current has friction in it, with the sign that the motion gives it.
+- joint: u = Gamma - lambda f sign(v), f from Eq. (48), lambda the share of friction that the estimate puts on the
+  link side.
 
-In the difference of two passes of one direction friction cancels, whichever side it is on, unless it depends on the load.
-So what a method predicts wrongly here is its stiffness. The *lost motion* between out and back at equal load shows the
-link-side friction instead: force predicts none, current all of it.
+In the difference of two passes of one direction friction cancels, whichever side it is on, unless it depends on the
+load. So what a method predicts wrongly here is its stiffness. The *lost motion* between out and back at equal load
+shows the link-side friction instead: force predicts none, current all of it.
 """
 
 from dataclasses import dataclass, replace
@@ -52,7 +54,8 @@ class WindUp:
     Attributes:
         torque: Shape (T, n) [Nm], deflecting torque u.
         motion: Where the reference point comes to be, and how that changes with torque and compliance.
-        per_parameter: Shape (T, 3, p) [m per unit], derivative by the parameters of the estimate: N, and lambda if it has it.
+        per_parameter: Shape (T, 3, p) [m per unit], derivative by the parameters of the estimate: N, and lambda if
+            it has it.
         noise: Shape (T, 3) [m], standard deviation of the position from the noise of the torque.
     """
 
@@ -84,7 +87,7 @@ class Prediction:
     def standard_error(self) -> Array:
         """Shape (T, 3) [m], from the covariance of the estimate; common to all places to a large part."""
         variance = np.einsum("tap,pq,taq->ta", self.per_parameter, self.covariance, self.per_parameter)
-        return np.sqrt(np.maximum(variance, 0.0))
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
 def line_model(arm: Arm, counterbalance: Counterbalance | None, passes: LinePasses) -> LineModel:
@@ -169,8 +172,8 @@ def parameter_covariance(estimate: StiffnessEstimate, current_gain: Array) -> Ar
     """Return the covariance of N, and of lambda if the estimate has it, shape (p, p), as it counts along the line.
 
     The torque constants are the same in identification and along the line: N (1 + g)^-1 times xi I (1 + g). So their
-    error, which the current method's covariance contains, cancels there and is taken off. Covariance between N and lambda
-    is not part of an estimate and left out.
+    error, which the current method's covariance contains, cancels there and is taken off. Covariance between N and
+    lambda is not part of an estimate and left out.
 
     Args:
         estimate: The estimate.

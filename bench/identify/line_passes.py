@@ -71,7 +71,7 @@ class LinePasses:
             InputError: The campaign has no such run.
         """
         if (state, way) not in self.passes:
-            raise InputError(f"the campaign has no run {state}-{way!s}; run the line {way}, {state}, and add it.")
+            raise InputError(f"the campaign has no run {state}-{way}; run the line {way}, {state}, and add it.")
         return self.passes[state, way]
 
 
@@ -110,16 +110,9 @@ def line_passes(campaign: Campaign, figures: Figures, places: int | None = None)
 def white_noise(values: Array) -> Array:
     """Return the standard deviation of white noise on smooth curves, shape (T, k), T > 2, as shape (k,).
 
-    From second differences, which a smooth curve hardly has: their variance is six times that of the noise. The largest
-    hundredth is left out as those of a kink, and what that takes from a normal distribution is put back.
+    From second differences, which a smooth curve hardly has: their variance is six times that of the noise.
     """
-    squares = np.sort(np.diff(values, n=2, axis=0) ** 2, axis=0)
-    kept = squares[: max(1, int(np.ceil(KEPT * len(squares))))]
-    return np.sqrt(kept.mean(axis=0) / (6 * KEPT_POWER))
-
-
-KEPT = 0.99
-KEPT_POWER = 0.9247  # mean square of the central 99 % of a standard normal: 1 - 2 z phi(z) / 0.99, z = 2.5758
+    return np.asarray(np.sqrt(np.mean(np.diff(values, n=2, axis=0) ** 2, axis=0) / 6))
 
 
 def _name(run: Run) -> tuple[str, str]:
@@ -161,5 +154,11 @@ def _at(line_pass: LinePass, share: Array) -> LinePass:
         ordered = values if line_pass.is_out else values[::-1]
         return np.stack([np.interp(share, here, column) for column in ordered.T], axis=1)
 
-    per_place = ("q_cmd", "q_motor", "current_torque", "reflector", "wrench")
-    return replace(line_pass, **{name: moved(getattr(line_pass, name)) for name in per_place})
+    return replace(
+        line_pass,
+        q_cmd=moved(line_pass.q_cmd),
+        q_motor=moved(line_pass.q_motor),
+        current_torque=moved(line_pass.current_torque),
+        reflector=moved(line_pass.reflector),
+        wrench=moved(line_pass.wrench),
+    )

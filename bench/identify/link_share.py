@@ -1,8 +1,8 @@
 """Which share of friction the elastic elements feel, from the lost motion between out and back.
 
-On the way out friction on the link side bends the arm one way, on the way back the other; friction on the motor side bends
-nothing. With f of Eq. (48), both sides together, the lost motion is lambda times J_m N 2 f. One lambda is found for all joints
-that turn: a line in one plane cannot tell them apart.
+On the way out friction on the link side bends the arm one way, on the way back the other; friction on the motor side
+bends nothing. With f of Eq. (48), both sides together, the lost motion is lambda times J_m N 2 f. One lambda is found
+for all joints that turn: a line in one plane cannot tell them apart.
 """
 
 from dataclasses import dataclass
@@ -52,14 +52,14 @@ def link_share(model: LineModel, estimate: StiffnessEstimate, state: str = "load
     by_drive = np.einsum("tan,tn->ta", moved.per_motor_angle, out.q_motor - back.q_motor)
     per_joint = -LOST_BOTH_WAYS * moved.per_torque * friction.along()[:, None, :]  # (T, 3, n) [m], all of it felt
     felt, seen = per_joint.sum(axis=2), lost - by_drive
-    weight = 1 / sigma**2
-    size = float(np.sum(weight * felt**2))
-    value = float(np.sum(weight * felt * seen)) / size
+    size = float(np.sum(felt**2)) or np.nan  # without friction there is nothing to share
+    value = float(np.sum(felt * seen)) / size
     # the lost motion is proportional to N_j f_j of each joint, so that is what lambda is inversely sensitive to
-    weighted = np.einsum("ta,a,tan->n", felt, weight, per_joint) / size
+    weighted = np.einsum("ta,tan->n", felt, per_joint) / size
     known = compliance > 0
     covariance = parameter_covariance(estimate, passes.current_gain)[: len(compliance), : len(compliance)]
     relative = covariance / np.outer(np.where(known, compliance, 1), np.where(known, compliance, 1))
     gain = np.zeros_like(compliance) if estimate.method == "current" else passes.current_gain  # cancels there
     relative = relative + np.diag(gain**2)
-    return LinkShare(value, float(np.sqrt(1 / size + value**2 * weighted @ relative @ weighted)))
+    by_noise = float(np.sum(felt**2 @ sigma**2)) / size**2
+    return LinkShare(value, float(np.sqrt(by_noise + value**2 * weighted @ relative @ weighted)))

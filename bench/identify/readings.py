@@ -54,6 +54,7 @@ class StaticReadings:
         load_point: Point of the arm on which the wrench acts.
         systematic: Prior standard deviations of the instruments' systematic errors.
         sigma_q_motor: [rad], standard deviation of one reading of a motor angle.
+        approach: Shape (m,) int, +1 or -1: all joints came to the pose upwards or downwards; 0 or None: not known.
     """
 
     series: NDArray[np.int64]
@@ -71,6 +72,7 @@ class StaticReadings:
     load_point: str
     systematic: Systematic
     sigma_q_motor: float = 0.0
+    approach: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
         """Check shapes and series.
@@ -124,7 +126,8 @@ class StaticReadings:
     def take(self, rows: NDArray[np.bool_]) -> "StaticReadings":
         """Return the states marked in `rows`, shape (m,)."""
         per_state = ("series", "is_reference", "q_motor", "current_torque", "reflectors", "wrench", "is_vertical", "n_repeats")
-        return replace(self, **{name: getattr(self, name)[rows] for name in per_state})
+        approach = None if self.approach is None else self.approach[rows]
+        return replace(self, **{name: getattr(self, name)[rows] for name in per_state}, approach=approach)
 
     def load(self, gravity: Array) -> Array:
         """Return the wrench on the load point, shape (m, 6) [N, Nm]; a hanging load pulls along gravity, without a moment.

@@ -13,6 +13,9 @@ Array = NDArray[np.float64]
 
 SPREADS = (0.01, 0.03, 0.1, 0.3, 1.0)  # grid of sqrt(v_1) and sqrt(v_2), in units of S
 
+STICK=1.
+START=lambda l,p: l
+
 
 def with_spread(problem: JointProblem, lasting: float, passing: float) -> tuple[SeriesModel, Array]:
     """Return the model with the deviations, and the prior sigmas of the parameters, shape (p,).
@@ -25,12 +28,12 @@ def with_spread(problem: JointProblem, lasting: float, passing: float) -> tuple[
     n = problem.deviation.shape[2]
     first = problem.is_first[:, None, None]
     share = np.clip(problem.share, 0.0, 1.0)
-    sticking = problem.friction.may_stick[:, None, :] * np.sqrt(share * (1 - share) + lasting**2)
+    sticking = problem.friction.may_stick[:, None, :] * np.sqrt(share * (1 - share) + STICK * lasting**2)
     passed = np.where(first, 0.0, problem.deviation) * np.hypot(passing, sticking)
     model = replace(
         problem.model,
         covariance=problem.model.covariance + passed @ passed.transpose(0, 2, 1),
-        shared=np.where(first, lasting * problem.deviation, 0.0),
+        shared=np.where(first, START(lasting,passing) * problem.deviation, 0.0),
     )
     sigma = problem.prior_sigma.copy()
     sigma[2 * n : 3 * n] *= lasting

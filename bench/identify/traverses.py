@@ -72,9 +72,9 @@ class _Way:
 def traverses(campaign: Campaign, drives: Drives, gravity: Array) -> tuple[Traverse, ...]:
     """Return the traverses of a campaign: each a run up and a run down, of the same joint, speed and payload.
 
-    Angles are those of the motor encoders. Speed and acceleration come from the commands, which are free of noise and which
-    a servo follows within some microradians. Where either was not logged, the other stands in. Only samples at steady
-    speed count: there neither rotor inertia nor the vibration that a ramp excites has a say.
+    Angles are those of the motor encoders. Speed and acceleration come from the commands, which are free of noise and
+    which a servo follows within some microradians. Where either was not logged, the other stands in. Only samples at
+    steady speed count: there neither rotor inertia nor the vibration that a ramp excites has a say.
 
     Args:
         campaign: A validated campaign; its own noise of the current counts where it gives one.
@@ -82,8 +82,8 @@ def traverses(campaign: Campaign, drives: Drives, gravity: Array) -> tuple[Trave
         gravity: Shape (3,) [m/s^2].
 
     Raises:
-        InputError: No run turns a single joint, a run has no partner the other way, or a load is not a payload's weight;
-            every fault is listed.
+        InputError: No run turns a single joint, a run has no partner the other way, or a load is not the weight of a
+            payload; every fault is listed.
     """
     problems: list[str] = []
     sigma = campaign.noise.get("current", drives.current_sigma)
@@ -95,7 +95,8 @@ def traverses(campaign: Campaign, drives: Drives, gravity: Array) -> tuple[Trave
             open_ways.append(way)
         else:
             open_ways.remove(partner)
-            found.append(_both(*sorted((way, partner), key=lambda w: -w.speed), drives, sigma))
+            up, down = sorted((way, partner), key=lambda w: -w.speed)
+            found.append(_both(up, down, drives, sigma))
     problems += [f"{way.run}: has no run the other way at its speed with its payload; add one." for way in open_ways]
     if not problems and not found:
         problems.append("the campaign has no motion run in which a single joint turns; record one there and back.")
@@ -116,13 +117,17 @@ def _ways(campaign: Campaign, drives: Drives, gravity: Array, problems: list[str
         surplus = run.load_wrench()
         surplus[:, :3] -= payload[:, None] * gravity
         if np.ptp(payload) > 0 or np.abs(surplus).max() > UNEXPLAINED:
-            problems.append(f"{run.name}: the load is not the weight of load_mass_kg; a load that moves along needs its mass.")
+            problems.append(
+                f"{run.name}: the load is not the weight of load_mass_kg; a load that moves along needs its mass."
+            )
             continue
         smooth = np.where(np.isfinite(command), command, encoder)
         if way := _steady_way(run, joint, float(payload[0]), smooth, q, drives):
             yield way
         else:
-            problems.append(f"{run.name}: has less than {RUN_IN:g} s at steady speed; go further or gather speed sooner.")
+            problems.append(
+                f"{run.name}: has less than {RUN_IN:g} s at steady speed; go further or gather speed sooner."
+            )
 
 
 def _steady_way(run: Run, joint: int, payload: float, smooth: Array, q: Array, drives: Drives) -> _Way | None:

@@ -1,4 +1,4 @@
-"""Section 6 from the scenario to the numbers: friction, deflection by every method against the tracker, compensation."""
+"""Section 6 from scenario to numbers: friction, deflection by every method against the tracker, compensation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -48,8 +48,8 @@ class MethodOnLine:
         link_share: Share of friction on the link side that the lost motion shows, with this stiffness.
         compensation: Corrections that it asked for.
         after: Way -> error of the trajectory with them.
-        expected_error: Way -> shape (T, 3) [m], standard deviation of what the covariance of the estimate and the tracker let
-            one expect of that error beforehand.
+        expected_error: Way -> shape (T, 3) [m], standard deviation of that error as covariance of the estimate and
+            figures of the tracker let one expect it beforehand.
     """
 
     deflection: Mapping[str, Prediction]

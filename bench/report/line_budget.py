@@ -24,9 +24,9 @@ class TrajectoryError:
         error: Shape (T, 3) [m].
         parts: Name -> shape (T, 3) [m]; they add up to the error. All have "following" (motor against command, with the
             sampling's delay), "frame" (the tracker's frame, placement and drift) and "noise" (of the tracker). An
-            uncompensated pass has "deformation" (of the elastic elements); a compensated one has of it "stiffness" (what
-            the error of the stiffness leaves over), "torque" (what the error of u leaves: friction on the side that the
-            method does not look at, errors of currents) and "rest" (second order, smoothing).
+            uncompensated pass has "deformation" (of the elastic elements); a compensated one has of it "stiffness"
+            (what the error of the stiffness leaves over), "torque" (what the error of u leaves: friction on the side
+            that the method does not look at, errors of currents) and "rest" (second order, smoothing).
     """
 
     error: Array
@@ -82,7 +82,7 @@ def tracker_sigma(tracker: Tracker | None, position: Array, noise: Array) -> Arr
         return np.broadcast_to(noise, position.shape)
     across = np.sum(position**2, axis=1, keepdims=True) - position**2
     fixed = tracker.frame_sigma_m**2 + tracker.placement_sigma_m**2
-    return np.sqrt(fixed + tracker.frame_sigma_rad**2 * across + noise**2)
+    return np.asarray(np.sqrt(fixed + tracker.frame_sigma_rad**2 * across + noise**2))
 
 
 def _left_over(

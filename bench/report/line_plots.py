@@ -72,9 +72,8 @@ def figure_15(report: LineReport, joint: int | None = None) -> "Figure":
 def figure_16(report: LineReport, way: str = "out") -> "Figure":
     """Return the deflection by the load: tracker against every method, with 95 % bands, and the differences below."""
     measured, _ = measured_deflection(report.model.passes, way)
-    figure, axes = new_figure(
-        f"Deflection by {report.scenario.force_n:g} N along the line, {way}", 2, 2, 7.4, sharex="all", height_ratios=[1.6, 1]
-    )
+    title = f"Deflection by {report.scenario.force_n:g} N along the line, {way}"
+    figure, axes = new_figure(title, 2, 2, 7.4, sharex="all", height_ratios=[1.6, 1])
     for column, axis in enumerate(SHOWN):
         a = AXES.index(axis)
         top, bottom = axes[0][column], axes[1][column]
@@ -87,10 +86,10 @@ def figure_16(report: LineReport, way: str = "out") -> "Figure":
             smooth, smooth_error = (_smoothed(part) for part in (values, error))
             label = f"{name} method" if column == 0 else None
             top.plot(place, smooth, color=COLOURS[k], label=label)
-            off = _smoothed(MM * measured[:, a]) - smooth
-            bottom.plot(place, UM / MM * off, color=COLOURS[k])
+            off = UM / MM * (_smoothed(MM * measured[:, a]) - smooth)
             half = UM / MM * TWO_SIGMA * smooth_error
-            bottom.fill_between(place, UM / MM * off - half, UM / MM * off + half, color=COLOURS[k], alpha=0.15, linewidth=0)
+            bottom.plot(place, off, color=COLOURS[k])
+            bottom.fill_between(place, off - half, off + half, color=COLOURS[k], alpha=0.15, linewidth=0)
         top.set_title(axis, loc="left")
         bottom.set_xlabel("place on the line [mm]")
     axes[0][0].set_ylabel("deflection [mm]")
@@ -127,7 +126,7 @@ def _bars(panel: "Axes", report: LineReport, axis: str) -> None:
     width, a = 0.8 / len(report.methods), AXES.index(axis)
     for k, found in enumerate(report.methods.values()):
         parts = found.after["out"].parts
-        means = [MM * float(np.mean(sum((parts[name][:, a] for name in names), np.zeros(1)))) for names in PARTS.values()]
+        means = [MM * sum(float(parts[name][:, a].mean()) for name in names) for names in PARTS.values()]
         at = np.arange(len(PARTS)) + (k - (len(report.methods) - 1) / 2) * width
         bars: Any = panel.barh(at, means, width, color=COLOURS[k])
         panel.bar_label(bars, [f"{mean:+.2f}" for mean in means], fontsize=8, color=COLOURS[k], padding=3)
@@ -141,7 +140,7 @@ def _bars(panel: "Axes", report: LineReport, axis: str) -> None:
 
 
 def _smoothed(values: Array) -> Array:
-    """Return a curve, shape (T,), without the noise of single readings: a parabola through a tenth of the line at a time."""
+    """Return a curve, shape (T,), without the noise of single readings: a parabola through a tenth of it at a time."""
     from scipy.signal import savgol_filter
 
     window = max(5, 2 * (len(values) // 20) + 1)

@@ -48,9 +48,7 @@ def line_as_json(report: LineReport) -> dict[str, object]:
             }
             for name, found in report.methods.items()
         },
-        "paper": [
-            asdict(row) | {"difference": row.difference, "holds": row.holds} for row in published_rows(report)
-        ],
+        "paper": [asdict(row) | {"difference": row.difference, "holds": row.holds} for row in published_rows(report)],
         "conclusions": line_conclusions(report),
     }
 
@@ -88,17 +86,19 @@ def line_conclusions(report: LineReport) -> list[str]:
     for name, found in report.methods.items():
         reduction = report.reduction(name, "z")
         left = {part: MM * found.after["out"].rms("z", part) for part in found.after["out"].parts}
-        ranked = ", ".join(f"{part} {size:.2f} mm" for part, size in sorted(left.items(), key=lambda item: -item[1])[:3])
+        largest = sorted(left.items(), key=lambda item: -item[1])[:3]
+        ranked = ", ".join(f"{part} {size:.2f} mm" for part, size in largest)
         sentences.append(
-            f"{name}: compensation divides the error in z by {reduction.achieved:.1f} as tracked ({reduction.expected:.1f} "
-            f"expected beforehand) and by {reduction.true:.1f} in truth; the error of the estimate alone allows "
-            f"{reduction.by_estimate:.1f}, that of its stiffness {reduction.by_stiffness:.1f}. Left on the way out: {ranked}."
+            f"{name}: compensation divides the error in z by {reduction.achieved:.1f} as tracked "
+            f"({reduction.expected:.1f} expected beforehand) and by {reduction.true:.1f} in truth; the error of the "
+            f"estimate alone allows {reduction.by_estimate:.1f}, that of its stiffness {reduction.by_stiffness:.1f}. "
+            f"Left on the way out, rms: {ranked}."
         )
     for name, found in report.methods.items():
         share = found.link_share
         sentences.append(
-            f"{name}: the lost motion between out and back puts {100 * share.value:.0f} ± {100 * share.sigma:.0f} % of the "
-            "friction on the link side."
+            f"{name}: the lost motion between out and back puts {100 * share.value:.0f} ± {100 * share.sigma:.0f} % of "
+            "the friction on the link side."
         )
     return sentences
 

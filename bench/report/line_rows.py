@@ -83,8 +83,8 @@ def _rows(report: LineReport) -> Iterator[PublishedRow]:
 def _friction_rows(report: LineReport) -> Iterator[PublishedRow]:
     j = busiest_joint(report)
     out, back = (report.model.passes.of("loaded", way) for way in ("out", "back"))
-    falling = np.diff(out.q_cmd[:, j]) < 0
+    falling = float(np.mean(np.diff(out.q_cmd[:, j]) < 0))
     name = report.joint_names[j]
-    yield PublishedRow(f"share of the way on which {name} turns back, Fig. 15a", "", float(falling.mean()), 1.0, "equal")
+    yield PublishedRow(f"share of the way out on which {name} falls, Fig. 15a", "", falling, 1.0, "equal")
     ratio = float(np.mean(np.abs(out.current_torque[:, j])) / np.mean(np.abs(back.current_torque[:, j])))
     yield PublishedRow(f"current of {name}, out over back, Fig. 15b", "", ratio, 1.0, "more")

@@ -1,4 +1,4 @@
-"""The line on the virtual robot: sessions side by side, each with what the instruments read and, apart from it, what was true."""
+"""The line on the virtual robot: sessions side by side, each with what was read and, apart from it, what was true."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Figs. 11 to 13: the counterbalance's torque over the angle, its prediction elsewhere, and what it does to the stiffness."""
+"""Figs. 11 to 13: a counterbalance's torque over the angle, its prediction elsewhere, its share of the stiffness."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -22,18 +22,18 @@ STYLES = ("-", "--", ":", "-.")  # of the payloads; the colour is the speed
 HEIGHT = 4.8  # [inch]
 
 
-def figure_11(torques: Sequence[BalancingTorque], spread: Spread, fit: CounterbalanceFit) -> "Figure":
+def figure_11(torques: Sequence[BalancingTorque], spread: Spread, fit: CounterbalanceFit, gain: float) -> "Figure":
     """Return M over the joint angle by payload and speed, and how far each traverse is from the mean of all.
 
     Args:
         torques: M of each traverse, Eq. (32).
         spread: The same at common angles.
         fit: The gas law through all of them.
+        gain: Relative error of torque constant and current together, as the fit found it.
     """
     title = f"Balancing torque from the current: traverses differ by at most {spread.largest:.1%} of its largest value"
     figure, ((left, right),) = new_figure(title, 1, 2, HEIGHT, width_ratios=[1, 1])
-    speeds, payloads = sorted({t.speed for t in torques}), sorted({t.payload for t in torques})
-    speeds = _distinct(speeds)
+    speeds, payloads = _distinct(sorted(t.speed for t in torques)), sorted({t.payload for t in torques})
     for t, apart in zip(torques, spread.torque - spread.mean, strict=True):
         colour = COLOURS[int(np.argmin(np.abs(np.array(speeds) - t.speed))) % len(COLOURS)]
         style = STYLES[payloads.index(t.payload) % len(STYLES)]
@@ -41,13 +41,20 @@ def figure_11(torques: Sequence[BalancingTorque], spread: Spread, fit: Counterba
         left.plot(np.rad2deg(t.theta), t.torque / KILO, style, color=colour, label=label, linewidth=1.2)
         right.plot(np.rad2deg(spread.theta), apart, style, color=colour, linewidth=1.0)
     theta = spread.theta
-    left.plot(np.rad2deg(theta), fit.counterbalance.torque(theta) / KILO, color=INK, linewidth=0.8, label="gas law")
+    left.plot(
+        np.rad2deg(theta),
+        fit.counterbalance.torque(theta) / KILO,
+        color=INK,
+        linewidth=0.8,
+        label="gas law, gain corrected",
+    )
     _mark_zero(left, spread.zero)
     left.set_ylabel("restoring torque M [kNm]")
     right.set_ylabel("M less the mean of all [Nm]")
     right.axhline(0, color=GREY, linewidth=0.8)
+    right.set_title(f"torque constant wrong by {gain:+.1%}, which a load makes visible", loc="left")
     _angle_axes(left, right)
-    left.legend(loc="upper left")
+    left.legend(loc="upper left", frameon=False)
     return figure
 
 
@@ -59,37 +66,40 @@ def figure_12(predictions: Sequence[Prediction], fit: CounterbalanceFit, identif
         fit: Of the gas law.
         identified: Range of angles it was identified over [rad].
     """
-    worst = max(p.error for p in predictions)
-    title = f"Balancing torque predicted where it was not identified: wrong by at most {worst:.1%} of its largest value"
+    worst, corrected_worst = max(p.error for p in predictions), max(p.corrected_error for p in predictions)
+    title = f"Balancing torque predicted elsewhere: error up to {worst:.1%} of its largest value"
     figure, ((left, right),) = new_figure(title, 1, 2, HEIGHT)
     for panel in (left, right):
         panel.axvspan(*np.rad2deg(identified), color=GREY, alpha=0.15, linewidth=0, label="range of identification")
-    for p, colour in zip(predictions, COLOURS, strict=False):
+        panel.axhline(0, color=GREY, linewidth=0.8)
+    for i, (p, colour) in enumerate(zip(predictions, COLOURS, strict=False)):
         angle = np.rad2deg(p.theta)
+        raw, corrected = ("as measured", "torque constant corrected") if i == 0 else (None, None)
         left.plot(angle, p.measured / KILO, color=colour, label=f"measured, {p.name}")
-        right.plot(angle, p.predicted - p.measured, color=colour, linewidth=1.0)
+        right.plot(angle, p.predicted - p.measured, color=colour, linewidth=1.0, label=raw)
+        right.plot(angle, p.predicted - p.corrected, ":", color=colour, linewidth=1.0, label=corrected)
     longest = max(predictions, key=lambda p: len(p.theta))
     angle = np.rad2deg(longest.theta)
     band = norm.ppf(0.5 + fit.level / 2) * fit.torque_sigma(longest.theta)
     left.plot(angle, longest.predicted / KILO, "--", color=INK, label="predicted, gas law")
     left.plot(angle, longest.by_spring / KILO, ":", color=COLOURS[3], label="predicted, best linear spring")
     right.fill_between(angle, -band, band, color=INK, alpha=0.15, linewidth=0, label=f"{fit.level:.0%} of C and l_c")
-    right.axhline(0, color=GREY, linewidth=0.8)
+    right.set_title(f"with the torque constant corrected: up to {corrected_worst:.2%}", loc="left")
     left.set_ylabel("restoring torque M [kNm]")
     right.set_ylabel("predicted less measured [Nm]")
     _angle_axes(left, right)
-    left.legend(loc="upper left")
-    right.legend(loc="lower right")
+    left.legend(loc="upper left", frameon=False)
+    right.legend(loc="best", frameon=False)
     return figure
 
 
 def figure_13(theta: Array, fit: CounterbalanceFit, stiffness: float, stiffness_sigma: float) -> "Figure":
-    """Return k_b and k_2 = k_2^0 + k_b over the joint angle, Eq. (12), with bands.
+    """Return k_b and k = k^0 + k_b over the joint angle, Eq. (12), with bands.
 
     Args:
         theta: Shape (T,) [rad].
         fit: Of the gas law.
-        stiffness: k_2^0, of the elastic element alone [Nm/rad].
+        stiffness: k^0, of the elastic element alone [Nm/rad].
         stiffness_sigma: Its standard deviation [Nm/rad].
     """
     k_b, sigma = fit.counterbalance.stiffness(theta), fit.stiffness_sigma(theta)
@@ -103,12 +113,14 @@ def figure_13(theta: Array, fit: CounterbalanceFit, stiffness: float, stiffness_
     left.set_title(r"(a) the counterbalance's share, $k_b$", loc="left")
     total, error = stiffness + k_b, np.hypot(sigma, stiffness_sigma)
     lower, upper = (total - wide * error) / MEGA, (total + wide * error) / MEGA
-    right.fill_between(angle, lower, upper, color=COLOURS[1], alpha=0.25, label=f"{fit.level:.0%} band, mostly of $k_2^0$")
-    right.plot(angle, total / MEGA, color=COLOURS[1], label="$k_2 = k_2^0 + k_b$")
-    right.axhline(stiffness / MEGA, color=GREY, linewidth=0.8, label="$k_2^0$")
-    right.set_ylabel(r"$k_2$ [MNm/rad]")
+    right.fill_between(
+        angle, lower, upper, color=COLOURS[1], alpha=0.25, label=f"{fit.level:.0%} band, mostly of $k^0$"
+    )
+    right.plot(angle, total / MEGA, color=COLOURS[1], label="$k = k^0 + k_b$")
+    right.axhline(stiffness / MEGA, color=GREY, linewidth=0.8, label="$k^0$ alone")
+    right.set_ylabel("$k$ [MNm/rad]")
     right.set_title("(b) the joint's stiffness", loc="left")
-    right.legend(loc="best")
+    right.legend(loc="lower left", frameon=False)
     _angle_axes(left, right)
     return figure
 
@@ -122,9 +134,11 @@ def _mark_zero(panel: "Axes", zero: float) -> None:
     panel.axhline(0, color=GREY, linewidth=0.8)
     if np.isfinite(zero):
         panel.axvline(np.rad2deg(zero), color=GREY, linewidth=0.8)
-        panel.annotate(f"M = 0 at {np.rad2deg(zero):.2f} deg", (np.rad2deg(zero), 0), (8, -16), textcoords="offset points")
+        panel.annotate(
+            f"M = 0 at {np.rad2deg(zero):.2f} deg", (np.rad2deg(zero), 0), (8, -16), textcoords="offset points"
+        )
 
 
 def _angle_axes(*panels: "Axes") -> None:
     for panel in panels:
-        panel.set_xlabel(r"joint angle $\theta_2$ [deg]")
+        panel.set_xlabel(r"joint angle $\theta$ [deg]")

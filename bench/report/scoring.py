@@ -98,6 +98,8 @@ def score_counterbalance(fit: CounterbalanceFit, truth_folder: Path) -> tuple[Pa
     for (name, value), (low, high) in zip(estimates.items(), fit.intervals, strict=True):
         true, unit = parameters[name].value, parameters[name].unit
         scores.append(
-            ParameterScore(name, unit, true, value, float(low), float(high), value / true - 1, bool(low <= true <= high))
+            ParameterScore(
+                name, unit, true, value, float(low), float(high), value / true - 1, bool(low <= true <= high)
+            )
         )
     return tuple(scores)

@@ -32,7 +32,7 @@ def place(bodies: RigidBodies, point: Point, q: Array) -> Placement:
 
 
 def place_and_jacobian(bodies: RigidBodies, point: Point, q: Array) -> tuple[Placement, Array]:
-    """Return where a point is at q, shape (n,) [rad], and its Jacobian, shape (6, n): translation rows, then rotation."""
+    """Return where a point is at q, shape (n,) [rad], and its Jacobian, shape (6, n), translation first."""
     chain = [point.body] if point.body >= 0 else []
     while chain and bodies.parent[chain[-1]] >= 0:
         chain.append(int(bodies.parent[chain[-1]]))
@@ -61,7 +61,7 @@ def turned(axis: Array, angle: float) -> Array:
     """Return the rotation by an angle [rad] about a unit vector, shape (3, 3); Rodrigues' formula."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
 
 
 def turn_onto(first: Array, second: Array) -> Array:

@@ -62,8 +62,8 @@ def reach(bodies: RigidBodies, point: Point, target: Placement, near: Array, kee
         q = q + step * min(1.0, LONGEST_STEP / max(float(np.max(np.abs(step))), LONGEST_STEP))
     raise ConvergenceError(
         f"the arm does not reach {_words(target.position)}: {np.linalg.norm(missing[:3]) * MM:.3g} mm and "
-        f"{np.linalg.norm(missing[3:rows]):.3g} rad are left after {MAX_ITERATIONS} iterations; bring the line nearer, or "
-        "start from another configuration."
+        f"{np.linalg.norm(missing[3:rows]):.3g} rad are left after {MAX_ITERATIONS} iterations; bring the line nearer, "
+        "or start from another configuration."
     )
 
 
@@ -81,7 +81,8 @@ def line_path(
     Args:
         bodies: The arm.
         point: The point that runs along the line.
-        start, end: Shape (3,) [m], world axes.
+        start: Shape (3,) [m], world axes.
+        end: Shape (3,) [m], world axes.
         near: Shape (n,) [rad], a configuration near the start; decides the branch.
         rotation: Shape (3, 3), orientation of the point, kept all the way; None leaves it free.
         overrun: How far the path reaches beyond both ends [m].
@@ -114,7 +115,7 @@ def line_path(
             )
     if problems:
         raise InputError(problems)
-    return JointPath(length, distance, q)
+    return JointPath(length, np.asarray(distance), q)
 
 
 def _words(position: Array) -> str:

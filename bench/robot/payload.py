@@ -23,7 +23,9 @@ def with_payload(bodies: RigidBodies, mass: float, point: str) -> RigidBodies:
         raise InputError(unknown_name("point of the arm", point, bodies.points))
     place = bodies.points[point]
     if place.body < 0 or mass < 0:
-        raise InputError(f"a payload of {mass:g} kg at {point!r}: needs a mass of 0 kg or more, and a point that moves.")
+        raise InputError(
+            f"a payload of {mass:g} kg at {point!r}: needs a mass of 0 kg or more, and a point that moves."
+        )
     if mass == 0:
         return bodies
     i = place.body

@@ -1,4 +1,4 @@
-"""The trajectory experiment of section 6: a straight line at low speed, out and back, without and with a hanging load."""
+"""The trajectory experiment of section 6: a straight line at low speed, out and back, without and with a load."""
 
 from typing import Annotated, Literal, Self
 
@@ -41,8 +41,8 @@ class Line(ScenarioBase):
     """Keys of a line scenario.
 
     Points of the line are given from `origin_m`, in world axes. The tool keeps one orientation all the way: that of the
-    configuration `near_deg`, turned by the smallest rotation that makes `tool_axis` (in the frame of the last link) point
-    along `approach` (world axes). Without `approach` the orientation is free, for arms that cannot hold one.
+    configuration `near_deg`, turned by the smallest rotation that makes `tool_axis` (in the frame of the last link)
+    point along `approach` (world axes). Without `approach` the orientation is free, for arms that cannot hold one.
 
     A wrench hangs at the robot's load point and is constant while the arm moves.
     """
@@ -54,12 +54,12 @@ class Line(ScenarioBase):
     tool_point: str | Triple = Field(description="named point, or position in the frame of the last link [m]")
     tool_axis: Triple = (0.0, 0.0, 1.0)
     approach: Triple | None = (0.0, 0.0, -1.0)
-    near_deg: tuple[float, ...] = Field(description="a configuration near the start: which branch, and which turn of the tool")
+    near_deg: tuple[float, ...] = Field(description="near the start: says which branch, and how the tool is turned")
     speed_m_per_s: Positive = 0.01
     force_n: Positive
     direction: Triple = (0.0, 0.0, -1.0)
     unloaded: bool = Field(True, description="run the line without the load first")
-    lead_in_s: Positive = Field(3.0, description="before and after the line: half of it from rest to speed, half at speed")
+    lead_in_s: Positive = Field(3.0, description="at both ends: half of it from rest to speed, half at speed")
     settle_s: NonNegative = 2.0
     load_ramp_s: Positive = 2.0
     sample_period_s: Annotated[float, Field(gt=0, multiple_of=CONTROL_PERIOD_S)] = 0.1
@@ -101,7 +101,8 @@ class Line(ScenarioBase):
             limits: Shape (n, 2) [rad], ranges of the link joints.
 
         Raises:
-            InputError: Wrong number of angles, no line, load above the rating, a line that cannot be followed; all listed.
+            InputError: Wrong number of angles, no line, load above the rating, a tool point that is not there; all
+                listed. If there is none of these: a line that is not reached, leaves a joint's range or is too fast.
         """
         n, problems = robot.n_joints, []
         if len(self.near_deg) != n:
@@ -112,8 +113,8 @@ class Line(ScenarioBase):
         samples = self.length_m / (self.speed_m_per_s * self.sample_period_s)
         if round(samples) < 1 or abs(samples - round(samples)) > WHOLE * samples:
             problems.append(
-                f"sample_period_s: {self.length_m:g} m at {self.speed_m_per_s:g} m/s are {samples:g} samples; make it a whole "
-                "number, so that both ends of the line are read."
+                f"sample_period_s: {self.length_m:g} m at {self.speed_m_per_s:g} m/s are {samples:g} samples; make "
+                "it a whole number, so that both ends of the line are read."
             )
         rating = robot.figures.rating.force_n
         if self.force_n > rating:

@@ -1,4 +1,4 @@
-"""The rotation experiment of section 5: one joint runs there and back at constant speed, at several speeds and payloads."""
+"""The rotation experiment of section 5: one joint there and back at constant speed, at several speeds and payloads."""
 
 from typing import Annotated, Literal
 
@@ -36,7 +36,7 @@ class Rotation(ScenarioBase):
 
     @property
     def lead_deg(self) -> float:
-        """Way in which the fastest traverse gathers speed; it rises smoothly, so half of what full speed would cover."""
+        """Way over which the fastest traverse gathers speed: half of what full speed would cover in that time."""
         return max(self.speeds_deg_per_s) * self.ramp_s / 2
 
     def check(self, robot: Robot, limits: Array) -> None:
@@ -66,8 +66,8 @@ class Rotation(ScenarioBase):
         first, last = sorted((start, self.end_deg))
         if not low <= first - self.lead_deg or not last + self.lead_deg <= high:
             problems.append(
-                f"end_deg: {first:g} to {last:g} deg with {self.lead_deg:g} deg on either side for the ramps leaves joint "
-                f"{self.joint}'s {low:g} to {high:g} deg; shorten the way or ramp_s, or lower the speeds."
+                f"end_deg: {first:g} to {last:g} deg with {self.lead_deg:g} deg on either side for the ramps leaves "
+                f"joint {self.joint}'s {low:g} to {high:g} deg; shorten the way or ramp_s, or lower the speeds."
             )
         fastest = np.rad2deg(robot.figures.drives[swept].speed_limit_rad_per_s)
         problems += [

@@ -25,8 +25,9 @@ def line_sittings(scenario: Line, robot: Robot) -> tuple[Sitting, ...]:
 def line_policy(scenario: Line, path: JointPath, start: Array) -> Iterator[Step]:
     """Yield the steps of the line experiment: runs `unloaded-out`, `unloaded-back`, `loaded-out`, `loaded-back`.
 
-    Every run has one row per sample, from one end of the line to the other, at constant speed, both ends included. So row i
-    of a run out and row i from the end of a run back have the same place on the line, and a friction that slides.
+    Every run has one row per sample, from one end of the line to the other, at constant speed, both ends included. So
+    row i of a run out and row i from the end of a run back have the same place on the line, and a friction that
+    slides.
 
     Args:
         scenario: What to do.
@@ -56,8 +57,8 @@ def line_policy(scenario: Line, path: JointPath, start: Array) -> Iterator[Step]
 def pass_distance(scenario: Line) -> Array:
     """Return the distance from the start of the line after each control period of one pass out, shape (T,) [m].
 
-    The speed rises as 10 s^3 - 15 s^4 + 6 s^5 over half the lead-in, stays for its other half, over the line, and as long
-    behind it, and falls in the same way.
+    The speed rises as 10 s^3 - 15 s^4 + 6 s^5 over half the lead-in, stays for its other half, over the line, and as
+    long behind it, and falls in the same way.
     """
     half = _half_lead_in(scenario)
     step = scenario.speed_m_per_s * CONTROL_PERIOD
@@ -73,7 +74,7 @@ def lead_in_start(scenario: Line) -> Array:
 
 
 def read_periods(scenario: Line) -> range:
-    """Return the control periods of a pass at whose ends the instruments are read; the first and last are the line's ends."""
+    """Return the control periods of a pass at whose ends is read, from one end of the line to the other."""
     first = 2 * _half_lead_in(scenario) - 1
     every = round(scenario.sample_period_s / CONTROL_PERIOD)
     return range(first, first + _periods_on_line(scenario) + 1, every)
@@ -81,11 +82,13 @@ def read_periods(scenario: Line) -> range:
 
 def _angles(scenario: Line, path: JointPath, distance: Array, is_out: bool) -> Array:
     angles = path.at(distance)
-    return angles + corrections_at(scenario.corrections, distance / path.length, is_out) if scenario.corrections else angles
+    if scenario.corrections:
+        angles = angles + corrections_at(scenario.corrections, distance / path.length, is_out)
+    return angles
 
 
 def corrections_at(corrections: Corrections, share: Array, is_out: bool) -> Array:
-    """Return corrections at shares of the line, shape (T,), as shape (T, n) [rad]; beyond the ends those of the ends."""
+    """Return corrections at shares of the line, shape (T,), as (T, n) [rad]; beyond the ends those of the ends."""
     knots = np.array(corrections.out_rad if is_out else corrections.back_rad)
     return np.asarray(CubicSpline(corrections.share, knots)(np.clip(share, 0.0, 1.0)))
 
@@ -104,4 +107,4 @@ def _ramp(s: Array) -> Array:
 
 
 def _unit(direction: tuple[float, float, float]) -> Array:
-    return np.asarray(direction / np.linalg.norm(direction))
+    return np.asarray(np.array(direction) / np.linalg.norm(direction))

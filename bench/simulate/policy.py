@@ -110,7 +110,7 @@ class Script:
             yield Step(self._q, self._wrench)
 
     def follow(self, angles: Array, marks: Mapping[int, Mark]) -> Iterator[Step]:
-        """Take joint angles, shape (T, n) [rad], one per control period; read at the end of those periods that have a mark."""
+        """Take joint angles, shape (T, n) [rad], one per control period; read at the end of periods with a mark."""
         for i, q in enumerate(angles):
             self._q = q
             yield Step(q, self._wrench, marks.get(i))

@@ -53,7 +53,7 @@ def rotation_policy(scenario: Rotation, robot: Robot, start: Array, payload_kg: 
 def traverse_deg(first: float, last: float, speed: float, ramp_s: float) -> Array:
     """Return the angle after each control period [deg]: full speed from `first` to `last`, ramps before and behind.
 
-    The speed rises as 10 s^3 - 15 s^4 + 6 s^5, so acceleration and jerk begin and end at zero and excite the arm little.
+    The speed rises as 10 s^3 - 15 s^4 + 6 s^5: acceleration and jerk begin and end at zero and excite the arm little.
 
     Args:
         first: Where full speed is reached [deg].
@@ -66,7 +66,8 @@ def traverse_deg(first: float, last: float, speed: float, ramp_s: float) -> Arra
     begun, ended = np.clip(t / ramp_s, 0, 1), np.clip((t - seconds) / ramp_s + 1, 0, 1)
     plain = np.clip(t - ramp_s, 0, seconds - 2 * ramp_s)
     way = ramp_s * (_ramp(begun) + ended - _ramp(ended)) + plain
-    return first + np.sign(last - first) * speed * (way - ramp_s / 2)
+    angle: Array = first + np.sign(last - first) * speed * (way - ramp_s / 2)
+    return angle
 
 
 def _ramp(s: Array) -> Array:
@@ -81,4 +82,5 @@ def _ahead(scenario: Rotation) -> float:
 def _at(scenario: Rotation, angle_deg: float) -> Array:
     q = np.array(scenario.start_deg)
     q[scenario.joint - 1] = angle_deg
-    return np.deg2rad(q)
+    radians: Array = np.deg2rad(q)
+    return radians
