@@ -1,4 +1,4 @@
-"""`bench check`: is this folder a campaign?"""
+"""`bench check`: what is wrong with a campaign folder."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -20,13 +20,11 @@ class Paper:
         """Run everything, print the table, name the folder; return the exit code."""
         from bench.cli.progress import progress_bar
         from bench.record.folder import new_folder
-        from bench.report.paper import RESULTS, print_paper, run_paper, write_paper
+        from bench.report.paper import RESULTS, print_paper, run_paper
 
-        with new_folder(self.out, RESULTS, self.replace) as folder:
-            with progress_bar("the paper's experiments") as progress:
-                result = run_paper(folder, progress)
-            write_paper(result, folder)
+        with new_folder(self.out, RESULTS, self.replace) as folder, progress_bar("the paper's experiments") as progress:
+            result = run_paper(folder, progress)
         print_paper(result)
-        print(f"\nresults in {self.out.resolve()}: {RESULTS}, figures, one folder per friction world")
-        print(f"look at an experiment with: bench view {self.out / result.worlds[0].world.name}")
+        print(f"\nResults: {self.out.resolve()}")
+        print(f"Look at an experiment with, for example: bench view {self.out / 'loading' / 'link-side'}")
         return 0

@@ -9,7 +9,10 @@ import tyro
 
 @dataclass(frozen=True)
 class Run:
-    """Run a scenario on the virtual robot; write the campaign, apart from it the truth, and a Rerun recording."""
+    """Run a scenario on the virtual robot; write the campaign, apart from it the truth, and a Rerun recording.
+
+    The K_C analysis (`complementary`) has no campaign; it writes numbers and figures.
+    """
 
     scenario: tyro.conf.Positional[str]
     """Name of a scenario that comes along, or path to a scenario file."""
@@ -24,11 +27,18 @@ class Run:
         """Run the scenario; return the exit code."""
         from bench.cli.progress import progress_bar
         from bench.record.folder import new_folder
+        from bench.report.complementary import NUMBERS, run_complementary
         from bench.report.results import RECORDING, write_session
+        from bench.scenario.complementary import Complementary
         from bench.scenario.files import read_scenario
         from bench.simulate.session import run_session
 
         scenario = read_scenario(self.scenario)
+        if isinstance(scenario, Complementary):
+            with new_folder(self.out, NUMBERS, replace=False) as folder:
+                run_complementary(scenario, folder)
+            print(f"numbers and figures  {self.out}")
+            return 0
         if self.seed is not None:
             scenario = type(scenario).model_validate(scenario.model_dump() | {"seed": self.seed})
         with new_folder(self.out, RECORDING, replace=False) as folder:

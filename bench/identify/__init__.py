@@ -1,0 +1,1 @@
+"""Stiffness, counterbalance and friction from measured data, with Pinocchio and without any simulator."""

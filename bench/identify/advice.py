@@ -34,8 +34,8 @@ class Advice:
         q: Shape (n,) [rad] or [m], motor positions.
         load: The load to apply there.
         hangs: Whether it may simply hang.
-        relative_error: Standard error of the compliance with this visit added, relative to the compliance; of a joint of
-            which nothing is known yet, relative to the median compliance of the others.
+        relative_error: Standard error of the compliance with this visit added, relative to the compliance; of a joint
+            of which nothing is known yet, relative to the median compliance of the others.
     """
 
     joint: int
@@ -51,8 +51,8 @@ def advise(
     """Return one piece of advice for every joint that is not observable or known to worse than `WEAK`.
 
     Poses are sampled inside the joint limits, no lower and no nearer to the base than was measured already, with the
-    largest load that was used, hanging or pulling along x or y. What each would add is its information, Eq. (42), on top of the
-    estimate's. The same readings give the same advice.
+    largest load that was used, hanging or pulling along x or y. What each would add is its information, Eq. (42), on
+    top of the estimate's. The same readings give the same advice.
 
     Raises:
         InputError: Hardly any sampled pose keeps these rules, or nothing at all is known about the stiffness.
@@ -92,7 +92,7 @@ def sentence(advice: Advice, estimate: StiffnessEstimate) -> str:
     how = "hanging" if advice.hangs else f"pulling horizontally along {sign}{AXES[axis]}"
     add = f"a pose near ({pose}) deg with {advice.load.forces[0]:.0f} N {how}"
     if not estimate.observable[advice.joint]:
-        return f"To see {name}, add {add}; that tells it to {advice.relative_error:.1%} if it is as stiff as the others."
+        return f"To see {name}, add {add}; it tells it to {advice.relative_error:.1%} if it is as stiff as the others."
     now = np.sqrt(estimate.covariance[advice.joint, advice.joint]) / estimate.compliance[advice.joint]
     return f"{name} is known to {now:.0%} only; {add} would make that {advice.relative_error:.1%}."
 

@@ -1,4 +1,4 @@
-"""The arm in Pinocchio, built from the plain numbers of `RigidBodies`: pose, Jacobian, gravity, complementary stiffness."""
+"""The arm in Pinocchio, built from `RigidBodies`: pose, Jacobian, gravity, complementary stiffness."""
 
 import numpy as np
 import pinocchio as pin
@@ -13,9 +13,9 @@ Array = NDArray[np.float64]
 class Arm:
     """Kinematics, statics and inverse dynamics of one arm.
 
-    A *point* is the name of one of `bodies.points`, or a `Point`. Joint angles q have shape (..., n) [rad], and the leading
-    dimensions return in the results. Everything is expressed in world axes; a wrench is (force, moment), applied at the
-    point. Not safe to share between threads: Pinocchio computes in place.
+    A *point* is the name of one of `bodies.points`, or a `Point`. Joint angles q have shape (..., n) [rad], and the
+    leading dimensions return in the results. Everything is expressed in world axes; a wrench is (force, moment),
+    applied at the point. Not safe to share between threads: Pinocchio computes in place.
 
     Attributes:
         bodies: The numbers it was built from.
@@ -60,7 +60,7 @@ class Arm:
         return self.position_and_jacobian(q, point)[1]
 
     def position_and_jacobian(self, q: Array, point: str | Point) -> tuple[Array, Array]:
-        """Return position, shape (..., 3) [m], and Jacobian, shape (..., 6, n), of a point for the price of one pass."""
+        """Return position, shape (..., 3) [m], and Jacobian, shape (..., 6, n), of a point, in one pass."""
         point = self.point(point)
         spatial, origin, rotation = self._kinematics(q, point.body)
         position = origin + rotation @ point.position
@@ -69,20 +69,22 @@ class Arm:
         return position, np.concatenate([moving + np.cross(turning, position[..., None], axis=-2), turning], axis=-2)
 
     def hessian(self, q: Array, point: str | Point) -> Array:
-        """Return the kinematic Hessian of a point, shape (..., 6, n, n): [i, j] is the derivative of Jacobian column i by q_j.
+        """Return the kinematic Hessian of a point, shape (..., 6, n, n).
 
-        With v and w the translation and rotation columns of the Jacobian, a the one of joints i and j nearer to the base
-        and b the other, dv_i/dq_j = w_a x v_b, and dw_i/dq_j = w_j x w_i where j is nearer to the base than i, else 0.
+        Its entry [:, i, j] is the derivative of Jacobian column i by q_j. With v and w the translation and rotation
+        columns, a the one of joints i and j nearer to the base and b the other, dv_i/dq_j = w_a x v_b, and
+        dw_i/dq_j = w_j x w_i where j is nearer to the base than i, else 0.
         """
         return _hessian(self.jacobian(q, point))
 
     def complementary_stiffness(self, q: Array, point: str | Point, wrench: Array) -> Array:
-        """Return K_C = [d(J_f^T)/dtheta_j W], Eq. (18), shape (..., n, n) [Nm/rad], for a wrench of shape (..., 6) [N, Nm]."""
+        """Return K_C, Eq. (18), shape (..., n, n) [Nm/rad], for a wrench of shape (..., 6) [N, Nm] at a point."""
         return complementary_stiffness(self.jacobian(q, point), wrench)
 
     def gravity(self, q: Array) -> Array:
         """Return the joint torque that holds the links against gravity, G of Eq. (26), shape (..., n) [Nm]."""
-        rows = [pin.computeGeneralizedGravity(self._model, self._data, row).copy() for row in q.reshape(-1, self.n_joints)]
+        flat = q.reshape(-1, self.n_joints)
+        rows = [pin.computeGeneralizedGravity(self._model, self._data, row).copy() for row in flat]
         return np.array(rows).reshape(q.shape)
 
     def gravity_stiffness(self, q: Array) -> Array:
@@ -94,28 +96,33 @@ class Arm:
     def mass_matrix(self, q: Array) -> Array:
         """Return the inertia matrix D of Eq. (29), links only, shape (n, n) [kg m^2]."""
         upper = np.triu(pin.crba(self._model, self._data, q))
-        return upper + np.triu(upper, 1).T
+        return np.array(upper + np.triu(upper, 1).T)
 
     def inverse_dynamics(self, q: Array, velocity: Array, acceleration: Array) -> Array:
         """Return D a + C(q, v) + G of Eq. (29), shape (n,) [Nm]: the torque on the links that makes this motion."""
         return np.array(pin.rnea(self._model, self._data, q, velocity, acceleration))
 
     def _kinematics(self, q: Array, body: int) -> tuple[Array, Array, Array]:
-        """Return the Jacobian at the world's origin, (..., 6, n), and the frame of a body: origin (..., 3), axes (..., 3, 3)."""
+        """Return the Jacobian at the world's origin, (..., 6, n), and a body's origin (..., 3) and axes (..., 3, 3)."""
         flat = q.reshape(-1, self.n_joints)
         spatial = np.empty((len(flat), 6, self.n_joints))
         origin, rotation = np.empty((len(flat), 3)), np.empty((len(flat), 3, 3))
-        placement = self._data.oMi[body + 1]
         for i, row in enumerate(flat):
             spatial[i] = pin.computeJointJacobians(self._model, self._data, row)
+            placement = self._data.oMi[body + 1]
             origin[i], rotation[i] = placement.translation, placement.rotation
         lead = q.shape[:-1]
         return spatial.reshape(*lead, 6, self.n_joints), origin.reshape(*lead, 3), rotation.reshape(*lead, 3, 3)
 
 
 def complementary_stiffness(jacobian: Array, wrench: Array) -> Array:
-    """Return K_C of Eq. (18), shape (..., n, n) [Nm/rad], from a Jacobian J_f, shape (..., 6, n), and a wrench, (..., 6)."""
-    return np.einsum("...kij,...k->...ij", _hessian(jacobian), wrench)
+    """Return K_C = [d(J_f^T)/dtheta_j W], Eq. (18), shape (..., n, n) [Nm/rad].
+
+    Args:
+        jacobian: Shape (..., 6, n), J_f.
+        wrench: Shape (..., 6) [N, Nm].
+    """
+    return np.array(np.einsum("...kij,...k->...ij", _hessian(jacobian), wrench))
 
 
 def _hessian(jacobian: Array) -> Array:

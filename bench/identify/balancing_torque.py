@@ -144,7 +144,7 @@ def _torque(traverse: Traverse, arm: Arm, empty: Arm, drives: Drives, priors: Pr
     slope[:, j] = smooth.deriv()(theta[:, j])  # gravity's and M's
     sensitivity = np.column_stack(
         [
-            drives.torque_gain_sigma[j] * motor,
+            drives.torque_gain_sigma[j] * smooth(theta[:, j]),
             np.full_like(motor, drives.torque_constant[j] * drives.current_offset_sigma),
             -priors.compliance * slope * twist,
             priors.first_moment * empty.gravity(theta)[:, j],

@@ -15,7 +15,9 @@ MEANING = {
 
 
 def usable(method: str, readings: StaticReadings, *channels: str) -> StaticReadings:
-    """Return the states in which every named channel was read; series left without an unloaded or a loaded state are dropped.
+    """Return the states in which every named channel was read.
+
+    Series that are left without an unloaded or without a loaded state are dropped.
 
     Args:
         method: Name of the method, for the message.
@@ -52,4 +54,4 @@ def _present(readings: StaticReadings, channel: str) -> NDArray[np.bool_]:
             values = readings.reflectors[:, :3].reshape(len(readings.series), -1)
             if readings.reflectors.shape[1] < 3:
                 return np.zeros(len(readings.series), dtype=np.bool_)
-    return np.all(np.isfinite(values), axis=1)
+    return np.array(np.all(np.isfinite(values), axis=1))

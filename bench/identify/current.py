@@ -23,9 +23,9 @@ Array = NDArray[np.float64]
 def build_current(arm: Arm, readings: StaticReadings, options: Options, compliance: Array) -> SeriesModel:
     """Return Delta P = L N, Eq. (41), linearised about a compliance and with the covariance of its rows.
 
-    Each state's row of L is J_m diag(-xi I), Eq. (42); the difference to the unloaded state is made by the free offset of the
-    series, so the noise of the shared unloaded reading is treated as shared. The noise of the currents, which stands in the
-    regressor, is carried over into the rows at the given compliance (effective variance).
+    Each state's row of L is J_m diag(-xi I), Eq. (42); the difference to the unloaded state is made by the free
+    offset of the series, so the noise of the shared unloaded reading is treated as shared. The noise of the currents,
+    which stands in the regressor, is carried over into the rows at the given compliance (effective variance).
 
     Args:
         arm: The arm.
@@ -54,8 +54,9 @@ def identify_current(
 ) -> StiffnessEstimate:
     """Return the stiffness by the current method.
 
-    Neither load nor counterbalance enters: the current contains what they do. The covariance holds instrument noise and the
-    prior error of the torque constants, which cannot be told from the compliance: N_j (1 + g_j) is all that is seen.
+    Neither load nor counterbalance enters: the current contains what they do. The covariance holds instrument noise
+    and the prior error of the torque constants, which cannot be told from the compliance: N_j (1 + g_j) is all that
+    is seen.
 
     Args:
         arm: The arm.

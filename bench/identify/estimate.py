@@ -14,8 +14,9 @@ Array = NDArray[np.float64]
 class StiffnessEstimate:
     """Joint stiffness with everything needed to judge it.
 
-    The deflection is linear in the compliance N_j = 1 / k_j (Eq. 37), so the compliance is what is estimated, what carries
-    the covariance, and what is close to normally distributed; intervals of k are the reciprocals of intervals of N.
+    The deflection is linear in the compliance N_j = 1 / k_j (Eq. 37), so the compliance is what is estimated, what
+    carries the covariance, and what is close to normally distributed; intervals of k are the reciprocals of intervals
+    of N.
 
     Attributes:
         method: "current", "force", "force-pose" or "joint".
@@ -64,7 +65,8 @@ class JointEstimate(StiffnessEstimate):
     """What the joint method returns: stiffness, and what it had to learn about friction and currents on the way.
 
     Attributes:
-        link_share: Shape (n,), lambda: share of the friction that sits on the link side, behind the elastic element.
+        link_share: Shape (n,), share of the link side, behind the elastic element, in the change of friction under
+            load.
         link_share_sigma: Shape (n,), its standard deviation; 0.5 where nothing was learnt.
         friction_scale: Shape (n,) [Nm], size of the change of friction under load, both sides together.
         current_gain: Shape (n,), relative gain of the load's torque over the current's.

@@ -1,7 +1,7 @@
-"""Force method in its position-only form, Eqs. (35) and (41) with J_f^T W: the load says which torque deflects the joints.
+"""Force method in its position-only form, Eqs. (35) and (41): the load says which torque deflects the joints.
 
-Right where friction sits before the elastic element, on the motor side. Friction on the link side carries part of the load
-past the spring; this method does not know, and calls the joints too stiff.
+Right where friction sits before the elastic element, on the motor side. Friction on the link side carries part of the
+load past the spring; this method does not know, and calls the joints too stiff.
 """
 
 import numpy as np
@@ -25,10 +25,12 @@ def build_force(
 ) -> SeriesModel:
     """Return Delta P = L N with the torque of the load, linearised about a compliance, and the covariance of its rows.
 
-    Parameters are N and the three components of the force sensor's direction error, which counts for slanting loads only.
+    Parameters are N and the three components of the force sensor's direction error, which counts for slanting loads
+    only.
 
-    With all of `options.second_order`, this is the full equilibrium: K_C, gravity stiffness and k_b correct both the torque and
-    the sensitivity, (1 - N A)^-1 (Eq. (19), solved for the deflection). With none, it is the paper's plain Eq. (41).
+    With all of `options.second_order`, this is the full equilibrium: K_C, gravity stiffness and k_b correct both the
+    torque and the sensitivity, (1 - N A)^-1 (Eq. (19), solved for the deflection). With none, it is the paper's plain
+    Eq. (41).
 
     Args:
         arm: The arm.
@@ -60,7 +62,7 @@ def build_force(
 
 
 def wrench_covariance(arm: Arm, readings: StaticReadings) -> Array:
-    """Return the covariance of one reading of the wrench, shape (m, 6, 6); of a hanging load only the weight was read."""
+    """Return the covariance of one reading of the wrench, (m, 6, 6); of a hanging load only the weight was read."""
     free = np.diag(readings.sigma_wrench**2)
     down = np.concatenate([arm.bodies.gravity / np.linalg.norm(arm.bodies.gravity), np.zeros(3)])
     hanging = np.outer(down, down) * (down @ free @ down)
@@ -68,7 +70,7 @@ def wrench_covariance(arm: Arm, readings: StaticReadings) -> Array:
 
 
 def turned_wrench(readings: StaticReadings, wrench: Array) -> Array:
-    """Return the change of a measured wrench per turn about x, y and z, shape (m, 6, 3) [N/rad, Nm/rad]; 0 where it hangs."""
+    """Return the change of a wrench per turn about x, y and z, shape (m, 6, 3) [N/rad, Nm/rad]; 0 where it hangs."""
     force, moment = wrench[:, None, :3], wrench[:, None, 3:]
     turned = np.concatenate([np.cross(np.eye(3), force), np.cross(np.eye(3), moment)], axis=2)
     return np.where(readings.is_vertical[:, None, None], 0.0, turned).transpose(0, 2, 1)
@@ -77,7 +79,7 @@ def turned_wrench(readings: StaticReadings, wrench: Array) -> Array:
 def force_change(
     arm: Arm, counterbalance: Counterbalance | None, readings: StaticReadings, second_order: SecondOrder
 ) -> tuple[Array, Array]:
-    """Return Gamma less that of the unloaded state and its standard deviation, both shape (m, n) [Nm], at the motor angles."""
+    """Return Gamma less that of the unloaded state, and its standard deviation, both shape (m, n) [Nm]."""
     wrench, q = readings.load(arm.bodies.gravity), readings.q_motor
     load = link_torque(arm, counterbalance, readings.load_point, q, q, wrench, second_order)
     change = load.total - load.total[readings.first_of_series]
@@ -91,8 +93,8 @@ def identify_force(
 ) -> StiffnessEstimate:
     """Return the stiffness by the force method from positions of one reflector.
 
-    The covariance holds instrument noise, the direction error of slanting loads, and the prior gain error of the force sensor,
-    which cannot be told from the compliance: N (1 + g) is all that is seen.
+    The covariance holds instrument noise, the direction error of slanting loads, and the prior gain error of the
+    force sensor, which cannot be told from the compliance: N (1 + g) is all that is seen.
 
     Args:
         arm: The arm.

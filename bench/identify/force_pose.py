@@ -1,9 +1,9 @@
 """Force method in full, Eqs. (19) to (25): all six components of the deflection, corrected by K_C.
 
-It estimates the stiffness itself, linear in K, with the measured deflection in the regressor H. That deflection is noisy, its
-orientation most of all, and plain least squares, Eq. (25), would be biased towards soft joints. Each equation is therefore weighted
-by its own noise, and from the second pass on the deflection that the fit predicts takes the place of the measured one
-where H is an instrument: K = (Z^T V^-1 H)^-1 Z^T V^-1 E.
+It estimates the stiffness itself, linear in K, with the measured deflection in the regressor H. That deflection is
+noisy, its orientation most of all, and plain least squares, Eq. (25), would be biased towards soft joints. Each
+equation is therefore weighted by its own noise, and from the second pass on the deflection that the fit predicts
+takes the place of the measured one where H is an instrument: K = (Z^T V^-1 H)^-1 Z^T V^-1 E.
 """
 
 from dataclasses import dataclass, replace
@@ -67,8 +67,8 @@ def build_force_pose(
 ) -> PoseProblem:
     """Return Eqs. (20) and (24) for every loaded state.
 
-    J_f is taken at the unloaded, J_m and K_C half way to the loaded link angles, as far as the compliance is known already.
-    What the motors gave under load is subtracted from Delta X beforehand: Delta X - J_m Delta q.
+    J_f is taken at the unloaded, J_m and K_C half way to the loaded link angles, as far as the compliance is known
+    already. What the motors gave under load is subtracted from Delta X beforehand: Delta X - J_m Delta q.
 
     Args:
         arm: A six-joint arm.
@@ -88,7 +88,7 @@ def build_force_pose(
     moving = arm.jacobian(half_way, readings.reflector_names[0])
     keep = ~readings.is_reference & (np.linalg.cond(moving) < SINGULAR)
     if not keep.any():
-        raise InputError("method 'force-pose': every pose is singular (axes 4 and 6 in line); bend joint 5 away from zero.")
+        raise InputError("method 'force-pose': every pose is singular (axes 4 and 6 in line); bend joint 5.")
     measured = pose_deflection(readings)
     change = measured.change - (moving @ (q - q[first])[..., None])[..., 0]
     stiffness = link_torque(arm, counterbalance, load_point, q, half_way, wrench, options.second_order).stiffness[keep]
@@ -137,13 +137,13 @@ def solve_force_pose(problem: PoseProblem, used: NDArray[np.bool_], stiffness: A
     H, Z = np.split(white.regressor, 2, axis=1)
     count = int(used.sum())
     prior = np.diag(np.concatenate([np.zeros(count), np.full(3, problem.turned_sigma**-2.0)]))
-    parameters = np.linalg.solve(Z.T @ H + prior, Z.T @ white.response)
+    parameters = np.array(np.linalg.solve(Z.T @ H + prior, Z.T @ white.response))
     residual = white.response - H @ parameters
     information = Z.T @ Z
     surprise = parameters[count:] / problem.turned_sigma
     return Solution(
         parameters=parameters,
-        covariance=np.linalg.inv(information + prior),
+        covariance=np.array(np.linalg.inv(information + prior)),
         information=information,
         residual=residual,
         chi_square=float(residual @ residual + surprise @ surprise),
@@ -157,7 +157,8 @@ def identify_force_pose(
 ) -> StiffnessEstimate:
     """Return the stiffness by the full force method.
 
-    The covariance holds instrument noise, placement of the reflectors, and gain and direction error of the force sensor.
+    The covariance holds instrument noise, placement of the reflectors, and gain and direction error of the force
+    sensor.
 
     Args:
         arm: A six-joint arm.
@@ -166,7 +167,8 @@ def identify_force_pose(
         options: Options.
 
     Raises:
-        InputError: A channel is missing, the arm has not six joints, every pose is singular, or reflectors stand in line.
+        InputError: A channel is missing, the arm has not six joints, every pose is singular, or reflectors stand in
+            line.
     """
     readings = usable("force-pose", readings, "force", "reflectors")
     if readings.n_joints != 6:

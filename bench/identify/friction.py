@@ -36,8 +36,8 @@ class FrictionChange:
         gain_sigma: Shape (n,), its standard deviation, if the direction of the load is right.
         gain_by_direction: Shape (n, 3) [1/rad], change of d per turn of the measured load about x, y and z.
         scale: Shape (n,) [Nm], S: root mean square of s beyond its noise in the states that slid.
-        may_stick: Shape (m, n) bool; the load has changed too little since it last turned to make sure that friction stands
-            at its level on both sides.
+        may_stick: Shape (m, n) bool; the load has changed too little since it last turned to make sure that friction
+            stands at its level on both sides.
     """
 
     force: Array
@@ -54,9 +54,7 @@ class FrictionChange:
         return self.force - (1 + self.gain) * self.current
 
 
-def friction_change(
-    readings: StaticReadings, gamma: Array, sigma_force: Array, by_direction: Array
-) -> FrictionChange:
+def friction_change(readings: StaticReadings, gamma: Array, sigma_force: Array, by_direction: Array) -> FrictionChange:
     """Compare currents with the load.
 
     Args:
@@ -75,7 +73,7 @@ def friction_change(
 
     def scale(total: Array) -> Array:
         excess = np.sum(np.where(slid, total**2 - variance, 0.0), axis=0) / np.maximum(slid.sum(axis=0), 1)
-        return np.sqrt(np.maximum(excess, 0.0))
+        return np.array(np.sqrt(np.maximum(excess, 0.0)))
 
     sliding = play(readings, force, scale(force - current))
     prior = np.maximum(np.hypot(readings.systematic.torque_gain, readings.systematic.force_gain), SURE)
@@ -97,9 +95,9 @@ def current_gain(
     """Return gain d of each joint and its standard deviation, shape (n,), and its change per turn of the load, (n, 3).
 
     Fits dGamma - dT = d dT + (F + mu |dGamma|) direction + offset of the series in the states that slide: there Coulomb
-    friction F is constant up to its direction, and the slope belongs to the gain or to load-dependent friction mu, which a
-    reversal of the load tells apart. Without a reversal the priors of d and mu share the slope between them. The noise of
-    the fit is estimated, and not taken below that of the instruments.
+    friction F is constant up to its direction, and the slope belongs to the gain or to load-dependent friction mu,
+    which a reversal of the load tells apart. Without a reversal the priors of d and mu share the slope between them.
+    The noise of the fit is estimated, and not taken below that of the instruments.
 
     Args:
         series: Shape (m,) int.

@@ -18,7 +18,7 @@ UNIFORM = 1 / np.sqrt(12)  # standard deviation of rounding to 1
 
 @dataclass(frozen=True)
 class _State:
-    """Means over the repeats of one state, how many there were, and from which side the pose was reached (0: unknown)."""
+    """Means over the repeats of one state, their number, and from which side the pose was reached (0: unknown)."""
 
     q_motor: Array
     current: Array
@@ -33,8 +33,8 @@ def static_readings(campaign: Campaign, figures: Figures) -> StaticReadings:
     """Return the readings at rest of a campaign, one row per pose, approach direction and load step.
 
     A series is one visit: rows of one run with the same pose and approach. Where the motor angles were not logged the
-    commands stand in; where no force sensor was logged, the known load. A load counts as hanging where the known load is
-    vertical, or, if only the sensor was logged, where its sideways part is within four standard deviations of zero.
+    commands stand in; where no force sensor was logged, the known load. A load counts as hanging where the known load
+    is vertical, or, if only the sensor was logged, where its sideways part is within four standard deviations of zero.
 
     Args:
         campaign: A validated campaign.
@@ -96,7 +96,13 @@ def _visits(run: Run, figures: Figures) -> Iterator[list[_State]]:
         rows = [np.flatnonzero(here & (steps == step)) for step in np.unique(steps[here])]
         yield [
             _State(
-                *(values[r].mean(axis=0) for values in (q_motor, current, reflectors, wrench, load)), len(r), int(pose[1])
+                q_motor=q_motor[r].mean(axis=0),
+                current=current[r].mean(axis=0),
+                reflectors=reflectors[r].mean(axis=0),
+                wrench=wrench[r].mean(axis=0),
+                load=load[r].mean(axis=0),
+                repeats=len(r),
+                approach=int(pose[1]),
             )
             for r in rows
         ]

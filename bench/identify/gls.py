@@ -1,4 +1,4 @@
-"""Generalised least squares for readings in series: correlated within a series, independent from one series to the next."""
+"""Generalised least squares for readings in series: correlated within a series, independent between them."""
 
 from dataclasses import dataclass
 
@@ -21,8 +21,8 @@ class SeriesModel:
         regressor: Shape (m, d, p).
         covariance: Shape (m, d, d), of what is independent from state to state.
         shared: Shape (m, d, k); column k is how one unit normal disturbance of the series moves its states.
-        has_offset: Each series has a free d-vector added to all its states (the unloaded reading is then one state of many,
-            and its noise is shared correctly).
+        has_offset: Each series has a free d-vector added to all its states (the unloaded reading is then one state of
+            many, and its noise is shared correctly).
     """
 
     series: NDArray[np.int64]
@@ -76,7 +76,8 @@ class Solution:
 def whiten(model: SeriesModel) -> Whitened:
     """Return the problem with unit, independent noise.
 
-    All series are padded to the length of the longest with rows that say nothing, so that one batched call serves them all.
+    All series are padded to the length of the longest with rows that say nothing, so that one batched call serves
+    them all.
     """
     _, d, p = model.regressor.shape
     rows, is_real = _padded(model.series)
@@ -104,7 +105,7 @@ def whiten(model: SeriesModel) -> Whitened:
 
 
 def equal_weights(model: SeriesModel) -> Whitened:
-    """Return every state less the first of its series, all rows alike; in units of the mean noise of such a difference."""
+    """Return every state less the first of its series, all rows alike, in units of the mean noise of a difference."""
     rows, is_real = _padded(model.series)
     first = np.broadcast_to(rows[:, :1], rows.shape)
     later, first = rows[:, 1:][is_real[:, 1:]], first[:, 1:][is_real[:, 1:]]
@@ -150,7 +151,7 @@ def solve(problem: Whitened, prior_mean: Array, prior_sigma: Array) -> Solution:
 
 
 def _padded(series: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Return the rows of each series, shape (s, longest), and which of them are real; the order within a series is kept."""
+    """Return the rows of each series, shape (s, longest), and which of them are real; their order is kept."""
     _, label = np.unique(series, return_inverse=True)
     order = np.argsort(label, kind="stable")
     count = np.bincount(label)

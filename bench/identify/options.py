@@ -13,11 +13,11 @@ class Options:
 
     Attributes:
         second_order: What is taken at the deflected angles.
-        iterations: Gauss-Newton steps from a rigid arm, at least 1. The first solves the plain linear equation, Eq. (41); each
-            further one gains about two digits.
-        weights: "noise": by the covariance of the readings, the unloaded one shared by its series. "equal": as the paper does,
-            every loaded state less the unloaded one, all rows alike, and the error from the residuals. Only the current and
-            force methods in their position-only form know the difference.
+        iterations: Gauss-Newton steps from a rigid arm, at least 1. The first solves the plain linear equation, Eq.
+            (41); each further one gains about two digits.
+        weights: "noise": by the covariance of the readings, the unloaded one shared by its series. "equal": as the
+            paper does, every loaded state less the unloaded one, all rows alike, and the error from the residuals.
+            Only the current and force methods in their position-only form know the difference.
     """
 
     second_order: SecondOrder = SecondOrder.ALL

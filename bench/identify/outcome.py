@@ -33,7 +33,8 @@ def is_signal(change: Array, sigma: Array) -> NDArray[np.bool_]:
     power = np.mean(change[moved] ** 2, axis=0) if moved.any() else np.zeros(change.shape[1])
     noise = np.mean(np.broadcast_to(sigma, change.shape) ** 2, axis=0)
     numerical = 1e-12 * power.max(initial=0.0)
-    return power > SIGNAL_TO_NOISE**2 * noise + numerical
+    found: NDArray[np.bool_] = power > SIGNAL_TO_NOISE**2 * noise + numerical
+    return found
 
 
 def excludes_rigid(compliance: Array, covariance: Array) -> NDArray[np.bool_]:
@@ -42,7 +43,7 @@ def excludes_rigid(compliance: Array, covariance: Array) -> NDArray[np.bool_]:
 
 
 def misfit(solution: Solution) -> float:
-    """Return the factor by which residual variance exceeds what the instruments explain; 1 unless that is significant."""
+    """Return how far residual variance exceeds what the instruments explain, as a factor; 1 unless significant."""
     ratio = solution.chi_square / max(solution.degrees_of_freedom, 1)
     by_chance = stats.chi2.sf(solution.chi_square, max(solution.degrees_of_freedom, 1))
     return ratio if ratio > 1 and by_chance < LACK_OF_FIT else 1.0
@@ -101,8 +102,8 @@ def estimate(
 ) -> StiffnessEstimate:
     """Return the estimate from a solution whose first parameters are the compliances of the used joints.
 
-    Where the residuals are significantly larger than the instruments explain, the model is wrong for these readings; the
-    covariance is then scaled by their ratio, and a note says so.
+    Where the residuals are significantly larger than the instruments explain, the model is wrong for these readings;
+    the covariance is then scaled by their ratio, and a note says so.
 
     Args:
         method: Its name.
@@ -148,7 +149,7 @@ def _notes(
             notes.append(f"{name} is not observable: a rigid joint cannot be excluded at 95 % from these readings.")
     if ratio > 1:
         notes.append(
-            f"Residuals are {np.sqrt(ratio):.1f} times what the instruments explain, so something is missing from the model "
-            "(friction on the other side of the elastic element, wrong poses); the intervals were widened by that factor."
+            f"Residuals are {np.sqrt(ratio):.1f} times what the instruments explain, so something is missing from the "
+            "model (friction on the other side of the elastic element, wrong poses); the intervals were widened by it."
         )
     return tuple(notes)

@@ -1,6 +1,7 @@
-"""Coulomb friction of a joint at rest: a play element, which takes up what the load changes until it slides at its level."""
+"""Coulomb friction at rest: a play element, which takes up what the load changes until it slides at its level."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,8 @@ class Play:
 
     Attributes:
         torque: Shape (m, n) [Nm], between -level and level.
-        direction: Shape (m, n), -1 or 1: where it last slid; also the derivative of `torque` by the level. 0: nowhere yet.
+        direction: Shape (m, n), -1 or 1: where it last slid; also the derivative of `torque` by the level. 0: nowhere
+            yet.
         slides: Shape (m, n) bool, it slides in this state.
     """
 
@@ -43,7 +45,7 @@ def play(readings: StaticReadings, drive: Array, level: Array) -> Play:
         start = rows[0]
         direction[start] = came[start]
         torque[start] = came[start] * level
-        for before, now in zip(rows[:-1], rows[1:], strict=True):
+        for before, now in pairwise(rows):
             step = drive[now] - drive[before]
             free = torque[before] + step
             torque[now] = np.clip(free, -level, level)

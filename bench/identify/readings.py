@@ -17,10 +17,11 @@ class Systematic:
     These errors do not shrink with the number of readings, so every interval has to contain them.
 
     Attributes:
-        torque_gain: Shape (n,), relative error of xi_j I_j: torque constant and current gain together, one draw per joint.
+        torque_gain: Shape (n,), relative error of xi_j I_j: torque constant and current gain together, one draw per
+            joint.
         force_gain: Relative error of the force sensor, one draw for all axes and states.
-        force_direction: [rad], each component of the rotation between true and measured direction of a load that does not
-            hang; one draw for all states.
+        force_direction: [rad], each component of the rotation between true and measured direction of a load that does
+            not hang; one draw for all states.
         placement: [m], where a reflector comes to sit, each time it is carried from nest to nest.
     """
 
@@ -42,9 +43,11 @@ class StaticReadings:
         series: Shape (m,) int, which series a state belongs to; 0 <= series < s.
         is_reference: Shape (m,) bool, the unloaded states; every series has one.
         q_motor: Shape (m, n) [rad], motor encoder reflected to the joint, or the command where no encoder was logged.
-        current_torque: Shape (m, n) [Nm], xi_j I_j, positive where the motor pushes q_j up; nan where no current was logged.
+        current_torque: Shape (m, n) [Nm], xi_j I_j, positive where the motor pushes q_j up; nan where no current was
+            logged.
         reflectors: Shape (m, r, 3) [m], tracker readings of r reflectors in the base frame; nan where missing.
-        wrench: Shape (m, 6) [N, Nm], force and moment on the load point in base axes, by the force sensor; nan where missing.
+        wrench: Shape (m, 6) [N, Nm], force and moment on the load point in base axes, by the force sensor; nan where
+            missing.
         is_vertical: Shape (m,) bool; the load hangs, so its direction is that of gravity and was not measured.
         n_repeats: Shape (m,) int, readings behind each mean.
         sigma_current_torque: Shape (n,) [Nm], standard deviation of one reading.
@@ -78,7 +81,8 @@ class StaticReadings:
         """Check shapes and series.
 
         Raises:
-            InputError: A shape does not fit, a motor angle is missing, or a series has no unloaded state; all are listed.
+            InputError: A shape does not fit, a motor angle is missing, or a series has no unloaded state; all are
+                listed.
         """
         m, n = self.q_motor.shape
         r = len(self.reflector_names)
@@ -101,10 +105,10 @@ class StaticReadings:
         if np.shape(self.systematic.torque_gain) != (n,):
             problems.append(f"readings: systematic.torque_gain needs one value per joint, {n}.")
         if not np.all(np.isfinite(self.q_motor)):
-            problems.append("readings: q_motor has missing values; put the commanded angle where no encoder was logged.")
+            problems.append("readings: q_motor has missing values; put the command where no encoder was logged.")
         if not problems:
             problems = [
-                f"readings: series {s} has no unloaded state; read the robot unloaded at the same pose and mark that state."
+                f"readings: series {s} has no unloaded state; read the robot unloaded at the same pose, and mark it."
                 for s in np.unique(self.series)
                 if not np.any(self.is_reference[self.series == s])
             ]
@@ -114,7 +118,7 @@ class StaticReadings:
     @property
     def n_joints(self) -> int:
         """Number of joints, n."""
-        return self.q_motor.shape[1]
+        return int(self.q_motor.shape[1])
 
     @property
     def first_of_series(self) -> NDArray[np.int64]:
@@ -125,12 +129,21 @@ class StaticReadings:
 
     def take(self, rows: NDArray[np.bool_]) -> "StaticReadings":
         """Return the states marked in `rows`, shape (m,)."""
-        per_state = ("series", "is_reference", "q_motor", "current_torque", "reflectors", "wrench", "is_vertical", "n_repeats")
-        approach = None if self.approach is None else self.approach[rows]
-        return replace(self, **{name: getattr(self, name)[rows] for name in per_state}, approach=approach)
+        return replace(
+            self,
+            series=self.series[rows],
+            is_reference=self.is_reference[rows],
+            q_motor=self.q_motor[rows],
+            current_torque=self.current_torque[rows],
+            reflectors=self.reflectors[rows],
+            wrench=self.wrench[rows],
+            is_vertical=self.is_vertical[rows],
+            n_repeats=self.n_repeats[rows],
+            approach=None if self.approach is None else self.approach[rows],
+        )
 
     def load(self, gravity: Array) -> Array:
-        """Return the wrench on the load point, shape (m, 6) [N, Nm]; a hanging load pulls along gravity, without a moment.
+        """Return the wrench on the load point, shape (m, 6) [N, Nm]; a load that hangs pulls along gravity alone.
 
         Args:
             gravity: Shape (3,) [m/s^2], world axes.

@@ -29,8 +29,8 @@ class PoseDeflection:
 def pose_deflection(readings: StaticReadings) -> PoseDeflection:
     """Return Delta X by least squares: reflector k moves by Delta P + Delta phi x (p_k - p_1).
 
-    The first reflector stays where it is; the others are carried from nest to nest in every state, and their placement error
-    does not average over the repeats of a state.
+    The first reflector stays where it is; the others are carried from nest to nest in every state, and their
+    placement error does not average over the repeats of a state.
 
     Raises:
         InputError: The reflectors stand in one line, so that they do not see a rotation about it.
@@ -50,6 +50,6 @@ def pose_deflection(readings: StaticReadings) -> PoseDeflection:
     weight = 1 / np.repeat(variance, 3, axis=1)
     flat = design.reshape(m, 3 * r, 6)
     weighted = flat.transpose(0, 2, 1) * weight[:, None, :]
-    covariance = np.linalg.inv(weighted @ flat)
+    covariance = np.array(np.linalg.inv(weighted @ flat))
     moved = (points - before).reshape(m, 3 * r, 1)
     return PoseDeflection((covariance @ weighted @ moved)[..., 0], covariance)

@@ -1,4 +1,7 @@
-"""Deviations of friction from a constant share, and the mean over what their size may be; see `bench.identify.joint`."""
+"""Deviations of friction from the law of the joint method, and the mean over what their size may be.
+
+The law and the reasons stand in `bench.identify.joint`.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,27 +16,24 @@ Array = NDArray[np.float64]
 
 SPREADS = (0.01, 0.03, 0.1, 0.3, 1.0)  # grid of sqrt(v_1) and sqrt(v_2), in units of S
 
-STICK=1.
-START=lambda l,p: l
-
 
 def with_spread(problem: JointProblem, lasting: float, passing: float) -> tuple[SeriesModel, Array]:
     """Return the model with the deviations, and the prior sigmas of the parameters, shape (p,).
 
     Args:
         problem: The problem without them.
-        lasting: sqrt(v_1), of what stays: beta of each joint, and the first state of each series.
-        passing: sqrt(v_2), of what changes from state to state.
+        lasting: sqrt(v_1), of the level beta that a joint keeps.
+        passing: sqrt(v_2), of what differs from state to state.
     """
     n = problem.deviation.shape[2]
     first = problem.is_first[:, None, None]
     share = np.clip(problem.share, 0.0, 1.0)
-    sticking = problem.friction.may_stick[:, None, :] * np.sqrt(share * (1 - share) + STICK * lasting**2)
-    passed = np.where(first, 0.0, problem.deviation) * np.hypot(passing, sticking)
+    undecided = problem.friction.may_stick[:, None, :] * np.sqrt(share * (1 - share))
+    later = np.where(first, 0.0, problem.deviation) * np.hypot(passing, undecided)
     model = replace(
         problem.model,
-        covariance=problem.model.covariance + passed @ passed.transpose(0, 2, 1),
-        shared=np.where(first, START(lasting,passing) * problem.deviation, 0.0),
+        covariance=problem.model.covariance + later @ later.transpose(0, 2, 1),
+        shared=np.where(first, passing * problem.deviation, 0.0),
     )
     sigma = problem.prior_sigma.copy()
     sigma[2 * n : 3 * n] *= lasting
@@ -41,7 +41,13 @@ def with_spread(problem: JointProblem, lasting: float, passing: float) -> tuple[
 
 
 def solve_joint(problem: JointProblem, used: NDArray[np.bool_], spreads: Sequence[float] = SPREADS) -> Solution:
-    """Return the mixture over the grid of spreads, equally likely beforehand; joints not used keep no parameter at all."""
+    """Return the mixture over the grid of spreads, equally likely beforehand.
+
+    Args:
+        problem: The problem without deviations.
+        used: Shape (n,) bool; the other joints get no parameter.
+        spreads: Values of both spreads on the grid.
+    """
     columns = np.concatenate([np.tile(used, 4), np.ones(3, dtype=np.bool_)])
     solutions = []
     for lasting in spreads:
@@ -53,7 +59,7 @@ def solve_joint(problem: JointProblem, used: NDArray[np.bool_], spreads: Sequenc
 
 
 def mixture(solutions: Sequence[Solution]) -> Solution:
-    """Return mean and covariance over solutions weighted by restricted likelihood; all else is that of the likeliest."""
+    """Return mean and covariance over solutions, weighted by restricted likelihood; all else is of the likeliest."""
     likelihood = np.array([solution.log_likelihood for solution in solutions])
     weight = np.exp(np.maximum(likelihood - likelihood.max(), -700.0))
     weight /= weight.sum()

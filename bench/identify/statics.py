@@ -120,7 +120,7 @@ def link_torque(
 
 def yielding(compliance: Array, stiffness: Array) -> Array:
     """Return (1 - N A)^-1, shape (m, n, n): how much further a joint goes because Gamma changes on the way."""
-    return np.linalg.inv(np.eye(len(compliance)) - compliance[:, None] * stiffness)
+    return np.array(np.linalg.inv(np.eye(len(compliance)) - compliance[:, None] * stiffness))
 
 
 def motion(
@@ -182,7 +182,8 @@ def equilibrium(
     for _ in range(2):
         load = link_torque(arm, counterbalance, load_point, q, theta, wrench, second_order)
         torque = force_share * load.total + constant
-        step = (yielding(compliance * force_share, load.stiffness) @ (q + compliance * torque - theta)[..., None])[..., 0]
+        missing = q + compliance * torque - theta
+        step = (yielding(compliance * force_share, load.stiffness) @ missing[..., None])[..., 0]
         theta = theta + step
         torque = torque + force_share * (load.stiffness @ step[..., None])[..., 0]
     return torque, load

@@ -1,7 +1,8 @@
-"""The paper's loading experiment, Table 5, as readings for the methods, in poses that were *reconstructed*, not published.
+"""The paper's loading experiment, Table 5, as readings for the methods, in *reconstructed* poses.
 
-The paper prints no joint angles, load point or measuring point. `configurations.json` and `alternatives.json` hold sets of
-them that reproduce Table 5 about equally well. What these files are and how far they reach: models/hh150/paper/README.md.
+The paper prints no joint angles, load point or measuring point. `configurations.json` and `alternatives.json` hold
+sets of them that reproduce Table 5 about equally well. What these files are and how far they reach:
+models/hh150/paper/README.md.
 """
 
 import csv
@@ -29,8 +30,8 @@ SIGMA_CURRENT = np.hypot(0.02, 0.01 / np.sqrt(12))  # [A], one reading: nominal 
 SIGMA_REFLECTOR = 30e-6  # [m], one reading: 10 um/m, section 5, at the 3 m assumed for such a robot
 SIGMA_WRENCH = read_only([0.5] * 3 + [0.2] * 3)  # [N, Nm], nominal
 
-# Table 1: a_{i-1} [m], alpha_{i-1}, d_i [m], angle at the robot's zero, limits. The links carry no mass: gravity stiffness
-# and k_b change the results by less than 0.5 %, two orders below what the poses leave open.
+# Table 1: a_{i-1} [m], alpha_{i-1}, d_i [m], angle at the robot's zero, limits. The links carry no mass: gravity
+# stiffness and k_b change the results by less than 0.5 %, two orders below what the poses leave open.
 TABLE_1 = tuple(
     Row(a, alpha * DEGREE, d, zero * DEGREE, (low * DEGREE, high * DEGREE))
     for a, alpha, d, zero, low, high in (
@@ -63,7 +64,7 @@ class Table5:
     @property
     def is_reference(self) -> NDArray[np.bool_]:
         """Shape (24,), the unloaded rows."""
-        return np.all(self.force == 0, axis=1)
+        return np.array(np.all(self.force == 0, axis=1))
 
     @property
     def hangs(self) -> NDArray[np.bool_]:
@@ -96,7 +97,7 @@ class Reconstruction:
 
     def arm(self) -> Arm:
         """Return the arm of Table 1 with the points "load" and "reflector" of this reconstruction."""
-        return Arm(bodies_from_table(TABLE_1, {"load": self.load_point, "reflector": self.reflector}))
+        return Arm(bodies_from_table(TABLE_1, {"load": self.load_point.tolist(), "reflector": self.reflector.tolist()}))
 
     def readings(self, table: Table5) -> StaticReadings:
         """Return Table 5 as readings in these poses.

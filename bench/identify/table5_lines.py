@@ -1,7 +1,8 @@
 """What Table 5 says without any pose: each reading as a straight line over the load of its configuration.
 
-Elastic joints and friction in proportion to the load put all states of a configuration, the unloaded one included, on one
-line. Scatter about the line, and a line that misses the unloaded reading, are friction (or noise), whatever the poses are.
+Elastic joints and friction in proportion to the load put all states of a configuration, the unloaded one included, on
+one line. Scatter about the line, and a line that misses the unloaded reading, are friction (or noise), whatever the
+poses are.
 """
 
 from dataclasses import dataclass

@@ -1,0 +1,1 @@
+"""Results for people: tables, figures, recordings; scoring against the truth."""

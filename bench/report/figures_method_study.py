@@ -18,7 +18,7 @@ COLUMNS = 3
 
 
 def trust_figure(results: Sequence[ConditionResult]) -> "Figure":
-    """Return one map per method over amount and side of friction: median over the joints of the absolute bias, in percent.
+    """Return one map per method over amount and side of friction: median over the joints of |bias| [%].
 
     Args:
         results: A full grid over `friction` and `link_share`.
@@ -29,7 +29,8 @@ def trust_figure(results: Sequence[ConditionResult]) -> "Figure":
     amounts = sorted({result.condition.friction for result in results})
     shares = sorted({result.condition.link_share for result in results})
     at = {(result.condition.friction, result.condition.link_share): result for result in results}
-    figure, (panels,) = new_figure("Error of the stiffness by method, side and amount of friction", 1, len(STUDIED), 4.6)
+    title = "Error of the stiffness by method, side and amount of friction"
+    figure, (panels,) = new_figure(title, 1, len(STUDIED), 4.6)
     colours = ListedColormap(colormaps["YlOrRd"](np.linspace(0, 1, len(BIAS_LEVELS) - 1)))
     norm = BoundaryNorm(BIAS_LEVELS, len(BIAS_LEVELS) - 1)
     for panel, method in zip(panels, STUDIED, strict=True):

@@ -98,7 +98,8 @@ def plain(values: object) -> object:
 def print_json(result: Identification, level: float) -> None:
     """Print the estimates as JSON."""
     content = {name: as_json(estimate, level) for name, estimate in result.estimates.items()}
-    print(json.dumps({"campaign": str(result.campaign), "estimates": content, "refused": dict(result.refused)}, indent=2))
+    found = {"campaign": str(result.campaign), "estimates": content, "refused": dict(result.refused)}
+    print(json.dumps(found, indent=2))
 
 
 def print_table(result: Identification, level: float) -> None:

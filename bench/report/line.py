@@ -114,12 +114,12 @@ class LineReport:
 
         def of(*parts: str) -> float:
             left = [sum((found.after[way].parts[part] for part in parts), np.zeros(3)) for way in WAYS]
-            return true / _rms(left, axis)
+            return _factor(true, _rms(left, axis))
 
         return Reduction(
-            achieved=seen / _rms([found.after[way].error for way in WAYS], axis),
-            expected=seen / _rms([found.expected_error[way] for way in WAYS], axis),
-            true=true / _rms([found.after[way].true for way in WAYS], axis),
+            achieved=_factor(seen, _rms([found.after[way].error for way in WAYS], axis)),
+            expected=_factor(seen, _rms([found.expected_error[way] for way in WAYS], axis)),
+            true=_factor(true, _rms([found.after[way].true for way in WAYS], axis)),
             by_stiffness=of("stiffness"),
             by_estimate=of("stiffness", "torque"),
         )
@@ -187,6 +187,10 @@ def _on_line(
         after={way: trajectory_error(model.arm, session, nominal, way, given) for way in WAYS},
         expected_error={way: np.hypot(given.ways[way].removed.standard_error, sigma) for way in WAYS},
     )
+
+
+def _factor(before: float, after: float) -> float:
+    return before / after if after > 0 else np.inf
 
 
 def _rms(values: list[Array], axis: str) -> float:

@@ -3,6 +3,7 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ MM, UM = 1e3, 1e6
 
 def write_line(report: LineReport, folder: Path) -> None:
     """Write `line.json`, `line.csv` and the figures 15 to 17 into an existing folder."""
-    (folder / NUMBERS).write_text(json.dumps(line_as_json(report), indent=1) + "\n", encoding="utf-8")
+    (folder / NUMBERS).write_text(json.dumps(line_as_json(report), indent=1, allow_nan=False) + "\n", encoding="utf-8")
     FORMATS[".csv"].write(folder / CURVES, line_curves(report))
     save(figure_15(report), folder / "figure-15.png")
     save(figure_16(report), folder / "figure-16.png")
@@ -40,15 +41,18 @@ def line_as_json(report: LineReport) -> dict[str, object]:
         "error_before_m": {way: _budget(report.before[way]) for way in WAYS},
         "methods": {
             name: {
-                "deflection": {way: [asdict(axis) for axis in found.comparison[way]] for way in WAYS},
-                "lost_motion": [asdict(axis) for axis in found.lost_motion_comparison],
-                "link_side_share_of_friction": asdict(found.link_share),
+                "deflection": {way: [_plain(asdict(axis)) for axis in found.comparison[way]] for way in WAYS},
+                "lost_motion": [_plain(asdict(axis)) for axis in found.lost_motion_comparison],
+                "link_side_share_of_friction": _plain(asdict(found.link_share) | {"sigma": found.link_share.sigma})
+                | {"interval": plain(np.array(found.link_share.interval()))},
                 "error_after_m": {way: _budget(found.after[way]) for way in WAYS},
-                "reduction": {axis: asdict(report.reduction(name, axis)) for axis in SHOWN},
+                "reduction": {axis: _plain(asdict(report.reduction(name, axis))) for axis in SHOWN},
             }
             for name, found in report.methods.items()
         },
-        "paper": [asdict(row) | {"difference": row.difference, "holds": row.holds} for row in published_rows(report)],
+        "paper": [
+            _plain(asdict(row) | {"difference": row.difference, "holds": row.holds}) for row in published_rows(report)
+        ],
         "conclusions": line_conclusions(report),
     }
 
@@ -101,6 +105,11 @@ def line_conclusions(report: LineReport) -> list[str]:
             "the friction on the link side."
         )
     return sentences
+
+
+def _plain(content: dict[str, Any]) -> dict[str, object]:
+    """Return plain data; nan and inf, which JSON does not know, as null."""
+    return {key: plain(value) if isinstance(value, float) else value for key, value in content.items()}
 
 
 def _budget(error: TrajectoryError) -> dict[str, dict[str, float]]:

@@ -1,4 +1,4 @@
-"""Which method to trust where: current, force and joint method over friction, its side, noise and the way of measuring."""
+"""Which method to trust where: current, force and joint method over friction, noise and the way of measuring."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -1,30 +1,34 @@
-"""The paper beside the virtual robot: Table 5 and the loading experiment, by every method."""
+"""The whole paper on the virtual robot, chapter by chapter, its published numbers beside ours."""
 
-import csv
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from bench.identify.estimate import StiffnessEstimate
-from bench.report import identification, scoring
-from bench.report.plots import save
-from bench.report.residual_plot import residual_figure
-from bench.report.stiffness_plot import StiffnessSource, stiffness_figure
-from bench.report.tables import Column, Measured, Row, print_table
-from bench.report.worlds import WorldResult, run_worlds
-from bench.robot.bodies import Array
-from bench.robot.folder import Robot, load_robot
-from bench.scenario.files import read_scenario
+from bench.identify.table5 import read_table6
+from bench.report.chapter import Chapter, print_chapter
+from bench.report.complementary import run_complementary
+from bench.report.line import run_line
+from bench.report.line_results import line_as_json, line_conclusions, write_line
+from bench.report.line_rows import published_rows
+from bench.report.loading import LoadingResult, loading_chapter, print_loading, write_loading
+from bench.report.rotation import run_rotation
+from bench.report.rotation_results import as_json as rotation_as_json
+from bench.report.rotation_results import published_numbers
+from bench.report.trust import run_trust
+from bench.report.worlds import run_worlds
+from bench.robot.folder import load_robot
+from bench.scenario.complementary import Complementary
+from bench.scenario.files import read_as
+from bench.scenario.loading import Loading
 
 Progress = Callable[[float], None]
 
 RESULTS = "results.json"
-SCENARIO = "loading"
 PUBLISHED = "paper"  # folder of published data in the robot's folder
-MNM = 1e6  # [Nm/rad], the unit of Table 6
+LOADING = "loading"
+# Share of the time that each part takes, measured on two cores
+LOADING_SHARE, TABLE_5_SHARE, COMPLEMENTARY_SHARE, TRUST_SHARE, ROTATION_SHARE = 0.38, 0.10, 0.05, 0.12, 0.15
 
 
 @dataclass(frozen=True)
@@ -32,101 +36,82 @@ class PaperResult:
     """What `bench paper` found.
 
     Attributes:
-        robot: The robot of the scenario.
-        table6: Method -> shape (n,) [Nm/rad], as published.
-        worlds: The virtual robot in each friction world.
+        loading: Table 5 and the loading experiment, the main table.
+        chapters: Everything else, in the order of the paper.
     """
 
-    robot: Robot
-    table6: Mapping[str, Array]
-    worlds: tuple[WorldResult, ...]
+    loading: LoadingResult
+    chapters: tuple[Chapter, ...]
 
 
 def run_paper(folder: Path, progress: Progress) -> PaperResult:
-    """Identify Table 5, run the loading experiment in every friction world and identify it.
+    """Run every experiment of the paper; campaigns, truth, recordings, numbers and figures go into an existing folder.
 
     Args:
-        folder: Existing folder; campaigns, truth and recordings are written into it.
+        folder: Where to write.
         progress: Called with the share that is done.
     """
-    worlds = run_worlds(SCENARIO, folder, progress)
-    robot = load_robot(read_scenario(SCENARIO).robot)
-    return PaperResult(robot, read_table6(robot.folder / PUBLISHED / "table6.csv"), tuple(worlds))
+    scenario = read_as(Loading, LOADING)
+    robot = load_robot(scenario.robot)
+    table6 = read_table6(robot.folder / PUBLISHED)
+    done = 0.0
 
+    def part(share: float) -> Progress:
+        nonlocal done
+        begin = done
+        done += share
+        return lambda inside: progress(begin + share * inside)
 
-def read_table6(file: Path) -> dict[str, Array]:
-    """Return the published stiffness, method -> shape (n,) [Nm/rad]."""
-    with file.open(encoding="utf-8") as lines:
-        rows = list(csv.DictReader(lines))
-    return {row["method"]: np.array([float(row[f"k{j}_nm_per_rad"]) for j in range(1, len(row))]) for row in rows}
-
-
-def write_paper(result: PaperResult, folder: Path) -> None:
-    """Write numbers (JSON) and figures into the results folder."""
-    content = {
-        "table6_nm_per_rad": {name: identification.plain(values) for name, values in result.table6.items()},
-        "worlds": {
-            found.world.name: {
-                "title": found.world.title,
-                "estimates": {name: identification.as_json(estimate) for name, estimate in found.estimates.items()},
-                "scores": {name: scoring.as_json(scores) for name, scores in found.scores.items()},
-            }
-            for found in result.worlds
-        },
-        "conclusions": conclusions(result),
-    }
+    worlds = run_worlds(LOADING, _made(folder, "loading"), part(LOADING_SHARE))
+    loading = loading_chapter(worlds, robot.folder / PUBLISHED)
+    write_loading(loading, folder / "loading")
+    part(TABLE_5_SHARE)(1.0)
+    names = next(iter(worlds[0].estimates.values())).joint_names
+    complementary = run_complementary(read_as(Complementary, "complementary"), _made(folder, "complementary"))
+    part(COMPLEMENTARY_SHARE)(1.0)
+    trust = run_trust(scenario, names, table6, _made(folder, "methods"), part(TRUST_SHARE))
+    rotation = _rotation(_made(folder, "rotation"), part(ROTATION_SHARE))
+    line = _line(_made(folder, "line"), loading, part(1 - done))
+    result = PaperResult(loading, (complementary, rotation, line, trust))
+    content = {LOADING: loading.data} | {chapter.name: chapter.data for chapter in result.chapters}
     (folder / RESULTS).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-    save(stiffness_figure(_sources(result)), folder / "stiffness.png")
-    for found in result.worlds:
-        for name, estimate in found.estimates.items():
-            title = f"Residuals: {name} method, {found.world.title}"
-            save(residual_figure(estimate.residuals, title), folder / found.world.name / f"residuals-{name}.png")
+    return result
 
 
 def print_paper(result: PaperResult) -> None:
-    """Print the table and what follows from it."""
-    joints = next(iter(result.worlds[0].estimates.values())).joint_names
-    columns = [Column(name, "1e6 Nm/rad", 3) for name in joints]
-    columns += [Column("median error", "%", 1), Column("truth inside", "of the joints", 0)]
-    unknown = (Measured(np.nan), Measured(np.nan))
-    rows = [
-        Row(f"paper, Table 6: {name}", (*(Measured(k / MNM) for k in values), *unknown))
-        for name, values in result.table6.items()
-    ]
-    for found in result.worlds:
-        truth = [score.truth / MNM for score in next(iter(found.scores.values()))]
-        rows.append(Row(found.world.title, (*(Measured(k) for k in truth), *unknown)))
-        for name, estimate in found.estimates.items():
-            scored = (Measured(100 * found.median_error(name)), Measured(found.covered(name)[0]))
-            rows.append(Row(f"  {name}", (*_with_intervals(estimate), *scored)))
-    print_table("Joint stiffness, with half the width of the 95 % interval", columns, rows, conclusions(result))
+    """Print the main table, and each chapter's numbers beside the paper's."""
+    print_loading(result.loading)
+    for chapter in result.chapters:
+        print_chapter(chapter)
 
 
-def conclusions(result: PaperResult) -> list[str]:
-    """Return in sentences which method is right where, and by how much the others are off; computed, not asserted."""
-    sentences = []
-    for found in result.worlds:
-        errors = {name: found.median_error(name) for name in found.estimates}
-        right = [name for name in errors if all(found.covered(name)) and len(set(found.covered(name))) == 1]
-        ranked = ", ".join(f"{name} {100 * error:.1f} %" for name, error in sorted(errors.items(), key=lambda e: e[1]))
-        sentences.append(
-            f"{found.world.title}: median error {ranked}; all intervals contain the truth for: {', '.join(right) or 'none'}."
-        )
-    return sentences
+def _made(folder: Path, name: str) -> Path:
+    made = folder / name
+    made.mkdir()
+    return made
 
 
-def _with_intervals(estimate: StiffnessEstimate) -> list[Measured]:
-    halves = np.diff(estimate.interval(), axis=1)[:, 0] / 2
-    return [Measured(value / MNM, half / MNM) for value, half in zip(estimate.stiffness, halves, strict=True)]
+def _rotation(folder: Path, progress: Progress) -> Chapter:
+    report = run_rotation(folder, progress)
+    covered = all(score.covered for score in report.scores)
+    sentence = f"C and l_c: the 95 % intervals {'contain' if covered else 'do not both contain'} the truth."
+    return Chapter(
+        name="rotation",
+        title="Counterbalance, Table 7, Figs. 10 to 13",
+        rows=published_numbers(report.identified),
+        sentences=(sentence, *report.identified.fit.notes),
+        data=rotation_as_json(report),
+    )
 
 
-def _sources(result: PaperResult) -> list[StiffnessSource]:
-    return [
-        StiffnessSource(
-            found.world.title,
-            found.estimates,
-            {},
-            np.array([score.truth for score in next(iter(found.scores.values()))]),
-        )
-        for found in result.worlds
-    ]
+def _line(folder: Path, loading: LoadingResult, progress: Progress) -> Chapter:
+    """Run the line with what the methods found from the loading experiment in the same world, the robot as it is."""
+    report = run_line(folder, loading.as_model, progress)
+    write_line(report, folder)
+    return Chapter(
+        name="line",
+        title="UV trajectory, Table 8, Figs. 14 to 17",
+        rows=published_rows(report),
+        sentences=line_conclusions(report),
+        data=line_as_json(report),
+    )

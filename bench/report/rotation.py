@@ -7,7 +7,8 @@ from bench.report.results import CAMPAIGN, TRUTH, write_session
 from bench.report.rotation_identification import identify_rotation
 from bench.report.rotation_results import RotationReport, write_rotation
 from bench.report.scoring import score_counterbalance
-from bench.scenario.files import read_scenario
+from bench.scenario.files import read_as
+from bench.scenario.rotation import Rotation
 from bench.simulate.session import run_session
 
 Progress = Callable[[float], None]
@@ -23,7 +24,7 @@ def run_rotation(folder: Path, progress: Progress = lambda share: None) -> Rotat
         progress: Called with the share that is done.
     """
     for i, name in enumerate((SCENARIO, VALIDATION)):
-        session = run_session(read_scenario(name), lambda share, i=i: progress((i + share) / 2))  # type: ignore[misc]
+        session = run_session(read_as(Rotation, name), lambda share, i=i: progress((i + share) / 2))  # type: ignore[misc]
         (folder / name).mkdir()
         write_session(session, folder / name)
     identified = identify_rotation(folder / SCENARIO / CAMPAIGN, folder / VALIDATION / CAMPAIGN)

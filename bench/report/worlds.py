@@ -1,4 +1,4 @@
-"""The loading experiment on the virtual robot in each friction world, identified by every method and held to the truth."""
+"""The loading experiment on the virtual robot in each friction world, identified by every method, beside the truth."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from bench.report.identification import identify_campaign
 from bench.report.parallel import run_all
 from bench.report.results import CAMPAIGN, TRUTH, write_session
 from bench.report.scoring import JointScore, score_stiffness
-from bench.scenario.files import read_scenario
+from bench.scenario.files import read_as
 from bench.scenario.loading import Loading
 from bench.simulate.session import run_session
 
@@ -76,7 +76,7 @@ def run_worlds(scenario: str, folder: Path, progress: Progress) -> list[WorldRes
     Raises:
         InputError: The scenario is not valid or does not fit its robot.
     """
-    base = read_scenario(scenario)
+    base = read_as(Loading, scenario)
     changes = [{"friction": world.friction, "servo": world.servo} for world in WORLDS]
     scenarios = [Loading.model_validate(base.model_dump() | change) for change in changes]
     jobs = [(job, folder / world.name) for job, world in zip(scenarios, WORLDS, strict=True)]

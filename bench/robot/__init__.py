@@ -1,0 +1,1 @@
+"""Robot folders: figures, compiled model, links as plain numbers, counterbalance."""

@@ -153,7 +153,8 @@ def _addresses(robot: Robot, model: mujoco.MjModel) -> Addresses:
             count = {"joint": model.njnt, "tendon": model.ntendon, "actuator": model.nactuator}
             count |= {"site": model.nsite, "body": model.nbody}
             known = (mujoco.mj_id2name(model, element, i) for i in range(count[kind]))
-            problems.append(f"figures.yaml: {place}: {unknown_name(f'{kind} of {robot.mjcf.name}', name, filter(None, known))}")
+            what = unknown_name(f"{kind} of {robot.mjcf.name}", name, filter(None, known))
+            problems.append(f"figures.yaml: {place}: {what}")
         return int(index)
 
     figures = robot.figures
@@ -192,7 +193,7 @@ def _addresses(robot: Robot, model: mujoco.MjModel) -> Addresses:
 
 
 def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
-    """Return the links of the arm as plain numbers; a jointless body, or a rotor, is merged into the link that carries it.
+    """Return the links of the arm as plain numbers; a jointless body or a rotor counts to the link that carries it.
 
     Raises:
         RobotError: A link moves by more than one joint or by one that is not driven, or a joint has a `ref`.
@@ -205,7 +206,7 @@ def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
         raise RobotError(f"{compiled.robot.mjcf}: two driven joints share a body; give each joint a body of its own.")
 
     if np.any(model.qpos0[at.theta]):
-        raise RobotError(f"{compiled.robot.mjcf}: a driven joint has ref != 0; move its zero into the body's pose instead.")
+        raise RobotError(f"{compiled.robot.mjcf}: a driven joint has ref != 0; move its zero into the body's pose.")
 
     # Pose of every MuJoCo body in the joint frame of the arm's body that carries it, all joints at zero.
     carrier = np.full(model.nbody, -1)
@@ -305,7 +306,9 @@ def _counterbalance(robot: Robot, spec: mujoco.MjSpec, model: mujoco.MjModel, at
     arms = data.site_xpos[model.wrap_objid[start : start + 2]] - pivot
     heights = arms @ axis
     if abs(heights[0] - heights[1]) > SAME_PLACE:
-        raise RobotError(f"{robot.mjcf}: the anchors of tendon {named.tendon!r} must lie in one plane across {named.joint!r}.")
+        raise RobotError(
+            f"{robot.mjcf}: the anchors of tendon {named.tendon!r} must lie in one plane across {named.joint!r}."
+        )
     fixed, moving = arms - np.outer(heights, axis)
     from_fixed_to_moving = np.arctan2(axis @ np.cross(fixed, moving), fixed @ moving)
     return Counterbalance(

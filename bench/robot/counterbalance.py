@@ -1,12 +1,13 @@
-"""The hydropneumatic counterbalance in closed form: a gas-loaded cylinder that pulls between two links, Eqs. (8) to (12).
+"""The hydropneumatic counterbalance in closed form: a gas-loaded cylinder between two links, Eqs. (8) to (12).
 
-The paper's Eq. (9) is written for the Denavit-Hartenberg angle of joint 2, which is the joint angle less 90 deg; with it,
-sin(alpha - theta_DH) becomes cos(theta - alpha). Here theta is the joint angle and alpha the *dead centre*: the joint angle
-at which anchor A, joint and anchor B lie in line, the cylinder is shortest and its torque is zero (about 3.3 deg for the
-HH-150). Read so, the anchor offsets a and h of Eq. (10) are both positive.
+The paper's Eq. (9) is written for the Denavit-Hartenberg angle of joint 2, which is the joint angle less 90 deg; with
+it, sin(alpha - theta_DH) becomes cos(theta - alpha). Here theta is the joint angle and alpha the *dead centre*: the
+joint angle at which anchor A, joint and anchor B lie in line, the cylinder is shortest and its torque is zero (about
+3.3 deg for the HH-150). Read so, the anchor offsets a and h of Eq. (10) are both positive.
 
-The gas volume shrinks as the cylinder grows longer, so the rod pulls, and the torque brings the joint back to the dead centre: M as
-the paper defines it is *restoring*, and the torque on the joint in the direction of growing theta is -M.
+The gas volume shrinks as the cylinder grows longer, so the rod pulls, and the torque brings the joint back to the
+dead centre: M as the paper defines it is *restoring*, and the torque on the joint in the direction of growing theta
+is -M.
 """
 
 from dataclasses import dataclass
@@ -43,7 +44,8 @@ class Counterbalance:
         """Refuse figures that no cylinder can have.
 
         Raises:
-            RobotError: A length or C is not positive, both anchors are at the same distance, or the gas volume would vanish.
+            RobotError: A length or C is not positive, both anchors are at the same distance, or the gas volume would
+                vanish.
         """
         problems = [
             f"counterbalance: {name} is {value!r}; it must be a positive number."
@@ -51,11 +53,11 @@ class Counterbalance:
             if not value > 0
         ]
         if self.rho == self.b:
-            problems.append("counterbalance: rho equals b, so the anchors meet at the dead centre; correct one of them.")
+            problems.append("counterbalance: rho equals b: the anchors would meet at the dead centre; correct one.")
         if not self.critical_length > abs(self.rho - self.b):
             problems.append(
-                f"counterbalance: critical_length {self.critical_length} m is not above the shortest cylinder, |rho - b| = "
-                f"{abs(self.rho - self.b)} m; the gas would have no volume at any angle."
+                f"counterbalance: critical_length {self.critical_length} m is not above the shortest cylinder, "
+                f"|rho - b| = {abs(self.rho - self.b)} m; the gas would have no volume at any angle."
             )
         if problems:
             raise RobotError(problems)
@@ -70,12 +72,12 @@ class Counterbalance:
         return self.b * self.rho * np.sin(self._angle(theta)) / self.length(theta)
 
     def force(self, theta: ArrayLike) -> Array:
-        """Return the pull of the rod, F = C / (l_c - l), Eq. (8) [N], nan where no gas volume is left; shape of theta [rad]."""
+        """Return the pull of the rod, F = C / (l_c - l), Eq. (8) [N]; nan without gas volume. Shape of theta [rad]."""
         gas_column = self.critical_length - self.length(theta)
         return self.gas_constant / np.where(gas_column > 0, gas_column, np.nan)
 
     def torque(self, theta: ArrayLike) -> Array:
-        """Return the restoring torque M = F dl/dtheta, Eq. (11) [Nm]; the torque on the joint is -M. Shape of theta [rad]."""
+        """Return the restoring torque M = F dl/dtheta, Eq. (11) [Nm]; on the joint acts -M. Shape of theta [rad]."""
         return self.force(theta) * self.lever_arm(theta)
 
     def stiffness(self, theta: ArrayLike) -> Array:

@@ -11,8 +11,8 @@ from bench.robot.plugins import configure, number_of
 def friction_on(side: str) -> SpecEdit:
     """Return the edit that puts all static friction on one side of the elastic elements.
 
-    "link": as the MJCF has it on the link side, none on the motor side. "motor": the same levels on the motor side, none
-    on the link side. "none": none at all. "as-model": both sides as the MJCF has them.
+    "link": as the MJCF has it on the link side, none on the motor side. "motor": the same levels on the motor side,
+    none on the link side. "none": none at all. "as-model": both sides as the MJCF has them.
     """
     if side == "as-model":
         return lambda spec, robot: None
@@ -43,7 +43,7 @@ def proportional_servo(spec: mujoco.MjSpec, robot: Robot) -> None:
     for drive in robot.figures.drives:
         servo = spec.actuator(drive.servo)
         if servo.gaintype != mujoco.mjtGain.mjGAIN_PID:
-            raise RobotError(f"{robot.mjcf}: servo {drive.servo!r} is not a <pid>, so it has no integral action to take off.")
+            raise RobotError(f"{robot.mjcf}: servo {drive.servo!r} is not a <pid>; it has no integral action to take off.")
         gain, limits = servo.gainprm, servo.dynprm
         gain[0] = limits[0] = 0
         servo.gainprm, servo.dynprm, servo.dyntype = gain, limits, mujoco.mjtDyn.mjDYN_NONE

@@ -1,4 +1,4 @@
-"""The figures of a robot that an MJCF has no place for: drives, ratings, instruments. One YAML file per robot folder."""
+"""The figures of a robot that an MJCF has no place for: drives, ratings, instruments. One YAML file per robot."""
 
 from typing import Annotated
 
@@ -24,7 +24,7 @@ class Drive(Strict):
     motor_friction: str = Field(description="friction actuator on the rotor joint")
     link_friction: str = Field(description="friction actuator on the link-side joint")
     torque_constant_nm_per_a: Positive = Field(description="xi = tau_motor / I, at the joint (Table 2)")
-    torque_constant_error: NonNegative = Field(0.01, description="relative standard deviation of xi as the lab knows it")
+    torque_constant_error: NonNegative = Field(0.01, description="relative standard deviation of xi as known")
     speed_limit_rad_per_s: Positive
 
 
@@ -106,7 +106,7 @@ class Figures(Strict):
     drives: tuple[Drive, ...] = Field(min_length=1)
     load_body: str = Field(description="massless body at the load point; wrenches are applied there")
     load_point: str = Field(description="site at the load point")
-    reflectors: tuple[str, ...] = Field(min_length=1, description="sites with reflectors; the first is the reference point")
+    reflectors: tuple[str, ...] = Field(min_length=1, description="sites; the first is the reference point")
     counterbalance: Counterbalance | None = None
     rating: Rating
     instruments: Instruments

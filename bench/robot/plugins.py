@@ -42,7 +42,8 @@ def configure(spec: mujoco.MjSpec, actuator: str, **values: float | str) -> None
     for key, value in values.items():
         text = value if isinstance(value, str) else repr(float(value))
         if count > 1:
-            # an attribute that nobody had yet is not set for the others; zero is the null value of all that can be left out
+            # an attribute that nobody had yet is not set for the others; zero is the null value of all that can be left
+            # out
             entries = [_one(config.get(key, "0"), i, count) for i in range(count)]
             entries[index] = text
             text = " ".join(entries)

@@ -1,6 +1,7 @@
 """Scenario files: find, read, validate; all faults at once."""
 
 from pathlib import Path
+from typing import TypeVar
 
 import yaml
 from pydantic import ValidationError
@@ -8,12 +9,20 @@ from pydantic import ValidationError
 from bench import paths
 from bench.errors import InputError, unknown_name
 from bench.robot.folder import problems_of
+from bench.scenario.complementary import Complementary
 from bench.scenario.line import Line
 from bench.scenario.loading import Loading
 from bench.scenario.rotation import Rotation
 
-Scenario = Line | Loading | Rotation
-EXPERIMENTS: dict[str, type[Scenario]] = {"line": Line, "loading": Loading, "rotation": Rotation}
+Experiment = Line | Loading | Rotation  # on the robot; they run as a session
+Scenario = Experiment | Complementary
+Kind = TypeVar("Kind", Line, Loading, Rotation, Complementary)
+EXPERIMENTS: dict[str, type[Scenario]] = {
+    "complementary": Complementary,
+    "line": Line,
+    "loading": Loading,
+    "rotation": Rotation,
+}
 
 
 def scenario_names() -> tuple[str, ...]:
@@ -31,7 +40,8 @@ def read_scenario(name_or_file: str | Path) -> Scenario:
     if not file.is_file():
         file = paths.scenarios_dir() / f"{Path(name_or_file).stem}.yaml"
         if not file.is_file() or Path(name_or_file).suffix not in ("", ".yaml") or len(Path(name_or_file).parts) > 2:
-            raise InputError(f"no scenario file {str(name_or_file)!r}. Those that come along: {', '.join(scenario_names())}.")
+            known = ", ".join(scenario_names())
+            raise InputError(f"no scenario file {str(name_or_file)!r}. Those that come along: {known}.")
     try:
         content = yaml.safe_load(file.read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -45,3 +55,15 @@ def read_scenario(name_or_file: str | Path) -> Scenario:
         return EXPERIMENTS[experiment].model_validate(content)
     except ValidationError as error:
         raise InputError(problems_of(error, file.name)) from error
+
+
+def read_as(kind: type[Kind], name_or_file: str | Path) -> Kind:
+    """Read a scenario of one kind of experiment.
+
+    Raises:
+        InputError: As `read_scenario`, and where the scenario is of another experiment.
+    """
+    scenario = read_scenario(name_or_file)
+    if not isinstance(scenario, kind):
+        raise InputError(f"{name_or_file}: is a scenario of experiment {scenario.experiment!r}, not a {kind.__name__}.")
+    return scenario

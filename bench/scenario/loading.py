@@ -54,18 +54,20 @@ class Loading(ScenarioBase):
         for i, pose in enumerate(self.poses):
             place = f"poses[{i}]"
             if len(pose.q_deg) != robot.n_joints:
-                problems.append(f"{place}.q_deg: {len(pose.q_deg)} angles, but {robot.name} has {robot.n_joints} joints.")
+                count = len(pose.q_deg)
+                problems.append(f"{place}.q_deg: {count} angles, but {robot.name} has {robot.n_joints} joints.")
             for j, (angle, (low, high)) in enumerate(zip(pose.q_deg, degrees, strict=False)):
                 reach = self.approach_deg
                 if not low <= angle <= high:
-                    problems.append(f"{place}.q_deg[{j}]: {angle} deg is outside joint {j + 1}'s {low:g} to {high:g} deg.")
+                    reached = f"joint {j + 1}'s {low:g} to {high:g} deg"
+                    problems.append(f"{place}.q_deg[{j}]: {angle} deg is outside {reached}.")
                 elif any(not low <= angle - sign * reach <= high for sign in self.approach):
                     problems.append(
                         f"{place}.q_deg[{j}]: the approach over {reach} deg to {angle} deg leaves joint {j + 1}'s "
                         f"{low:g} to {high:g} deg; move the pose inwards or shorten approach_deg."
                     )
             if not np.any(pose.direction):
-                problems.append(f"{place}.direction: is zero; give the direction in which the load pulls, such as [0, 0, -1].")
+                problems.append(f"{place}.direction: is zero; give where the load pulls, such as [0, 0, -1].")
             problems += [
                 f"{place}.force_n[{k}]: {force:g} N is above the rating of {robot.name}, {rating:g} N."
                 for k, force in enumerate(pose.force_n)

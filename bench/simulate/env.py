@@ -90,7 +90,7 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Put the robot at rest, unloaded, at `options["q"]` [rad] (default: all zero), with newly set up instruments."""
+        """Put the robot at rest, unloaded, at `options["q"]` [rad] (default: zero), with new instruments."""
         super().reset(seed=seed)
         options = options or {}
         if unknown := set(options) - {"q"}:

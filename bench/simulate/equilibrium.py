@@ -1,10 +1,10 @@
 """Quasi-static equilibrium: where the robot rests for given commands, by fixed point instead of time stepping.
 
-Each joint has a link, on its elastic element, and a motor, on its servo. A servo with integral action rests at its command,
-so its motor angle is known; a proportional one gives. The elastic elements are far stiffer than everything else that depends
-on the link angles (gravity, counterbalance, the moving load: some parts in a thousand), so solving joint by joint contracts
-by that factor each time. Where a friction element begins to slip, its stiffness falls to zero: each unknown therefore takes
-the secant of its last step, kept between slipping and sticking.
+Each joint has a link, on its elastic element, and a motor, on its servo. A servo with integral action rests at its
+command, so its motor angle is known; a proportional one gives. The elastic elements are far stiffer than everything
+else that depends on the link angles (gravity, counterbalance, the moving load: some parts in a thousand), so solving
+joint by joint contracts by that factor each time. Where a friction element begins to slip, its stiffness falls to zero:
+each unknown therefore takes the secant of its last step, kept between slipping and sticking.
 """
 
 import mujoco
@@ -24,13 +24,13 @@ STEP_RESOLUTION = 1e-13  # [rad]
 class Equilibrium:
     """Rest positions of one robot along a path of commands and wrenches; friction elements remember the path.
 
-    Friction elements are rate independent: between two poses or loads the path may be as long as it likes, as long as every
-    angle and load changes in one direction only.
+    Friction elements are rate independent: between two poses or loads the path may be as long as it likes, as long as
+        every angle and load changes in one direction only.
 
     Args:
         compiled: The robot.
-        data: State to work on; it is left at the equilibrium with zero velocities. None makes a fresh one at the model's
-            zero, with all friction elements unstressed.
+        data: State to work on; it is left at the equilibrium with zero velocities. None makes a fresh one at the
+            model's zero, with all friction elements unstressed.
     """
 
     def __init__(self, compiled: CompiledRobot, data: mujoco.MjData | None = None) -> None:
@@ -53,7 +53,7 @@ class Equilibrium:
         Raises:
             ConvergenceError: The residual did not fall below `TOLERANCE`.
         """
-        model, data, at, k = self.compiled.model, self.data, self.compiled.at, self.compiled.stiffness
+        data, at, k = self.data, self.compiled.at, self.compiled.stiffness
         data.qvel[:] = 0
         data.ctrl[at.servo_ctrl] = command
         data.ctrl[at.servo_ctrl + 1] = 0
@@ -72,7 +72,7 @@ class Equilibrium:
             data.qpos[at.theta] += step[0]
             data.qpos[at.q] += step[1]
             before, residual = residual, self._residual()
-            change = before - residual + k * step[::-1]  # what the elastic element passes on from the other side is known
+            change = before - residual + k * step[::-1]  # less what the element passes on from the other side
             moved = np.abs(step) > STEP_RESOLUTION  # below it the difference of residuals is rounding
             slope = np.clip(np.divide(change, step, out=slope.copy(), where=moved), self._slipping, self._sticking)
         raise ConvergenceError(
@@ -81,7 +81,7 @@ class Equilibrium:
         )
 
     def motor_torque(self) -> Array:
-        """Return what the motors put out at the last equilibrium, shape (n,) [Nm]: spring torque less motor friction."""
+        """Return what the motors put out at the last equilibrium, shape (n,) [Nm]: spring torque less friction."""
         data, at = self.data, self.compiled.at
         spring = self.compiled.stiffness * data.ten_length[at.element]
         return np.array(spring - data.actuator_force[at.motor_friction])

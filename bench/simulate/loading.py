@@ -19,9 +19,10 @@ def loading_sittings(scenario: Loading, robot: Robot) -> tuple[Sitting, ...]:
 def loading_policy(scenario: Loading, robot: Robot, start: Array) -> Iterator[Step]:
     """Yield the steps of the loading experiment.
 
-    For each pose and each approach direction: go to a point `approach_deg` short of the pose in every joint, approach it
-    slowly from there, so that every joint's friction points the same known way; read unloaded; then load step by step,
-    reading at each; then, with `unload`, take the loads off in the same steps, reading at each, the last unloaded.
+    For each pose and each approach direction: go to a point `approach_deg` short of the pose in every joint, approach
+        it slowly from there, so that every joint's friction points the same known way; read unloaded; then load step by
+        step, reading at each; then, with `unload`, take the loads off in the same steps, reading at each, the last
+        unloaded.
     """
     top_speed = scenario.move_speed * np.array([drive.speed_limit_rad_per_s for drive in robot.figures.drives])
     acceleration = float(np.deg2rad(scenario.acceleration_deg_per_s2))
@@ -48,7 +49,7 @@ def loading_policy(scenario: Loading, robot: Robot, start: Array) -> Iterator[St
 
 
 def load_steps(pose: LoadedPose, unload: bool) -> list[Array]:
-    """Return the wrenches of one series, each shape (6,) [N, Nm]: none, up through all forces, and down again to none."""
+    """Return the wrenches of one series, each shape (6,) [N, Nm]: none, up through all, and down again to none."""
     direction = np.array(pose.direction) / np.linalg.norm(pose.direction)
     up = [0.0, *pose.force_n]
     forces = up + up[-2::-1] if unload else up

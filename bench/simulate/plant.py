@@ -137,7 +137,7 @@ class Plant:
 
         Args:
             commands: Shape (P, n) [rad], motor angle asked for at the end of each period; linear in between.
-            wrenches: Shape (P, 6) [N, Nm], on the load point in world axes at the end of each period; linear in between.
+            wrenches: Shape (P, 6) [N, Nm], on the load point in world axes at the end of each period; linear between.
             period: [s], a multiple of the timestep.
 
         Returns:
@@ -178,7 +178,8 @@ class Plant:
     def look(self) -> Trace:
         """Return the present instant, shape (1, ...), without moving."""
         mujoco.mj_forward(self.model, self.data)
-        return self._trace(np.array([self.data.time]), self.data.sensordata[None, self._sensors].copy(), self._wrench[None])
+        readings = self.data.sensordata[None, self._sensors].copy()
+        return self._trace(np.array([self.data.time]), readings, self._wrench[None])
 
     def _trace(self, time: Array, readings: Array, wrench: Array) -> Trace:
         n, r = self.compiled.n_joints, len(self.compiled.robot.figures.reflectors)

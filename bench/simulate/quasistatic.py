@@ -1,8 +1,8 @@
-"""A session without time: the same policy, but only its rests, each found as an equilibrium. Some thousand times faster.
+"""A session without time: the same policy, but only its rests, each found as an equilibrium. A hundred times faster.
 
-What is left out against `bench.simulate.session`: everything that moves. Friction is rate independent here, and the ringing
-after a load step, which shakes friction loose, does not happen; a servo with integral action rests exactly at its command
-and never moved while the load came on. Noise, instruments and identification are the same.
+What is left out against `bench.simulate.session`: everything that moves. Friction is rate independent here, and the
+ringing after a load step, which shakes friction loose, does not happen; a servo with integral action rests exactly at
+its command and never moved while the load came on. Noise, instruments and identification are the same.
 """
 
 from collections.abc import Iterable
@@ -88,7 +88,7 @@ def rest_log(scenario: Loading) -> RestLog:
 
 
 def rests_of(scenario: Loading, compiled: CompiledRobot) -> RestLog:
-    """Return the rests of a loading scenario on a robot as it was compiled; the scenario's friction and servo are not used.
+    """Return the rests of a loading scenario on a robot as compiled; the scenario's friction and servo are not used.
 
     Raises:
         InputError: The scenario does not fit the robot.

@@ -1,4 +1,4 @@
-"""Run a scenario: a policy drives the environment, what the instruments read becomes a campaign, the truth stays apart."""
+"""Run a scenario: a policy drives the environment, what is read becomes a campaign, the truth stays apart."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from bench.record.campaign import Campaign, Run
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on, proportional_servo
 from bench.robot.folder import Robot, load_robot
-from bench.scenario.files import Scenario
+from bench.scenario.files import Experiment
 from bench.scenario.types import ScenarioBase
 from bench.simulate.drive import Log, Progress, drive, stacked
 from bench.simulate.env import BenchEnv
@@ -66,7 +66,7 @@ class Session:
     film: Film
 
 
-def run_session(scenario: Scenario, progress: Progress = lambda share: None) -> Session:
+def run_session(scenario: Experiment, progress: Progress = lambda share: None) -> Session:
     """Run a scenario on the virtual robot.
 
     Args:

@@ -40,7 +40,7 @@ def path() -> np.ndarray:
     bodies = hh150()
     start = position(NEAR, "load")
     rotation = place(bodies, bodies.points["load"], NEAR).rotation
-    line = line_path(bodies, bodies.points["load"], start, start + [0.6, 0, 0], NEAR, rotation)
+    line = line_path(bodies, bodies.points["load"], start, start + np.array([0.6, 0, 0]), NEAR, rotation)
     return line.at(np.linspace(0, line.length, PLACES))
 
 

@@ -1,9 +1,9 @@
-"""An independent static world to test the methods in: no Pinocchio, no `Arm`, nothing from `bench.identify` but the readings.
+"""An independent static world to test the methods in: no Pinocchio, nothing of `bench.identify` but the readings.
 
-Forward kinematics is Eq. (2) multiplied out from Table 1; gravity and load torques are sums of cross products. At rest, each
-joint is an elastic element between a motor under its servo and a link, with an elasto-plastic friction element on
-either side. Loads are applied in the order of the states, so that friction remembers; balance is solved exactly for every
-state, for all series at once.
+Forward kinematics is Eq. (2) multiplied out from Table 1; gravity and load torques are sums of cross products. At
+rest, each joint is an elastic element between a motor under its servo and a link, with an elasto-plastic friction
+element on either side. Loads are applied in the order of the states, so that friction remembers; balance is solved
+exactly for every state, for all series at once.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class World:
 
 @dataclass(frozen=True)
 class Ladder:
-    """A visit to a pose: joint angles [rad], direction of the load, forces [N] in order, the first state is unloaded."""
+    """A visit to a pose: angles [rad], direction of the load, forces [N] in order, approach; it starts unloaded."""
 
     q: np.ndarray
     direction: np.ndarray
@@ -96,7 +96,7 @@ def pushing(theta, wrench):
 
 
 def settle(world, state, q_command, wrench, rng):
-    """The next state at rest: motor and link angles, friction on both sides, motor torque; all shape (series, 6)."""
+    """Return the next state (motor and link angles, friction on both sides) and motor torque, all (series, 6)."""
     q0, theta0, motor0, link0 = state
     k, kp = STIFFNESS, world.presliding
 
@@ -128,7 +128,7 @@ def settle(world, state, q_command, wrench, rng):
 
 
 def measure(world, ladders, rng, noisy=True, sigma_xi=0.02, reflectors=("reflector_1",)):
-    """Readings of all ladders in a world; the systematic errors are drawn once, the noise for every state."""
+    """Return readings of all ladders in a world; systematic errors are drawn once, noise for every state."""
     length = max(len(ladder.forces) for ladder in ladders)
     q = np.array([ladder.q for ladder in ladders])
     direction = np.array([ladder.direction / np.linalg.norm(ladder.direction) for ladder in ladders])
@@ -187,11 +187,12 @@ def measure(world, ladders, rng, noisy=True, sigma_xi=0.02, reflectors=("reflect
         reflector_names=tuple(reflectors),
         load_point="load",
         systematic=systematic,
+        approach=approach[series, 0],
     )
 
 
 def settled_start(world, state, q):
-    """Link angles and motor angles that balance the friction of the approach, so that the first reading moves nothing."""
+    """Return the state that balances the friction of the approach, so that the first reading moves nothing."""
     _, theta, motor, link = state
     for _ in range(8):
         spring = -pushing(theta, np.zeros_like(q)) if theta.ndim == 1 else -pushing(theta, np.zeros((len(theta), 6)))

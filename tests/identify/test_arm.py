@@ -23,7 +23,7 @@ def q(arm: Arm, rng: np.random.Generator) -> np.ndarray:
 
 
 def steps(q: np.ndarray):
-    """q with each joint moved a little up and down, shape (2, n, ..., n)."""
+    """Return q with each joint moved a little up and down, shape (2, n, ..., n)."""
     return np.array([[q + sign * STEP * np.eye(6)[j] for j in range(6)] for sign in (1, -1)])
 
 
@@ -84,5 +84,5 @@ def test_mass_matrix_is_what_inverse_dynamics_says(arm: Arm, q: np.ndarray) -> N
 
 
 def test_unknown_point_names_the_known(arm: Arm) -> None:
-    with pytest.raises(RobotError, match="unknown point of the arm 'reflektor_1'. Did you mean 'reflector_1'"):
+    with pytest.raises(RobotError, match=r"unknown point of the arm 'reflektor_1'. Did you mean 'reflector_1'"):
         arm.pose(np.zeros(6), "reflektor_1")

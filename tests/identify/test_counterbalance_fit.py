@@ -99,6 +99,17 @@ def test_m_is_the_cylinders(session: Session, nominal: Nominal) -> None:
     assert spread(torques).zero == pytest.approx(nominal.geometry.dead_centre, abs=0.01)
 
 
+def test_noise_stays_out_of_the_sensitivities(session: Session, nominal: Nominal) -> None:
+    """A gain column with the data's own noise in it would let a gain shrink the noise and look like a better fit."""
+
+    def roughness(theta: np.ndarray, values: np.ndarray) -> float:
+        return float(np.std(values - np.polynomial.Polynomial.fit(theta, values, 9)(theta)))
+
+    for t in nominal.torques(session.campaign):
+        column = t.sensitivity[:, 0] / nominal.drives.torque_gain_sigma[0]
+        assert roughness(t.theta, column) < 0.01 * roughness(t.theta, t.torque)
+
+
 def test_chi_square_is_that_of_the_whole_covariance(rng: np.random.Generator) -> None:
     t = measured(-20, 40, 3.0, rng)
     problem = GasLawProblem.build([t], GEOMETRY)
@@ -173,6 +184,16 @@ def test_a_run_without_its_way_back_is_named(session: Session, nominal: Nominal)
     alone = replace(session.campaign, runs=session.campaign.runs[:3])
     with pytest.raises(InputError, match="payload5-speed25-up: has no run the other way"):
         traverses(alone, nominal.drives, nominal.bodies.gravity)
+
+
+def test_ways_over_different_ranges_are_no_traverse(session: Session, nominal: Nominal) -> None:
+    """The upper half of the way up and the lower half of the way down have no angle in common."""
+    halves = [
+        replace(run, columns={name: values[len(run) // 2 + 20 :] for name, values in run.columns.items()})
+        for run in session.campaign.runs[:2]
+    ]
+    with pytest.raises(InputError, match="no run the other way"):
+        traverses(replace(session.campaign, runs=tuple(halves)), nominal.drives, nominal.bodies.gravity)
 
 
 def test_a_load_without_its_mass_is_named(session: Session, nominal: Nominal) -> None:

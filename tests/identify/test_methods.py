@@ -37,9 +37,7 @@ SLANTING = (np.array([0.2, -0.7, -0.7]), np.array([-0.4, -0.9, -0.5]))
 
 def ladders(poses=POSES) -> list[Ladder]:
     pulls = [DOWN] * 4 + list(SLANTING)
-    return [
-        Ladder(q, pull, FORCES, approach) for q, pull in zip(poses, pulls, strict=False) for approach in (1, -1)
-    ]
+    return [Ladder(q, pull, FORCES, approach) for q, pull in zip(poses, pulls, strict=False) for approach in (1, -1)]
 
 
 def identify(method: str, readings: StaticReadings, options: Options | None = None) -> StiffnessEstimate:
@@ -91,7 +89,7 @@ def test_missing_channels_are_named() -> None:
     blind = replace(readings, current_torque=np.full_like(readings.current_torque, np.nan))
     with pytest.raises(InputError, match="method 'current' needs motor currents"):
         identify("current", blind)
-    with pytest.raises(InputError, match="method 'force-pose' needs .*three reflectors"):
+    with pytest.raises(InputError, match=r"method 'force-pose' needs .*three reflectors"):
         identify("force-pose", readings)
     light = replace(readings, wrench=np.full_like(readings.wrench, np.nan))
     with pytest.raises(InputError, match="method 'force' needs the load"):
@@ -100,11 +98,11 @@ def test_missing_channels_are_named() -> None:
 
 @pytest.mark.parametrize(("method", "world"), [("current", LINK), ("force", MOTOR), ("force-pose", MOTOR)])
 def test_intervals_of_the_single_methods_cover_in_their_world(method: str, world: World) -> None:
-    """100 seeds, 6 joints that share the instruments' errors: a rate of 95 % leaves the band of 88 to 100 % once in 1000."""
+    """100 seeds of 6 joints that share errors: a true rate of 95 % falls below 88 % less than once in 1000."""
     clean = ladders()
     inside = []
     for seed in range(100):
         readings = measure(world, clean, np.random.default_rng(seed), reflectors=REFLECTORS)
         low, high = identify(method, readings).interval(0.95).T
-        inside.append((low <= STIFFNESS) & (STIFFNESS <= high))
+        inside.append((low <= STIFFNESS) & (high >= STIFFNESS))
     assert np.mean(inside) >= 0.88

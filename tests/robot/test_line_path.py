@@ -1,4 +1,4 @@
-"""A point of the arm along a straight line: plain kinematics against both engines, inverse kinematics against forward."""
+"""A point along a straight line: plain kinematics against both engines, inverse kinematics against forward."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -56,7 +56,9 @@ def test_a_slide_moves_along_its_axis(bodies: RigidBodies) -> None:
 def test_rotations(rng: np.random.Generator) -> None:
     for first, second in rng.standard_normal((POSES, 2, 3)):
         turn = turn_onto(first, second)
-        np.testing.assert_allclose(turn @ first / np.linalg.norm(first), second / np.linalg.norm(second), atol=AGREEMENT)
+        np.testing.assert_allclose(
+            turn @ first / np.linalg.norm(first), second / np.linalg.norm(second), atol=AGREEMENT
+        )
         axis = first / np.linalg.norm(first)
         np.testing.assert_allclose(rotation_vector(turned(axis, 2.0)), 2.0 * axis, atol=AGREEMENT)
     np.testing.assert_allclose(turn_onto(second, -second) @ second, -second, atol=AGREEMENT)
@@ -93,9 +95,9 @@ def test_an_arm_of_two_joints_follows_a_line_in_its_plane(small_robot: Path) -> 
     bodies = rigid_bodies(compile_robot(load_robot(small_robot)))
     point = bodies.points["hook"]
     start = place(bodies, point, np.array([0.3, 0.2])).position
-    path = line_path(bodies, point, start, start + [0.05, 0, 0.02], np.array([0.3, 0.2]))
+    path = line_path(bodies, point, start, start + np.array([0.05, 0, 0.02]), np.array([0.3, 0.2]))
     end = place(bodies, point, path.at(np.array([path.length]))[0]).position
-    np.testing.assert_allclose(end, start + [0.05, 0, 0.02], atol=AGREEMENT)
+    np.testing.assert_allclose(end, start + np.array([0.05, 0, 0.02]), atol=AGREEMENT)
 
 
 def test_the_place_where_a_joint_leaves_its_range_is_named(bodies: RigidBodies) -> None:
@@ -105,6 +107,6 @@ def test_the_place_where_a_joint_leaves_its_range_is_named(bodies: RigidBodies) 
     narrow = replace(bodies, limits=read_only(limits))
     start = place(bodies, tool, NEAR)
     with pytest.raises(InputError, match=r"joint 3's range, 20 to 54 deg, at x = \d+, .* mm from its start"):
-        line_path(narrow, tool, start.position, start.position + [0.6, 0, 0], NEAR, start.rotation)
+        line_path(narrow, tool, start.position, start.position + np.array([0.6, 0, 0]), NEAR, start.rotation)
     with pytest.raises(InputError, match="cannot be followed"):
-        line_path(bodies, tool, start.position, start.position + [3, 0, 0], NEAR, start.rotation)
+        line_path(bodies, tool, start.position, start.position + np.array([3, 0, 0]), NEAR, start.rotation)

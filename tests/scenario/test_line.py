@@ -1,12 +1,15 @@
 """The line's scenario: the one that comes along is Table 8, broken ones are told what is wrong."""
 
+import csv
+
 import numpy as np
 import pytest
 
 from bench.errors import InputError
+from bench.robot.bodies import Point, read_only
 from bench.robot.compiled import compile_robot, rigid_bodies
 from bench.robot.folder import load_robot
-from bench.robot.kinematics import place
+from bench.robot.kinematics import place, place_and_jacobian
 from bench.scenario.files import read_scenario
 from bench.scenario.line import Line
 
@@ -88,3 +91,18 @@ def test_corrections_may_not_leave_the_range(table_8: Line) -> None:
     table = ((0, 0, 0.5, 0, 0, 0),) * 4
     with pytest.raises(InputError, match="take joint 3 out of its range"):
         check(table_8, corrections={"share": (0, 0.3, 0.6, 1), "out_rad": table, "back_rad": table})
+
+
+@pytest.mark.parametrize(("row", "at_u", "at_v"), [("Current", -1.28, -2.85), ("Force", -1.04, -2.42)])
+def test_deflection_by_table_6_is_the_reconstructed_one(table_8: Line, row: str, at_u: float, at_v: float) -> None:
+    """J_m K^-1 J_f^T W at the tool point; models/hh150/paper/README.md, to the digits given there [mm]."""
+    robot = load_robot(table_8.robot)
+    bodies = rigid_bodies(compile_robot(robot))
+    with (robot.folder / "paper" / "table6.csv").open() as lines:
+        stiffness = {line["method"].lower(): line for line in csv.DictReader(lines)}[row.lower()]
+    k = np.array([float(stiffness[f"k{j}_nm_per_rad"]) for j in range(1, 7)])
+    path, tip = table_8.path(bodies), Point(5, read_only([0, 0, -0.4]), read_only(np.eye(3)))
+    for q, expected in zip(path.at(np.array([0.0, path.length])), (at_u, at_v), strict=True):
+        jacobian = place_and_jacobian(bodies, tip, q)[1][:3]
+        deflection = jacobian @ (jacobian.T @ [0, 0, -table_8.force_n] / k)
+        assert 1e3 * deflection[2] == pytest.approx(expected, abs=0.02)

@@ -53,7 +53,7 @@ def test_a_pass_begins_and_ends_at_rest_and_runs_at_constant_speed(small_robot: 
 
 
 def test_friction_slides_at_its_level_all_the_way(session: Session) -> None:
-    """Both joints turn one way, so link friction stands at the level, against the motion, at every place that is read."""
+    """Both joints turn one way, so link friction stands at the level, against the motion, wherever is read."""
     for run in session.campaign.runs:
         rows = [i for i, mark in enumerate(session.marks) if mark.run == run.name]
         turning = np.sign(np.diff(joints(run, "q_cmd", "rad"), axis=0)).mean(axis=0)
