@@ -1,4 +1,4 @@
-"""Import arrows run one way (DESIGN: errors <- record <- robot <- {simulate, identify} <- diagnose <- report <- cli)."""
+"""Import arrows run one way: errors <- record <- robot <- {simulate, identify} <- report <- cli."""
 
 import ast
 import subprocess

@@ -123,8 +123,8 @@ def print_loading(result: LoadingResult) -> None:
             rows.append(Row(f"  {name}", (*_with_intervals(estimate), *scored)))
     notes = [
         "Virtual robot: truth, then each method with half the width of its 95 % interval. Table 5: median over "
-        f"{len(study.reconstructions)} reconstructions of the poses, which the paper does not print, and half the width "
-        "of their 90 % band.",
+        f"{len(study.reconstructions)} reconstructions of the poses, which the paper does not print, and half their "
+        "90 % band.",
         *result.sentences,
         "",
         "What Table 5 says:",
@@ -138,8 +138,8 @@ def _verdict(found: WorldResult) -> str:
     right = [name for name in errors if len(set(found.covered(name))) == 1]
     ranked = ", ".join(f"{name} {100 * error:.1f} %" for name, error in sorted(errors.items(), key=lambda e: e[1]))
     return (
-        f"{found.world.title[0].upper()}{found.world.title[1:]}: median error {ranked}; all intervals contain the truth "
-        f"for {', '.join(right) or 'no method'}."
+        f"{found.world.title[0].upper()}{found.world.title[1:]}: median error {ranked}; all intervals contain the "
+        f"truth for {', '.join(right) or 'no method'}."
     )
 
 

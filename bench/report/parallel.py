@@ -46,7 +46,7 @@ def run_all(work: Callable[[Job, Progress], Result], jobs: Sequence[Job], progre
 
 
 def _start_worker(queue: "Queue[tuple[int, float]]") -> None:
-    global _report  # noqa: PLW0603  a worker process has one queue, handed over when it starts
+    global _report
     _report = queue
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
 

@@ -67,9 +67,10 @@ def _trust(results: list[ConditionResult]) -> list[str]:
         worst = max(results, key=lambda result: _typical(result, method))
         good = np.mean([_typical(result, method) < 0.02 for result in results])
         sentences.append(
-            f"{method} method: within 2 % (median over the joints) in {100 * good:.0f} % of {len(results)} combinations "
-            f"of amount and side of friction; at worst {100 * _typical(worst, method):.1f} % off, with "
-            f"{100 * worst.condition.link_share:.0f} % of {worst.condition.friction:g} times the friction behind the spring."
+            f"{method} method: within 2 % (median over the joints) in {100 * good:.0f} % of {len(results)} "
+            f"combinations of amount and side of friction; at worst {100 * _typical(worst, method):.1f} % off, with "
+            f"{100 * worst.condition.link_share:.0f} % of {worst.condition.friction:g} times the friction on the link "
+            "side."
         )
     return sentences
 
@@ -100,10 +101,11 @@ def _friction_of_the_paper(results: list[ConditionResult], joint_names: tuple[st
         np.sum((np.nanmin(ratio, axis=0) <= published) & (published <= np.nanmax(ratio, axis=0)))
         for ratio in (link, motor)
     )
+    listed = ", ".join(f"{value:.2f}" for value in published)
     return (
-        f"Table 6 has force over current at {', '.join(f'{value:.2f}' for value in published)}. Up to twice the "
-        f"friction assumed here, on the link side alone, can give that in {by_link} of {len(published)} joints, on the "
-        f"motor side alone in {by_motor}. Level needed on the link side, relative to the one assumed: {', '.join(needed)}."
+        f"Table 6 has force over current at {listed}. Up to twice the friction assumed here can give that, on the link "
+        f"side alone in {by_link} of {len(published)} joints, on the motor side alone in {by_motor}. Level needed on the "
+        f"link side, relative to the one assumed: {', '.join(needed)}."
     )
 
 

@@ -37,7 +37,7 @@ class Point:
 
 @dataclass(frozen=True)
 class RigidBodies:
-    """The links of the arm; body i is moved by joint i. A rotor is no link; where it sits on one it adds its mass there.
+    """The links of the arm; body i is moved by joint i. A rotor is no link; where it sits on one, it adds its mass.
 
     The frame of body i sits at joint i and turns (or slides) with it. Its placement is given in the frame of its parent
     with all joints at zero; the base frame is the world. Bodies without a joint are merged into their parent.

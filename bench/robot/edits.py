@@ -43,7 +43,9 @@ def proportional_servo(spec: mujoco.MjSpec, robot: Robot) -> None:
     for drive in robot.figures.drives:
         servo = spec.actuator(drive.servo)
         if servo.gaintype != mujoco.mjtGain.mjGAIN_PID:
-            raise RobotError(f"{robot.mjcf}: servo {drive.servo!r} is not a <pid>; it has no integral action to take off.")
+            raise RobotError(
+                f"{robot.mjcf}: servo {drive.servo!r} is not a <pid>; it has no integral action to take off."
+            )
         gain, limits = servo.gainprm, servo.dynprm
         gain[0] = limits[0] = 0
         servo.gainprm, servo.dynprm, servo.dyntype = gain, limits, mujoco.mjtDyn.mjDYN_NONE

@@ -77,7 +77,7 @@ def drive(env: BenchEnv, sitting: Sitting, begin: float, log: Log, progress: Pro
             log.film.append(instant)
             log.film_observations.append(observation)
             progress(i / len(steps))
-    return begin + env.plant.data.time
+    return begin + float(env.plant.data.time)
 
 
 def stacked(observations: Sequence[Observation], instants: Sequence[Trace]) -> Reading:

@@ -15,8 +15,8 @@ from bench.simulate.instruments import Instruments, Reading
 from bench.simulate.plant import Plant, Trace
 
 Array = NDArray[np.float64]
-Observation = dict[str, Array]
-Action = dict[str, Array]
+Observation = dict[str, Any]  # of arrays, as `gymnasium.spaces.Dict` types them
+Action = dict[str, Any]
 
 CONTROL_PERIOD = 4e-3  # [s], the sampling time of the published KR300 recordings
 ROOM = 20.0  # [m], half side of the room in which positions are observed
@@ -67,7 +67,7 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
         n, r = compiled.n_joints, len(figures.reflectors)
         limits = compiled.limits
         rating = np.repeat([figures.rating.force_n, figures.rating.moment_nm], 3)
-        self.action_space: spaces.Dict = spaces.Dict(
+        self.action_space = spaces.Dict(
             {
                 "q_cmd": spaces.Box(limits[:, 0], limits[:, 1], dtype=np.float64),
                 "wrench": spaces.Box(-rating, rating, dtype=np.float64),
@@ -83,7 +83,7 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
             "gas_pressure": (figures.instruments.pressure, np.full(1, 1e9)),
         }
         self._observed = tuple(name for name, (instrument, _) in present.items() if instrument is not None)
-        self.observation_space: spaces.Dict = spaces.Dict(
+        self.observation_space = spaces.Dict(
             {name: spaces.Box(-present[name][1], present[name][1], dtype=np.float64) for name in self._observed}
         )
 

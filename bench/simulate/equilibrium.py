@@ -67,7 +67,7 @@ class Equilibrium:
         for _ in range(MAX_ITERATIONS):
             if np.max(np.abs(residual)) < TOLERANCE:
                 self._remember()
-                return data.qpos[at.theta].copy()
+                return np.array(data.qpos[at.theta])
             step = self._step(slope, residual)
             data.qpos[at.theta] += step[0]
             data.qpos[at.q] += step[1]

@@ -24,7 +24,6 @@ from bench.simulate.policy import Step
 from bench.simulate.session import edits_of
 from bench.simulate.tables import run_of
 
-
 # A rest does not depend on how long the way there took; with these the policy takes one step for each move.
 HURRY = {
     "move_speed": 1e6,

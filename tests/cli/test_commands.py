@@ -38,9 +38,7 @@ def test_check_accepts_it(results: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert "0 errors, 0 warnings; 4 runs" in capsys.readouterr().out
 
 
-def test_check_names_the_place_of_a_fault(
-    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_check_names_the_place_of_a_fault(results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "campaign"
     (folder / "runs").mkdir(parents=True)
     (folder / "campaign.yaml").write_text((results / "campaign" / "campaign.yaml").read_text())
@@ -62,9 +60,7 @@ def test_identify_prints_json(results: Path, capsys: pytest.CaptureFixture[str],
     assert set(estimates) >= ({"current", "force", "joint"} if method == "all" else {method})
     for estimate in estimates.values():
         assert estimate["joints"] == ["hinge_a", "hinge_b"]
-        for value, (low, high) in zip(
-            estimate["stiffness_nm_per_rad"], estimate["interval_nm_per_rad"], strict=True
-        ):
+        for value, (low, high) in zip(estimate["stiffness_nm_per_rad"], estimate["interval_nm_per_rad"], strict=True):
             assert low < value
             assert high is None or value < high
 

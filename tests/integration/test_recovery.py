@@ -24,7 +24,7 @@ RATING = 1500.0  # [N]
 
 @cache
 def rests(friction: str, force: float | None = None) -> RestLog:
-    """The loading scenario, with its loads or with one load of `force` [N] in each pose."""
+    """Return the loading scenario's rests, with its loads or with one load of `force` [N] in each pose."""
     content = read_scenario("loading").model_dump() | {"friction": friction, "servo": WORLDS[friction]}
     if force is not None:
         content["poses"] = [pose | {"force_n": (force,)} for pose in content["poses"]]
@@ -52,9 +52,9 @@ def test_corrected_force_method_recovers_the_truth_at_the_rated_load() -> None:
 
 
 def test_wrong_method_is_biased_as_the_physics_says() -> None:
-    """Link-side friction carries part of the load: the force method calls joints too stiff, by 1.08 to 1.6 as in DESIGN.
+    """Link-side friction carries part of the load: the force method calls joints too stiff, by 1.08 to 1.6 (DESIGN).
 
-    Joint 1 has hardly any friction and is nearly right. Motor-side friction under a servo that gives misleads the currents.
+    Joint 1 has hardly any friction. Motor-side friction under a servo that gives misleads the currents.
     """
     too_stiff = errors(rests("link"), "force")
     assert np.all(too_stiff[1:] > 0.05)
@@ -69,7 +69,7 @@ def test_joint_method_needs_not_be_told_the_world(friction: str) -> None:
 
 
 def coverage(friction: str, seeds: range) -> tuple[int, int]:
-    """How many 95 % intervals of the joint method contain the truth, and of how many."""
+    """Return how many 95 % intervals of the joint method contain the truth, and of how many."""
     log = rests(friction)
     inside = []
     for seed in seeds:

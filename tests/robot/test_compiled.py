@@ -66,7 +66,9 @@ def test_counterbalance_in_closed_form_and_in_the_model(compiled: CompiledRobot,
         mujoco.mj_forward(model, data)
         jacobian = np.zeros(model.nv)
         moment = np.zeros((model.nactuator, model.nv))
-        mujoco.mju_sparse2dense(moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
+        mujoco.mju_sparse2dense(
+            moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
+        )
         jacobian[:] = moment[at.counterbalance]
         np.testing.assert_allclose(data.ten_length[at.counterbalance_tendon], closed.length(angle), atol=AGREEMENT)
         np.testing.assert_allclose(jacobian[dof], closed.lever_arm(angle), atol=AGREEMENT)
@@ -110,7 +112,9 @@ def misplaced_load(figures: Content, mjcf: str) -> tuple[Content, str]:
 
 
 def undriven_joint(figures: Content, mjcf: str) -> tuple[Content, str]:
-    return figures, mjcf.replace('<body name="load"', '<body name="extra"><joint/><geom size="1"/></body><body name="load"')
+    return figures, mjcf.replace(
+        '<body name="load"', '<body name="extra"><joint/><geom size="1"/></body><body name="load"'
+    )
 
 
 def shifted_zero(figures: Content, mjcf: str) -> tuple[Content, str]:
@@ -128,9 +132,7 @@ def shifted_zero(figures: Content, mjcf: str) -> tuple[Content, str]:
         (shifted_zero, r"ref != 0"),
     ],
 )
-def test_a_broken_folder_is_told_what_is_wrong(
-    small_robot: Path, tmp_path: Path, edit: Edit, said: str
-) -> None:
+def test_a_broken_folder_is_told_what_is_wrong(small_robot: Path, tmp_path: Path, edit: Edit, said: str) -> None:
     folder = broken(small_robot, tmp_path, edit)
     with pytest.raises(RobotError, match=said):
         rigid_bodies(compile_robot(load_robot(folder)))

@@ -11,7 +11,7 @@ from bench.robot.edits import friction_on, proportional_servo
 from bench.robot.folder import load_robot
 from bench.simulate.equilibrium import Equilibrium
 from bench.simulate.plant import Plant
-from tests.small_robot import C, FRICTION, L_C, LINK, MASS, K
+from tests.small_robot import FRICTION, L_C, LINK, MASS, C, K
 
 PERIOD = 4e-3  # [s]
 BALANCE = 1e-6  # [Nm], closed form against the solver's own tolerance of 1e-9 Nm on torques near 1e3 Nm

@@ -20,7 +20,7 @@ def compiled(small_robot: Path) -> CompiledRobot:
 
 
 def standing(count: int, wrench: tuple[float, ...] = (0, 0, -100, 0, 0, 0), seconds: float = 0.0) -> Trace:
-    """A robot that does not move, looked at `count` times over `seconds`."""
+    """Return a robot that does not move, looked at `count` times over `seconds`."""
 
     def same(values: object) -> np.ndarray:
         return np.repeat(np.array(values, dtype=float)[None], count, axis=0)

@@ -66,7 +66,9 @@ def test_trace_is_of_one_instant(plant: Plant) -> None:
         mujoco.mj_tendon(model, data)
         np.testing.assert_allclose(trace.reflectors[t], data.site_xpos[at.reflectors], atol=1e-12)
         np.testing.assert_allclose(trace.load_point[t], data.site_xpos[at.load_point], atol=1e-12)
-        np.testing.assert_allclose(trace.counterbalance_length[t], data.ten_length[at.counterbalance_tendon], atol=1e-12)
+        np.testing.assert_allclose(
+            trace.counterbalance_length[t], data.ten_length[at.counterbalance_tendon], atol=1e-12
+        )
     np.testing.assert_allclose(np.diff(trace.time), plant.timestep, rtol=1e-9)
     assert trace.wrench[0, 2] == 0
     assert trace.wrench[-1, 2] == -100

@@ -60,7 +60,7 @@ def test_campaign_holds_no_truth(session: Session) -> None:
 
 
 def test_approach_direction_decides_the_friction(session: Session) -> None:
-    """Unloaded, after coming from below the friction points down, after coming from above up, by twice the level in all."""
+    """Unloaded, friction points down after coming from below and up after coming from above: twice the level apart."""
     friction = {}
     for mark, held in zip(session.marks, session.instants.link_friction, strict=True):
         if mark.labels["load_step"] == 0 and mark.labels["pose"] == 1:
