@@ -104,8 +104,8 @@ def _friction_of_the_paper(results: list[ConditionResult], joint_names: tuple[st
     listed = ", ".join(f"{value:.2f}" for value in published)
     return (
         f"Table 6 has force over current at {listed}. Up to twice the friction assumed can give that, on the link "
-        f"side alone in {by_link} of {len(published)} joints, on the motor side alone in {by_motor}. Level needed on the "
-        f"link side, relative to the one assumed: {', '.join(needed)}."
+        f"side alone in {by_link} of {len(published)} joints, on the motor side alone in {by_motor}. Level needed "
+        f"on the link side, relative to the one assumed: {', '.join(needed)}."
     )
 
 
