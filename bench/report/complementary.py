@@ -13,8 +13,9 @@ from bench.report.chapter import Chapter
 from bench.report.figures_complementary import GOOD, figure_4, figure_5, figure_6, prediction_bounds
 from bench.report.identification import plain
 from bench.report.plots import save
-from bench.robot.compiled import compile_robot, rigid_bodies
+from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
+from bench.robot.links import rigid_bodies
 from bench.scenario.complementary import Complementary
 
 NUMBERS = "complementary.json"

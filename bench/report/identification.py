@@ -15,7 +15,7 @@ from bench.identify.from_campaign import static_readings
 from bench.identify.methods import METHODS
 from bench.identify.options import Options
 from bench.report.campaigns import open_campaign
-from bench.robot.compiled import rigid_bodies
+from bench.robot.links import rigid_bodies
 
 MNM = 1e6  # [Nm/rad] per 10^6 Nm/rad, the unit of Table 6
 

@@ -27,8 +27,9 @@ from bench.report.line_budget import TrajectoryError, tracker_sigma, trajectory_
 from bench.report.line_sessions import LineSession, compensated, run_line_sessions
 from bench.report.parallel import Progress
 from bench.robot.bodies import Array
-from bench.robot.compiled import compile_robot, rigid_bodies
+from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
+from bench.robot.links import rigid_bodies
 from bench.scenario.files import read_scenario
 from bench.scenario.line import Line
 

@@ -13,9 +13,10 @@ from bench.identify.pose_precision import Precision, expected_precision
 from bench.identify.readings import Systematic
 from bench.report.pose_request import PoseRequest
 from bench.robot.bodies import Array
-from bench.robot.compiled import CompiledRobot, compile_robot, rigid_bodies
+from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.figures import Rating
 from bench.robot.folder import Robot, load_robot
+from bench.robot.links import rigid_bodies
 from bench.scenario.files import read_scenario
 from bench.scenario.loading import Loading
 

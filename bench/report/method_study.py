@@ -12,10 +12,11 @@ from bench.identify.methods import METHODS
 from bench.identify.options import Options
 from bench.report.parallel import run_all
 from bench.robot.bodies import Array
-from bench.robot.compiled import CompiledRobot, compile_robot, rigid_bodies
+from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.edits import proportional_servo, shared_friction
 from bench.robot.figures import ForceSensor, Instruments, Tracker
 from bench.robot.folder import Robot, load_robot
+from bench.robot.links import rigid_bodies
 from bench.scenario.loading import Loading
 from bench.simulate.quasistatic import RestLog, rests_of
 

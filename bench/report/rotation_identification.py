@@ -18,8 +18,8 @@ from bench.identify.traverse_friction import FrictionOverSpeed, friction_over_sp
 from bench.identify.traverses import Traverse, traverses
 from bench.report.campaigns import open_campaign
 from bench.robot.bodies import Array, RigidBodies
-from bench.robot.compiled import rigid_bodies
 from bench.robot.drives import Drives, drives_of
+from bench.robot.links import rigid_bodies
 
 UNCERTAIN_MASSES = Priors(first_moment=0.01)  # how well a lab may know the masses of an arm that it has not taken apart
 

@@ -1,6 +1,6 @@
 """The arm as plain numbers: a tree of rigid bodies, without MuJoCo and without Pinocchio.
 
-This is the bridge between the two engines. `bench.robot.compiled` fills it from a compiled `MjModel`; `bench.identify`
+This is the bridge between the two engines. `bench.robot.links` fills it from a compiled `MjModel`; `bench.identify`
 builds its Pinocchio model from it. So both describe the same robot, and neither imports the other.
 """
 

@@ -5,9 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from bench.robot.compiled import compile_robot, rigid_bodies
+from bench.robot.compiled import compile_robot
 from bench.robot.folder import Robot
 from bench.robot.line_path import JointPath
+from bench.robot.links import rigid_bodies
 from bench.scenario.line import Corrections, Line
 from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.policy import Array, Mark, Script, Sitting, Step

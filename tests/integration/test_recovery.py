@@ -11,7 +11,7 @@ from bench.identify.estimate import StiffnessEstimate
 from bench.identify.from_campaign import static_readings
 from bench.identify.methods import METHODS
 from bench.identify.options import Options
-from bench.robot.compiled import rigid_bodies
+from bench.robot.links import rigid_bodies
 from bench.scenario.files import read_scenario
 from bench.scenario.loading import Loading
 from bench.simulate.quasistatic import RestLog, rest_log

@@ -13,8 +13,9 @@ import yaml
 
 from bench.errors import RobotError
 from bench.identify.arm import Arm
-from bench.robot.compiled import CompiledRobot, compile_robot, rigid_bodies
+from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
+from bench.robot.links import rigid_bodies
 
 AGREEMENT = 1e-9  # DESIGN section 5: pose [m], Jacobian, gravity torque [Nm] per 1e3 Nm, mass matrix per 1e3 kg m^2
 POSES = 50

@@ -10,10 +10,11 @@ import pytest
 from bench.errors import ConvergenceError, InputError
 from bench.identify.arm import Arm
 from bench.robot.bodies import Point, RigidBodies, read_only
-from bench.robot.compiled import CompiledRobot, compile_robot, rigid_bodies
+from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.robot.kinematics import Placement, place, place_and_jacobian, rotation_vector, turn_onto, turned
 from bench.robot.line_path import line_path, reach
+from bench.robot.links import rigid_bodies
 
 AGREEMENT = 1e-9  # [m], and without unit for rotations
 POSES = 20

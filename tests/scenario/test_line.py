@@ -7,9 +7,10 @@ import pytest
 
 from bench.errors import InputError
 from bench.robot.bodies import Point, read_only
-from bench.robot.compiled import compile_robot, rigid_bodies
+from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.robot.kinematics import place, place_and_jacobian
+from bench.robot.links import rigid_bodies
 from bench.scenario.files import read_scenario
 from bench.scenario.line import Line
 

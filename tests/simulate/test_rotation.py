@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from bench.record.check import check_campaign
 from bench.record.write import write_campaign
 from bench.report.campaigns import plain_arm
-from bench.robot.compiled import compile_robot, rigid_bodies
+from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
+from bench.robot.links import rigid_bodies
 from bench.robot.payload import with_payload
 from bench.simulate.payload import bolt_on
 from bench.simulate.rotation import traverse_deg
