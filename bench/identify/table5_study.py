@@ -6,7 +6,7 @@ was found by fitting Table 5 under an assumed stiffness, so it tends to give tha
 6 proves nothing by itself.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -94,16 +94,18 @@ class Table5Study:
         return np.stack([e.link_share_sigma for e in self.estimates["joint"] if isinstance(e, JointEstimate)])
 
 
-def study_table5(folder: Path) -> Table5Study:
+def study_table5(folder: Path, only: Collection[str] = ()) -> Table5Study:
     """Identify the stiffness from Table 5 by every method in every reconstruction.
 
     Args:
         folder: With table5.csv, table6.csv, configurations.json and alternatives.json (models/hh150/paper).
+        only: Names of reconstructions, where not all are wanted.
 
     Raises:
         InputError: A file is missing or lacks a column.
     """
-    table, reconstructions = read_table5(folder), read_reconstructions(folder)
+    table = read_table5(folder)
+    reconstructions = tuple(r for r in read_reconstructions(folder) if not only or r.name in only)
     setups = [(reconstruction.arm(), reconstruction.readings(table)) for reconstruction in reconstructions]
     estimates = {
         name: tuple(method(arm, None, readings, options) for arm, readings in setups)

@@ -109,7 +109,7 @@ def print_table(result: Identification, level: float) -> None:
 
     first = next(iter(result.estimates.values()))
     table = Table(title=f"joint stiffness [10^6 Nm/rad], {level:.0%} intervals")
-    table.add_column("method")
+    table.add_column("method", no_wrap=True)
     for name in first.joint_names:
         table.add_column(name, justify="right")
     for name, estimate in result.estimates.items():
