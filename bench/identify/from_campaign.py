@@ -8,6 +8,7 @@ import numpy as np
 from bench.errors import InputError
 from bench.identify.readings import StaticReadings, Systematic
 from bench.record.campaign import Array, Campaign, Run
+from bench.record.channels import columns_of
 from bench.robot.figures import Figures
 
 AXES = ("x", "y", "z")
@@ -86,6 +87,8 @@ def _visits(run: Run, figures: Figures) -> Iterator[list[_State]]:
     only_force = np.isfinite(wrench[:, :3]).all(axis=1, keepdims=True) & ~np.isfinite(wrench[:, 3:])
     wrench[:, 3:] = np.where(only_force, 0.0, wrench[:, 3:])
     load = run.load_wrench()
+    if not columns_of(columns, "load"):  # nothing is known of the load but what the sensor says, if there is one
+        load[np.isfinite(wrench).all(axis=1)] = np.nan
     nests = range(1, len(figures.reflectors) + 1)
     reflectors = np.stack([run.stack(f"reflector_{k}", "m", AXES) for k in nests], axis=1)
     still = np.zeros(len(run))

@@ -11,10 +11,9 @@ from bench.identify.line_passes import AXES, STATES, WAYS, LinePasses, line_pass
 from bench.record.campaign import Run
 from bench.report.campaigns import open_campaign
 from bench.report.parallel import Progress, run_all
-from bench.report.results import CAMPAIGN, write_session
+from bench.report.results import CAMPAIGN, run_and_write
 from bench.robot.bodies import Array
 from bench.scenario.line import Line
-from bench.simulate.session import run_session
 
 
 @dataclass(frozen=True)
@@ -63,10 +62,8 @@ def run_line_sessions(jobs: Sequence[tuple[Line, Path]], progress: Progress) -> 
 
 def run_line_session(job: tuple[Line, Path], progress: Progress) -> LineSession:
     """Run one scenario into its folder; arguments and errors as in `run_line_sessions`."""
-    scenario, folder = job
-    session = run_session(scenario, progress)
-    folder.mkdir(parents=True)
-    write_session(session, folder)
+    _, folder = job
+    session = run_and_write(job, progress)
     report, _ = open_campaign(folder / CAMPAIGN)
     return LineSession(
         passes=line_passes(report.usable(), session.compiled.robot.figures),

@@ -20,7 +20,7 @@ from bench.robot.bodies import Array
 
 MNM = 1e6  # [Nm/rad], the unit of Table 6
 TABLE_5_FITS = ("current, plain", "force, plain", "joint")
-AS_MODEL = "link-side"  # the world whose estimates go into the later experiments
+AS_MODEL = "both-sides"  # the world in which the later experiments run
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class LoadingResult:
 
     @property
     def as_model(self) -> Mapping[str, StiffnessEstimate]:
-        """Estimates that later experiments use, without the variant that needs orientation."""
+        """Estimates for the later experiments, from their own world; without the variant that needs orientation."""
         found = next(result for result in self.worlds if result.world.name == AS_MODEL)
         return {name: found.estimates[name] for name in ("current", "force", "joint")}
 

@@ -5,7 +5,9 @@ from pathlib import Path
 from bench.record.truth import TrueValue, Truth, write_truth
 from bench.record.write import TableFormat, write_campaign
 from bench.report.recording import write_recording
-from bench.simulate.session import Session
+from bench.scenario.files import Experiment
+from bench.simulate.drive import Progress
+from bench.simulate.session import Session, run_session
 
 CAMPAIGN, TRUTH, RECORDING = "campaign", "truth", "session.rrd"
 
@@ -21,6 +23,24 @@ def write_session(session: Session, folder: Path, table_format: TableFormat = "c
     write_campaign(session.campaign, folder / CAMPAIGN, table_format)
     write_truth(truth_of(session), folder / TRUTH)
     write_recording(folder / RECORDING, session.compiled, session.film)
+
+
+def run_and_write(job: tuple[Experiment, Path], progress: Progress) -> Session:
+    """Run a scenario and write its session into a folder that does not exist yet.
+
+    Raises:
+        InputError: The scenario does not fit its robot.
+    """
+    scenario, folder = job
+    session = run_session(scenario, progress)
+    folder.mkdir(parents=True)
+    write_session(session, folder)
+    return session
+
+
+def run_and_forget(job: tuple[Experiment, Path], progress: Progress) -> None:
+    """Do the same in a worker process, which hands nothing back but the files."""
+    run_and_write(job, progress)
 
 
 def truth_of(session: Session) -> Truth:

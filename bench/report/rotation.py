@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from bench.report.results import CAMPAIGN, TRUTH, write_session
+from bench.report.parallel import run_all
+from bench.report.results import CAMPAIGN, TRUTH, run_and_forget
 from bench.report.rotation_identification import identify_rotation
 from bench.report.rotation_results import RotationReport, write_rotation
 from bench.report.scoring import score_counterbalance
 from bench.scenario.files import read_as
 from bench.scenario.rotation import Rotation
-from bench.simulate.session import run_session
 
 Progress = Callable[[float], None]
 
@@ -23,10 +23,8 @@ def run_rotation(folder: Path, progress: Progress = lambda share: None) -> Rotat
         folder: Existing folder; gets one folder per scenario, `rotation.json`, and Figs. 11 to 13 as PNG.
         progress: Called with the share that is done.
     """
-    for i, name in enumerate((SCENARIO, VALIDATION)):
-        session = run_session(read_as(Rotation, name), lambda share, i=i: progress((i + share) / 2))  # type: ignore[misc]
-        (folder / name).mkdir()
-        write_session(session, folder / name)
+    jobs = [(read_as(Rotation, name), folder / name) for name in (SCENARIO, VALIDATION)]
+    run_all(run_and_forget, jobs, progress)
     identified = identify_rotation(folder / SCENARIO / CAMPAIGN, folder / VALIDATION / CAMPAIGN)
     report = RotationReport(identified, score_counterbalance(identified.fit, folder / SCENARIO / TRUTH))
     write_rotation(report, folder)

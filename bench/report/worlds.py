@@ -9,11 +9,10 @@ import numpy as np
 from bench.identify.estimate import StiffnessEstimate
 from bench.report.identification import identify_campaign
 from bench.report.parallel import run_all
-from bench.report.results import CAMPAIGN, TRUTH, write_session
+from bench.report.results import CAMPAIGN, TRUTH, run_and_forget
 from bench.report.scoring import JointScore, score_stiffness
 from bench.scenario.files import read_as
 from bench.scenario.loading import Loading
-from bench.simulate.session import run_session
 
 Progress = Callable[[float], None]
 
@@ -38,6 +37,7 @@ WORLDS = (
     World("link-side", "friction on the link side", "link", "integral"),
     World("motor-side", "friction on the motor side, servo gives", "motor", "proportional"),
     World("motor-side-held", "friction on the motor side, servo holds", "motor", "integral"),
+    World("both-sides", "friction on both sides, as in the MJCF, servo holds", "as-model", "integral"),
 )
 
 
@@ -80,15 +80,8 @@ def run_worlds(scenario: str, folder: Path, progress: Progress) -> list[WorldRes
     changes = [{"friction": world.friction, "servo": world.servo} for world in WORLDS]
     scenarios = [Loading.model_validate(base.model_dump() | change) for change in changes]
     jobs = [(job, folder / world.name) for job, world in zip(scenarios, WORLDS, strict=True)]
-    run_all(_run_world, jobs, progress)
+    run_all(run_and_forget, jobs, progress)
     return [_identified(world, folder / world.name) for world in WORLDS]
-
-
-def _run_world(job: tuple[Loading, Path], progress: Progress) -> None:
-    scenario, folder = job
-    session = run_session(scenario, progress)
-    folder.mkdir()
-    write_session(session, folder)
 
 
 def _identified(world: World, folder: Path) -> WorldResult:

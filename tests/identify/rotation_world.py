@@ -10,9 +10,10 @@ from bench.identify.counterbalance_fit import CounterbalanceFit, fit_counterbala
 from bench.identify.traverses import traverses
 from bench.record.campaign import Campaign
 from bench.robot.bodies import RigidBodies
-from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot, rigid_bodies
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.drives import Drives, drives_of
 from bench.robot.folder import Robot, load_robot
+from bench.robot.links import rigid_bodies
 from bench.robot.plugins import configure
 from bench.scenario.rotation import Rotation
 from bench.simulate import session as sessions

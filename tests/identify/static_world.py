@@ -112,10 +112,10 @@ def settle(world, state, q_command, wrench, rng):
         return np.clip(link0 - kp * (theta - theta0), -world.link_level, world.link_level), theta
 
     theta = theta0
-    for _ in range(8):
+    for _ in range(5):  # N dGamma/dtheta is of order 1e-2
         gamma = pushing(theta, wrench)
         low, high = -gamma - world.link_level - 1e-6, -gamma + world.link_level + 1e-6
-        for _ in range(60):
+        for _ in range(45):
             middle = 0.5 * (low + high)
             too_high = gamma + middle + link(middle)[0] > 0
             low, high = np.where(too_high, low, middle), np.where(too_high, middle, high)

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from bench.errors import RobotError
 from bench.identify.arm import Arm
+from bench.robot.bodies import Point, RigidBodies, read_only
 from tests.identify.hh150 import TABLE_1, hh150
 from tests.identify.static_world import GRAVITY, frames, position
 
@@ -86,3 +88,32 @@ def test_mass_matrix_is_what_inverse_dynamics_says(arm: Arm, q: np.ndarray) -> N
 def test_unknown_point_names_the_known(arm: Arm) -> None:
     with pytest.raises(RobotError, match=r"unknown point of the arm 'reflektor_1'. Did you mean 'reflector_1'"):
         arm.pose(np.zeros(6), "reflektor_1")
+
+
+def test_slides_and_branches_too(rng: np.random.Generator) -> None:
+    """A tree: hinge, slide on it, and two hinges on the slide; the point hangs on one of them and not on the other."""
+    turned = [Rotation.random(random_state=rng).as_matrix() for _ in range(4)]
+    axes = rng.normal(size=(4, 3))
+    bodies = RigidBodies(
+        names=("a", "b", "c", "d"),
+        parent=np.array([-1, 0, 1, 1]),
+        is_hinge=np.array([True, False, True, True]),
+        position=read_only(rng.normal(size=(4, 3))),
+        rotation=read_only(turned),
+        axis=read_only(axes / np.linalg.norm(axes, axis=1, keepdims=True)),
+        mass=read_only(np.ones(4)),
+        com=read_only(rng.normal(size=(4, 3))),
+        inertia=read_only(np.tile(np.eye(3), (4, 1, 1))),
+        limits=read_only([[-1, 1]] * 4),
+        gravity=read_only([0, 0, -9.81]),
+        points={"tip": Point(3, read_only(rng.normal(size=3)), read_only(np.eye(3)))},
+    )
+    tree, angles = Arm(bodies), rng.normal(size=4)
+    jacobian, hessian = tree.jacobian(angles, "tip"), tree.hessian(angles, "tip")
+    assert not jacobian[:, 2].any(), "c does not move the tip"
+    for j, unit in enumerate(np.eye(4)):
+        up, down = angles + STEP * unit, angles - STEP * unit
+        moved = (tree.pose(up, "tip")[0] - tree.pose(down, "tip")[0]) / (2 * STEP)
+        np.testing.assert_allclose(jacobian[:3, j], moved, atol=DIFFERENCE)
+        turned = (tree.jacobian(up, "tip") - tree.jacobian(down, "tip")) / (2 * STEP)
+        np.testing.assert_allclose(hessian[:, :, j], turned, atol=DIFFERENCE)

@@ -96,6 +96,7 @@ def test_missing_channels_are_named() -> None:
         identify("force", light)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("method", "world"), [("current", LINK), ("force", MOTOR), ("force-pose", MOTOR)])
 def test_intervals_of_the_single_methods_cover_in_their_world(method: str, world: World) -> None:
     """100 seeds of 6 joints that share errors: a true rate of 95 % falls below 88 % less than once in 1000."""
