@@ -96,8 +96,8 @@ def _rotation(folder: Path, progress: Progress) -> Chapter:
     report = run_rotation(folder, progress)
     covered = all(score.covered for score in report.scores)
     sentence = (
-        "The virtual robot has the paper's C and l_c, so their rows show recovery, not a confirmation: the 95 % intervals "
-        f"{'contain' if covered else 'do not both contain'} the truth."
+        "The virtual robot has the paper's C and l_c, so their rows show recovery, not a confirmation: the 95 % "
+        f"intervals {'contain' if covered else 'do not both contain'} the truth."
     )
     return Chapter(
         name="rotation",
