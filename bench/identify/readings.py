@@ -97,6 +97,8 @@ class StaticReadings:
             "sigma_current_torque": (n,),
             "sigma_wrench": (6,),
         }
+        if self.approach is not None:
+            expected["approach"] = (m,)
         problems = [
             f"readings: {name} has shape {np.shape(getattr(self, name))}, expected {shape}."
             for name, shape in expected.items()

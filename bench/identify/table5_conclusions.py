@@ -98,10 +98,11 @@ def _sides(study: Table5Study) -> str:
         f"joint {j + 1}: {share[j]:.2f} of it on the link side ({low[j]:.2f} to {high[j]:.2f} over the reconstructions)"
         for j in np.flatnonzero(decided)
     ]
+    if not sides:
+        return "On which side most of the friction sits, the joint method cannot tell for any joint whatever the poses."
     return (
-        "By the joint method, the side on which most of the friction sits is "
-        + (f"the same in nearly all reconstructions for {'; '.join(sides)}." if sides else "not decided for any joint.")
-        + f" Not decided: {_names(~decided)}."
+        f"By the joint method, most of the friction sits on the same side in nearly all reconstructions for "
+        f"{'; '.join(sides)}; it is not decided for {_names(~decided)}."
     )
 
 

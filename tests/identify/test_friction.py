@@ -12,7 +12,7 @@ GAIN = 0.03  # by which the load's torque exceeds the current's
 LEVEL = 80.0  # [Nm]
 
 
-def compared(ladder, *, series=6, gain=GAIN, level=LEVEL, load_dependent=0.0, prior=0.02):
+def compared(ladder, *, series=6, gain=GAIN, level=LEVEL, load_dependent=0.0):
     """Return the comparison for one joint, approached from below; friction of all series slides from the start."""
     direction = np.sign(np.diff(ladder, prepend=-1.0))
     friction = direction * (level + load_dependent * ladder)
@@ -21,7 +21,6 @@ def compared(ladder, *, series=6, gain=GAIN, level=LEVEL, load_dependent=0.0, pr
     readings = bare_readings(
         len(gamma), 1, series=np.repeat(np.arange(series), len(ladder)), approach=1, current_torque=-current[:, None]
     )
-    readings.systematic.torque_gain[:] = prior
     none = np.zeros((len(gamma), 1))
     return friction_change(readings, gamma[:, None], 0.2 + none, np.zeros((len(gamma), 1, 3)))
 
