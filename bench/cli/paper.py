@@ -20,7 +20,7 @@ class Paper:
         """Run everything, print the table, name the folder; return the exit code."""
         from bench.cli.progress import progress_bar
         from bench.record.folder import new_folder
-        from bench.report.paper import RESULTS, print_paper, run_paper
+        from bench.report.paper.run import RESULTS, print_paper, run_paper
 
         with new_folder(self.out, RESULTS, self.replace) as folder, progress_bar("the paper's experiments") as progress:
             result = run_paper(folder, progress)

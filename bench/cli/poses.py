@@ -6,7 +6,7 @@ from typing import Annotated
 
 import tyro
 
-from bench.report.pose_request import PoseRequest
+from bench.report.measuring_poses.request import PoseRequest
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ class Poses(PoseRequest):
 
     def run(self) -> int:
         """Design and print; return the exit code."""
-        from bench.report.measuring_poses import plan_poses
-        from bench.report.pose_tables import print_json, print_plan, write_scenario
+        from bench.report.measuring_poses.plan import plan_poses
+        from bench.report.measuring_poses.tables import print_json, print_plan, write_scenario
 
         plan = plan_poses(self)
         if self.out is not None:

@@ -27,7 +27,7 @@ class Run:
         """Run the scenario; return the exit code."""
         from bench.cli.progress import progress_bar
         from bench.record.folder import new_folder
-        from bench.report.complementary import NUMBERS, run_complementary
+        from bench.report.paper.complementary.run import NUMBERS, run_complementary
         from bench.report.results import RECORDING, write_session
         from bench.scenario.complementary import Complementary
         from bench.scenario.files import read_scenario

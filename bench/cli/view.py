@@ -15,7 +15,7 @@ class View:
 
     def run(self) -> int:
         """Open the viewer; return the exit code."""
-        from bench.report.view import view
+        from bench.report.recording.view import view
 
         view(self.folder)
         return 0

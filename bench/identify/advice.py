@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import InputError
 from bench.identify.arm import Arm
@@ -14,9 +13,9 @@ from bench.identify.pose_candidates import Rules, sample
 from bench.identify.pose_plan import PLANNED, Load, Setup, Visits, information
 from bench.identify.pose_precision import prior_information
 from bench.identify.readings import StaticReadings
+from bench.robot.bodies import Array
 from bench.robot.counterbalance import Counterbalance
 
-Array = NDArray[np.float64]
 Method = Callable[[Arm, Counterbalance | None, StaticReadings, Options], StiffnessEstimate]
 
 WEAK = 0.10  # relative standard error of a compliance above which a better pose is named

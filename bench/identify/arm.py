@@ -5,9 +5,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from bench.errors import RobotError, unknown_name
-from bench.robot.bodies import Point, RigidBodies
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array, Point, RigidBodies
 
 
 class Arm:

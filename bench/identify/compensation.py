@@ -18,8 +18,9 @@ from bench.identify.line_deflection import (
     parameter_covariance,
     wind_up,
 )
-from bench.identify.line_passes import WAYS, Array
+from bench.identify.line_passes import WAYS
 from bench.identify.statics import SecondOrder
+from bench.robot.bodies import Array
 
 KNOTS = 31
 WINDOW = 0.1  # of the line, over which a parabola smooths the noise of the currents

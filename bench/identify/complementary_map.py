@@ -16,9 +16,7 @@ from numpy.typing import NDArray
 
 from bench.errors import InputError
 from bench.identify.arm import Arm, complementary_stiffness
-from bench.robot.bodies import Point, read_only
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array, Point, read_only
 
 SAME_RANK = 1e-9  # of the largest singular value of the column-scaled rows; far above rounding
 

@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 
 from bench.identify.arm import Arm
 from bench.identify.complementary_map import ComplementaryMap
-from bench.robot.bodies import Point, read_only
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array, Point, read_only
 
 
 @dataclass(frozen=True)

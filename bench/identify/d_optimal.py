@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import InputError
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 GAIN = 1e-9  # of log det; a smaller one is rounding
 

@@ -4,11 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bench.robot.bodies import Point, RigidBodies, read_only
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array, Point, RigidBodies, read_only
 
 
 @dataclass(frozen=True)

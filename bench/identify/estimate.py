@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ load past the spring; this method does not know, and calls the joints too stiff.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.identify.arm import Arm
 from bench.identify.channels import usable
@@ -15,9 +14,8 @@ from bench.identify.options import Options
 from bench.identify.outcome import fit_compliance, is_signal
 from bench.identify.readings import StaticReadings
 from bench.identify.statics import SecondOrder, equilibrium, link_torque, motion
+from bench.robot.bodies import Array
 from bench.robot.counterbalance import Counterbalance
-
-Array = NDArray[np.float64]
 
 
 def build_force(

@@ -22,9 +22,8 @@ from bench.identify.outcome import estimate, is_signal
 from bench.identify.readings import StaticReadings
 from bench.identify.rigid_motion import pose_deflection
 from bench.identify.statics import SecondOrder, equilibrium, link_torque
+from bench.robot.bodies import Array
 from bench.robot.counterbalance import Counterbalance
-
-Array = NDArray[np.float64]
 
 SINGULAR = 1e4  # condition number of J_m beyond which a pose says nothing about single joints
 

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from bench.identify.gls import SURE
 from bench.identify.play import Play, play
 from bench.identify.readings import StaticReadings
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 LOAD_DEPENDENT = 0.05  # prior sigma of friction per transmitted torque; gears show 0.01 to 0.06 (DESIGN, section 6)
 NEGLIGIBLE = 0.02  # share of a joint's largest change of torque that surely does not make it slide

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.identify.line_passes import LinePass
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 SLIDING = 1e-3  # [rad]; gears reach their friction level after 1e-5 to 1e-4 rad, elastic elements wind back within 5e-4
 

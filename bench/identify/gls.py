@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 SURE = 1e-9  # a prior sharper than this, zero included, is taken to be this sharp
 EIGENVALUE_FLOOR = 1e-13  # of the largest; directions below it are unknown, and get a variance that says so

@@ -41,9 +41,8 @@ from bench.identify.outcome import estimate, is_signal
 from bench.identify.readings import StaticReadings
 from bench.identify.spread import SPREADS, solve_joint
 from bench.identify.statics import SecondOrder
+from bench.robot.bodies import Array
 from bench.robot.counterbalance import Counterbalance
-
-Array = NDArray[np.float64]
 
 
 def identify_joint(

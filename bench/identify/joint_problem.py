@@ -13,9 +13,8 @@ from bench.identify.options import Options
 from bench.identify.play import play
 from bench.identify.readings import StaticReadings
 from bench.identify.statics import equilibrium, motion
+from bench.robot.bodies import Array
 from bench.robot.counterbalance import Counterbalance
-
-Array = NDArray[np.float64]
 
 SHARE_PRIOR = (0.5, 0.5)  # mean and sigma of lambda: both pure worlds lie one sigma out
 

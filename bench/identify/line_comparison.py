@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.identify.line_deflection import Prediction
-from bench.identify.line_passes import AXES, Array
+from bench.identify.line_passes import AXES
+from bench.robot.bodies import Array
 
 DRAWS = 1000
 LEVEL = 0.95

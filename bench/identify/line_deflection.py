@@ -24,9 +24,10 @@ from scipy.linalg import block_diag
 
 from bench.identify.arm import Arm
 from bench.identify.estimate import JointEstimate, StiffnessEstimate
-from bench.identify.friction_pairs import Array, PairFriction, pair_friction
+from bench.identify.friction_pairs import PairFriction, pair_friction
 from bench.identify.line_passes import STATES, LinePass, LinePasses
 from bench.identify.statics import Motion, SecondOrder, equilibrium, motion
+from bench.robot.bodies import Array
 from bench.robot.counterbalance import Counterbalance
 
 

@@ -4,13 +4,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import InputError
 from bench.record.campaign import Campaign, Run
+from bench.robot.bodies import Array
 from bench.robot.figures import Figures
-
-Array = NDArray[np.float64]
 
 STATES = ("unloaded", "loaded")
 WAYS = ("out", "back")

@@ -10,8 +10,7 @@ from scipy import stats
 from bench.identify.estimate import StiffnessEstimate
 from bench.identify.gls import SeriesModel, Solution, equal_weights, solve, whiten
 from bench.identify.options import Options
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 SIGNAL_TO_NOISE = 10.0  # of a joint's torque as a regressor; its noise then shrinks the compliance by less than 1 %
 RIGID_QUANTILE = 1.959964  # 95 %: a joint is observed when its interval excludes a rigid joint

@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 from bench.errors import InputError
 from bench.identify.complementary_map import loaded
 from bench.identify.pose_plan import Load, Setup, Visits
-from bench.robot.bodies import Point, read_only
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array, Point, read_only
 
 DEGREE = np.pi / 180
 MILLIMETRE = 1e-3  # [m]

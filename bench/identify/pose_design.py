@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.identify.d_optimal import choose
 from bench.identify.pose_candidates import Rules, around, sample
 from bench.identify.pose_plan import PLANNED, Load, Setup, Visits, information
 from bench.identify.pose_precision import Precision, expected_precision, prior_information
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 N_CANDIDATES = 1000  # of each kind of load; four times as many gain at most 3 % in D-efficiency
 NEAR = np.deg2rad([10.0, 5.0, 2.0])  # [rad], spread of the rounds of search around the chosen poses; they gain 10 %

@@ -13,9 +13,8 @@ from bench.identify.gls import SeriesModel, whiten
 from bench.identify.options import Options
 from bench.identify.readings import StaticReadings, Systematic
 from bench.identify.statics import SecondOrder, equilibrium, motion
+from bench.robot.bodies import Array
 from bench.robot.counterbalance import Counterbalance
-
-Array = NDArray[np.float64]
 
 PARALLEL = 1e-9  # sine of the angle to gravity below which a load hangs
 

@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 
 from bench.identify.outcome import condition_number, excludes_rigid
 from bench.identify.pose_plan import PLANNED, PlannedMethod, Setup, Visits, information
-from bench.robot.bodies import read_only
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array, read_only
 
 GUESS = 1.0  # relative standard deviation of the guessed compliances: wide, but enough to start a choice from
 

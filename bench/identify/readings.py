@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import InputError
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.errors import InputError
 from bench.identify.readings import StaticReadings
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 FLAT = 1e-3  # smallest to largest spread of the reflectors, below which they stand in one line
 

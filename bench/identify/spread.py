@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from bench.identify.gls import SeriesModel, Solution, solve, whiten
 from bench.identify.joint_problem import JointProblem
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 SPREADS = (0.01, 0.03, 0.1, 0.3, 1.0)  # grid of sqrt(v_1) and sqrt(v_2), in units of S
 

@@ -18,12 +18,10 @@ from dataclasses import dataclass
 from enum import Flag, auto
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.identify.arm import Arm, complementary_stiffness
+from bench.robot.bodies import Array
 from bench.robot.counterbalance import Counterbalance
-
-Array = NDArray[np.float64]
 
 
 class SecondOrder(Flag):

@@ -3,10 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.identify.table5 import SIGMA_CURRENT, TORQUE_CONSTANT
 from bench.identify.table5_study import Table5Study
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 MICROMETRE = 1e-6  # [m]
 CLEAR = 3.0  # standard errors that make a gap
@@ -39,15 +37,15 @@ def _without_poses(study: Table5Study) -> list[str]:
 
 def _jumping_current(study: Table5Study) -> str:
     """Return what the largest scatter of a current would do to the deflection if the spring felt it."""
-    lines = study.lines
+    lines, experiment = study.lines, study.table.experiment
     c, joint = np.unravel_index(np.argmax(lines.torque_scatter), lines.torque_scatter.shape)
     torque = lines.torque_scatter[c, joint]
-    noise = TORQUE_CONSTANT[joint] * SIGMA_CURRENT / np.sqrt(10)
+    noise = experiment.sigma_torque[joint] / np.sqrt(experiment.repeats)
     compliance = 1 / study.table6["current"][joint]
     asked, seen = [], []
     for reconstruction in study.reconstructions:
         q = reconstruction.q[lines.configuration[c] - 1]
-        column = reconstruction.arm().jacobian(q, "reflector")[:3, joint]
+        column = reconstruction.arm(experiment).jacobian(q, "reflector")[:3, joint]
         asked.append(np.linalg.norm(column) * compliance * torque)
         seen.append(np.linalg.norm(column / np.linalg.norm(column) * lines.deflection_scatter[c]))
     return (
@@ -66,8 +64,8 @@ def _stiffness(study: Table5Study) -> list[str]:
         width = (high - low) / middle
         error = np.nanmedian(study.relative_error(fit), axis=0)
         sentences.append(
-            f"Method {fit}: from reconstruction to reconstruction k1 to k6 differ by {_percent(width)} (5 to 95 %), "
-            f"in one of them the standard errors are {_percent(error)}; told whatever the poses: "
+            f"Method {fit}: from reconstruction to reconstruction k1 to k{len(middle)} differ by {_percent(width)} "
+            f"(5 to 95 %), in one of them the standard errors are {_percent(error)}; told whatever the poses: "
             f"{_names(width < WELL_KNOWN)}."
         )
     return sentences

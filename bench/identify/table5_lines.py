@@ -10,23 +10,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.identify.table5 import TORQUE_CONSTANT, Table5
-
-Array = NDArray[np.float64]
+from bench.identify.table5 import Table5
+from bench.robot.bodies import Array
 
 
 @dataclass(frozen=True)
 class Lines:
-    """Lines through the loaded states of the configurations with several loads, c of them.
+    """Lines through the loaded states of the configurations with several loads, c of them; n joints.
 
     Attributes:
         configuration: Shape (c,) int.
         deflection_gap: Shape (c, 3) [m], the line at no load, less the unloaded reading.
         deflection_gap_sigma: Shape (c, 3) [m], its standard error by the scatter pooled over configurations.
         deflection_scatter: Shape (c, 3) [m], root mean square about the line (two degrees of freedom less).
-        torque_gap: Shape (c, 6) [Nm], the same for |xi| I as printed.
-        torque_gap_sigma: Shape (c, 6) [Nm].
-        torque_scatter: Shape (c, 6) [Nm].
+        torque_gap: Shape (c, n) [Nm], the same for |xi| I as printed.
+        torque_gap_sigma: Shape (c, n) [Nm].
+        torque_scatter: Shape (c, n) [Nm].
     """
 
     configuration: NDArray[np.int64]
@@ -41,7 +40,6 @@ class Lines:
 def fit_lines(table: Table5) -> Lines:
     """Return the lines of every configuration with at least three loaded states."""
     size = np.linalg.norm(table.force, axis=1)
-    torque = TORQUE_CONSTANT * table.current
     numbers = [
         c for c in np.unique(table.configuration) if np.sum((table.configuration == c) & ~table.is_reference) >= 3
     ]
@@ -51,7 +49,7 @@ def fit_lines(table: Table5) -> Lines:
         unloaded = (table.configuration == number) & table.is_reference
         design = np.stack([np.ones(loaded.sum()), size[loaded]], axis=1)
         stretch = np.sqrt(np.linalg.inv(design.T @ design)[0, 0])  # standard error of the line at no load, per scatter
-        for values in (table.deflection, torque):
+        for values in (table.deflection, table.torque):
             line = np.linalg.lstsq(design, values[loaded], rcond=None)[0]
             residual = values[loaded] - design @ line
             scatter = np.sqrt(np.sum(residual**2, axis=0) / (len(design) - 2))

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.identify.current import identify_current
 from bench.identify.estimate import JointEstimate, StiffnessEstimate
@@ -20,8 +19,7 @@ from bench.identify.joint import identify_joint
 from bench.identify.options import PLAIN, Options
 from bench.identify.table5 import Reconstruction, Table5, read_reconstructions, read_table5, read_table6
 from bench.identify.table5_lines import Lines, fit_lines
-
-Array = NDArray[np.float64]
+from bench.robot.bodies import Array
 
 FITS = {
     "current, plain": (identify_current, PLAIN),
@@ -34,15 +32,15 @@ FITS = {
 
 @dataclass(frozen=True)
 class Table5Study:
-    """Table 5 in r reconstructions.
+    """Table 5 in r reconstructions; n joints.
 
     Attributes:
         table: Table 5.
-        table6: "current" and "force" -> the paper's stiffness, shape (6,) [Nm/rad].
+        table6: "current" and "force" -> the paper's stiffness, shape (n,) [Nm/rad].
         reconstructions: Length r, the named ones (A1, A3, B1) first.
         estimates: Key of `FITS` -> one estimate per reconstruction.
         lines: What needs no poses.
-        torque_gap: Shape (r, 6) [Nm], root mean square of s xi dI - J_f^T dW over the loaded states: currents against
+        torque_gap: Shape (r, n) [Nm], root mean square of s xi dI - J_f^T dW over the loaded states: currents against
             load.
     """
 
@@ -54,11 +52,11 @@ class Table5Study:
     torque_gap: Array
 
     def stiffness(self, fit: str) -> Array:
-        """Shape (r, 6) [Nm/rad]; nan where a joint is not observable."""
+        """Shape (r, n) [Nm/rad]; nan where a joint is not observable."""
         return np.stack([estimate.stiffness for estimate in self.estimates[fit]])
 
     def relative_error(self, fit: str) -> Array:
-        """Shape (r, 6), standard error of each compliance over its value."""
+        """Shape (r, n), standard error of each compliance over its value."""
         return np.stack([np.sqrt(np.diag(e.covariance)) * e.stiffness for e in self.estimates[fit]])
 
     def chi_square(self, fit: str) -> Array:
@@ -70,27 +68,27 @@ class Table5Study:
         return np.array([np.sqrt(np.mean(e.residuals["reflector"] ** 2)) for e in self.estimates[fit]])
 
     def spread(self, fit: str, quantiles: tuple[float, ...] = (0.05, 0.5, 0.95)) -> Array:
-        """Shape (len(quantiles), 6) [Nm/rad], of the stiffness over the reconstructions that tell a joint."""
+        """Shape (len(quantiles), n) [Nm/rad], of the stiffness over the reconstructions that tell a joint."""
         return np.nanquantile(self.stiffness(fit), quantiles, axis=0)
 
     @property
     def ratio(self) -> Array:
-        """Shape (r, 6), stiffness by force over stiffness by current, both plain, as the paper compares them."""
+        """Shape (r, n), stiffness by force over stiffness by current, both plain, as the paper compares them."""
         return self.stiffness("force, plain") / self.stiffness("current, plain")
 
     @property
     def paper_ratio(self) -> Array:
-        """Shape (6,), the same in Table 6."""
+        """Shape (n,), the same in Table 6."""
         return self.table6["force"] / self.table6["current"]
 
     @property
     def link_share(self) -> Array:
-        """Shape (r, 6), share of the friction on the link side by the joint method."""
+        """Shape (r, n), share of the friction on the link side by the joint method."""
         return np.stack([e.link_share for e in self.estimates["joint"] if isinstance(e, JointEstimate)])
 
     @property
     def link_share_sigma(self) -> Array:
-        """Shape (r, 6), its standard deviation."""
+        """Shape (r, n), its standard deviation."""
         return np.stack([e.link_share_sigma for e in self.estimates["joint"] if isinstance(e, JointEstimate)])
 
 
@@ -98,7 +96,7 @@ def study_table5(folder: Path, only: Collection[str] = ()) -> Table5Study:
     """Identify the stiffness from Table 5 by every method in every reconstruction.
 
     Args:
-        folder: With table5.csv, table6.csv, configurations.json and alternatives.json (models/hh150/paper).
+        folder: With table5.csv, table6.csv, experiment.yaml, configurations.json and alternatives.json.
         only: Names of reconstructions, where not all are wanted.
 
     Raises:
@@ -106,7 +104,9 @@ def study_table5(folder: Path, only: Collection[str] = ()) -> Table5Study:
     """
     table = read_table5(folder)
     reconstructions = tuple(r for r in read_reconstructions(folder) if not only or r.name in only)
-    setups = [(reconstruction.arm(), reconstruction.readings(table)) for reconstruction in reconstructions]
+    setups = [
+        (reconstruction.arm(table.experiment), reconstruction.readings(table)) for reconstruction in reconstructions
+    ]
     estimates = {
         name: tuple(method(arm, None, readings, options) for arm, readings in setups)
         for name, (method, options) in FITS.items()

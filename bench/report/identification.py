@@ -15,6 +15,7 @@ from bench.identify.from_campaign import static_readings
 from bench.identify.methods import METHODS
 from bench.identify.options import Options
 from bench.report.campaigns import open_campaign
+from bench.report.plain import plain
 from bench.robot.links import rigid_bodies
 
 MNM = 1e6  # [Nm/rad] per 10^6 Nm/rad, the unit of Table 6
@@ -75,7 +76,7 @@ def as_json(estimate: StiffnessEstimate, level: float = 0.95) -> dict[str, objec
         "compliance_rad_per_nm": plain(estimate.compliance),
         "compliance_covariance_rad2_per_nm2": plain(estimate.covariance),
         "observable": [bool(seen) for seen in estimate.observable],
-        "condition_number": plain(np.float64(estimate.condition_number)),
+        "condition_number": plain(estimate.condition_number),
         "residual_rms_in_sigma": {
             channel: plain(np.sqrt(np.mean(np.square(values)))) for channel, values in estimate.residuals.items()
         },
@@ -85,14 +86,6 @@ def as_json(estimate: StiffnessEstimate, level: float = 0.95) -> dict[str, objec
         content["link_side_share_of_friction"] = plain(estimate.link_share)
         content["link_side_share_sigma"] = plain(estimate.link_share_sigma)
     return content
-
-
-def plain(values: object) -> object:
-    """Return an array as nested lists; nan and inf, which JSON does not know, as null."""
-    if isinstance(values, np.ndarray):
-        return [plain(value) for value in values]
-    number = float(values)  # type: ignore[arg-type]
-    return number if np.isfinite(number) else None
 
 
 def print_json(result: Identification, level: float) -> None:

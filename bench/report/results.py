@@ -2,12 +2,13 @@
 
 from pathlib import Path
 
-from bench.record.truth import TrueValue, Truth, write_truth
+from bench.record.truth import Truth, write_truth
 from bench.record.write import TableFormat, write_campaign
-from bench.report.recording import write_recording
+from bench.report.parallel import Progress
+from bench.report.recording.write import write_recording
 from bench.scenario.files import Experiment
-from bench.simulate.drive import Progress
 from bench.simulate.session import Session, run_session
+from bench.simulate.truth import true_parameters
 
 CAMPAIGN, TRUTH, RECORDING = "campaign", "truth", "session.rrd"
 
@@ -45,14 +46,5 @@ def run_and_forget(job: tuple[Experiment, Path], progress: Progress) -> None:
 
 def truth_of(session: Session) -> Truth:
     """Return the true parameters and the readings of ideal instruments."""
-    compiled, errors = session.compiled, session.instruments.errors
-    parameters = {"force_gain": TrueValue(errors.force_gain, "")}
-    for i, drive in enumerate(compiled.robot.figures.drives):
-        parameters[f"stiffness.{drive.joint}"] = TrueValue(float(compiled.stiffness[i]), "Nm/rad")
-        parameters[f"current_gain.{drive.joint}"] = TrueValue(float(errors.current_gain[i]), "")
-        parameters[f"motor_coulomb.{drive.joint}"] = TrueValue(float(compiled.motor_coulomb[i]), "Nm")
-        parameters[f"link_coulomb.{drive.joint}"] = TrueValue(float(compiled.link_coulomb[i]), "Nm")
-    if compiled.counterbalance:
-        parameters["counterbalance.constant"] = TrueValue(compiled.counterbalance.gas_constant, "Nm")
-        parameters["counterbalance.critical_length"] = TrueValue(compiled.counterbalance.critical_length, "m")
+    parameters = true_parameters(session.compiled, session.instruments.errors)
     return Truth(parameters, (), {run.name: run.columns for run in session.ideal})

@@ -1,5 +1,6 @@
 """Estimate against truth. The only module that opens the truth."""
 
+from collections.abc import Collection, Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -8,70 +9,20 @@ import numpy as np
 from bench.errors import InputError
 from bench.identify.counterbalance_fit import CounterbalanceFit
 from bench.identify.estimate import StiffnessEstimate
-from bench.record.truth import read_truth
+from bench.record.truth import TrueValue, read_truth
+from bench.report.plain import plain
 
 
 @dataclass(frozen=True)
-class JointScore:
-    """One joint of one estimate beside the truth.
+class Score:
+    """One estimated parameter beside the truth.
 
     Attributes:
-        joint: Name.
-        truth: [Nm/rad].
-        estimate: [Nm/rad], nan where the data cannot tell.
-        low, high: Ends of the interval [Nm/rad].
-        error: Relative, estimate / truth - 1.
-        covered: Whether the interval contains the truth; None where there is no estimate.
-    """
-
-    joint: str
-    truth: float
-    estimate: float
-    low: float
-    high: float
-    error: float
-    covered: bool | None
-
-
-def score_stiffness(estimate: StiffnessEstimate, truth_folder: Path, level: float = 0.95) -> tuple[JointScore, ...]:
-    """Hold an estimate of the stiffness against the truth of a simulated campaign.
-
-    Raises:
-        InputError: The truth holds no stiffness for a joint of the estimate.
-    """
-    parameters = read_truth(truth_folder).parameters
-    if missing := [name for name in estimate.joint_names if f"stiffness.{name}" not in parameters]:
-        raise InputError(f"{truth_folder}: holds no stiffness of {', '.join(missing)}; it belongs to another robot.")
-    scores = []
-    for name, value, (low, high) in zip(
-        estimate.joint_names, estimate.stiffness, estimate.interval(level), strict=True
-    ):
-        true = parameters[f"stiffness.{name}"].value
-        covered = None if np.isnan(value) else bool(low <= true <= high)
-        scores.append(JointScore(name, true, float(value), float(low), float(high), float(value / true - 1), covered))
-    return tuple(scores)
-
-
-def as_json(scores: tuple[JointScore, ...]) -> list[dict[str, object]]:
-    """Return scores as plain data; what is undefined is null."""
-    return [
-        {key: None if isinstance(value, float) and np.isnan(value) else value for key, value in asdict(score).items()}
-        for score in scores
-    ]
-
-
-@dataclass(frozen=True)
-class ParameterScore:
-    """One identified parameter beside the truth.
-
-    Attributes:
-        name: Of the parameter, as in the truth.
+        name: Of the joint for a stiffness; else of the parameter, as in the truth.
         unit: Of all numbers.
         truth: As simulated.
-        estimate: As identified.
+        estimate: As identified; nan where the data cannot tell.
         low, high: Ends of the interval.
-        error: Relative, estimate / truth - 1.
-        covered: Whether the interval contains the truth.
     """
 
     name: str
@@ -80,26 +31,54 @@ class ParameterScore:
     estimate: float
     low: float
     high: float
-    error: float
-    covered: bool
+
+    @property
+    def error(self) -> float:
+        """Relative, estimate / truth - 1."""
+        return self.estimate / self.truth - 1
+
+    @property
+    def covered(self) -> bool | None:
+        """Whether the interval contains the truth; None where there is no estimate."""
+        return None if np.isnan(self.estimate) else self.low <= self.truth <= self.high
 
 
-def score_counterbalance(fit: CounterbalanceFit, truth_folder: Path) -> tuple[ParameterScore, ...]:
+def score_stiffness(estimate: StiffnessEstimate, truth_folder: Path, level: float = 0.95) -> tuple[Score, ...]:
+    """Hold an estimate of the stiffness against the truth of a simulated campaign.
+
+    Raises:
+        InputError: The truth holds no stiffness for a joint of the estimate.
+    """
+    truth = _true_values(truth_folder, [f"stiffness.{name}" for name in estimate.joint_names])
+    return tuple(
+        Score(name, true.unit, true.value, float(value), float(low), float(high))
+        for name, true, value, (low, high) in zip(
+            estimate.joint_names, truth, estimate.stiffness, estimate.interval(level), strict=True
+        )
+    )
+
+
+def score_counterbalance(fit: CounterbalanceFit, truth_folder: Path) -> tuple[Score, ...]:
     """Hold C and l_c against the truth of a simulated campaign.
 
     Raises:
         InputError: The truth holds no counterbalance.
     """
-    parameters = read_truth(truth_folder).parameters
     estimates = {"counterbalance.constant": fit.gas_constant, "counterbalance.critical_length": fit.critical_length}
-    if missing := [name for name in estimates if name not in parameters]:
-        raise InputError(f"{truth_folder}: holds no {' and no '.join(missing)}; it belongs to another robot.")
-    scores = []
-    for (name, value), (low, high) in zip(estimates.items(), fit.intervals, strict=True):
-        true, unit = parameters[name].value, parameters[name].unit
-        scores.append(
-            ParameterScore(
-                name, unit, true, value, float(low), float(high), value / true - 1, bool(low <= true <= high)
-            )
-        )
-    return tuple(scores)
+    truth = _true_values(truth_folder, estimates)
+    return tuple(
+        Score(name, true.unit, true.value, value, float(low), float(high))
+        for (name, value), true, (low, high) in zip(estimates.items(), truth, fit.intervals, strict=True)
+    )
+
+
+def as_json(scores: Iterable[Score]) -> object:
+    """Return scores as plain data; what is undefined is null."""
+    return plain([asdict(score) | {"error": score.error, "covered": score.covered} for score in scores])
+
+
+def _true_values(folder: Path, names: Collection[str]) -> list[TrueValue]:
+    parameters = read_truth(folder).parameters
+    if missing := [name for name in names if name not in parameters]:
+        raise InputError(f"{folder}: holds no {' and no '.join(missing)}; it belongs to another robot.")
+    return [parameters[name] for name in names]

@@ -51,7 +51,7 @@ def test_readings_carry_the_signs_that_were_found():
 @pytest.mark.parametrize("name", NAMED)
 def test_plain_least_squares_is_that_of_the_reconstruction(name, method):
     table, reconstruction = read_table5(PAPER), {r.name: r for r in read_reconstructions(PAPER)}[name]
-    found = METHODS[method](reconstruction.arm(), None, reconstruction.readings(table), PLAIN)
+    found = METHODS[method](reconstruction.arm(table.experiment), None, reconstruction.readings(table), PLAIN)
     np.testing.assert_allclose(found.stiffness / 1e6, CONFIGURATIONS[name][f"k_LS_{method}_1e6"], rtol=ROUNDING)
 
 
@@ -88,6 +88,9 @@ def test_missing_files_are_named(tmp_path):
     with pytest.raises(InputError, match=r"table5\.csv: no such file"):
         read_table5(tmp_path)
     (tmp_path / "table5.csv").write_text("configuration,fx_N\n1,0\n")
+    with pytest.raises(InputError, match=r"experiment\.yaml: no such file"):
+        read_table5(tmp_path)
+    (tmp_path / "experiment.yaml").write_text((PAPER / "experiment.yaml").read_text())
     with pytest.raises(InputError, match="columns are missing: fy_N, fz_N, i1_A"):
         read_table5(tmp_path)
 

@@ -1,0 +1,1 @@
+"""The whole paper on the virtual robot, one folder per chapter."""

@@ -1,0 +1,1 @@
+"""Section 6: the UV line, predicted and compensated."""

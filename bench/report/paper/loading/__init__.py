@@ -1,0 +1,1 @@
+"""Table 5 and the loading experiment in each friction world."""

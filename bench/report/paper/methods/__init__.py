@@ -1,0 +1,1 @@
+"""Which method to trust, over friction and ways of measuring."""

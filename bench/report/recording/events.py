@@ -1,0 +1,17 @@
+"""The events of an experiment in a Rerun recording, as a text log."""
+
+from collections.abc import Sequence
+
+from bench.report.recording.reel import TIMELINE, Reel
+
+
+def log_events(reel: Reel, events: Sequence[tuple[float, str]], path: str = "events") -> None:
+    """Log events, each (time [s], words)."""
+    import rerun as rr
+
+    if events:
+        times = [time for time, _ in events]
+        lines = [f"{time:8.1f} s   {text}" for time, text in events]
+        reel.stream.send_columns(
+            path, indexes=[rr.TimeColumn(TIMELINE, duration=times)], columns=rr.TextLog.columns(text=lines)
+        )

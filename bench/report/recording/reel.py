@@ -1,0 +1,80 @@
+"""A Rerun file that is being written: one timeline, everything on it or fixed, whole columns at a time."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bench.errors import InputError
+from bench.report.files import replacing
+from bench.robot.bodies import Array
+
+if TYPE_CHECKING:
+    from rerun import AsComponents, ComponentColumnList, RecordingStream, TimeColumn
+    from rerun.blueprint import Blueprint
+
+APPLICATION = "bench"
+TIMELINE = "time"
+
+
+@dataclass(frozen=True)
+class Reel:
+    """An open recording and the T times that everything in it shares.
+
+    Attributes:
+        stream: The recording.
+        time: The T times, on the timeline `TIMELINE`.
+    """
+
+    stream: "RecordingStream"
+    time: "TimeColumn"
+
+    def fixed(self, path: str, *things: "AsComponents") -> None:
+        """Log what does not change."""
+        self.stream.log(path, *things, static=True)
+
+    def moving(self, path: str, columns: "ComponentColumnList") -> None:
+        """Log what has one row per time."""
+        self.stream.send_columns(path, indexes=[self.time], columns=columns)
+
+    def pose(self, path: str, position: Array, quaternion: Array) -> None:
+        """Log the pose of an entity: position (T, 3) [m] and quaternion (T, 4), w x y z."""
+        import rerun as rr
+
+        self.moving(path, rr.Transform3D.columns(translation=position, quaternion=xyzw(quaternion)))
+
+
+def xyzw(quaternion: Array) -> Array:
+    """Return MuJoCo's quaternions w x y z, shape (..., 4), in Rerun's order."""
+    return np.roll(quaternion, -1, axis=-1)
+
+
+@contextmanager
+def recording_to(path: Path, time: Array, recording_id: str, name: str, blueprint: "Blueprint") -> Iterator[Reel]:
+    """Open a recording; the file appears under its name once it is complete, and not at all after an error.
+
+    Args:
+        path: File to write, replaced if it exists.
+        time: Shape (T,) [s].
+        recording_id: Recordings with the same one are merged by the viewer.
+        name: What the viewer calls the recording.
+        blueprint: Layout in which the viewer opens it.
+
+    Raises:
+        InputError: The file cannot be written, or the variable RERUN of the environment turns recording off.
+    """
+    import rerun as rr
+
+    stream = rr.RecordingStream(APPLICATION, recording_id=recording_id, send_properties=False)
+    if not rr.is_enabled(stream):
+        raise InputError("RERUN: this environment variable turns Rerun off; unset it to write a recording.")
+    with replacing(path) as partial:
+        stream.save(partial, default_blueprint=blueprint)
+        try:
+            stream.send_recording_name(name)
+            yield Reel(stream, rr.TimeColumn(TIMELINE, duration=time))
+        finally:
+            stream.disconnect()

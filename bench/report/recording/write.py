@@ -1,0 +1,109 @@
+"""A Rerun recording of an experiment: the robot, what acts on it, what the instruments saw, and the truth."""
+
+import hashlib
+from dataclasses import fields
+from pathlib import Path
+from uuid import UUID
+
+import numpy as np
+
+from bench.errors import InputError
+from bench.report.recording.arm import log_arm, log_standing_bodies
+from bench.report.recording.curves import log_plots, plots_of
+from bench.report.recording.cylinder import log_cylinder
+from bench.report.recording.deflection import deflection_of, is_standing
+from bench.report.recording.events import log_events
+from bench.report.recording.layout import layout
+from bench.report.recording.poses import Poses, elastic_poses, rigid_poses
+from bench.report.recording.reel import Reel, recording_to
+from bench.report.recording.scene import floor_height, scene_of
+from bench.report.recording.surroundings import Colour, log_load, log_path, log_point, log_tracker
+from bench.robot.bodies import Array
+from bench.robot.compiled import CompiledRobot
+from bench.simulate.session import Film
+
+RIGID = np.array([150, 190, 230, 70], dtype=np.uint8)
+RIGID_POINT: Colour = (150, 190, 230)
+ELASTIC_POINT: Colour = (255, 90, 90)
+MEASURED_POINT: Colour = (240, 228, 66)
+POINT_RADIUS = 0.02  # [m]
+RIGID_PATH, ELASTIC_PATH = "robot/rigid/path", "robot/elastic/path"
+
+
+def write_recording(
+    path: Path, compiled: CompiledRobot, film: Film, name: str | None = None, magnification: float = 100.0
+) -> None:
+    """Write a film as a Rerun file (.rrd), laid out for looking at it with `bench view`.
+
+    Args:
+        path: File to write; an existing one is replaced. After an error nothing is left behind.
+        compiled: The robot that was filmed.
+        film: The experiment, T instants.
+        name: What the viewer calls the recording; None takes the title of the robot.
+        magnification: Of the wind-up of the elastic elements in the 3D view: theta = q + magnification (theta - q).
+
+    Raises:
+        InputError: The film is empty, or the file cannot be written.
+        RobotError: The scene that the robot's figures name does not compile.
+    """
+    if not len(film.trace):
+        raise InputError(f"{path}: the film holds no instant, so there is nothing to write.")
+    plots = plots_of(film, compiled)
+    rigid, elastic = rigid_poses(compiled, film.trace), elastic_poses(compiled, film.trace, magnification)
+    scene = scene_of(compiled)
+    floor = floor_height(scene)
+    blueprint = layout(
+        plots,
+        magnification=magnification,
+        floor=floor,
+        extent=_extent(compiled, rigid, floor),
+        trails=(RIGID_PATH, ELASTIC_PATH),
+        with_events=bool(film.events),
+    )
+    with recording_to(path, film.trace.time, _identity(film), name or compiled.robot.figures.title, blueprint) as reel:
+        log_standing_bodies(reel, "scene", scene)
+        log_arm(reel, "robot/elastic", compiled, elastic)
+        log_cylinder(reel, "robot/elastic/counterbalance", compiled, elastic)
+        log_arm(reel, "robot/rigid", compiled, rigid, RIGID)
+        _log_points(reel, compiled, film, rigid, elastic, magnification, floor)
+        log_plots(reel, plots)
+        log_events(reel, film.events)
+
+
+def _log_points(
+    reel: Reel, compiled: CompiledRobot, film: Film, rigid: Poses, elastic: Poses, magnification: float, floor: float
+) -> None:
+    """Log what hangs on the points of the two robots: load, reference points, and the tracker with what it measured."""
+    at, figures = compiled.at, compiled.robot.figures
+    rigid_reference, reference = (poses.site_position[:, at.reflectors[0]] for poses in (rigid, elastic))
+    log_point(reel, "robot/rigid/reference_point", rigid_reference, RIGID_POINT, POINT_RADIUS)
+    log_point(reel, "robot/elastic/reference_point", reference, ELASTIC_POINT, POINT_RADIUS)
+    log_path(reel, RIGID_PATH, rigid_reference, np.full(len(film.trace), True), RIGID_POINT)
+    log_path(reel, ELASTIC_PATH, reference, is_standing(film), ELASTIC_POINT)  # links ring while it moves
+    load_point = elastic.site_position[:, at.load_point]
+    log_load(reel, "robot/load", load_point, film.trace.wrench[:, :3], figures.rating.force_n)
+    tracker = figures.instruments.tracker
+    if tracker is not None:
+        # The error of the deflection, not of the position: what is wrong with the tracker's frame cancels in it.
+        deflection = deflection_of(film)
+        measured = reference + magnification * (deflection.measured - deflection.true)
+        log_point(reel, "tracker/measured", measured, MEASURED_POINT, POINT_RADIUS)
+        log_tracker(reel, "tracker", tracker.position_m, floor, np.where(np.isnan(measured), reference, measured))
+
+
+def _extent(compiled: CompiledRobot, poses: Poses, floor: float) -> Array:
+    """Return the corners of the box that holds floor, robot and tracker, shape (2, 3) [m]."""
+    tracker = compiled.robot.figures.instruments.tracker
+    robot = np.concatenate([poses.body_position, poses.site_position], axis=1).reshape(-1, 3)
+    station = np.reshape(tracker.position_m if tracker else (), (-1, 3))
+    everything = np.concatenate([robot, [[0.0, 0.0, floor]], station])
+    return np.stack([everything.min(axis=0), everything.max(axis=0)])
+
+
+def _identity(film: Film) -> str:
+    """Return a recording id that depends on the content alone, so that the same session is the same recording."""
+    digest = hashlib.sha256()
+    for part in (film.trace, film.reading):
+        for field in fields(part):
+            digest.update(np.ascontiguousarray(getattr(part, field.name)).tobytes())
+    return str(UUID(bytes=digest.digest()[:16], version=4))
