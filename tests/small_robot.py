@@ -49,7 +49,7 @@ MJCF = f"""
       <geom type="capsule" fromto="0 0 0 0 0 {LINK[0]}" size="0.06" contype="0" conaffinity="0"/>
       <site name="anchor_b" pos="0 0 -0.12"/>
       <body name="fore" pos="0 0 {LINK[0]}">
-        <inertial pos="{LINK[1] / 2} 0 0" mass="{MASS[1]}" diaginertia="0.1 1.1 1.0"/>
+        <inertial pos="{LINK[1] / 2} 0 0" mass="{MASS[1]}" diaginertia="0.12 1.1 1.0"/>
         <joint name="hinge_b" axis="0 1 0" range="-2 2"/>
         <geom type="capsule" fromto="0 0 0 {LINK[1]} 0 0" size="0.05" contype="0" conaffinity="0"/>
         <site name="hook" pos="{LINK[1]} 0 0"/>

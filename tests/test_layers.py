@@ -1,4 +1,4 @@
-"""Import arrows run one way: errors <- record <- robot <- {simulate, identify} <- report <- cli."""
+"""Import arrows run one way: errors <- record <- robot <- {simulate, identify} <- {hide, diagnose} <- report <- cli."""
 
 import ast
 import subprocess
@@ -11,6 +11,7 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "bench"
 
 # What each part of the package may import from the others, besides itself.
+BELOW = {"errors", "paths", "record", "actuators", "robot"}
 MAY_IMPORT = {
     "__init__": set(),
     "errors": set(),
@@ -21,8 +22,11 @@ MAY_IMPORT = {
     "scenario": {"errors", "paths", "record", "robot"},
     "simulate": {"errors", "paths", "record", "actuators", "robot", "scenario"},
     "identify": {"errors", "paths", "record", "actuators", "robot"},
-    "report": {"errors", "paths", "record", "actuators", "robot", "scenario", "simulate", "identify"},
-    "cli": {"errors", "paths", "record", "actuators", "robot", "scenario", "simulate", "identify", "report"},
+    "effects": BELOW | {"simulate"},
+    "hide": BELOW | {"simulate", "scenario", "effects"},
+    "diagnose": BELOW | {"simulate", "effects", "identify"},
+    "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose"},
+    "cli": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "report"},
 }
 ENGINES_OF = {"identify": {"mujoco", "gymnasium"}, "record": {"mujoco", "pinocchio", "gymnasium"}}
 TRUTH_READERS = {"report/scoring.py"}

@@ -19,7 +19,7 @@ def test_python_code_runs(capsys: pytest.CaptureFixture[str]) -> None:
     assert "[" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("command", sorted(set(re.findall(r"`bench (\w+)", README))))
+@pytest.mark.parametrize("command", sorted(set(re.findall(r"`bench ([\w-]+)", README))))
 def test_commands_exist(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         main([command, "--help"])

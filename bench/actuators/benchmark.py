@@ -1,6 +1,6 @@
 """What the actuators cost: the step rate of a model with them against the same model without, side by side in one run.
 
-Run it as `python -m bench.actuators.benchmark models/hh150/hh150.xml`.
+Run it as `python -m bench.actuators.benchmark models/<robot>/<robot>.xml`.
 """
 
 import sys

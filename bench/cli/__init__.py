@@ -7,9 +7,14 @@ import tyro
 
 from bench.cli.benchmark import Benchmark
 from bench.cli.check import Check
+from bench.cli.convert import Convert
+from bench.cli.effects import Effects
+from bench.cli.hide import Hide
 from bench.cli.identify import Identify
+from bench.cli.new_robot import NewRobot
 from bench.cli.paper import Paper
 from bench.cli.poses import Poses
+from bench.cli.robots import Robots
 from bench.cli.run import Run
 from bench.cli.view import View
 from bench.errors import BenchError
@@ -20,7 +25,12 @@ Command = (
     | Annotated[View, tyro.conf.subcommand("view")]
     | Annotated[Identify, tyro.conf.subcommand("identify")]
     | Annotated[Poses, tyro.conf.subcommand("poses")]
+    | Annotated[Effects, tyro.conf.subcommand("effects")]
+    | Annotated[Hide, tyro.conf.subcommand("hide")]
     | Annotated[Check, tyro.conf.subcommand("check")]
+    | Annotated[Convert, tyro.conf.subcommand("convert")]
+    | Annotated[Robots, tyro.conf.subcommand("robots")]
+    | Annotated[NewRobot, tyro.conf.subcommand("new-robot")]
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
 )
 

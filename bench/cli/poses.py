@@ -13,8 +13,6 @@ from bench.report.measuring_poses.request import PoseRequest
 class Poses(PoseRequest):
     """Choose the measuring poses that tell most about the joint stiffness, and say what to expect of them."""
 
-    robot: str = "hh150"
-    """Name of a robot folder, or a path to one."""
     count: Annotated[int, tyro.conf.arg(aliases=["-n"])] = 6
     """Number of poses."""
     against: str | None = "loading"

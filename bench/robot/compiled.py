@@ -8,12 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import RobotError, unknown_name
+from bench.robot.checks import faulty_roles
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.folder import Robot
-from bench.robot.plugins import number_of
+from bench.robot.plain_words import plain_words
+from bench.robot.plugins import attributes_of, number_of
 
 Index = NDArray[np.int64]
 SAME_PLACE = 1e-9  # [m]
+IN_PLANE = 2e-3  # [m]; anchors this far out of one plane change the counterbalance's length by less than 1e-5 of it
 SpecEdit = Callable[[mujoco.MjSpec, Robot], None]
 
 
@@ -61,7 +64,8 @@ class CompiledRobot:
         at: Addresses in the model.
         motor_coulomb, link_coulomb: Shape (n,) [Nm], Coulomb levels of the friction elements.
         motor_presliding, link_presliding: Shape (n,) [Nm/rad], stiffness of the friction elements while they hold.
-        counterbalance: Closed form of the counterbalance with the anchors and gas figures of the MJCF, if there is one.
+        counterbalance: Closed form of the counterbalance with the anchors and gas figures of the MJCF; None where there
+            is none, and where its `gas_amount` is 0.
     """
 
     robot: Robot
@@ -89,6 +93,11 @@ class CompiledRobot:
         return np.array(self.model.tendon_stiffness[self.at.element])
 
     @property
+    def is_slide(self) -> tuple[bool, ...]:
+        """Which driven joints are slides; the others are hinges."""
+        return tuple(bool(kind == mujoco.mjtJoint.mjJNT_SLIDE) for kind in self.model.jnt_type[self.at.joint])
+
+    @property
     def limits(self) -> NDArray[np.float64]:
         """Shape (n, 2) [rad]; range of the link joints."""
         return np.array(self.model.jnt_range[self.at.joint])
@@ -103,16 +112,27 @@ def read_spec(robot: Robot) -> mujoco.MjSpec:
     try:
         return mujoco.MjSpec.from_file(str(robot.mjcf))
     except ValueError as error:
-        raise RobotError(f"{robot.mjcf}: {error}") from error
+        raise RobotError(f"{robot.mjcf}: {plain_words(error)}") from error
 
 
 def compile_robot(robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float | None = None) -> CompiledRobot:
     """Compile a robot after applying `edits` to its spec, in order.
 
     Raises:
-        RobotError: The MJCF does not compile, or lacks a part that the figures name; every missing part is listed.
+        RobotError: The MJCF does not compile, lacks a part that the figures name, or a part does not play its role;
+            every missing or misplaced part is listed.
     """
-    spec = read_spec(robot)
+    return compile_spec(read_spec(robot), robot, edits, timestep)
+
+
+def compile_spec(
+    spec: mujoco.MjSpec, robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float | None = None
+) -> CompiledRobot:
+    """Compile a spec of a robot after applying `edits` to it, in order; the spec is changed.
+
+    Raises:
+        RobotError: As `compile_robot`.
+    """
     for edit in edits:
         edit(spec, robot)
     if timestep is not None:
@@ -120,8 +140,10 @@ def compile_robot(robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float 
     try:
         model = spec.compile()
     except ValueError as error:
-        raise RobotError(f"{robot.mjcf}: {error}") from error
+        raise RobotError(f"{robot.mjcf}: {plain_words(error)}") from error
     at = _addresses(robot, model)
+    if problems := tuple(faulty_roles(robot, model)):
+        raise RobotError(problems)
     _check_load_body(robot, model, at)
     drives = robot.figures.drives
 
@@ -164,7 +186,7 @@ def _addresses(robot: Robot, model: mujoco.MjModel) -> Addresses:
     servo = np.array([find("actuator", d.servo, f"drives[{i}].servo") for i, d in drives])
     motor_friction = np.array([find("actuator", d.motor_friction, f"drives[{i}].motor_friction") for i, d in drives])
     link_friction = np.array([find("actuator", d.link_friction, f"drives[{i}].link_friction") for i, d in drives])
-    reflectors = np.array([find("site", name, f"reflectors[{i}]") for i, name in enumerate(figures.reflectors)])
+    sites = [find("site", name, f"reflectors[{i}]") for i, name in enumerate(figures.reflectors)]
     load_body = find("body", figures.load_body, "load_body")
     load_point = find("site", figures.load_point, "load_point")
     balance = figures.counterbalance
@@ -185,7 +207,7 @@ def _addresses(robot: Robot, model: mujoco.MjModel) -> Addresses:
         link_friction=link_friction,
         load_body=load_body,
         load_point=load_point,
-        reflectors=reflectors,
+        reflectors=np.array(sites, dtype=np.int64),
         counterbalance=balance_actuator,
         counterbalance_tendon=balance_tendon,
     )
@@ -221,17 +243,20 @@ def _counterbalance(robot: Robot, spec: mujoco.MjSpec, model: mujoco.MjModel, at
     start = model.tendon_adr[at.counterbalance_tendon]
     arms = data.site_xpos[model.wrap_objid[start : start + 2]] - pivot
     heights = arms @ axis
-    if abs(heights[0] - heights[1]) > SAME_PLACE:
+    if abs(heights[0] - heights[1]) > IN_PLANE:
         raise RobotError(
             f"{robot.mjcf}: the anchors of tendon {named.tendon!r} must lie in one plane across {named.joint!r}."
         )
     fixed, moving = arms - np.outer(heights, axis)
     from_fixed_to_moving = np.arctan2(axis @ np.cross(fixed, moving), fixed @ moving)
+    amount = float(attributes_of(spec, named.actuator).get("gas_amount", 1.0))
+    if amount == 0:  # anchors and figures are there, the gas is not: it pulls at nothing until someone fills it
+        return None
     return Counterbalance(
         joint=index,
         rho=float(np.linalg.norm(fixed)),
         b=float(np.linalg.norm(moving)),
         dead_centre=float(-from_fixed_to_moving),
-        gas_constant=number_of(spec, named.actuator, "constant"),
+        gas_constant=amount * number_of(spec, named.actuator, "constant"),
         critical_length=number_of(spec, named.actuator, "critical_length"),
     )

@@ -1,8 +1,10 @@
 """The figures of a robot that an MJCF has no place for: drives, ratings, instruments. One YAML file per robot."""
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from bench.errors import unknown_name
 
 Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
@@ -23,9 +25,11 @@ class Drive(Strict):
     servo: str = Field(description="actuator on the rotor; its force is the motor torque reflected to the joint")
     motor_friction: str = Field(description="friction actuator on the rotor joint")
     link_friction: str = Field(description="friction actuator on the link-side joint")
-    torque_constant_nm_per_a: Positive = Field(description="xi = tau_motor / I, at the joint (Table 2)")
+    torque_constant_nm_per_a: Positive = Field(
+        1.0, description="xi = tau_motor / I, at the joint (Table 2); left out where the drive reports torque"
+    )
     torque_constant_error: NonNegative = Field(0.01, description="relative standard deviation of xi as known")
-    speed_limit_rad_per_s: Positive
+    speed_limit_rad_per_s: Positive = Field(description="at the joint; of a slide [m/s]")
 
 
 class Counterbalance(Strict):
@@ -72,12 +76,33 @@ class CurrentSensor(Strict):
     gain_sigma: NonNegative = Field(0.005, description="relative gain error of the reading, one draw per drive")
 
 
+class TorqueSensor(Strict):
+    """Motor torque as a drive reports it, reflected to the joint; of a slide a force, in N for Nm."""
+
+    sigma_nm: Positive | tuple[Positive, ...] = Field(description="one for all drives, or one for each")
+    resolution_nm: NonNegative = 0.0
+    offset_sigma_nm: NonNegative = 0.0
+    gain_sigma: NonNegative = Field(0.02, description="relative gain error of the reading, one draw per drive")
+
+    def sigma_of(self, n: int) -> tuple[float, ...]:
+        """Return `sigma_nm` of each of n drives [Nm]."""
+        return self.sigma_nm if isinstance(self.sigma_nm, tuple) else (self.sigma_nm,) * n
+
+
 class Encoder(Strict):
-    """Motor encoder, reflected to the joint."""
+    """Motor encoder, reflected to the joint; of a slide in m for rad."""
 
     resolution_rad: Positive = 2e-7
     offset_sigma_rad: NonNegative = 0.0
     delay_s: NonNegative = 0.0
+
+
+class LinkEncoder(Strict):
+    """Secondary encoders behind the gear, on some joints; of a slide in m for rad."""
+
+    joints: tuple[str, ...] = Field(min_length=1, description="link-side joints that have one, by their names")
+    resolution_rad: Positive = 2e-7
+    offset_sigma_rad: NonNegative = 0.0
 
 
 class PressureGauge(Strict):
@@ -90,11 +115,31 @@ class PressureGauge(Strict):
 class Instruments(Strict):
     """The nominal instruments around the robot. None: not there."""
 
-    tracker: Tracker | None
-    force: ForceSensor | None
-    current: CurrentSensor | None
-    encoder: Encoder | None
+    tracker: Tracker | None = None
+    force: ForceSensor | None = None
+    current: CurrentSensor | None = None
+    torque: TorqueSensor | None = None
+    encoder: Encoder | None = None
+    link_encoder: LinkEncoder | None = None
     pressure: PressureGauge | None = None
+
+
+class Uncertainty(Strict):
+    """How well the nominal model is known: standard deviations of what may be wrong everywhere, a little.
+
+    What such errors can explain is never called a discovery. The friction, mass and geometry figures are those of a
+    well-kept model of a heavy arm; a model taken from a drawing deserves larger ones.
+    """
+
+    mass: NonNegative = Field(0.01, description="relative, of each link")
+    centre_of_mass_m: NonNegative = Field(1e-3, description="[m], each coordinate, of each link")
+    geometry_m: NonNegative = Field(0.2e-3, description="[m], each coordinate of each joint's place and of the anchors")
+    friction: NonNegative = Field(0.05, description="relative, of each Coulomb level and each viscous coefficient")
+    rotor_inertia: NonNegative = Field(0.1, description="relative, of each rotor with its gear")
+    stiffness: NonNegative = Field(0.03, description="relative, of each elastic element")
+    gas_constant: NonNegative = Field(0.01, description="relative, of the counterbalance's C")
+    critical_length_m: NonNegative = Field(0.5e-3, description="[m], of the counterbalance's l_c")
+    load: NonNegative = Field(0.001, description="relative, of weights hung or bolted on")
 
 
 class Figures(Strict):
@@ -106,7 +151,26 @@ class Figures(Strict):
     drives: tuple[Drive, ...] = Field(min_length=1)
     load_body: str = Field(description="massless body at the load point; wrenches are applied there")
     load_point: str = Field(description="site at the load point")
-    reflectors: tuple[str, ...] = Field(min_length=1, description="sites; the first is the reference point")
+    reflectors: tuple[str, ...] = Field((), description="sites; the first is the reference point")
     counterbalance: Counterbalance | None = None
     rating: Rating
     instruments: Instruments
+    uncertainty: Uncertainty = Uncertainty.model_validate({})
+
+    @model_validator(mode="after")
+    def _instruments_have_something_to_measure(self) -> Self:
+        """Refuse instruments that are named without what they measure."""
+        fitted = self.instruments
+        if fitted.tracker and not self.reflectors:
+            raise ValueError("instruments.tracker needs reflectors: name a site of the MJCF, or write tracker: null")
+        if fitted.pressure and not self.counterbalance:
+            raise ValueError("instruments.pressure needs a counterbalance: name it, or write pressure: null")
+        joints = [drive.joint for drive in self.drives]
+        if fitted.torque and len(fitted.torque.sigma_of(len(joints))) != len(joints):
+            raise ValueError(
+                f"instruments.torque.sigma_nm needs one number, or one for each of the {len(joints)} drives"
+            )
+        for name in fitted.link_encoder.joints if fitted.link_encoder else ():
+            if name not in joints:
+                raise ValueError(f"instruments.link_encoder.joints: {unknown_name('driven joint', name, joints)}")
+        return self

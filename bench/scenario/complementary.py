@@ -14,7 +14,7 @@ class Complementary(Strict):
     """Keys of a K_C analysis."""
 
     experiment: Literal["complementary"]
-    robot: str = "hh150"
+    robot: str = Field(description="name of a robot folder, or a path to one")
     stiffness_nm_per_rad: tuple[Positive, ...] = Field(description="assumed, Table 3")
     force_n: tuple[float, float, float] = Field(description="on the point, world axes")
     moment_nm: tuple[float, float, float]

@@ -13,15 +13,17 @@ from bench.scenario.complementary import Complementary
 from bench.scenario.line import Line
 from bench.scenario.loading import Loading
 from bench.scenario.rotation import Rotation
+from bench.scenario.session import SessionScenario
 
-Experiment = Line | Loading | Rotation  # on the robot; they run as a session
+Experiment = Line | Loading | Rotation | SessionScenario  # on the robot; they run as a session
 Scenario = Experiment | Complementary
-Kind = TypeVar("Kind", Line, Loading, Rotation, Complementary)
+Kind = TypeVar("Kind", Line, Loading, Rotation, SessionScenario, Complementary)
 EXPERIMENTS: dict[str, type[Scenario]] = {
     "complementary": Complementary,
     "line": Line,
     "loading": Loading,
     "rotation": Rotation,
+    "session": SessionScenario,
 }
 
 

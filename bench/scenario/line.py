@@ -38,8 +38,8 @@ class Corrections(Strict):
         return self
 
 
-class Line(ScenarioBase):
-    """Keys of a line scenario.
+class LinePart(Strict):
+    """Keys of a line experiment, alone or as a part of a session.
 
     Points of the line are given from `origin_m`, in world axes. The tool keeps one orientation all the way: that of the
     configuration `near_deg`, turned by the smallest rotation that makes `tool_axis` (in the frame of the last link)
@@ -48,7 +48,6 @@ class Line(ScenarioBase):
     A wrench hangs at the robot's load point and is constant while the arm moves.
     """
 
-    experiment: Literal["line"]
     origin_m: Triple = Field((0.0, 0.0, 0.0), description="[m], origin of the points below, world axes")
     start_m: Triple
     end_m: Triple
@@ -153,3 +152,9 @@ class Line(ScenarioBase):
         if isinstance(self.tool_point, str):
             return bodies.points[self.tool_point]
         return Point(bodies.n_joints - 1, read_only(self.tool_point), read_only(np.eye(3)))
+
+
+class Line(ScenarioBase, LinePart):
+    """Keys of a line scenario."""
+
+    experiment: Literal["line"]

@@ -21,10 +21,9 @@ class LoadedPose(Strict):
     direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
 
 
-class Loading(ScenarioBase):
-    """Keys of a loading scenario."""
+class LoadingPart(Strict):
+    """Keys of a loading experiment, alone or as a part of a session."""
 
-    experiment: Literal["loading"]
     poses: tuple[LoadedPose, ...] = Field(min_length=1)
     approach: tuple[ApproachDirection, ...] = Field((1, -1), min_length=1)
     approach_deg: Positive = 3.0
@@ -75,3 +74,9 @@ class Loading(ScenarioBase):
             ]
         if problems:
             raise InputError(problems)
+
+
+class Loading(ScenarioBase, LoadingPart):
+    """Keys of a loading scenario."""
+
+    experiment: Literal["loading"]

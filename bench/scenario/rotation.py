@@ -8,20 +8,19 @@ from pydantic import Field
 from bench.errors import InputError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import NonNegative, Positive, ScenarioBase
+from bench.scenario.types import NonNegative, Positive, ScenarioBase, Strict
 
 CONTROL_PERIOD_S = 0.004  # of `bench.simulate.env`; a test holds the two together
 STANDARD_GRAVITY = 9.80665  # [m/s^2]
 
 
-class Rotation(ScenarioBase):
-    """Keys of a rotation scenario.
+class RotationPart(Strict):
+    """Keys of a rotation experiment, alone or as a part of a session.
 
     The joint runs at constant speed all the way between its angle in `start_deg` and `end_deg`; it gathers speed before
     and loses it behind, over `lead_deg` on either side.
     """
 
-    experiment: Literal["rotation"]
     joint: Annotated[int, Field(ge=1)] = Field(description="number of the joint that turns, from 1")
     start_deg: tuple[float, ...] = Field(description="angles of all joints at the start; the others stay there")
     end_deg: float = Field(description="where the constant speed of the turning joint ends")
@@ -83,3 +82,9 @@ class Rotation(ScenarioBase):
         ]
         if problems:
             raise InputError(problems)
+
+
+class Rotation(ScenarioBase, RotationPart):
+    """Keys of a rotation scenario."""
+
+    experiment: Literal["rotation"]

@@ -23,7 +23,7 @@ class ScenarioBase(Strict):
     `servo`: "integral" holds the motor angle at its command under load, "proportional" gives by torque / kp.
     """
 
-    robot: str = "hh150"
+    robot: str = Field(description="name of a robot folder, or a path to one")
     seed: int = Field(0, ge=0)
     friction: FrictionSide = "as-model"
     servo: Literal["integral", "proportional"] = "integral"

@@ -35,6 +35,8 @@ class Log:
     film: list[Trace] = field(default_factory=list)
     film_observations: list[Observation] = field(default_factory=list)
     events: list[tuple[float, str]] = field(default_factory=list)
+    _rows: dict[str, list[int]] = field(default_factory=dict, repr=False)  # of the first `_counted` steps
+    _counted: int = 0
 
     @property
     def run_names(self) -> tuple[str, ...]:
@@ -43,7 +45,11 @@ class Log:
 
     def rows(self, run: str) -> list[int]:
         """Return which of the readings belong to a run."""
-        return [i for i, step in enumerate(self.steps) if step.mark and step.mark.run == run]
+        for i, step in enumerate(self.steps[self._counted :], start=self._counted):
+            if step.mark:
+                self._rows.setdefault(step.mark.run, []).append(i)
+        self._counted = len(self.steps)
+        return self._rows.get(run, [])
 
 
 def drive(env: BenchEnv, sitting: Sitting, begin: float, log: Log, progress: Progress) -> float:
@@ -58,14 +64,16 @@ def drive(env: BenchEnv, sitting: Sitting, begin: float, log: Log, progress: Pro
     """
     steps = list(sitting.steps)
     every = round(FILM_PERIOD / CONTROL_PERIOD)
+    waited = 0.0
     for i, step in enumerate(steps):
         if step.move_reflector:
             env.instruments.move_reflector()
         observation, _, _, _, info = env.step({"q_cmd": step.q_cmd, "wrench": step.wrench})
         seen: Trace = info["truth"]
+        waited += step.wait_s
         if not (step.mark or step.event or i % every == 0):
             continue
-        instant = replace(seen, time=seen.time + begin)
+        instant = replace(seen, time=seen.time + begin + waited)
         if step.event:
             log.events.append((float(instant.time[0]), step.event))
         if step.mark:
@@ -77,7 +85,7 @@ def drive(env: BenchEnv, sitting: Sitting, begin: float, log: Log, progress: Pro
             log.film.append(instant)
             log.film_observations.append(observation)
             progress(i / len(steps))
-    return begin + float(env.plant.data.time)
+    return begin + waited + float(env.plant.data.time)
 
 
 def stacked(observations: Sequence[Observation], instants: Sequence[Trace]) -> Reading:
@@ -92,7 +100,9 @@ def stacked(observations: Sequence[Observation], instants: Sequence[Trace]) -> R
     return Reading(
         time=np.concatenate([instant.time for instant in instants]),
         q_motor=stack("q_motor", first.q[0]),
+        q_link=stack("q_link", first.q[0]),
         current=stack("current", first.q[0]),
+        torque=stack("torque", first.q[0]),
         force=stack("force", first.wrench[0, :3]),
         moment=stack("moment", first.wrench[0, 3:]),
         reflectors=stack("reflectors", first.reflectors[0]),

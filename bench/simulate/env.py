@@ -30,8 +30,9 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
     and moment on the load point in world axes at the end of the period.
 
     Observation, what the instruments read at the end of the period, one entry per instrument that the robot has:
-    `q_motor` (n,) [rad], `current` (n,) [A], `force` (3,) [N], `moment` (3,) [Nm], `reflectors` (r, 3) [m],
-    `gas_pressure` (1,) [Pa].
+    `q_motor` (n,) [rad], `q_link` (n,) [rad], zero for joints that have no secondary encoder, `current` (n,) [A],
+    `torque` (n,) [Nm], `force` (3,) [N], `moment` (3,) [Nm], `reflectors` (r, 3) [m], `gas_pressure` (1,) [Pa]. A
+    joint that slides has m for rad and N for Nm.
 
     The reward is 0 and no episode ends by itself: this is a measuring bench, not a task.
 
@@ -48,7 +49,7 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
 
     def __init__(
         self,
-        robot: str = "hh150",
+        robot: str,
         edits: Iterable[SpecEdit] = (),
         timestep: float | None = None,
         truth: bool = False,
@@ -73,10 +74,13 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
                 "wrench": spaces.Box(-rating, rating, dtype=np.float64),
             }
         )
-        largest_current = self.plant.model.actuator_forcerange[compiled.at.servo, 1] / compiled.torque_constant
+        largest_torque = self.plant.model.actuator_forcerange[compiled.at.servo, 1]
+        largest_current = largest_torque / compiled.torque_constant
         present = {
             "q_motor": (figures.instruments.encoder, np.full(n, 4 * np.pi)),
+            "q_link": (figures.instruments.link_encoder, np.full(n, 4 * np.pi)),
             "current": (figures.instruments.current, OVERLOAD * largest_current),
+            "torque": (figures.instruments.torque, OVERLOAD * largest_torque),
             "force": (figures.instruments.force, OVERLOAD * rating[:3]),
             "moment": (figures.instruments.force, OVERLOAD * rating[3:]),
             "reflectors": (figures.instruments.tracker, np.full((r, 3), ROOM)),
@@ -112,6 +116,8 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
 
     def _values(self, reading: Reading) -> Observation:
         values = {name: getattr(reading, name)[0] for name in self._observed}
+        if "q_link" in values:
+            values["q_link"] = np.nan_to_num(values["q_link"])
         if "gas_pressure" in values:
             values["gas_pressure"] = reading.gas_pressure[:1]
         return values

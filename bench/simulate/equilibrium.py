@@ -5,6 +5,9 @@ command, so its motor angle is known; a proportional one gives. The elastic elem
 else that depends on the link angles (gravity, counterbalance, the moving load: some parts in a thousand), so solving
 joint by joint contracts by that factor each time. Where a friction element begins to slip, its stiffness falls to zero:
 each unknown therefore takes the secant of its last step, kept between slipping and sticking.
+
+Where the model has more (play, a bent spring, something beside the elastic elements, coupled drives, passive hinges),
+the same balances are solved for all unknowns together, by Newton's method (`newton.py`).
 """
 
 import mujoco
@@ -13,6 +16,7 @@ from numpy.typing import NDArray
 
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
+from bench.simulate.newton import find_balance
 
 Array = NDArray[np.float64]
 
@@ -38,6 +42,8 @@ class Equilibrium:
         self.data = mujoco.MjData(compiled.model) if data is None else data
         model, at, k = compiled.model, compiled.at, compiled.stiffness
         self._command = np.array(self.data.qpos[at.q])
+        self._passive = _passive_dofs(compiled)
+        self._is_plain = len(self._passive) == 0 and _elements_are_plain(compiled)
         self._gives = model.actuator_actnum[at.servo] == 0
         servo = np.where(self._gives, -model.actuator_biasprm[at.servo, 1], 0.0)
         self._slipping = np.stack([k, k + servo])
@@ -62,6 +68,10 @@ class Equilibrium:
         data.qpos[at.theta] += way
         data.qpos[at.q] = np.where(self._gives, data.qpos[at.q] + way, command)
         data.xfrc_applied[at.load_body] = wrench
+        if not self._is_plain:
+            self._solve_together()
+            self._remember()
+            return np.array(data.qpos[at.theta])
         slope = self._sticking
         residual = self._residual()
         for _ in range(MAX_ITERATIONS):
@@ -81,10 +91,24 @@ class Equilibrium:
         )
 
     def motor_torque(self) -> Array:
-        """Return what the motors put out at the last equilibrium, shape (n,) [Nm]: spring torque less friction."""
+        """Return what the motors put out at the last equilibrium, shape (n,) [Nm]: the balance of each rotor."""
         data, at = self.data, self.compiled.at
-        spring = self.compiled.stiffness * data.ten_length[at.element]
-        return np.array(spring - data.actuator_force[at.motor_friction])
+        others = data.qfrc_actuator[at.q_dof] - data.actuator_force[at.servo]
+        return np.array(data.qfrc_bias[at.q_dof] - data.qfrc_passive[at.q_dof] - others)
+
+    def _solve_together(self) -> None:
+        """Balance links, giving motors and passive hinges by Newton's method."""
+        model, data, at = self.compiled.model, self.data, self.compiled.at
+        dofs = np.concatenate([at.theta_dof, at.q_dof[self._gives], self._passive])
+        positions = model.jnt_qposadr[model.dof_jntid[dofs]]
+
+        def residual(x: Array) -> Array:
+            data.qpos[positions] = x
+            return np.array(self._forces()[dofs])
+
+        hinges = model.jnt_stiffness[model.dof_jntid[self._passive]]
+        stiffness = np.concatenate([self._slipping[0], self._slipping[1][self._gives], hinges])
+        residual(find_balance(residual, np.array(data.qpos[positions]), stiffness, TOLERANCE))
 
     def _step(self, slope: Array, residual: Array) -> Array:
         """Solve each joint's two balances, shape (2, n): link first, then motor; a motor that holds does not move."""
@@ -96,6 +120,11 @@ class Equilibrium:
 
     def _residual(self) -> Array:
         """Return the torque that is left on each link and each giving motor, shape (2, n) [Nm]."""
+        forces, at = self._forces(), self.compiled.at
+        return np.stack([forces[at.theta_dof], np.where(self._gives, forces[at.q_dof], 0.0)])
+
+    def _forces(self) -> Array:
+        """Return the torque that is left on every degree of freedom, shape (nv,) [Nm]."""
         model, data, at = self.compiled.model, self.data, self.compiled.at
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -103,10 +132,10 @@ class Equilibrium:
         mujoco.mj_transmission(model, data)
         mujoco.mj_fwdVelocity(model, data)
         mujoco.mj_fwdActuation(model, data)
-        forces = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
+        forces: Array = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
         push = data.xfrc_applied[at.load_body]
         mujoco.mj_applyFT(model, data, push[:3], push[3:], data.xipos[at.load_body], at.load_body, forces)
-        return np.stack([forces[at.theta_dof], np.where(self._gives, forces[at.q_dof], 0.0)])
+        return forces
 
     def _remember(self) -> None:
         """Let the plugins take over the state of this instant: an integration step in which nothing moves."""
@@ -116,6 +145,26 @@ class Equilibrium:
         data.qacc[:] = 0
         mujoco.mj_Euler(model, data)
         data.time, data.act[:] = time, act
+
+
+def _passive_dofs(compiled: CompiledRobot) -> NDArray[np.int64]:
+    """Return the degrees of freedom that are neither link nor rotor, shape (p,)."""
+    driven = {*compiled.at.theta_dof.tolist(), *compiled.at.q_dof.tolist()}
+    return np.array([dof for dof in range(compiled.model.nv) if dof not in driven], dtype=np.int64)
+
+
+def _elements_are_plain(compiled: CompiledRobot) -> bool:
+    """Whether each elastic element is a linear spring between one rotor and one link, with nothing beside it."""
+    model, element = compiled.model, compiled.at.element
+    rest = model.tendon_lengthspring[element]
+    acted_on = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON, 0]
+    return not (
+        np.any(model.tendon_stiffnesspoly[element])
+        or np.any(rest[:, 0] != rest[:, 1])
+        or np.any(model.tendon_plasticadr[element] >= 0)
+        or np.any(model.tendon_num[element] != 2)
+        or np.any(np.isin(element, acted_on))
+    )
 
 
 def settle(compiled: CompiledRobot, data: mujoco.MjData, command: Array) -> None:

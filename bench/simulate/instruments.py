@@ -28,7 +28,9 @@ class Reading:
     Attributes:
         time: Shape (T,) [s].
         q_motor: Shape (T, n) [rad].
+        q_link: Shape (T, n) [rad], nan for joints without a secondary encoder.
         current: Shape (T, n) [A].
+        torque: Shape (T, n) [Nm], motor torque that the drives report, reflected to the joint.
         force: Shape (T, 3) [N], world axes.
         moment: Shape (T, 3) [Nm], world axes, about the load point.
         reflectors: Shape (T, r, 3) [m], tracker readings in the base frame.
@@ -37,7 +39,9 @@ class Reading:
 
     time: Array
     q_motor: Array
+    q_link: Array
     current: Array
+    torque: Array
     force: Array
     moment: Array
     reflectors: Array
@@ -66,6 +70,9 @@ class SystematicErrors:
         placement: Shape (r, 3) [m], where a reflector sits in its nest against where it should.
         drift_direction: Shape (3,), unit vector of the tracker's drift.
         encoder_offset: Shape (n,) [rad].
+        torque_gain: Shape (n,), relative.
+        torque_offset: Shape (n,) [Nm].
+        link_encoder_offset: Shape (n,) [rad].
     """
 
     current_gain: Array
@@ -77,6 +84,9 @@ class SystematicErrors:
     placement: Array
     drift_direction: Array
     encoder_offset: Array
+    torque_gain: Array
+    torque_offset: Array
+    link_encoder_offset: Array
 
 
 class Instruments:
@@ -85,12 +95,18 @@ class Instruments:
     Args:
         compiled: The robot; its figures say which instruments there are and how good they are.
         rng: Source of systematic errors and noise; None makes perfect instruments (no noise, no error, no resolution).
+        tails: Degrees of freedom, above 2, of Student's t from which noise is drawn, with the standard deviation of the
+            figures. None: normal noise.
     """
 
-    def __init__(self, compiled: CompiledRobot, rng: np.random.Generator | None) -> None:
+    def __init__(self, compiled: CompiledRobot, rng: np.random.Generator | None, tails: float | None = None) -> None:
         self.figures: InstrumentFigures = compiled.robot.figures.instruments
         self._rng = rng
+        self._tails = tails
         self._torque_constant = compiled.torque_constant
+        link_encoder = self.figures.link_encoder
+        joints = [drive.joint for drive in compiled.robot.figures.drives]
+        self._has_link_encoder = np.isin(joints, link_encoder.joints if link_encoder else ())
         torque_constant_error = np.array([drive.torque_constant_error for drive in compiled.robot.figures.drives])
         self.errors = _draw(self.figures, torque_constant_error, len(compiled.robot.figures.reflectors), rng)
 
@@ -113,7 +129,9 @@ class Instruments:
         return Reading(
             time=trace.time,
             q_motor=np.full((instants, n), np.nan) if f.encoder is None else self._encoder(trace.q),
+            q_link=np.full((instants, n), np.nan) if f.link_encoder is None else self._link_encoder(trace.theta),
             current=np.full((instants, n), np.nan) if f.current is None else self._current(trace.motor_torque),
+            torque=np.full((instants, n), np.nan) if f.torque is None else self._torque(trace.motor_torque),
             force=force,
             moment=moment,
             reflectors=np.full_like(trace.reflectors, np.nan) if f.tracker is None else self._tracker(trace),
@@ -121,7 +139,13 @@ class Instruments:
         )
 
     def _noise(self, sigma: float, shape: tuple[int, ...]) -> Array | float:
-        return 0.0 if self._rng is None else sigma * self._rng.standard_normal(shape)
+        if self._rng is None:
+            return 0.0
+        if self._tails is None:
+            return sigma * self._rng.standard_normal(shape)
+        unit = np.sqrt((self._tails - 2) / self._tails)
+        noise: Array = sigma * unit * self._rng.standard_t(self._tails, shape)
+        return noise
 
     def _round(self, values: Array, resolution: float) -> Array:
         return values if self._rng is None or resolution == 0 else resolution * np.round(values / resolution)
@@ -136,6 +160,19 @@ class Instruments:
         true = torque / self._torque_constant
         seen = true * (1 + self.errors.current_gain) + self.errors.current_offset
         return self._round(seen + self._noise(figures.sigma_a, seen.shape), figures.resolution_a)
+
+    def _link_encoder(self, theta: Array) -> Array:
+        figures = self.figures.link_encoder
+        assert figures
+        seen = self._round(theta + self.errors.link_encoder_offset, figures.resolution_rad)
+        return np.where(self._has_link_encoder, seen, np.nan)
+
+    def _torque(self, torque: Array) -> Array:
+        figures = self.figures.torque
+        assert figures
+        seen = torque * (1 + self.errors.torque_gain) + self.errors.torque_offset
+        noise = self._noise(1.0, seen.shape) * np.array(figures.sigma_of(seen.shape[1]))
+        return self._round(seen + noise, figures.resolution_nm)
 
     def _wrench(self, wrench: Array) -> tuple[Array, Array]:
         figures = self.figures.force
@@ -183,6 +220,7 @@ def _draw(
         return np.zeros(shape) if rng is None else sigma * rng.standard_normal(shape)
 
     current, force, tracker, encoder = f.current, f.force, f.tracker, f.encoder
+    torque, link_encoder = f.torque, f.link_encoder
     direction = normal(1.0, (3,))
     size = float(np.linalg.norm(direction))
     return SystematicErrors(
@@ -195,4 +233,8 @@ def _draw(
         placement=normal(tracker.placement_sigma_m if tracker else 0.0, (r, 3)),
         drift_direction=direction / size if size else direction,
         encoder_offset=normal(encoder.offset_sigma_rad if encoder else 0.0, (n,)),
+        # not drawn where there is none, so that the noise of robots without them stays what it was
+        torque_gain=normal(torque.gain_sigma, (n,)) if torque else np.zeros(n),
+        torque_offset=normal(torque.offset_sigma_nm, (n,)) if torque else np.zeros(n),
+        link_encoder_offset=normal(link_encoder.offset_sigma_rad, (n,)) if link_encoder else np.zeros(n),
     )

@@ -9,21 +9,21 @@ from bench.robot.compiled import compile_robot
 from bench.robot.folder import Robot
 from bench.robot.line_path import JointPath
 from bench.robot.links import rigid_bodies
-from bench.scenario.line import Corrections, Line
+from bench.scenario.line import Corrections, LinePart
 from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.policy import Array, Mark, Script, Sitting, Step
 
 RETURN_SPEED = 0.05  # [rad/s], of the small moves from the corrections of one pass to those of the next
 
 
-def line_sittings(scenario: Line, robot: Robot) -> tuple[Sitting, ...]:
+def line_sittings(scenario: LinePart, robot: Robot) -> tuple[Sitting, ...]:
     """Return the line experiment: one sitting that begins at rest, unloaded, where the first lead-in begins."""
     path = scenario.path(rigid_bodies(compile_robot(robot)))
     start = _angles(scenario, path, lead_in_start(scenario)[None], is_out=True)[0]
     return (Sitting(start, line_policy(scenario, path, start)),)
 
 
-def line_policy(scenario: Line, path: JointPath, start: Array) -> Iterator[Step]:
+def line_policy(scenario: LinePart, path: JointPath, start: Array) -> Iterator[Step]:
     """Yield the steps of the line experiment: runs `unloaded-out`, `unloaded-back`, `loaded-out`, `loaded-back`.
 
     Every run has one row per sample, from one end of the line to the other, at constant speed, both ends included. So
@@ -55,7 +55,7 @@ def line_policy(scenario: Line, path: JointPath, start: Array) -> Iterator[Step]
     yield from script.push(np.zeros(6), scenario.load_ramp_s)
 
 
-def pass_distance(scenario: Line) -> Array:
+def pass_distance(scenario: LinePart) -> Array:
     """Return the distance from the start of the line after each control period of one pass out, shape (T,) [m].
 
     The speed rises as 10 s^3 - 15 s^4 + 6 s^5 over half the lead-in, stays for its other half, over the line, and as
@@ -69,19 +69,19 @@ def pass_distance(scenario: Line) -> Array:
     return np.concatenate([rising, steady, falling])
 
 
-def lead_in_start(scenario: Line) -> Array:
+def lead_in_start(scenario: LinePart) -> Array:
     """Return where the lead-in begins, as a distance from the start of the line, scalar [m]; negative."""
     return np.array(-1.5 * _half_lead_in(scenario) * scenario.speed_m_per_s * CONTROL_PERIOD)
 
 
-def read_periods(scenario: Line) -> range:
+def read_periods(scenario: LinePart) -> range:
     """Return the control periods of a pass at whose ends is read, from one end of the line to the other."""
     first = 2 * _half_lead_in(scenario) - 1
     every = round(scenario.sample_period_s / CONTROL_PERIOD)
     return range(first, first + _periods_on_line(scenario) + 1, every)
 
 
-def _angles(scenario: Line, path: JointPath, distance: Array, is_out: bool) -> Array:
+def _angles(scenario: LinePart, path: JointPath, distance: Array, is_out: bool) -> Array:
     angles = path.at(distance)
     if scenario.corrections:
         angles = angles + corrections_at(scenario.corrections, distance / path.length, is_out)
@@ -94,11 +94,11 @@ def corrections_at(corrections: Corrections, share: Array, is_out: bool) -> Arra
     return np.asarray(CubicSpline(corrections.share, knots)(np.clip(share, 0.0, 1.0)))
 
 
-def _half_lead_in(scenario: Line) -> int:
+def _half_lead_in(scenario: LinePart) -> int:
     return int(np.ceil(scenario.lead_in_s / 2 / CONTROL_PERIOD))
 
 
-def _periods_on_line(scenario: Line) -> int:
+def _periods_on_line(scenario: LinePart) -> int:
     return round(scenario.length_m / (scenario.speed_m_per_s * CONTROL_PERIOD))
 
 

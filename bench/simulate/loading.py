@@ -5,18 +5,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from bench.robot.folder import Robot
-from bench.scenario.loading import LoadedPose, Loading
+from bench.scenario.loading import LoadedPose, LoadingPart
 from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.policy import Array, Mark, Script, Sitting, Step
 
 
-def loading_sittings(scenario: Loading, robot: Robot) -> tuple[Sitting, ...]:
+def loading_sittings(scenario: LoadingPart, robot: Robot) -> tuple[Sitting, ...]:
     """Return the loading experiment: one sitting that begins at the start of the first approach."""
     start = np.deg2rad(np.array(scenario.poses[0].q_deg) - scenario.approach[0] * scenario.approach_deg)
     return (Sitting(start, loading_policy(scenario, robot, start)),)
 
 
-def loading_policy(scenario: Loading, robot: Robot, start: Array) -> Iterator[Step]:
+def loading_policy(scenario: LoadingPart, robot: Robot, start: Array) -> Iterator[Step]:
     """Yield the steps of the loading experiment.
 
     For each pose and each approach direction: go to a point `approach_deg` short of the pose in every joint, approach

@@ -1,7 +1,7 @@
 """The robot under its servo, advanced in time: commands and wrench in, true quantities out. No instruments here."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Self
 
 import mujoco
@@ -27,7 +27,7 @@ class Trace:
         time: Shape (T,) [s].
         q, q_velocity: Shape (T, n), motor angle reflected to the joint [rad] and its rate.
         theta, theta_velocity: Shape (T, n), link angle [rad] and its rate.
-        motor_torque: Shape (T, n) [Nm], what the servo puts out, reflected to the joint.
+        motor_torque: Shape (T, n) [Nm], what the servo puts out in the step, reflected to the joint.
         motor_friction, link_friction: Shape (T, n) [Nm], torque of the friction elements on rotor and link.
         reflectors: Shape (T, r, 3) [m], world frame.
         load_point: Shape (T, 3) [m], world frame.
@@ -53,7 +53,7 @@ class Trace:
     def __len__(self) -> int:
         return len(self.time)
 
-    def __getitem__(self, rows: slice) -> Self:
+    def __getitem__(self, rows: slice | NDArray[np.intp]) -> Self:
         return type(self)(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
 
     @classmethod
@@ -110,6 +110,9 @@ class Plant:
         n, figures = robot.n_joints, robot.figures
         size = 7 * n + 3 * (len(figures.reflectors) + 1) + (2 if figures.counterbalance else 0)
         self._sensors = slice(self.model.nsensordata - size, self.model.nsensordata)
+        # The integrator takes the velocity at the end of a step for the servo's damping, the sensor that at its start:
+        # under 1 rad/s^2 they differ by an ampere. What acted is what counts.
+        self._servo_damping = -self.model.actuator_biasprm[self.compiled.at.servo, 2]
         self._command = np.zeros(n)
         self._wrench = np.zeros(6)
         self.reset(np.zeros(n))
@@ -144,11 +147,25 @@ class Plant:
             Trace of P * period / timestep instants; the last is one timestep before the end of the last period.
         """
         substeps = round(period / self.timestep)
-        at, n = self.compiled.at, self.compiled.n_joints
+        n = self.compiled.n_joints
         blend = (np.arange(substeps) / substeps)[None, :, None]
         starts = np.concatenate([self._command[None], commands[:-1]])
         positions = (starts[:, None] + blend * (commands - starts)[:, None]).reshape(-1, n)
         velocities = np.repeat((commands - starts) / period, substeps, axis=0)
+        return self.track(positions, velocities, wrenches, substeps, commands[-1])
+
+    def track(self, positions: Array, velocities: Array, wrenches: Array, substeps: int, end: Array) -> Trace:
+        """Follow set points that are given for every integration step, and return every step.
+
+        Args:
+            positions: Shape (P * substeps, n) [rad], set points of the motor angles.
+            velocities: Shape (P * substeps, n) [rad/s].
+            wrenches: Shape (P, 6) [N, Nm], on the load point at the end of each period; linear between.
+            substeps: Integration steps in a period.
+            end: Shape (n,) [rad], the set point after the last step.
+        """
+        at = self.compiled.at
+        blend = (np.arange(substeps) / substeps)[None, :, None]
         pushes = np.concatenate([self._wrench[None], wrenches[:-1]])
         pushes = (pushes[:, None] + blend * (wrenches - pushes)[:, None]).reshape(-1, 6)
 
@@ -170,10 +187,24 @@ class Plant:
             sensordata=readings,
             skip_checks=True,  # shapes are right by construction, and checking costs as much as stepping
         )
-        self._command, self._wrench = commands[-1].copy(), wrenches[-1].copy()
-        end = self.data.time
-        times = end - self.timestep * np.arange(len(positions), 0, -1)
-        return self._trace(times, readings[0, :, self._sensors], pushes)
+        self._command, self._wrench = end.copy(), wrenches[-1].copy()
+        times = self.data.time - self.timestep * np.arange(len(positions), 0, -1)
+        trace = self._trace(times, readings[0, :, self._sensors], pushes)
+        gained = np.diff(trace.q_velocity, axis=0, append=self.data.qvel[None, at.q_dof])
+        return replace(trace, motor_torque=trace.motor_torque - self._servo_damping * gained)
+
+    def take_over(self, other: "Plant") -> None:
+        """Go on from the present state of another plant, whose model has the same parts with other numbers.
+
+        Raises:
+            ValueError: The state of the other model has another size.
+        """
+        if other._n_state != self._n_state:
+            raise ValueError(f"a state of {other._n_state} numbers does not fit a model with {self._n_state}")
+        state = np.empty(self._n_state)
+        mujoco.mj_getState(other.model, other.data, state, _STATE)
+        mujoco.mj_setState(self.model, self.data, state, _STATE)
+        self._command, self._wrench = other._command.copy(), other._wrench.copy()
 
     def look(self) -> Trace:
         """Return the present instant, shape (1, ...), without moving."""

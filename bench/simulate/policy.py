@@ -11,6 +11,7 @@ from bench.simulate.env import CONTROL_PERIOD
 
 Array = NDArray[np.float64]
 
+BREAK = 60.0  # [s], between two sittings of one session
 GENTLE = 0.5  # [rad/s^2], default acceleration of moves; rotors and arm then ask for a few kNm
 # Peaks of the minimum-jerk profile 10 s^3 - 15 s^4 + 6 s^5 over 0 to 1
 QUINTIC_SPEED = 15 / 8
@@ -38,6 +39,7 @@ class Step:
         mark: Where to note what the instruments read at its end, or None.
         move_reflector: Carry the moving reflector round its nests before reading.
         event: Words for the log, where something begins here.
+        wait_s: Time that passes after it while the robot only stands; it is not simulated.
     """
 
     q_cmd: Array
@@ -45,6 +47,7 @@ class Step:
     mark: Mark | None = None
     move_reflector: bool = False
     event: str = ""
+    wait_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -56,12 +59,14 @@ class Sitting:
         steps: What to do.
         edits: Changes of the model for this part only, such as a payload.
         payload_kg: Mass bolted to the load point, which those edits put there.
+        pause_s: Time that passes before it, unless it is the first of its session; it is not simulated.
     """
 
     start: Array
     steps: Iterable[Step]
     edits: tuple[SpecEdit, ...] = ()
     payload_kg: float = 0.0
+    pause_s: float = BREAK
 
 
 class Script:
@@ -118,6 +123,10 @@ class Script:
     def read(self, mark: Mark, move_reflector: bool = False) -> Iterator[Step]:
         """Stand still for one period and read at its end."""
         yield Step(self._q, self._wrench, mark, move_reflector)
+
+    def wait(self, seconds: float) -> Iterator[Step]:
+        """Stand still under the present wrench without simulating it, but for one period."""
+        yield Step(self._q, self._wrench, wait_s=max(0.0, seconds - CONTROL_PERIOD))
 
 
 def _ramp(seconds: float) -> Iterator[float]:

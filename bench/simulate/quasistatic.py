@@ -22,7 +22,7 @@ from bench.simulate.loading import loading_sittings
 from bench.simulate.plant import Array, Trace
 from bench.simulate.policy import Step
 from bench.simulate.session import edits_of
-from bench.simulate.tables import run_of
+from bench.simulate.tables import Joints, run_of
 
 # A rest does not depend on how long the way there took; with these the policy takes one step for each move.
 HURRY = {
@@ -65,7 +65,8 @@ class RestLog:
         carried = any(step.move_reflector for step in self.log.steps)
         reading = self._read(instruments) if carried else instruments.read(self.instants)
         gravity = self.compiled.model.opt.gravity
-        runs = tuple(run_of(name, self.log, reading, gravity, carried) for name in self.log.run_names)
+        joints = Joints.of(self.compiled)
+        runs = tuple(run_of(name, self.log, reading, gravity, carried, joints) for name in self.log.run_names)
         return Campaign(self.compiled.robot.name, runs)
 
     def _read(self, instruments: Instruments) -> Reading:

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from bench.robot.folder import Robot
-from bench.scenario.rotation import Rotation
+from bench.scenario.rotation import RotationPart
 from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.payload import bolt_on
 from bench.simulate.policy import Array, Mark, Script, Sitting, Step
 
 
-def rotation_sittings(scenario: Rotation, robot: Robot) -> tuple[Sitting, ...]:
+def rotation_sittings(scenario: RotationPart, robot: Robot) -> tuple[Sitting, ...]:
     """Return the rotation experiment: one sitting per payload, each at rest where its first traverse begins."""
     first = scenario.speeds_deg_per_s[0]
     start = _at(scenario, scenario.start_deg[scenario.joint - 1] - _ahead(scenario) * first * scenario.ramp_s / 2)
@@ -21,7 +21,7 @@ def rotation_sittings(scenario: Rotation, robot: Robot) -> tuple[Sitting, ...]:
     )
 
 
-def rotation_policy(scenario: Rotation, robot: Robot, start: Array, payload_kg: float) -> Iterator[Step]:
+def rotation_policy(scenario: RotationPart, robot: Robot, start: Array, payload_kg: float) -> Iterator[Step]:
     """Yield the steps with one payload: at each speed there and back, `repeats` times, read all the way.
 
     Args:
@@ -75,11 +75,11 @@ def _ramp(s: Array) -> Array:
     return s**4 * (2.5 - 3 * s + s**2)
 
 
-def _ahead(scenario: Rotation) -> float:
+def _ahead(scenario: RotationPart) -> float:
     return float(np.sign(scenario.end_deg - scenario.start_deg[scenario.joint - 1]))
 
 
-def _at(scenario: Rotation, angle_deg: float) -> Array:
+def _at(scenario: RotationPart, angle_deg: float) -> Array:
     q = np.array(scenario.start_deg)
     q[scenario.joint - 1] = angle_deg
     radians: Array = np.deg2rad(q)

@@ -1,30 +1,35 @@
 """Run a scenario: a policy drives the environment, what is read becomes a campaign, the truth stays apart."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from bench.record.campaign import Campaign, Run
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on, proportional_servo
-from bench.robot.folder import Robot, load_robot
+from bench.robot.folder import load_robot
 from bench.scenario.files import Experiment
+from bench.scenario.session import SessionScenario
 from bench.scenario.types import ScenarioBase
-from bench.simulate.drive import Log, Progress, drive, stacked
-from bench.simulate.env import BenchEnv
+from bench.simulate.bare import bare
+from bench.simulate.batch import course_of, follow, read_steps
+from bench.simulate.drive import FILM_PERIOD, Log, Progress, drive, stacked
+from bench.simulate.env import CONTROL_PERIOD, BenchEnv
 from bench.simulate.instruments import Instruments, Reading
 from bench.simulate.line import line_sittings
 from bench.simulate.loading import loading_sittings
-from bench.simulate.plant import Trace
+from bench.simulate.parts import session_sittings
+from bench.simulate.plant import Plant, Trace
 from bench.simulate.policy import Mark, Sitting
 from bench.simulate.rotation import rotation_sittings
-from bench.simulate.tables import run_of, with_link_angles
-
-BREAK = 60.0  # [s], between two sittings of one session
+from bench.simulate.tables import Joints, run_of, with_link_angles
 
 SITTINGS: dict[str, Callable[..., tuple[Sitting, ...]]] = {
     "line": line_sittings,
     "loading": loading_sittings,
     "rotation": rotation_sittings,
+    "session": session_sittings,
 }
 
 
@@ -80,21 +85,24 @@ def run_session(scenario: Experiment, progress: Progress = lambda share: None) -
     compiled = compile_robot(robot, edits_of(scenario))
     scenario.check(robot, compiled.limits)
     sittings = SITTINGS[scenario.experiment](scenario, robot)
-    log, instruments = _sit(scenario, robot, sittings, progress)
-    instants = Trace.concatenate(log.instants)
+    run = _in_stretches if isinstance(scenario, SessionScenario) else _period_by_period
+    record = run(scenario, compiled, sittings, progress)
+    progress(1.0)
+    log, instants = record.log, record.instants
     gravity, carried = compiled.model.opt.gravity, any(step.move_reflector for step in log.steps)
+    joints = Joints.of(compiled)
 
     def runs(reading: Reading) -> tuple[Run, ...]:
-        return tuple(run_of(name, log, reading, gravity, carried) for name in log.run_names)
+        return tuple(run_of(name, log, reading, gravity, carried, joints) for name in log.run_names)
 
     return Session(
-        campaign=Campaign(scenario.robot, runs(stacked(log.observations, log.instants)), notes=scenario.notes),
+        campaign=Campaign(scenario.robot, runs(record.reading), notes=scenario.notes),
         compiled=compiled,
-        instruments=instruments,
+        instruments=record.instruments,
         ideal=tuple(with_link_angles(run, log, instants) for run in runs(Instruments(compiled, None).read(instants))),
         marks=tuple(step.mark for step in log.steps if step.mark),
         instants=instants,
-        film=Film(Trace.concatenate(log.film), stacked(log.film_observations, log.film), tuple(log.events)),
+        film=record.film,
     )
 
 
@@ -104,14 +112,26 @@ def edits_of(scenario: ScenarioBase) -> tuple[SpecEdit, ...]:
     return (friction_on(scenario.friction), *servo)
 
 
-def _sit(
-    scenario: ScenarioBase, robot: Robot, sittings: tuple[Sitting, ...], progress: Progress
-) -> tuple[Log, Instruments]:
+@dataclass(frozen=True)
+class _Record:
+    """What happened, however it was driven; `log` holds the steps that were read, `instants` and `reading` theirs."""
+
+    log: Log
+    instants: Trace
+    reading: Reading
+    instruments: Instruments
+    film: Film
+
+
+def _period_by_period(
+    scenario: ScenarioBase, compiled: CompiledRobot, sittings: tuple[Sitting, ...], progress: Progress
+) -> _Record:
+    """Drive the environment."""
     log, now = Log(), 0.0
     instruments: Instruments | None = None
     for i, sitting in enumerate(sittings):
         env = BenchEnv(
-            str(robot.folder),
+            str(compiled.robot.folder),
             edits=(*edits_of(scenario), *sitting.edits),
             truth=True,
             perfect_instruments=scenario.perfect_instruments,
@@ -120,7 +140,37 @@ def _sit(
         if instruments is None:
             instruments = env.instruments
         env.instruments = instruments  # the same ones throughout a session, with the same errors
-        now = BREAK + drive(env, sitting, now, log, lambda share, i=i: progress((i + share) / len(sittings)))  # type: ignore[misc]
+        now += sitting.pause_s if i else 0.0
+        now = drive(env, sitting, now, log, lambda share, i=i: progress((i + share) / len(sittings)))  # type: ignore[misc]
     assert instruments is not None
-    progress(1.0)
-    return log, instruments
+    film = Film(Trace.concatenate(log.film), stacked(log.film_observations, log.film), tuple(log.events))
+    reading = stacked(log.observations, log.instants)
+    return _Record(log, Trace.concatenate(log.instants), reading, instruments, film)
+
+
+def _in_stretches(
+    scenario: ScenarioBase, compiled: CompiledRobot, sittings: tuple[Sitting, ...], progress: Progress
+) -> _Record:
+    """Hand the plant long stretches: for sessions, which would take minutes otherwise."""
+    log, now, every = Log(), 0.0, round(FILM_PERIOD / CONTROL_PERIOD)
+    rng = None if scenario.perfect_instruments else np.random.default_rng(scenario.seed)
+    instruments = Instruments(compiled, rng)
+    film = []
+    for i, sitting in enumerate(sittings):
+        course = course_of(sitting)
+        plant = Plant(compiled.robot, (*edits_of(scenario), *sitting.edits, bare))
+        plant.reset(course.start)
+        now += sitting.pause_s if i else 0.0
+        kept = np.union1d(course.marked, np.arange(0, len(course), every))
+        trace = follow(plant, course.path, 0, course.wrenches, kept)
+        trace = replace(trace, time=now + course.ends[kept] - plant.timestep)
+        log.instants.append(trace[np.searchsorted(kept, course.marked)])
+        film.append(trace[np.flatnonzero(kept % every == 0)])
+        log.steps += course.steps_at(plant.timestep)
+        log.payload_kg += [sitting.payload_kg] * len(course.steps)
+        log.events += [(now + time, words) for time, words in course.events]
+        now += course.seconds
+        progress((i + 1) / len(sittings))
+    instants, frames = Trace.concatenate(log.instants), Trace.concatenate(film)
+    reading = read_steps(instruments, log.steps, instants)
+    return _Record(log, instants, reading, instruments, Film(frames, instruments.read(frames), tuple(log.events)))

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import yaml
 
+from bench.identify.table5_experiment import read_experiment
 from bench.robot.figures import Figures
 from tests.models.conftest import HH150
 
@@ -49,6 +50,13 @@ def test_torque_constants_are_table_2(figures: Figures, derive: ModuleType) -> N
     constants = [drive.torque_constant_nm_per_a for drive in figures.drives]
     assert constants == derive.arm.XI.tolist() == [169.6355, 220.8436, 220.8436, 127.0724, 138.3101, 139.4627]
     assert (figures.rating.force_n, figures.rating.moment_nm) == (1500, 200)
+
+
+def test_the_arm_of_the_loading_experiment_is_table_1_and_2(derive: ModuleType) -> None:
+    experiment, arm = read_experiment(HH150 / "paper"), derive.arm
+    table = np.array([(row.a, row.alpha, row.d, row.zero, *row.limits) for row in experiment.rows])
+    np.testing.assert_allclose(table, np.column_stack([arm.A, arm.ALPHA, arm.D, arm.OFFSET, arm.RANGE]), rtol=1e-15)
+    assert experiment.torque_constant.tolist() == arm.XI.tolist()
 
 
 def test_speed_limits_are_the_servos_own(figures: Figures, model: mujoco.MjModel) -> None:

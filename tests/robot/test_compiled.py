@@ -122,11 +122,56 @@ def shifted_zero(figures: Content, mjcf: str) -> tuple[Content, str]:
     return figures, mjcf.replace('name="hinge_b" axis', 'name="hinge_b" ref="0.1" axis')
 
 
+def replaced(old: str, new: str) -> Edit:
+    def edit(figures: Content, mjcf: str) -> tuple[Content, str]:
+        assert old in mjcf
+        return figures, mjcf.replace(old, new, 1)
+
+    return edit
+
+
+def rotor_is_the_link(figures: Content, mjcf: str) -> tuple[Content, str]:
+    figures["drives"][0]["rotor"] = "hinge_a"
+    return figures, mjcf
+
+
+def tracker_without_reflectors(figures: Content, mjcf: str) -> tuple[Content, str]:
+    figures["reflectors"] = []
+    return figures, mjcf
+
+
+def gauge_without_cylinder(figures: Content, mjcf: str) -> tuple[Content, str]:
+    del figures["counterbalance"]
+    return figures, mjcf
+
+
+def encoder_on_no_joint(figures: Content, mjcf: str) -> tuple[Content, str]:
+    figures["instruments"]["link_encoder"] = {"joints": ["hinge_c"]}
+    return figures, mjcf
+
+
+def too_many_sigmas(figures: Content, mjcf: str) -> tuple[Content, str]:
+    figures["instruments"]["torque"] = {"sigma_nm": [1, 2, 3]}
+    return figures, mjcf
+
+
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
         (rename_rotor, r"drives\[1\]\.rotor: .*'rotor_c'.* mean 'rotor_b'[\s\S]*drives\[0\]\.element: .*'spring_a'"),
-        (negative_mass, r"mass and inertia"),
+        (negative_mass, r"small\.xml: .*'fore'.*; give the body positive mass and inertia"),
+        (replaced('mass="25.0"', 'mass="0"'), r"small\.xml: .*'fore'.*; give the body positive mass and inertia"),
+        (rotor_is_the_link, r"drives\[0\]\.rotor: 'hinge_a' is the link's joint; add a rotor"),
+        (replaced('armature="40.0"', ""), r"drives\[0\]\.rotor: 'rotor_a' has no armature; write J_m N\^2"),
+        (replaced('stiffness="200000.0"', ""), r"drives\[0\]\.element: tendon 'element_a' has no stiffness"),
+        (replaced('coef="1"', 'coef="2"'), r"drives\[0\]\.element: tendon 'element_a' must be <fixed>"),
+        (replaced('"servo_a" joint="rotor_a"', '"servo_a" joint="hinge_a"'), r"drives\[0\]\.servo: .*'rotor_a'"),
+        (replaced('"servo_a" joint="rotor_a"', '"servo_a" joint="hinge_q"'), r"'hinge_q'.*name a joint or tendon"),
+        (replaced('joint="rotor_a" coef', 'joint="rotor_q" coef'), r"'rotor_q' not found.*name a joint or site"),
+        (tracker_without_reflectors, r"instruments\.tracker needs reflectors"),
+        (gauge_without_cylinder, r"instruments\.pressure needs a counterbalance"),
+        (encoder_on_no_joint, r"link_encoder\.joints: unknown driven joint 'hinge_c'"),
+        (too_many_sigmas, r"sigma_nm needs one number, or one for each of the 2 drives"),
         (unknown_key, r"rating\.force_kg"),
         (misplaced_load, r"body 'load' must have its centre of mass at site 'hook'"),
         (undriven_joint, r"body 'extra' has a joint that no drive"),

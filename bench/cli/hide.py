@@ -1,0 +1,75 @@
+"""`bench hide`: a campaign with a hidden effect."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True)
+class Hide:
+    """Make a campaign in which effects are hidden, and apart from it the truth: something to try a diagnosis on.
+
+    An effect is NAME[@PLACE][:PARAMETER][=VALUE], such as coulomb_level@2=0.2: a fifth more, at joint 2.
+    `bench effects` lists names, parameters and ranges. Values are in SI units; 0.02 of a relative quantity is 2 %.
+    Without a parameter the first is meant, without a value a typical one.
+    """
+
+    effects: tyro.conf.Positional[tuple[str, ...]]
+    """Effects to hide; none with --none."""
+    out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """Folder to write; must not exist yet."""
+    joint: int | None = None
+    """Number of the joint, from 1, for effects that are named without a place."""
+    seed: int = 0
+    """Of noise, instruments and background errors."""
+    scenario: str = "session-short"
+    """Name of a scenario that comes along, or path to a scenario file."""
+    none: bool = False
+    """Hide nothing: null data, in which all is nominal but for small background errors."""
+    without: tuple[str, ...] = ()
+    """Instruments (tracker, force, current, ...), channels (gear_temperature, ...) and parts of the session (line,
+    dwell, ...) that the lab does not have."""
+    channels: tuple[str, ...] = ()
+    """Further channels that it has: gas_temperature."""
+    parquet: bool = False
+    """Write tables as Parquet instead of CSV."""
+
+    def run(self) -> int:
+        """Make and write the campaign; return the exit code."""
+        import numpy as np
+
+        from bench.effects.catalogue import catalogue
+        from bench.errors import InputError
+        from bench.hide.campaign import hide_campaign
+        from bench.hide.request import effects_of
+        from bench.hide.write import CAMPAIGN, TRUTH, write_hidden
+        from bench.record.folder import new_folder
+        from bench.robot.compiled import compile_robot
+        from bench.robot.folder import load_robot
+        from bench.scenario.complementary import Complementary
+        from bench.scenario.files import read_scenario
+
+        if bool(self.effects) == self.none:
+            raise InputError("name an effect to hide, or give --none for data without one; not both.")
+        session = read_scenario(self.scenario)
+        if isinstance(session, Complementary):
+            raise InputError(f"{self.scenario}: is no experiment on the robot; take a session, such as session-short.")
+        robot = load_robot(session.robot)
+        acting = effects_of(self.effects, compile_robot(robot), catalogue(), self.joint)
+        with new_folder(self.out, CAMPAIGN, replace=False) as folder:
+            hidden = hide_campaign(
+                robot,
+                session,
+                acting,
+                np.random.default_rng(self.seed),
+                without=self.without,
+                channels=self.channels,
+            )
+            write_hidden(hidden, folder, "parquet" if self.parquet else "csv")
+        for one in acting:
+            print(f"hidden     {one}")
+        print(f"campaign   {self.out / CAMPAIGN}")
+        print(f"truth      {self.out / TRUTH}")
+        return 0

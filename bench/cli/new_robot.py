@@ -1,0 +1,37 @@
+"""`bench new-robot`: a robot folder from an MJCF or URDF."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True)
+class NewRobot:
+    """Start a robot folder from an MJCF or URDF, adding rotors, elastic elements, servos, instruments with defaults."""
+
+    name: tyro.conf.Positional[str]
+    """Name of the robot; its files are named after it."""
+    mjcf: Path
+    """MJCF or URDF of the arm, with its meshes where the file says."""
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Folder to write; must not exist yet. Default: the robot's name, here."""
+    joints: tuple[str, ...] = ()
+    """Driven joints from the base to the tool; default: all up to where the arm branches, so without a gripper."""
+    load_point: str = ""
+    """Site where loads act; default: a site with a usual name on the last link, else the end of the chain."""
+
+    def run(self) -> int:
+        """Write the folder and say what is in it; return the exit code."""
+        from bench.robot.starter.folder import start_robot
+        from bench.robot.starter.source import read_source
+
+        folder = self.out or Path(self.name)
+        started = start_robot(self.name, read_source(self.mjcf, self.joints, self.load_point), folder)
+        print(f"{folder}: {len(started.drives)} drives: {', '.join(joint.name for joint in started.source.joints)}")
+        print(f"load point: {started.source.load_origin}")
+        if started.source.left_out:
+            print(f"left out: {', '.join(started.source.left_out)}")
+        print(f"{folder / 'README.md'} lists the defaults that were added; replace what you know better.")
+        return 0

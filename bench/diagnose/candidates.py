@@ -1,0 +1,161 @@
+"""Which effects could act on a robot, where, and what a campaign would show of each: signatures, by simulation."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from bench.diagnose.design import Design
+from bench.diagnose.replay import NOMINAL, World
+from bench.diagnose.simulations import simulate_all
+from bench.effects.effect import Acting, Effect, Parameter, Place
+from bench.errors import BenchError
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+
+SHAPES = 3  # values of a shape parameter that are tried at first
+INVISIBLE = 1e-3  # norm of a whitened signature at its largest plausible size, below which nobody can see an effect
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An effect at a place.
+
+    Attributes:
+        effect: What.
+        place: Where.
+        sizes: Its parameters that are sizes there.
+        shapes: Its parameters that only shape it.
+    """
+
+    effect: Effect
+    place: Place
+    sizes: tuple[Parameter, ...]
+    shapes: tuple[Parameter, ...]
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Name of the effect and place, in words."""
+        return self.effect.name, str(self.place)
+
+    def __str__(self) -> str:
+        where = "" if self.place.kind == "robot" else f" of {self.place}"
+        return f"{self.effect.title}{where}"
+
+    def acting(self, values: Mapping[str, float]) -> Acting:
+        """Return the cause with some of its parameters given."""
+        null = {parameter.name: parameter.null for parameter in (*self.sizes, *self.shapes)}
+        return Acting(self.effect, self.place, null | dict(values))
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A cause with its shape fixed, in the linear picture; m whitened readings, k sizes.
+
+    Attributes:
+        cause: Effect and place.
+        shape: Values of the shape parameters.
+        step: Shape (k,), size - null at which the columns were simulated.
+        prior: Shape (k,), standard deviation of the sizes as plausible, in steps.
+        columns: Shape (m, k), whitened change of the readings with one step of each size.
+    """
+
+    cause: Cause
+    shape: Mapping[str, float]
+    step: Array
+    prior: Array
+    columns: Array
+
+
+def causes_of(catalogue: Iterable[Effect], compiled: CompiledRobot, measured: frozenset[str]) -> tuple[Cause, ...]:
+    """Return every effect at every place where it may act on this robot, as far as these channels could show it.
+
+    Args:
+        catalogue: Effects.
+        compiled: The robot.
+        measured: Quantities that the campaign has.
+    """
+    found = []
+    for effect in catalogue:
+        if any(need not in measured for need in effect.needs):
+            continue
+        for place in effect.places(compiled):
+            parameters = effect.parameters_at(compiled, place)
+            sizes = tuple(parameter for parameter in parameters if not parameter.is_shape)
+            shapes = tuple(parameter for parameter in parameters if parameter.is_shape)
+            found.append(Cause(effect, place, sizes, shapes))
+    return tuple(found)
+
+
+def unseen_of(catalogue: Iterable[Effect], measured: frozenset[str]) -> dict[str, tuple[str, ...]]:
+    """Return the effects that need channels which the campaign has not: name -> those channels."""
+    missing = {effect.name: tuple(need for need in effect.needs if need not in measured) for effect in catalogue}
+    return {name: needs for name, needs in missing.items() if needs}
+
+
+def shape_grid(cause: Cause) -> list[dict[str, float]]:
+    """Return the shapes that are tried at first: a few values of each shape parameter, on a logarithmic scale."""
+    axes = []
+    for parameter in cause.shapes:
+        positive = parameter.low > 0
+        values = (np.geomspace if positive else np.linspace)(parameter.low, parameter.high, SHAPES)
+        axes.append([(parameter.name, float(value)) for value in values])
+    return [dict(point) for point in product(*axes)]
+
+
+def candidates_of(
+    design: Design,
+    causes: Sequence[Cause],
+    progress: Callable[[float], None] = lambda share: None,
+    changes: Sequence[Array | None] | None = None,
+) -> tuple[Candidate, ...]:
+    """Return the visible candidates of a campaign: every cause at every shape that leaves a trace in it.
+
+    Args:
+        design: The campaign.
+        causes: What to try.
+        progress: Called with the share that is done.
+        changes: What `changes_of` gave for a campaign of the same design, if it is known.
+    """
+    plan = plan_of(causes)
+    if changes is None:
+        changes = changes_of(design, plan, progress)
+    found = []
+    i = 0
+    for cause, shape in plan:
+        mine = changes[i : i + len(cause.sizes)]
+        i += len(cause.sizes)
+        kept = [(size, change) for size, change in zip(cause.sizes, mine, strict=True) if change is not None]
+        if not kept:
+            continue
+        step = np.array([size.typical - size.null for size, _ in kept])
+        prior = np.array([size.high for size, _ in kept]) / np.sqrt(3) / np.abs(step)
+        columns = design.whiten(np.stack([change for _, change in kept], axis=2))
+        seen = np.linalg.norm(columns, axis=0) * prior > INVISIBLE
+        if np.any(seen):
+            sizes = tuple(size for (size, _), is_seen in zip(kept, seen, strict=True) if is_seen)
+            visible = Cause(cause.effect, cause.place, sizes, cause.shapes)
+            found.append(Candidate(visible, shape, step[seen], prior[seen], columns[:, seen]))
+    return tuple(found)
+
+
+def plan_of(causes: Sequence[Cause]) -> list[tuple[Cause, dict[str, float]]]:
+    """Return every cause with each of its shapes."""
+    return [(cause, shape) for cause in causes for shape in shape_grid(cause)]
+
+
+def changes_of(
+    design: Design,
+    plan: Sequence[tuple[Cause, Mapping[str, float]]],
+    progress: Callable[[float], None] = lambda share: None,
+) -> list[Array | None]:
+    """Return the change of every reading, shape (T, c), with the typical value of each size in turn; None: no balance."""
+    worlds = [
+        World(acting=(cause.acting({**shape, size.name: size.typical}),))
+        for cause, shape in plan
+        for size in cause.sizes
+    ]
+    nominal = design.replay.predict(NOMINAL)
+    simulated = simulate_all(design.replay, worlds, progress)
+    return [None if isinstance(found, BenchError) else found - nominal for found in simulated]

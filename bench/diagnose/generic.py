@@ -1,0 +1,176 @@
+"""Shapes of what nobody listed: torques, gear errors and sensor errors as free functions of angle, direction, speed, load.
+
+Each block is one place and one dependence with a handful of free coefficients. If a block explains what the catalogue
+cannot, the cause is unlisted, and the block says where it acts, on what it depends, and how it runs.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnose.design import Design
+from bench.diagnose.replay import NOMINAL
+from bench.record.campaign import Array
+from bench.simulate.plant import Trace
+
+ANGLE_NODES = 9
+SPEED_NODES = 4
+TORQUE_SHARE = 0.03  # plausible size of an unlisted torque, of the largest that the motor pays
+READING_SHARE = 0.05  # plausible size of an unlisted error of a reading, of the largest reading
+GEAR_ANGLE = 3e-4  # [rad], plausible size of an unlisted error of a gear
+TRACKER_ERROR = 3e-4  # [m], plausible size of an unlisted error of the tracker over its room, or in an hour
+LEAST_RANGE = 0.02  # [rad]; a joint that moves less shows no dependence on its angle
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """One place and one dependence.
+
+    Attributes:
+        place: "joint 2", "tracker", "current 3".
+        kind: "link torque", "motor torque", "gear angle", "reading".
+        depends_on: "angle", "angle and direction", "speed", "load", "time".
+        drive: Index of the drive, or -1.
+        unit: Of the coefficients.
+        nodes: Shape (k,), where each coefficient sits, in the unit of what it depends on; empty: polynomial.
+        prior: Standard deviation of a coefficient as plausible, in `unit`.
+        columns: Shape (m, k), whitened.
+    """
+
+    place: str
+    kind: str
+    depends_on: str
+    drive: int
+    unit: str
+    nodes: Array
+    prior: float
+    columns: Array
+
+    def __str__(self) -> str:
+        return f"{self.kind} at {self.place}, depending on {self.depends_on}"
+
+
+@dataclass(frozen=True, eq=False)
+class _Draft:
+    place: str
+    kind: str
+    depends_on: str
+    drive: int
+    unit: str
+    nodes: Array
+    prior: float
+    raw: Array  # (T, c, k)
+
+
+def blocks_of(design: Design) -> tuple[Block, ...]:
+    """Return the blocks that a campaign can say something about."""
+    found = []
+    for draft in _drafts(design):
+        columns = design.whiten(draft.raw)
+        size = np.linalg.norm(columns, axis=0)
+        seen = size > 1e-9 * max(float(np.max(size)), 1e-300)
+        if np.any(seen):
+            nodes = draft.nodes[seen] if len(draft.nodes) else draft.nodes
+            found.append(
+                Block(
+                    draft.place,
+                    draft.kind,
+                    draft.depends_on,
+                    draft.drive,
+                    draft.unit,
+                    nodes,
+                    draft.prior,
+                    columns[:, seen],
+                )
+            )
+    return tuple(found)
+
+
+def hats(values: Array, nodes: Array) -> Array:
+    """Return piecewise linear functions of `values`, shape (T,), one for each node, shape (T, k)."""
+    return np.stack([np.interp(values, nodes, row) for row in np.eye(len(nodes))], axis=1)
+
+
+def _drafts(design: Design) -> Iterator[_Draft]:
+    segments = design.segments
+    trace = Trace.concatenate(design.replay.traces(NOMINAL))
+    link = np.concatenate([response.link for response in design.responses])
+    motor = np.concatenate([response.motor for response in design.responses])
+    stiffness = design.replay.compiled.stiffness
+    is_static = np.concatenate([np.full(len(segment), segment.is_static) for segment in segments])
+    standing = np.concatenate([np.tile(segment.standing, (len(segment), 1)) for segment in segments])
+    direction = np.where(standing | is_static[:, None], 0.0, np.sign(trace.q_velocity))
+    names = [drive.joint for drive in design.replay.compiled.robot.figures.drives]
+    for j in range(len(names)):
+        angle, way, speed = trace.q[:, j], direction[:, j], np.abs(trace.q_velocity[:, j])
+        moves = way != 0
+        transmitted = stiffness[j] * (trace.q[:, j] - trace.theta[:, j])
+        place = f"joint {j + 1}"
+        gear = link[:, :, j] * stiffness[j]
+        gear[:, [q.is_drive for q in design.quantities]] = 0.0
+        torque = TORQUE_SHARE * float(np.max(np.abs(trace.motor_torque[:, j])))
+        for kind, unit, prior, response in (
+            ("link torque", "Nm", torque, link[:, :, j]),
+            ("motor torque", "Nm", torque, motor[:, :, j]),
+            ("gear angle", "rad", GEAR_ANGLE, gear),
+        ):
+            if not np.any(response):
+                continue
+            if np.ptp(angle) > LEAST_RANGE:
+                nodes = np.linspace(np.min(angle), np.max(angle), ANGLE_NODES)
+                table = hats(angle, nodes)
+                yield _Draft(place, kind, "angle", j, unit, nodes, prior, response[:, :, None] * table[:, None, :])
+                if kind != "gear angle" and np.any(way > 0) and np.any(way < 0):
+                    directed = table * way[:, None]
+                    yield _Draft(
+                        place, kind, "angle and direction", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :]
+                    )
+            if kind != "gear angle" and np.any(moves):
+                fast = speed[moves]
+                if np.max(fast) > 1.2 * np.min(fast):
+                    nodes = np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES))
+                    nodes = np.unique(nodes)
+                    directed = hats(speed, nodes) * way[:, None]
+                    yield _Draft(place, kind, "speed", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :])
+            spread = np.max(np.abs(transmitted))
+            if spread > 1.0:
+                nodes = np.linspace(np.min(transmitted), np.max(transmitted), 7)
+                table = hats(transmitted, nodes)
+                if kind == "gear angle":
+                    yield _Draft(place, kind, "load", j, unit, nodes, prior, response[:, :, None] * table[:, None, :])
+                elif np.any(moves):
+                    directed = table * way[:, None]
+                    yield _Draft(place, kind, "load", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :])
+    yield from _sensors(design, trace)
+
+
+def _sensors(design: Design, trace: Trace) -> Iterator[_Draft]:
+    quantities = design.quantities
+    nominal = design.replay.predict(NOMINAL)
+    hours = (trace.time - trace.time[0]) / 3600.0
+    for c, quantity in enumerate(quantities):
+        if quantity.is_drive:
+            size = max(float(np.max(np.abs(nominal[:, c]))), 1e-12)
+            values = nominal[:, c] / size
+            powers = np.stack([values**2, values**3, np.abs(values) * values], axis=1)
+            raw = np.zeros((*nominal.shape, 3))
+            raw[:, c] = powers
+            yield _Draft(f"drive {quantity.index + 1}", "reading", "load", quantity.index, quantity.unit, np.empty(0), READING_SHARE * size, raw)
+    axes = [c for c, quantity in enumerate(quantities) if quantity.kind == "reflector"]
+    if axes:
+        place = trace.reflectors.mean(axis=1)
+        centred = (place - place.mean(axis=0)) / max(float(np.ptp(place)), 1e-9)
+        raw = np.zeros((*nominal.shape, 12))
+        for c in axes:
+            axis = quantities[c].axis
+            for k in range(3):
+                raw[:, c, 3 * axis + k] = centred[:, k] ** 2
+            raw[:, c, 9 + axis] = centred[:, axis]
+        yield _Draft("tracker", "reading", "place", -1, "m", np.empty(0), TRACKER_ERROR, raw)
+        if np.ptp(hours) > 0:
+            raw = np.zeros((*nominal.shape, 6))
+            for c in axes:
+                axis = quantities[c].axis
+                raw[:, c, axis], raw[:, c, 3 + axis] = hours, hours**2
+            yield _Draft("tracker", "reading", "time", -1, "m", np.empty(0), TRACKER_ERROR, raw)

@@ -1,0 +1,91 @@
+"""What is compared: the columns of measured channels that a replay predicts, side by side."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.record.campaign import Array, Run
+from bench.robot.compiled import CompiledRobot
+from bench.simulate.instruments import Reading
+from bench.simulate.plant import Trace
+
+AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One column that is compared.
+
+    Attributes:
+        column: Name in the campaign.
+        kind: "current", "tau_motor", "reflector", "q_link", "force", "moment", "gas_pressure", "gas_temperature".
+        unit: SI.
+        index: Drive or reflector, from 0.
+        axis: 0 to 2 for vectors.
+    """
+
+    column: str
+    kind: str
+    unit: str
+    index: int = 0
+    axis: int = 0
+
+    @property
+    def is_drive(self) -> bool:
+        """Whether it says what a motor pays."""
+        return self.kind in ("current", "tau_motor")
+
+    def of(self, reading: Reading, trace: Trace) -> Array:
+        """Return its predicted values, shape (T,)."""
+        values: Array
+        match self.kind:
+            case "current":
+                values = reading.current[:, self.index]
+            case "tau_motor":
+                values = reading.torque[:, self.index]
+            case "reflector":
+                values = reading.reflectors[:, self.index, self.axis]
+            case "q_link":
+                values = reading.q_link[:, self.index]
+            case "force":
+                values = reading.force[:, self.axis]
+            case "moment":
+                values = reading.moment[:, self.axis]
+            case "gas_pressure":
+                values = reading.gas_pressure
+            case _:
+                raise AssertionError(self.kind)
+        return values
+
+
+def quantities_of(runs: tuple[Run, ...], compiled: CompiledRobot) -> tuple[Quantity, ...]:
+    """Return what the runs measured and a replay predicts, in a fixed order."""
+    measured = {name for run in runs for name in run.columns}
+    n, r = compiled.n_joints, len(compiled.robot.figures.reflectors)
+    instruments = compiled.robot.figures.instruments
+    found: list[Quantity] = []
+    for i in range(n):
+        found.append(Quantity(f"current_{i + 1}_a", "current", "A", i))
+    for i in range(n):
+        unit = "Nm" if f"tau_motor_{i + 1}_nm" in measured else "N"
+        found.append(Quantity(f"tau_motor_{i + 1}_{unit.lower()}", "tau_motor", unit, i))
+    for k in range(r):
+        found += [Quantity(f"reflector_{k + 1}_{a}_m", "reflector", "m", k, i) for i, a in enumerate(AXES)]
+    for i in range(n):
+        unit = "rad" if f"q_link_{i + 1}_rad" in measured else "m"
+        found.append(Quantity(f"q_link_{i + 1}_{unit}", "q_link", unit, i))
+    found += [Quantity(f"force_{a}_n", "force", "N", axis=i) for i, a in enumerate(AXES)]
+    found += [Quantity(f"moment_{a}_nm", "moment", "Nm", axis=i) for i, a in enumerate(AXES)]
+    if compiled.counterbalance is not None and instruments.pressure is not None:
+        found.append(Quantity("gas_pressure_pa", "gas_pressure", "Pa"))
+    kept = [quantity for quantity in found if quantity.column in measured]
+    # a drive that reports both is compared by its current, which is what it measures
+    currents = {quantity.index for quantity in kept if quantity.kind == "current"}
+    return tuple(q for q in kept if not (q.kind == "tau_motor" and q.index in currents))
+
+
+def predicted(quantities: tuple[Quantity, ...], reading: Reading, trace: Trace) -> Array:
+    """Return the predicted columns side by side, shape (T, c)."""
+    if not quantities:
+        return np.empty((len(trace), 0))
+    return np.stack([quantity.of(reading, trace) for quantity in quantities], axis=1)

@@ -1,0 +1,185 @@
+"""The last word on an extension: its parameters and all nuisances together, fitted by simulating the extended model."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnose.candidates import Cause
+from bench.diagnose.design import Design
+from bench.diagnose.replay import World
+from bench.effects.effect import Parameter
+from bench.errors import BenchError
+from bench.record.campaign import Array
+
+MOST_ITERATIONS = 6
+ENOUGH = 0.2  # fall of the objective below which a fit has converged
+STEP = 0.05  # of a parameter's plausible size, for its derivative
+HALVINGS = 3
+FAITHFUL = 0.7  # of the promised fall; derivatives that keep less are taken anew
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """One parameter of one cause."""
+
+    cause: Cause
+    parameter: Parameter
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of its prior."""
+        p = self.parameter
+        return (p.high - p.low) / np.sqrt(3) if p.is_shape else p.high / np.sqrt(3)
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Values beyond which it makes no sense: a little more than plausible."""
+        p = self.parameter
+        if p.is_shape:
+            return p.low / 2 if p.low > 0 else p.low, 2 * p.high if p.high > 0 else p.high
+        return (p.null - 4 * p.high if p.signed else p.null, p.null + 4 * p.high)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted extension; p nuisances, k unknowns, m whitened readings.
+
+    Attributes:
+        causes: What was added to the nominal model; empty: nothing.
+        unknowns: Their parameters, in order.
+        values: Shape (k,).
+        covariance: Shape (k, k), nuisances integrated out.
+        nuisances: Shape (p,), in standard deviations of their priors.
+        objective: Chi-square plus penalties of the priors, divided by the scale of the noise.
+        log_evidence: Logarithm of the marginal likelihood, up to a constant that all fits of a campaign share.
+        residual: Shape (T, c), measured less simulated; nan where not measured.
+        slopes: Shape (T, c, k), change of the readings with each unknown.
+    """
+
+    causes: tuple[Cause, ...]
+    unknowns: tuple[Unknown, ...]
+    values: Array
+    covariance: Array
+    nuisances: Array
+    objective: float
+    log_evidence: float
+    residual: Array
+    slopes: Array
+
+    @property
+    def sigma(self) -> Array:
+        """Shape (k,), standard deviations of the values."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    def world(self, design: Design) -> World:
+        """Return the world that was fitted."""
+        return world_of(design, self.causes, self.unknowns, self.values, self.nuisances)
+
+
+def world_of(
+    design: Design, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array, nuisances: Array
+) -> World:
+    """Return the world with these values."""
+    deviations = {
+        nuisance: float(x) * nuisance.sigma
+        for nuisance, x in zip(design.nuisances, nuisances, strict=True)
+        if nuisance.edit or nuisance.on_reading or nuisance.scales_wrench or nuisance.scales_payload
+    }
+    acting = []
+    for cause in causes:
+        mine = {u.parameter.name: float(v) for u, v in zip(unknowns, values, strict=True) if u.cause is cause}
+        acting.append(cause.acting(mine))
+    return World(deviations, tuple(acting))
+
+
+def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[tuple[str, str, str], float], scale: float) -> Fit:
+    """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
+
+    Nuisances are simulated too; their derivatives are those at the nominal model.
+
+    Args:
+        design: The campaign.
+        causes: What to add to the nominal model.
+        start: (effect, place, parameter) -> first value; null where nothing is given.
+        scale: Variance of the noise against what the instruments explain.
+
+    Raises:
+        ConvergenceError, RobotError: The extended model cannot be simulated at all.
+    """
+    unknowns = tuple(Unknown(cause, p) for cause in causes for p in (*cause.sizes, *cause.shapes))
+    sigma = np.array([u.sigma for u in unknowns])
+    origin = np.array([u.parameter.null for u in unknowns])
+    values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
+    low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
+    values = np.clip(values, low, high)
+    x = np.zeros(len(design.nuisances))
+    linear = [
+        i
+        for i, n in enumerate(design.nuisances)
+        if not (n.edit or n.on_reading or n.scales_wrench or n.scales_payload)
+    ]
+    observed = np.concatenate([segment.observed for segment in design.segments])
+
+    def left(values: Array, x: Array) -> Array:
+        simulated = design.replay.predict(world_of(design, causes, unknowns, values, x))
+        residual: Array = observed - simulated - design.changes[:, :, linear] @ x[linear]
+        return residual
+
+    def objective(residual: Array, values: Array, x: Array) -> float:
+        white = design.whiten(residual)
+        penalty = float(np.sum(((values - origin) / sigma) ** 2)) if len(values) else 0.0
+        return float(white @ white) / scale + float(x @ x) + penalty
+
+    residual = left(values, x)
+    best = objective(residual, values, x)
+    curvature = np.eye(len(x) + len(values))
+    slopes, is_stale = np.zeros((*residual.shape, len(values))), True
+    for _ in range(MOST_ITERATIONS):
+        if is_stale:
+            slopes = _slopes(left, residual, values, x, unknowns, high)
+        tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
+        prior = np.concatenate([np.ones(len(x)), 1 / sigma**2])
+        curvature = tangent.T @ tangent / scale + np.diag(prior)
+        pull = np.concatenate([x, (values - origin) / sigma**2])
+        step = np.linalg.solve(curvature, tangent.T @ design.whiten(residual) / scale - pull)
+        promised = float(step @ (curvature @ step))
+        fell = 0.0
+        for halving in range(HALVINGS):
+            part = 0.5**halving * step
+            new_x, new_values = x + part[: len(x)], np.clip(values + part[len(x) :], low, high)
+            try:
+                new_residual = left(new_values, new_x)
+            except BenchError:
+                continue
+            new = objective(new_residual, new_values, new_x)
+            if new < best:
+                fell = best - new
+                x, values, residual, best = new_x, new_values, new_residual, new
+                break
+        if fell < ENOUGH:
+            break
+        is_stale = fell < FAITHFUL * promised
+    covariance = np.linalg.inv(curvature)[len(x) :, len(x) :]
+    _, determinant = np.linalg.slogdet(curvature)
+    evidence = -0.5 * best - 0.5 * float(determinant) - float(np.sum(np.log(sigma)))
+    return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, slopes)
+
+
+def _slopes(left, residual, values, x, unknowns, high) -> Array:  # type: ignore[no-untyped-def]
+    """Return the change of the readings with each unknown, shape (T, c, k), by differences of simulations."""
+    columns = []
+    for i, unknown in enumerate(unknowns):
+        p = unknown.parameter
+        step = STEP * (p.high - p.low if p.is_shape else p.high)
+        if values[i] + step > high[i]:
+            step = -step
+        moved = values.copy()
+        moved[i] += step
+        columns.append((residual - left(moved, x)) / step)
+    return np.stack(columns, axis=2) if columns else np.zeros((*residual.shape, 0))
+
+
+def pseudo_residual(design: Design, fit: Fit) -> Array:
+    """Return the whitened residual of a fit as it would be with all nuisances at zero, shape (m,)."""
+    return design.whiten(fit.residual) + design.slopes @ fit.nuisances

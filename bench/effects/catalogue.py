@@ -1,0 +1,164 @@
+"""The catalogue: every effect by its name, those that come with the bench and those from a user's own files."""
+
+import importlib.util
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import ModuleType
+
+from bench.effects.anchors import Anchor
+from bench.effects.effect import Effect
+from bench.effects.friction import (
+    CoulombFriction,
+    CoulombLevel,
+    FrictionSide,
+    FrictionTemperature,
+    Viscous,
+    ViscousFriction,
+)
+from bench.effects.friction_shape import DirectionFriction, FrictionRipple, LoadFriction, Stribeck
+from bench.effects.gas import (
+    CounterbalanceGas,
+    GasLoss,
+    GasTemperature,
+    PolytropicExponent,
+    SealFriction,
+    ThermalRelaxation,
+)
+from bench.effects.gear_kinematics import TransmissionError, WristCoupling
+from bench.effects.geometry import DressPack, JointZero, LinkLength, ThermalGrowth
+from bench.effects.masses import (
+    LinkCom,
+    LinkInertia,
+    LinkMass,
+    PayloadCom,
+    PayloadMass,
+    RotorInertia,
+    TorqueOffset,
+)
+from bench.effects.sensing_bench import ForceGain, ForceTilt, TrackerDrift, TrackerFrame
+from bench.effects.sensing_drive import (
+    CurrentOffset,
+    EncoderDelay,
+    EncoderEccentricity,
+    TorqueConstant,
+    TorqueConstantTemperature,
+    TorqueSaturation,
+)
+from bench.effects.structure import BaseCompliance, BaseTorsion, BearingTilt, LinkBending
+from bench.effects.transmission import Backlash, Hysteresis, JointCompliance, Softening
+from bench.errors import InputError
+
+BUILT_IN: tuple[type[Effect], ...] = (
+    # gas and cylinder
+    PolytropicExponent,
+    GasLoss,
+    GasTemperature,
+    ThermalRelaxation,
+    SealFriction,
+    Anchor,
+    CounterbalanceGas,
+    # drive friction
+    CoulombLevel,
+    CoulombFriction,
+    Viscous,
+    ViscousFriction,
+    Stribeck,
+    LoadFriction,
+    DirectionFriction,
+    FrictionTemperature,
+    FrictionSide,
+    FrictionRipple,
+    # transmission
+    JointCompliance,
+    Softening,
+    Backlash,
+    Hysteresis,
+    TransmissionError,
+    WristCoupling,
+    # structure
+    LinkBending,
+    BearingTilt,
+    BaseCompliance,
+    BaseTorsion,
+    # geometry and mass
+    PayloadMass,
+    PayloadCom,
+    LinkMass,
+    LinkCom,
+    LinkInertia,
+    RotorInertia,
+    JointZero,
+    LinkLength,
+    DressPack,
+    TorqueOffset,
+    ThermalGrowth,
+    # sensing
+    TorqueConstant,
+    TorqueSaturation,
+    TorqueConstantTemperature,
+    CurrentOffset,
+    TrackerFrame,
+    TrackerDrift,
+    ForceGain,
+    ForceTilt,
+    EncoderDelay,
+    EncoderEccentricity,
+)
+_REQUIRED = ("name", "family", "title", "physics", "source", "parameters")
+
+
+def catalogue(files: Iterable[Path] = ()) -> Mapping[str, Effect]:
+    """Return all effects by name, in the order of the documentation; those from own files come last.
+
+    Args:
+        files: Python files; every subclass of `Effect` that is defined in one becomes an entry.
+
+    Raises:
+        InputError: A file cannot be read or run, defines no effect or an incomplete one, or a name is there twice.
+    """
+    found = {kind.name: kind() for kind in BUILT_IN}
+    problems: list[str] = []
+    for file in files:
+        for kind in _defined_in(file):
+            place = f"{file}: class {kind.__name__}"
+            missing = [name for name in _REQUIRED if not hasattr(kind, name)]
+            if missing:
+                problems.append(f"{place}: set {', '.join(missing)}.")
+            elif kind.name in found:
+                problems.append(f"{place}: there is an effect {kind.name!r} already; choose another name.")
+            elif not kind.parameters:
+                problems.append(f"{place}: parameters is empty; give one at least.")
+            else:
+                found[kind.name] = kind()
+    if problems:
+        raise InputError(problems)
+    return found
+
+
+def _defined_in(file: Path) -> list[type[Effect]]:
+    module = _run(file)
+    kinds = [
+        kind
+        for kind in vars(module).values()
+        if isinstance(kind, type)
+        and issubclass(kind, Effect)
+        and kind.__module__ == module.__name__
+        and not kind.__name__.startswith("_")
+    ]
+    if not kinds:
+        raise InputError(f"{file}: defines no effect; write a subclass of bench.effects.effect.Effect.")
+    return kinds
+
+
+def _run(file: Path) -> ModuleType:
+    if not file.is_file():
+        raise InputError(f"{file}: there is no such file.")
+    spec = importlib.util.spec_from_file_location(f"own_effects_{file.stem}", file)
+    if spec is None or spec.loader is None:
+        raise InputError(f"{file}: not a Python file; its name must end in .py.")
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise InputError(f"{file}: does not run: {type(error).__name__}: {error}") from error
+    return module

@@ -1,0 +1,206 @@
+"""The contract of an effect: one entry says its physics, where it may act, and how it changes model and readings.
+
+An entry of the catalogue is a subclass of `Effect` with class attributes and one or two of its three methods:
+
+- `edit`: the effect is in the robot. It returns a change of the `MjSpec`, applied before the model is compiled.
+- `encoder_error`: the effect lies between the true motor angle and what the encoder says of it; the servo follows it.
+- `distort`: the effect is in another instrument. It changes readings, outside of the physics.
+
+The null value of every parameter changes nothing. Slow influences (temperatures, time) are constant within a run and
+come as `Conditions`.
+"""
+
+from abc import ABC
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.simulate.instruments import Reading
+from bench.simulate.plant import Trace
+
+Array = NDArray[np.float64]
+Family = Literal[
+    "gas and cylinder", "drive friction", "transmission", "structure", "geometry and mass", "sensing", "own"
+]
+REFERENCE_K = 293.15  # temperature at which the nominal figures hold
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an effect acts.
+
+    Attributes:
+        kind: "robot": as a whole (index 0, name ""); "joint": a drive; "body": a body of the MJCF.
+        index: Of the drive, from 0, or MuJoCo's id of the body in the nominal model.
+        name: Of the joint or body in the MJCF.
+    """
+
+    kind: Literal["robot", "joint", "body"]
+    index: int = 0
+    name: str = ""
+
+    def __str__(self) -> str:
+        if self.kind == "robot":
+            return "robot"
+        return f"joint {self.index + 1}" if self.kind == "joint" else self.name
+
+
+WHOLE = Place("robot")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of an effect.
+
+    Attributes:
+        name: In snake_case, unique within its effect.
+        unit: SI, "" for relative quantities (0.05 is 5 %).
+        null: Value that changes nothing. For a parameter that only shapes another one (a period, a time constant,
+            a Stribeck velocity) this is the value that is assumed first; it changes nothing as long as the others
+            are at their null value.
+        low, high: Plausible size: value - null lies in [low, high], or in [-high, -low] too if `signed`. For a shape
+            parameter the plausible values themselves.
+        signed: Both signs are physical.
+        is_shape: It only shapes the effect; size 0 of the others makes it meaningless.
+        words: What it is.
+    """
+
+    name: str
+    unit: str
+    null: float
+    low: float
+    high: float
+    words: str
+    signed: bool = False
+    is_shape: bool = False
+
+    @property
+    def typical(self) -> float:
+        """A value in the middle of the plausible range, on a logarithmic scale."""
+        if self.is_shape:
+            return self.null
+        return self.null + float(np.sqrt(self.low * self.high)) if self.low > 0 else self.null + self.high / 2
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What was slow during a run.
+
+    Attributes:
+        gear_k: Shape (n,) [K], gearboxes.
+        winding_k: Shape (n,) [K], motor windings.
+        gas_k: [K], gas of the counterbalance.
+        ambient_k: [K].
+        payload_kg: Mass bolted to the load point, as the lab knows it.
+    """
+
+    gear_k: Array
+    winding_k: Array
+    gas_k: float = REFERENCE_K
+    ambient_k: float = REFERENCE_K
+    payload_kg: float = 0.0
+
+    @classmethod
+    def reference(cls, n: int, payload_kg: float = 0.0) -> "Conditions":
+        """Return the conditions under which the nominal figures hold, for n drives."""
+        return cls(np.full(n, REFERENCE_K), np.full(n, REFERENCE_K), payload_kg=payload_kg)
+
+
+class Effect(ABC):
+    """One entry of the catalogue.
+
+    Attributes:
+        name: In snake_case, unique.
+        family: Of the table in the documentation.
+        title: What a person calls it.
+        physics: Why it happens and what it does, in one to three sentences, with the formula.
+        source: Literature for physics and range.
+        parameters: The first is the size by which people know it.
+        needs: Columns without which it cannot be seen, such as "gear_temperature" (quantities of `record.channels`).
+    """
+
+    name: ClassVar[str]
+    family: ClassVar[Family]
+    title: ClassVar[str]
+    physics: ClassVar[str]
+    source: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    needs: ClassVar[tuple[str, ...]] = ()
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return where it may act on this robot; empty where the robot has no such part."""
+        return (WHOLE,)
+
+    def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
+        """Return the parameters with the ranges and units that hold at a place; by default `parameters`.
+
+        Only `unit`, `low` and `high` may differ: a light drive has less friction in Nm than a heavy one.
+        """
+        return self.parameters
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        """Return the change of the model under some conditions, or None if the effect is not in the robot.
+
+        It is applied after a payload was bolted on.
+        """
+        return None
+
+    def encoder_error(self, place: Place, values: Values, q: Array, velocity: Array) -> Array | None:
+        """Return reading minus true motor angle, shape (T, n) [rad], or None if the encoder is right.
+
+        Args:
+            place: Where it acts.
+            values: Parameters.
+            q: Shape (T, n) [rad], true motor angles.
+            velocity: Shape (T, n) [rad/s].
+        """
+        return None
+
+    def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
+        """Return what the instruments show instead of `reading`; by default the same.
+
+        Args:
+            place: Where it acts.
+            values: Parameters.
+            reading: What they would show.
+            trace: The truth at the same instants; `trace.time` counts from the start of the campaign.
+            conditions: During the run.
+        """
+        return reading
+
+    def complete(self, values: Values) -> dict[str, float]:
+        """Return all parameters, those not given at their null value.
+
+        Raises:
+            InputError: An unknown parameter.
+        """
+        from bench.errors import InputError, unknown_name
+
+        known = {parameter.name: parameter.null for parameter in self.parameters}
+        for name in values:
+            if name not in known:
+                raise InputError(f"effect {self.name!r}: {unknown_name('parameter', name, known)}")
+        return known | dict(values)
+
+
+@dataclass(frozen=True)
+class Acting:
+    """An effect that acts at a place with certain values."""
+
+    effect: Effect
+    place: Place
+    values: Values
+
+    def __str__(self) -> str:
+        where = "" if self.place.kind == "robot" else f" ({self.place})"
+        sizes = ", ".join(
+            f"{p.name} {self.values[p.name]:.4g} {p.unit}".strip()
+            for p in self.effect.parameters
+            if p.name in self.values
+        )
+        return f"{self.effect.name}{where}: {sizes}"

@@ -1,0 +1,186 @@
+"""Friction of a drive: how high its levels are, and on which side of the elastic element it sits."""
+
+from math import exp
+
+import mujoco
+import numpy as np
+
+from bench.effects.effect import REFERENCE_K, Conditions, Parameter, Place, Values
+from bench.effects.friction_elements import coulomb, scale_coulomb, set_coulomb
+from bench.effects.places import OnDrive, drive_of, drives
+from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.folder import Robot
+
+ARMSTRONG = (
+    "Armstrong-Helouvry, Dupont and Canudas de Wit, A survey of models, analysis tools and compensation methods, 1994"
+)
+BITTENCOURT = (
+    "Bittencourt and Gunnarsson, Static friction in a robot joint: modeling and identification of load and "
+    "temperature effects, 2012"
+)
+
+
+class _OnFriction(OnDrive):
+    family = "drive friction"
+
+
+class _WithCoulomb(_OnFriction):
+    """It changes Coulomb friction that is there, so it needs some."""
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        return with_coulomb(compiled)
+
+
+class CoulombLevel(_WithCoulomb):
+    """The level of sliding friction is not the nominal one."""
+
+    name = "coulomb_level"
+    title = "Coulomb level"
+    physics = "Preload, wear and lubricant set the level of dry friction: both sides' levels become (1 + x) f_C."
+    source = f"{BITTENCOURT}; range: spread between units and over life, assumed"
+    parameters = (Parameter("change", "", 0.0, 0.1, 0.6, "of the level, relative", signed=True),)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        change = values["change"]
+        return (lambda spec, robot: scale_coulomb(spec, drive_of(robot, place), 1 + change)) if change else None
+
+
+class CoulombFriction(_OnFriction):
+    """Dry friction where the nominal model has none."""
+
+    name = "coulomb_friction"
+    title = "Coulomb friction that the model leaves out"
+    physics = (
+        "Dry friction in gear, bearings and seals opposes motion with a constant torque f_C sign(v), and holds at rest "
+        "within +-f_C. It is put on the motor side (the effect friction_side moves it)."
+    )
+    source = f"{ARMSTRONG}; range: 0.2 to 10 % of the drive's torque limit, assumed"
+    parameters = (Parameter("level", "Nm", 0.0, 20.0, 1000.0, "f_C; range for a drive of 10 kNm"),)
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        rich = {place.index for place in with_coulomb(compiled)}
+        return tuple(place for place in drives(compiled) if place.index not in rich)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        level = values["level"]
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            drive = drive_of(robot, place)
+            set_coulomb(spec, drive, "motor", coulomb(spec, drive, "motor") + level)
+
+        return change if level else None
+
+
+class Viscous(_OnFriction):
+    """The viscous coefficient is not the nominal one."""
+
+    name = "viscous_level"
+    title = "viscous friction"
+    physics = "Shear of the lubricant opposes motion in proportion to speed, f = (1 + x) f_v v on the motor side."
+    source = f"{BITTENCOURT}; range: lubricant and filling, assumed"
+    parameters = (Parameter("change", "", 0.0, 0.1, 0.8, "of the coefficient, relative", signed=True),)
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        return tuple(place for place in drives(compiled) if _viscous(compiled)[place.index] > 0)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        change = values["change"]
+        return (lambda spec, robot: scale_viscous(spec, drive_of(robot, place).rotor, 1 + change)) if change else None
+
+
+class ViscousFriction(_OnFriction):
+    """Viscous friction where the nominal model has none."""
+
+    name = "viscous_friction"
+    title = "viscous friction that the model leaves out"
+    physics = (
+        "Shear of the lubricant opposes motion in proportion to speed, f = f_v v, mostly in the fast motor-side stages."
+    )
+    source = f"{ARMSTRONG}; range: 0.2 to 20 % of the torque limit at the speed limit, assumed"
+    parameters = (
+        Parameter("coefficient", "Nm s/rad", 0.0, 10.0, 1000.0, "f_v; range for a drive of 10 kNm and 2 rad/s"),
+    )
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        return tuple(place for place in drives(compiled) if _viscous(compiled)[place.index] == 0)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        coefficient = values["coefficient"]
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            joint = spec.joint(drive_of(robot, place).rotor)
+            joint.damping = np.asarray(joint.damping) + np.array([coefficient, 0, 0])
+
+        return change if coefficient else None
+
+
+class FrictionTemperature(_OnFriction):
+    """Friction falls as the gearbox warms up."""
+
+    name = "friction_temperature"
+    title = "friction falls with gear temperature"
+    physics = (
+        "A warm lubricant is thinner: Coulomb and viscous friction of the drive become exp(-c (T_gear - 293.15 K)) of "
+        "their nominal values."
+    )
+    source = f"{BITTENCOURT} (friction over temperature); range: DESIGN 6, 0.01 to 0.04 /K"
+    parameters = (Parameter("decrease", "1/K", 0.0, 0.01, 0.04, "c, relative decrease per kelvin"),)
+    needs = ("gear_temperature",)
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        rich = {place.index for place in with_coulomb(compiled)}
+        viscous = _viscous(compiled)
+        return tuple(place for place in drives(compiled) if place.index in rich or viscous[place.index] > 0)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        factor = exp(-values["decrease"] * float(conditions.gear_k[place.index] - REFERENCE_K))
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            drive = drive_of(robot, place)
+            scale_coulomb(spec, drive, factor)
+            scale_viscous(spec, drive.rotor, factor)
+
+        return change if factor != 1 else None
+
+
+class FrictionSide(_WithCoulomb):
+    """Friction sits on the other side of the elastic element than the model has it."""
+
+    name = "friction_side"
+    title = "friction between motor side and link side"
+    physics = (
+        "What sits before the elastic element is paid by the motor alone; what sits behind it (output bearing, seals) "
+        "carries part of the load. x > 0 moves x of the motor side's level to the link side, x < 0 moves -x of "
+        "the link "
+        "side's to the motor side; the sum stays."
+    )
+    source = "DESIGN 3 (both sides and what they do to identification); range: all of it may move"
+    parameters = (Parameter("moved", "", 0.0, 0.1, 1.0, "share that moves, + to the link side", signed=True),)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        moved = values["moved"]
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            drive = drive_of(robot, place)
+            motor, link = coulomb(spec, drive, "motor"), coulomb(spec, drive, "link")
+            step = moved * (motor if moved > 0 else link)
+            set_coulomb(spec, drive, "motor", motor - step)
+            set_coulomb(spec, drive, "link", link + step)
+
+        return change if moved else None
+
+
+def with_coulomb(compiled: CompiledRobot) -> tuple[Place, ...]:
+    """Return the drives with Coulomb friction on at least one side."""
+    level = compiled.motor_coulomb + compiled.link_coulomb
+    return tuple(place for place in drives(compiled) if level[place.index] > 0)
+
+
+def scale_viscous(spec: mujoco.MjSpec, rotor: str, factor: float) -> None:
+    """Multiply the damping of a rotor's joint."""
+    joint = spec.joint(rotor)
+    joint.damping = factor * np.asarray(joint.damping)
+
+
+def _viscous(compiled: CompiledRobot) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    return np.asarray(compiled.model.dof_damping[compiled.at.q_dof], dtype=np.float64)

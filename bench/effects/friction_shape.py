@@ -1,0 +1,116 @@
+"""Friction of a drive: how its level depends on speed, load, direction and angle."""
+
+from math import atan2, hypot, pi
+
+import mujoco
+
+from bench.effects.effect import Conditions, Parameter, Place, Values
+from bench.effects.friction import ARMSTRONG, BITTENCOURT, with_coulomb
+from bench.effects.friction_elements import give, give_side
+from bench.effects.places import OnDrive, drive_of
+from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.folder import Robot
+
+
+class _Shape(OnDrive):
+    """It shapes Coulomb friction that is there, so it needs some."""
+
+    family = "drive friction"
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        return with_coulomb(compiled)
+
+
+class Stribeck(_Shape):
+    """More friction at standstill than in motion."""
+
+    name = "stribeck"
+    title = "Stribeck effect"
+    physics = (
+        "At low speed no lubricant film carries: the level rises to f_C (1 + r exp(-(v/v_s)^2)), on both sides of the "
+        "elastic element."
+    )
+    source = f"{ARMSTRONG}; Bona and Indri, Friction compensation in robotics: an overview, 2005; range: DESIGN 6"
+    parameters = (
+        Parameter("rise", "", 0.0, 0.1, 0.5, "r, rise at standstill, relative"),
+        Parameter("speed", "rad/s", 0.02, 0.003, 0.1, "v_s, at which the rise has fallen to 1/e", is_shape=True),
+    )
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        rise, speed = values["rise"], values["speed"]
+        if not rise:
+            return None
+        return lambda spec, robot: give(spec, robot, drive_of(robot, place), stribeck_velocity=speed, static_rise=rise)
+
+
+class LoadFriction(OnDrive):
+    """Friction grows with the torque that the gear transmits."""
+
+    name = "load_friction"
+    family = "drive friction"
+    title = "friction grows with the transmitted torque"
+    physics = (
+        "Tooth and pin contacts are pressed by the load: the motor-side level rises by mu |tau|, tau of the elastic"
+        " element."
+    )
+    source = f"{BITTENCOURT} (load torque); range: DESIGN 6, 0.01 to 0.06 of the torque"
+    parameters = (Parameter("coefficient", "", 0.0, 0.01, 0.06, "mu, level per transmitted torque"),)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        coefficient = values["coefficient"]
+        if not coefficient:
+            return None
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            drive = drive_of(robot, place)
+            give_side(spec, robot, drive, "motor", element=drive.element, load_coefficient=coefficient)
+
+        return change
+
+
+class DirectionFriction(_Shape):
+    """Friction differs between the directions."""
+
+    name = "direction_friction"
+    title = "friction depends on the direction"
+    physics = (
+        "Worn or preloaded flanks rub unequally: the level is f_C (1 + d) in motion towards +, f_C (1 - d) towards -."
+    )
+    source = f"{ARMSTRONG} (asymmetric friction); range: assumed"
+    parameters = (Parameter("asymmetry", "", 0.0, 0.05, 0.4, "d, surplus towards +, relative", signed=True),)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        asymmetry = values["asymmetry"]
+        if not asymmetry:
+            return None
+        return lambda spec, robot: give(spec, robot, drive_of(robot, place), asymmetry=asymmetry)
+
+
+class FrictionRipple(_Shape):
+    """The level of friction varies over the joint's angle."""
+
+    name = "friction_ripple"
+    title = "friction depends on the angle"
+    physics = (
+        "Eccentric bearings and gears press unequally over a turn: the level is "
+        "f_C (1 + s sin(2 pi x/p) + c cos(2 pi x/p)) at the angle x."
+    )
+    source = "Armstrong-Helouvry, Control of machines with friction, 1991 (position-dependent friction); range: assumed"
+    parameters = (
+        Parameter("sin", "", 0.0, 0.05, 0.4, "s, relative", signed=True),
+        Parameter("cos", "", 0.0, 0.05, 0.4, "c, relative", signed=True),
+        Parameter("period", "rad", pi / 3, pi / 40, 2 * pi, "p", is_shape=True),
+    )
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        sine, cosine = values["sin"], values["cos"]
+        if not (sine or cosine):
+            return None
+        return lambda spec, robot: give(
+            spec,
+            robot,
+            drive_of(robot, place),
+            ripple_period=values["period"],
+            ripple=hypot(sine, cosine),
+            ripple_phase=atan2(cosine, sine),
+        )

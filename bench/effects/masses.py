@@ -1,0 +1,182 @@
+"""Masses, inertias and constant torques that differ from the model's."""
+
+import mujoco
+import numpy as np
+
+from bench.actuators.laws import TorqueTable
+from bench.effects.effect import Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.places import OnDrive, drive_of, links
+from bench.effects.plugin_actuators import add_torque_table, unused_name
+from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.folder import Robot
+
+SWEVERS = "Swevers, Verdonck and De Schutter, Dynamic model identification for industrial robots, 2007"
+
+
+class _GeometryAndMass(Effect):
+    family = "geometry and mass"
+
+
+class PayloadMass(_GeometryAndMass):
+    """What is bolted on is heavier or lighter than written down."""
+
+    name = "payload_mass"
+    title = "mass of the payload"
+    physics = "The mass bolted to the load point is (1 + x) of what the lab states; weights that hang are not meant."
+    source = f"{SWEVERS}; range: DESIGN 6, 1 to 10 %"
+    parameters = (Parameter("change", "", 0.0, 0.01, 0.1, "of the mass, relative", signed=True),)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        change = values["change"]
+
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            scale_mass(spec.body(robot.figures.load_body), 1 + change)
+
+        return edit if change else None
+
+
+class PayloadCom(_GeometryAndMass):
+    """The payload's centre of mass is not in the load point."""
+
+    name = "payload_com"
+    title = "centre of mass of the payload"
+    physics = (
+        "The mass bolted on hangs beside the load point by (x, y, z) in the axes of the load body: moment m g x offset."
+    )
+    source = f"{SWEVERS}; range: DESIGN 6, 5 to 30 mm"
+    parameters = tuple(Parameter(axis, "m", 0.0, 5e-3, 30e-3, f"offset along {axis}", signed=True) for axis in "xyz")
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        offset = _vector(values)
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            load = spec.body(robot.figures.load_body)
+            if load.mass == 0:
+                return
+            # a body of its own: the load body's centre of mass has to stay in the load point, where wrenches act
+            moved = load.add_body(name=unused_name(spec, "payload"), pos=np.array(load.ipos) + offset)
+            moved.mass, moved.inertia, moved.explicitinertial = load.mass, np.array(load.inertia), True
+            moved.ipos, moved.iquat = np.zeros(3), np.array(load.iquat)
+            load.mass, load.inertia, load.explicitinertial = 0.0, np.zeros(3), True
+
+        return change if np.any(offset) else None
+
+
+class _OfLink(_GeometryAndMass):
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        return links(compiled)
+
+
+class LinkMass(_OfLink):
+    """A link is heavier or lighter than in the model."""
+
+    name = "link_mass"
+    title = "mass of a link"
+    physics = "Mass and inertia of a body become (1 + x) of the model's; its centre of mass stays."
+    source = f"{SWEVERS}; range: CAD against weighed, with cables and grease, assumed"
+    parameters = (Parameter("change", "", 0.0, 0.03, 0.3, "of the mass, relative", signed=True),)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        change = values["change"]
+        return (lambda spec, robot: scale_mass(spec.body(place.name), 1 + change)) if change else None
+
+
+class LinkCom(_OfLink):
+    """A link's centre of mass is elsewhere."""
+
+    name = "link_com"
+    title = "centre of mass of a link"
+    physics = "The centre of mass of a body is moved by (x, y, z) in the body's axes; its inertia about it stays."
+    source = f"{SWEVERS}; range: CAD against identified, assumed"
+    parameters = tuple(Parameter(axis, "m", 0.0, 3e-3, 50e-3, f"shift along {axis}", signed=True) for axis in "xyz")
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        shift = _vector(values)
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            body = spec.body(place.name)
+            body.ipos = np.array(body.ipos) + shift
+
+        return change if np.any(shift) else None
+
+
+class LinkInertia(_OfLink):
+    """A link's inertia about its centre of mass is not the model's."""
+
+    name = "link_inertia"
+    title = "inertia of a link"
+    physics = (
+        "The moments of inertia of a body about its centre of mass become (1 + x) of the model's; it is felt in "
+        "acceleration only."
+    )
+    source = f"{SWEVERS}; range: assumed"
+    parameters = (Parameter("change", "", 0.0, 0.05, 0.5, "of the moments of inertia, relative", signed=True),)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        change = values["change"]
+
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            _scale_inertia(spec.body(place.name), 1 + change)
+
+        return edit if change else None
+
+
+class RotorInertia(OnDrive):
+    """The reflected inertia of motor and gear is not the model's."""
+
+    name = "rotor_inertia"
+    family = "geometry and mass"
+    title = "inertia of motor and gear"
+    physics = "J_m N^2 of a drive becomes (1 + x) of the model's; it is felt in acceleration only."
+    source = f"{SWEVERS}; range: data sheet against identified, brake and gear left out, assumed"
+    parameters = (Parameter("change", "", 0.0, 0.03, 0.5, "relative", signed=True),)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        change = values["change"]
+
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            joint = spec.joint(drive_of(robot, place).rotor)
+            joint.armature = (1 + change) * joint.armature
+
+        return edit if change else None
+
+
+class TorqueOffset(OnDrive):
+    """A constant torque acts on a joint."""
+
+    name = "torque_offset"
+    family = "geometry and mass"
+    title = "constant torque on a joint"
+    physics = (
+        "Something pulls on a joint with the same torque at every angle and speed (an unmodelled weight, a spring"
+        " at long "
+        "travel); it acts on the link, in the direction of growing angle."
+    )
+    source = (
+        "Janot, Gautier and Brunot, data set of the EMPS, 2019 (offset force); range: 0.05 to 5 % of the limit, assumed"
+    )
+    parameters = (Parameter("torque", "Nm", 0.0, 5.0, 500.0, "range for a drive of 10 kNm", signed=True),)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        torque = values["torque"]
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            law = TorqueTable(angle_min=-1.0, angle_max=1.0, forward=(torque, torque), backward=(torque, torque))
+            add_torque_table(spec, f"torque on {place.name}", law, joint=place.name)
+
+        return change if torque else None
+
+
+def scale_mass(body: mujoco.MjsBody, factor: float) -> None:
+    """Multiply mass and inertia of a body."""
+    body.mass = factor * body.mass
+    _scale_inertia(body, factor)
+
+
+def _scale_inertia(body: mujoco.MjsBody, factor: float) -> None:
+    body.inertia = factor * np.array(body.inertia)
+    body.fullinertia = factor * np.array(body.fullinertia)
+
+
+def _vector(values: Values) -> Array:
+    return np.array([values[axis] for axis in "xyz"])

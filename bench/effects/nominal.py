@@ -1,0 +1,192 @@
+"""What is a little wrong in every nominal model: its figures, each with a stated uncertainty.
+
+Diagnosis fits these first (nuisance parameters with priors); hidden-effect data draw their background errors from the
+same list. Each parameter is a deviation from the nominal value; zero changes nothing.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.folder import Robot
+from bench.robot.plugins import configure, number_of
+
+
+@dataclass(frozen=True)
+class NominalParameter:
+    """One figure of the model that may be off.
+
+    Attributes:
+        name: What it is, for people.
+        unit: "" for a relative deviation.
+        sigma: Its standard deviation as stated in the robot's figures.
+        edit: From a deviation to the change of the model.
+    """
+
+    name: str
+    unit: str
+    sigma: float
+    edit: Callable[[float], SpecEdit]
+
+
+def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
+    """Return everything that may be a little wrong in the model of a robot, with a sigma above zero."""
+    robot, model, known = compiled.robot, compiled.model, compiled.robot.figures.uncertainty
+    found: list[NominalParameter] = []
+    for drive in robot.figures.drives:
+        found += [
+            NominalParameter(
+                f"motor-side Coulomb friction of {drive.joint}", "", known.friction, _coulomb(drive.motor_friction)
+            ),
+            NominalParameter(
+                f"link-side Coulomb friction of {drive.joint}", "", known.friction, _coulomb(drive.link_friction)
+            ),
+            NominalParameter(
+                f"rotor inertia of {drive.joint}", "", known.rotor_inertia, _joint_scaled(drive.rotor, "armature")
+            ),
+            NominalParameter(
+                f"viscous friction of {drive.joint}", "", known.friction, _joint_scaled(drive.rotor, "damping")
+            ),
+            NominalParameter(f"stiffness of {drive.joint}", "", known.stiffness, _stiffness(drive.element)),
+        ]
+    for name in moving_bodies(compiled):
+        if model.body(name).mass[0] > 0:
+            found.append(NominalParameter(f"mass of {name}", "", known.mass, _mass(name)))
+            found += [
+                NominalParameter(f"centre of mass of {name}, {axis}", "m", known.centre_of_mass_m, _com(name, i))
+                for i, axis in enumerate("xyz")
+            ]
+    for name in placed_bodies(compiled):
+        found += [
+            NominalParameter(f"place of {name}, {axis}", "m", known.geometry_m, _place(name, i))
+            for i, axis in enumerate("xyz")
+        ]
+    balance = robot.figures.counterbalance
+    if balance:
+        actuator = balance.actuator
+        found.append(NominalParameter("gas constant C", "", known.gas_constant, _scaled(actuator, "constant")))
+        found.append(
+            NominalParameter("critical length l_c", "m", known.critical_length_m, _shifted(actuator, "critical_length"))
+        )
+        found += [
+            NominalParameter(f"anchor {site}, {axis}", "m", known.geometry_m, _anchor(site, i))
+            for site in _anchors(compiled)
+            for i, axis in enumerate("xyz")
+            if i != _across(compiled)
+        ]
+    return tuple(parameter for parameter in found if parameter.sigma > 0)
+
+
+def moving_bodies(compiled: CompiledRobot) -> tuple[str, ...]:
+    """Return the names of the bodies that driven joints move, rotors left out, in the order of the model."""
+    model = compiled.model
+    moved = set(model.jnt_bodyid[compiled.at.joint].tolist())
+    names = []
+    for body in range(1, model.nbody):
+        if body in moved or int(model.body_parentid[body]) in moved:
+            moved.add(body)
+            names.append(str(model.body(body).name))
+    return tuple(names)
+
+
+def placed_bodies(compiled: CompiledRobot) -> tuple[str, ...]:
+    """Return the names of the bodies whose place in their parent counts: those with a driven joint or a reflector."""
+    model, at = compiled.model, compiled.at
+    bodies = {*model.jnt_bodyid[at.joint].tolist(), *model.site_bodyid[at.reflectors].tolist()}
+    return tuple(name for name in moving_bodies(compiled) if int(model.body(name).id) in bodies)
+
+
+def _anchors(compiled: CompiledRobot) -> tuple[str, ...]:
+    model, tendon = compiled.model, compiled.at.counterbalance_tendon
+    start = model.tendon_adr[tendon]
+    return tuple(str(model.site(int(site)).name) for site in model.wrap_objid[start : start + 2])
+
+
+def _across(compiled: CompiledRobot) -> int:
+    """Return the coordinate along the counterbalance's joint, in which its anchors must agree."""
+    balance = compiled.counterbalance
+    assert balance
+    return int(np.argmax(np.abs(compiled.model.jnt_axis[compiled.at.joint[balance.joint]])))
+
+
+def _coulomb(actuator: str) -> Callable[[float], SpecEdit]:
+    return _scaled(actuator, "coulomb")
+
+
+def _scaled(actuator: str, key: str) -> Callable[[float], SpecEdit]:
+    return lambda x: lambda spec, robot: configure(spec, actuator, **{key: (1 + x) * number_of(spec, actuator, key)})
+
+
+def _shifted(actuator: str, key: str) -> Callable[[float], SpecEdit]:
+    return lambda x: lambda spec, robot: configure(spec, actuator, **{key: x + number_of(spec, actuator, key)})
+
+
+def _joint_scaled(joint: str, attribute: str) -> Callable[[float], SpecEdit]:
+    def change(x: float) -> SpecEdit:
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            found = spec.joint(joint)
+            setattr(found, attribute, getattr(found, attribute) * (1 + x))
+
+        return edit
+
+    return change
+
+
+def _stiffness(element: str) -> Callable[[float], SpecEdit]:
+    def change(x: float) -> SpecEdit:
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            tendon = spec.tendon(element)
+            tendon.stiffness = np.asarray(tendon.stiffness) * (1 + x)
+
+        return edit
+
+    return change
+
+
+def _mass(body: str) -> Callable[[float], SpecEdit]:
+    def change(x: float) -> SpecEdit:
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            link = spec.body(body)
+            link.mass = link.mass * (1 + x)
+            link.inertia = np.asarray(link.inertia) * (1 + x)
+            link.fullinertia = np.asarray(link.fullinertia) * (1 + x)
+
+        return edit
+
+    return change
+
+
+def _com(body: str, axis: int) -> Callable[[float], SpecEdit]:
+    def change(x: float) -> SpecEdit:
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            link = spec.body(body)
+            link.ipos = np.asarray(link.ipos) + x * np.eye(3)[axis]
+
+        return edit
+
+    return change
+
+
+def _place(body: str, axis: int) -> Callable[[float], SpecEdit]:
+    def change(x: float) -> SpecEdit:
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            link = spec.body(body)
+            link.pos = np.asarray(link.pos) + x * np.eye(3)[axis]
+
+        return edit
+
+    return change
+
+
+def _anchor(site: str, axis: int) -> Callable[[float], SpecEdit]:
+    def change(x: float) -> SpecEdit:
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            point = spec.site(site)
+            point.pos = np.asarray(point.pos) + x * np.eye(3)[axis]
+
+        return edit
+
+    return change

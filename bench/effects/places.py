@@ -1,0 +1,89 @@
+"""Where effects can act, and what is plausible there."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from bench.effects.effect import Effect, Parameter, Place
+from bench.effects.nominal import moving_bodies
+from bench.robot.compiled import CompiledRobot
+from bench.robot.figures import Drive
+from bench.robot.folder import Robot
+
+HEAVY_TORQUE = 10e3  # [Nm]; ranges in Nm are stated for a drive of this torque limit ...
+HEAVY_SPEED = 2.0  # [rad/s]; ... and this speed limit, and scaled to each drive
+
+
+_POWERS_OF_SPEED = {"Nm s/rad": 1, "Nm s^2/rad^2": 2}
+
+
+class OnDrive(Effect):
+    """An effect that acts on one drive; its ranges scale with the drive's limits.
+
+    A parameter in Nm, Nm/rad or Nm s/rad is as plausible on a light drive as on a heavy one at the same share of its
+    torque limit and speed limit. A slide has N for Nm and m for rad.
+    """
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return the drives on which it may act: all, unless a subclass picks."""
+        return drives(compiled)
+
+    def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
+        """Return the parameters with ranges and units of a drive."""
+        limit, speed = torque_limit(compiled, place.index), speed_limit(compiled, place.index)
+        slides = compiled.model.jnt_type[compiled.at.joint[place.index]] == mujoco.mjtJoint.mjJNT_SLIDE
+        return tuple(_scaled(parameter, limit, speed, bool(slides)) for parameter in self.parameters)
+
+
+def drives(compiled: CompiledRobot) -> tuple[Place, ...]:
+    """Return all drives."""
+    return tuple(Place("joint", i, drive.joint) for i, drive in enumerate(compiled.robot.figures.drives))
+
+
+def hinges(compiled: CompiledRobot) -> tuple[Place, ...]:
+    """Return the drives that turn a hinge."""
+    kinds = compiled.model.jnt_type[compiled.at.joint]
+    return tuple(place for place in drives(compiled) if kinds[place.index] == mujoco.mjtJoint.mjJNT_HINGE)
+
+
+def links(compiled: CompiledRobot) -> tuple[Place, ...]:
+    """Return the moving bodies that have a mass, without the one that carries the payload."""
+    bodies = [compiled.model.body(name) for name in moving_bodies(compiled)]
+    return tuple(
+        Place("body", int(body.id), str(body.name))
+        for body in bodies
+        if body.mass[0] > 0 and body.id != compiled.at.load_body
+    )
+
+
+def drive_of(robot: Robot, place: Place) -> Drive:
+    """Return the drive at a place."""
+    return robot.figures.drives[place.index]
+
+
+def torque_limit(compiled: CompiledRobot, index: int) -> float:
+    """Return the greatest torque of a drive [Nm], of a slide the force [N]; of an unlimited servo a guess."""
+    model, servo = compiled.model, compiled.at.servo[index]
+    if model.actuator_forcelimited[servo]:
+        return float(np.max(np.abs(model.actuator_forcerange[servo])))
+    return compiled.robot.figures.rating.force_n  # at an arm of 1 m
+
+
+def speed_limit(compiled: CompiledRobot, index: int) -> float:
+    """Return the greatest speed of a drive [rad/s] (of a slide [m/s])."""
+    return compiled.robot.figures.drives[index].speed_limit_rad_per_s
+
+
+def _scaled(parameter: Parameter, limit: float, speed: float, slides: bool) -> Parameter:
+    unit = parameter.unit
+    scale = 1.0
+    if "Nm" in unit:
+        scale = HEAVY_TORQUE / limit if unit.endswith("/Nm") else limit / HEAVY_TORQUE
+    if unit in _POWERS_OF_SPEED:
+        scale *= (HEAVY_SPEED / speed) ** _POWERS_OF_SPEED[unit]
+    if slides:
+        unit = unit.replace("Nm", "N").replace("rad", "m")
+    if parameter.is_shape:  # keeps the value that is assumed first within the range
+        return replace(parameter, unit=unit)
+    return replace(parameter, unit=unit, low=scale * parameter.low, high=scale * parameter.high)

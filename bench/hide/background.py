@@ -1,0 +1,50 @@
+"""Background errors: what is a little wrong in everything that a diagnosis takes for nominal."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
+import mujoco
+import numpy as np
+
+from bench.effects.nominal import nominal_parameters
+from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.folder import Robot
+
+
+@dataclass(frozen=True)
+class Background:
+    """One draw of background errors.
+
+    Attributes:
+        deviations: Name of a nominal parameter -> its deviation.
+        hung: Relative error of the weights that are hung on.
+        bolted: Relative error of the weights that are bolted on.
+    """
+
+    deviations: Mapping[str, float]
+    hung: float = 0.0
+    bolted: float = 0.0
+
+    @classmethod
+    def draw(cls, compiled: CompiledRobot, rng: np.random.Generator) -> Self:
+        """Draw every nominal parameter from a normal distribution with its own standard deviation."""
+        deviations = {
+            parameter.name: parameter.sigma * float(rng.standard_normal()) for parameter in nominal_parameters(compiled)
+        }
+        hung, bolted = (compiled.robot.figures.uncertainty.load * rng.standard_normal(2)).tolist()
+        return cls(deviations, hung, bolted)
+
+    def edits(self, compiled: CompiledRobot) -> tuple[SpecEdit, ...]:
+        """Return the changes of the model, bolted weights among them; to be applied after a payload was bolted on."""
+        known = nominal_parameters(compiled)
+        changes = [one.edit(self.deviations[one.name]) for one in known if one.name in self.deviations]
+        return (_heavier(self.bolted), *changes)
+
+
+def _heavier(share: float) -> SpecEdit:
+    def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+        load = spec.body(robot.figures.load_body)
+        load.mass = load.mass * (1 + share)
+
+    return edit

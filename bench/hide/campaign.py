@@ -1,0 +1,206 @@
+"""Make a campaign in which effects are hidden, with the truth apart."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench import paths
+from bench.effects.effect import Acting, Conditions
+from bench.errors import InputError, unknown_name
+from bench.hide.background import Background
+from bench.hide.plan import Stay, legs_of, plan
+from bench.hide.simulate import read, true_trace
+from bench.hide.thermometers import CHANNELS, USUAL, temperatures
+from bench.hide.warm_up import WarmUp
+from bench.record.campaign import Campaign, Run
+from bench.record.truth import TrueValue, Truth
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.figures import Instruments as InstrumentFigures
+from bench.robot.folder import Robot
+from bench.scenario.files import Experiment
+from bench.scenario.session import PARTS, SessionScenario
+from bench.simulate.drive import Log
+from bench.simulate.instruments import Instruments, Reading, SystematicErrors
+from bench.simulate.plant import Array, Trace
+from bench.simulate.session import edits_of
+from bench.simulate.tables import Joints, run_of, with_link_angles
+from bench.simulate.truth import true_parameters
+
+TAILS = 5.0  # degrees of freedom of the noise: it leaves four standard deviations 60 times as often as normal noise
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """A campaign with hidden effects, and everything that a scorer may ask for.
+
+    Attributes:
+        campaign: What the instruments saw.
+        truth: Effects, true parameters, readings of ideal instruments.
+        acting: The effects.
+        background: What else was a little wrong.
+        errors: Systematic errors of the instruments.
+        conditions: Run name -> conditions at its first reading.
+        instants: Run name -> the truth at its readings.
+    """
+
+    campaign: Campaign
+    truth: Truth
+    acting: tuple[Acting, ...]
+    background: Background
+    errors: SystematicErrors
+    conditions: Mapping[str, Conditions]
+    instants: Mapping[str, Trace]
+
+
+def hide_campaign(
+    robot: Robot,
+    session: Experiment,
+    acting: Sequence[Acting],
+    rng: np.random.Generator,
+    *,
+    timestep: float | None = None,
+    background: bool = True,
+    tails: float | None = TAILS,
+    without: Iterable[str] = (),
+    channels: Iterable[str] = (),
+) -> Hidden:
+    """Run a session on a robot in which effects act.
+
+    Args:
+        robot: The nominal robot.
+        session: What to do; its `robot` and `seed` are not used.
+        acting: Effects that act; none makes null data.
+        rng: Source of all errors and noise.
+        timestep: Integration step [s], which divides the MJCF's; None: half of it.
+        background: Whether everything nominal is a little wrong: model, weights and instruments. Noise always stays.
+        tails: Degrees of freedom of Student's t for the noise, None for normal noise.
+        without: Instruments of the figures ("tracker", "force", ...), channels ("gear_temperature", ...) and parts of a
+            session ("line", "dwell", ...) that the lab does not have.
+        channels: Further channels that it has ("gas_temperature").
+
+    Raises:
+        InputError: The session does not fit the robot, an unknown name in `without` or `channels`, or nothing is left.
+    """
+    acting = tuple(replace(one, values=one.effect.complete(one.values)) for one in acting)
+    robot, session, shown = _reduced(robot, session, tuple(without), tuple(channels))
+    compiled = compile_robot(robot, edits_of(session))
+    legs = legs_of(robot, session)
+    before_end = float(compiled.model.opt.timestep)  # as the environment reads, whatever the step here
+    drawn = Background.draw(compiled, rng) if background else Background({})
+    instruments = Instruments(compiled, rng, tails)
+    if not background:
+        instruments.errors = Instruments(compiled, None).errors
+    day = WarmUp.draw(robot.n_joints, rng)
+    edits = (*edits_of(session), *drawn.edits(compiled))
+    stays, log = plan(legs, edits, 1 + drawn.hung, day, before_end)
+    step = before_end / 2 if timestep is None else timestep
+    seen = [_measure(robot, stay, acting, instruments, (step, before_end), shown, rng) for stay in stays]
+    instants = Trace.concatenate([one.trace for one in seen])
+    thermometers = {name: np.concatenate([one.kelvin[name] for one in seen]) for name in seen[0].kelvin}
+    reading = Reading.concatenate([one.reading for one in seen])
+    conditions = [during for one in seen for during in one.conditions]
+    perfect = Instruments(compiled, None).read(instants)
+    ideal = [with_link_angles(run, log, instants) for run in _runs(compiled, log, perfect, {})]
+    cool = (one.effect.edit(one.place, one.values, Conditions.reference(robot.n_joints)) for one in acting)
+    simulated = compile_robot(robot, (*edits, *(edit for edit in cool if edit is not None)))
+    return Hidden(
+        campaign=Campaign(_name(robot), _runs(compiled, log, reading, thermometers), notes=session.notes),
+        truth=Truth(
+            parameters=true_parameters(simulated, instruments.errors) | _values(acting, drawn),
+            effects=tuple(name_of(one) for one in acting),
+            runs={run.name: run.columns for run in ideal},
+        ),
+        acting=acting,
+        background=drawn,
+        errors=instruments.errors,
+        conditions={name: conditions[log.rows(name)[0]] for name in log.run_names},
+        instants={name: instants[np.array(log.rows(name))] for name in log.run_names},
+    )
+
+
+def name_of(acting: Acting) -> str:
+    """Return the name under which the truth lists an effect: its own and, if that is a part of the robot, its place."""
+    return acting.effect.name if acting.place.kind == "robot" else f"{acting.effect.name} {acting.place}"
+
+
+def _reduced(
+    robot: Robot, session: Experiment, without: tuple[str, ...], channels: tuple[str, ...]
+) -> tuple[Robot, Experiment, tuple[str, ...]]:
+    """Return robot and session without what the lab does not have, and the thermometers that it has."""
+    fitted = tuple(InstrumentFigures.model_fields)
+    parts = PARTS if isinstance(session, SessionScenario) else ()
+    known = (*fitted, *parts, *CHANNELS)
+    problems = [unknown_name("instrument, channel or part", name, known) for name in without if name not in known]
+    problems += [unknown_name("channel", name, CHANNELS) for name in channels if name not in CHANNELS]
+    if problems:
+        raise InputError(problems)
+    if missing := [name for name in without if name in parts]:
+        assert isinstance(session, SessionScenario)
+        session = session.without(*missing)
+    instruments = robot.figures.instruments.model_copy(update={name: None for name in without if name in fitted})
+    robot = replace(robot, figures=robot.figures.model_copy(update={"instruments": instruments}))
+    return robot, session, tuple(name for name in (*USUAL, *channels) if name not in without)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Truth, readings, thermometers' columns and conditions at the K instants of a sitting that are read."""
+
+    trace: Trace
+    reading: Reading
+    kelvin: Mapping[str, Array]
+    conditions: tuple[Conditions, ...]
+
+
+def _measure(
+    robot: Robot,
+    stay: Stay,
+    acting: Sequence[Acting],
+    instruments: Instruments,
+    times: tuple[float, float],
+    thermometers: Sequence[str],
+    rng: np.random.Generator,
+) -> _Seen:
+    """Simulate a sitting and read it; `times` are the timestep, and how long before the end of a period is read [s]."""
+    trace = true_trace(robot, stay, acting, *times)
+    readings, kelvin, conditions = [], [], []
+    for during, rows in stay.read():
+        if len(rows):
+            here = slice(int(rows[0]), int(rows[-1]) + 1)
+            readings.append(read(instruments, acting, stay.course.steps[here], trace[here], during))
+            kelvin.append(temperatures(during, len(rows), thermometers, rng))
+            conditions += [during] * len(rows)
+    columns = {name: np.concatenate([part[name] for part in kelvin]) for name in kelvin[0]}
+    return _Seen(trace, Reading.concatenate(readings), columns, tuple(conditions))
+
+
+def _runs(compiled: CompiledRobot, log: Log, reading: Reading, extra: Mapping[str, Array]) -> tuple[Run, ...]:
+    gravity, joints = compiled.model.opt.gravity, Joints.of(compiled)
+    carried = any(step.move_reflector for step in log.steps)
+    runs = []
+    for name in log.run_names:
+        run, rows = run_of(name, log, reading, gravity, carried, joints), log.rows(name)
+        columns = dict(run.columns) | {column: values[rows] for column, values in extra.items()}
+        if "load_mass_kg" in columns:  # the force sensor is at the hook, a payload is bolted to the arm
+            columns = {
+                column: values for column, values in columns.items() if not column.startswith(("force", "moment"))
+            }
+        runs.append(replace(run, columns=columns))
+    return tuple(runs)
+
+
+def _values(acting: Iterable[Acting], background: Background) -> dict[str, TrueValue]:
+    """Return the sizes of the effects and of the background errors by name."""
+    values = {
+        f"effect.{name_of(one)}.{parameter.name}": TrueValue(float(one.values[parameter.name]), parameter.unit)
+        for one in acting
+        for parameter in one.effect.parameters
+    }
+    values |= {f"background.{name}": TrueValue(size, "") for name, size in background.deviations.items()}
+    return values | {"load.hung": TrueValue(background.hung, ""), "load.bolted": TrueValue(background.bolted, "")}
+
+
+def _name(robot: Robot) -> str:
+    """Return by what a campaign names its robot: a robot that comes along by name, another one by its path."""
+    return robot.name if robot.folder.parent == paths.models_dir() else str(robot.folder)

@@ -1,0 +1,100 @@
+"""A session as a list of sittings, each with its time, its model and the conditions under which it happens."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from bench.effects.effect import Conditions
+from bench.hide.pieces import Piece, pieces_of
+from bench.hide.warm_up import Spell, WarmUp
+from bench.robot.compiled import SpecEdit, compile_robot
+from bench.robot.folder import Robot
+from bench.scenario.files import Experiment
+from bench.simulate.batch import Course, Rows, course_of
+from bench.simulate.drive import Log
+from bench.simulate.session import SITTINGS, edits_of
+
+
+@dataclass(frozen=True)
+class Stay:
+    """One sitting of a session with everything that shapes it.
+
+    Attributes:
+        course: What to do.
+        edits: Changes of the model that hold throughout: the scenario's, a payload, background errors.
+        begin: When it begins, from the start of the campaign [s].
+        pieces: Of the course.
+        conditions: Of each piece.
+        load: True weights over nominal ones, for what hangs on.
+    """
+
+    course: Course
+    edits: tuple[SpecEdit, ...]
+    begin: float
+    pieces: tuple[Piece, ...]
+    conditions: tuple[Conditions, ...]
+    load: float = 1.0
+
+    def read(self) -> Iterator[tuple[Conditions, Rows]]:
+        """Yield the conditions of each piece, with which of the instants that are read lie in it."""
+        marked = self.course.marked
+        for piece, conditions in zip(self.pieces, self.conditions, strict=True):
+            yield conditions, np.flatnonzero((marked >= piece.first) & (marked < piece.last))
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A sitting of which nothing was drawn yet."""
+
+    course: Course
+    edits: tuple[SpecEdit, ...]
+    payload_kg: float
+    pause_s: float
+
+
+@lru_cache(maxsize=4)  # a study runs the same session hundreds of times, and its course is a second's work
+def legs_of(robot: Robot, session: Experiment) -> tuple[Leg, ...]:
+    """Return the sittings of a session.
+
+    Raises:
+        InputError: It does not fit the robot.
+    """
+    session.check(robot, compile_robot(robot, edits_of(session)).limits)
+    sittings = SITTINGS[session.experiment](session, robot)
+    return tuple(Leg(course_of(one), one.edits, one.payload_kg, one.pause_s) for one in sittings)
+
+
+def plan(
+    legs: Sequence[Leg], edits: tuple[SpecEdit, ...], load: float, warm_up: WarmUp, before_end: float
+) -> tuple[list[Stay], Log]:
+    """Return the sittings with their times and conditions, and a log of the steps that will be read.
+
+    Args:
+        legs: The sittings.
+        edits: Changes of the model that hold throughout; a payload comes before them.
+        load: True weights over nominal ones.
+        warm_up: How the day goes.
+        before_end: How long before the end of a control period is read [s].
+    """
+    log, spells, stays, now = Log(), [], [], 0.0
+    for i, leg in enumerate(legs):
+        course = leg.course
+        if i:
+            now += leg.pause_s
+            spells.append(Spell(leg.pause_s, works=True))
+        pieces = pieces_of(course)
+        edges = [*(piece.begins(course) for piece in pieces), course.seconds]
+        for piece, first, last in zip(pieces, edges[:-1], edges[1:], strict=True):
+            spells.append(Spell(last - first, piece.moves(course), leg.payload_kg))
+        stays.append(Stay(course, (*leg.edits, *edits), now, pieces, (), load))
+        log.steps += course.steps_at(before_end)
+        log.payload_kg += [leg.payload_kg] * len(course.steps)
+        now += course.seconds
+    during = iter(warm_up.over(spells))
+    for i, stay in enumerate(stays):
+        if i:
+            next(during)  # the pause
+        stays[i] = replace(stay, conditions=tuple(next(during) for _ in stay.pieces))
+    return stays, log

@@ -1,0 +1,88 @@
+"""What a person asks to hide, in words: `coulomb_level@2=0.2`."""
+
+import re
+from collections.abc import Iterable, Mapping
+
+from bench.effects.effect import Acting, Effect, Place
+from bench.errors import InputError, unknown_name
+from bench.robot.compiled import CompiledRobot
+
+WORDS = re.compile(r"(?P<name>[^@:=]+)(@(?P<place>[^:=]+))?(:(?P<parameter>[^=]+))?(=(?P<value>.+))?")
+GRAMMAR = "write NAME, NAME=VALUE, NAME:PARAMETER=VALUE, and NAME@PLACE for one joint or body"
+
+
+def effects_of(
+    words: Iterable[str], compiled: CompiledRobot, catalogue: Mapping[str, Effect], joint: int | None = None
+) -> tuple[Acting, ...]:
+    """Return the effects that some words ask for.
+
+    Each is `NAME[@PLACE][:PARAMETER][=VALUE]`. Without a parameter the first is meant, without a value its typical one.
+    The same effect at the same place may be named again for another parameter.
+
+    Args:
+        words: What is asked for.
+        compiled: The nominal robot.
+        catalogue: Name -> effect.
+        joint: Number of the joint, from 1, for effects that act on a joint and are named without a place.
+
+    Raises:
+        InputError: Unknown names, values that are no number, an effect that has no place on this robot, or several and
+            none was named; every fault is listed.
+    """
+    problems: list[str] = []
+    found: dict[tuple[str, Place], dict[str, float]] = {}
+    for word in words:
+        try:
+            effect, place, parameter, value = _one(word, compiled, catalogue, joint)
+        except InputError as error:
+            problems += error.problems
+            continue
+        found.setdefault((effect.name, place), {})[parameter] = value
+    if problems:
+        raise InputError(problems)
+    return tuple(
+        Acting(catalogue[name], place, catalogue[name].complete(values)) for (name, place), values in found.items()
+    )
+
+
+def _one(
+    word: str, compiled: CompiledRobot, catalogue: Mapping[str, Effect], joint: int | None
+) -> tuple[Effect, Place, str, float]:
+    match = WORDS.fullmatch(word)
+    if match is None:
+        raise InputError(f"{word!r}: {GRAMMAR}.")
+    name = match["name"]
+    if name not in catalogue:
+        raise InputError(unknown_name("effect", name, catalogue))
+    effect = catalogue[name]
+    parameters = {parameter.name: parameter for parameter in effect.parameters}
+    chosen = match["parameter"] or effect.parameters[0].name
+    if chosen not in parameters:
+        raise InputError(f"effect {name!r}: {unknown_name('parameter', chosen, parameters)}")
+    try:
+        value = parameters[chosen].typical if match["value"] is None else float(match["value"])
+    except ValueError as error:
+        raise InputError(f"{word!r}: {match['value']!r} is not a number; {GRAMMAR}.") from error
+    return effect, _place(effect, match["place"], compiled, joint), chosen, value
+
+
+def _place(effect: Effect, asked: str | None, compiled: CompiledRobot, joint: int | None) -> Place:
+    places = effect.places(compiled)
+    if not places:
+        raise InputError(f"effect {effect.name!r}: robot {compiled.robot.name!r} has no place for it.")
+    known: dict[str, Place] = {}
+    for place in places:
+        known |= {place.name: place} if place.name else {}
+        known |= {str(place.index + 1): place} if place.kind == "joint" else {}
+    if asked is None and joint is not None and any(place.kind == "joint" for place in places):
+        asked = str(joint)
+    if asked is not None:
+        if asked not in known:
+            raise InputError(f"effect {effect.name!r}: {unknown_name('place', asked, known)}")
+        return known[asked]
+    if len(places) > 1:
+        raise InputError(
+            f"effect {effect.name!r}: acts at {', '.join(map(str, places))}; say where with @ or --joint, such as "
+            f"{effect.name}@{next(iter(known))}."
+        )
+    return places[0]

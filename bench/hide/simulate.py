@@ -1,0 +1,116 @@
+"""A session on a robot in which effects act, in their three ways: in the model, before the encoder, in a reading."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from bench.effects.effect import Acting, Conditions
+from bench.hide.plan import Stay
+from bench.robot.compiled import SpecEdit
+from bench.robot.folder import Robot
+from bench.simulate.bare import bare
+from bench.simulate.batch import Course, follow, read_steps, smooth
+from bench.simulate.env import CONTROL_PERIOD
+from bench.simulate.instruments import Instruments, Reading
+from bench.simulate.plant import Array, Plant, Trace
+from bench.simulate.policy import Step
+
+ITERATIONS = 3  # an encoder's error changes over some arc minutes much less than over a turn
+
+
+def true_trace(robot: Robot, stay: Stay, acting: Sequence[Acting], timestep: float, before_end: float) -> Trace:
+    """Return the truth at every instant that is read in a sitting; its time is that of the campaign.
+
+    Args:
+        robot: The robot.
+        stay: The sitting.
+        acting: Effects.
+        timestep: Integration step [s].
+        before_end: How long before the end of a control period is read [s].
+    """
+    course = stay.course
+    start, commands = true_commands(course, acting)
+    path = smooth(start, commands)
+    wrenches = stay.load * course.wrenches
+    plant = Plant(robot, (*stay.edits, *_edits(acting, stay.conditions[0]), bare), timestep)
+    changes = _depends_on_conditions(robot, stay, acting)
+    plant.reset(start)
+    parts = []
+    for i, (piece, (conditions, here)) in enumerate(zip(stay.pieces, stay.read(), strict=True)):
+        if i and changes:
+            before, plant = plant, Plant(robot, (*stay.edits, *_edits(acting, conditions), bare), timestep)
+            plant.take_over(before)
+        rows = slice(piece.first, piece.last)
+        parts.append(follow(plant, path, piece.first, wrenches[rows], course.marked[here], before_end))
+    times = stay.begin + course.ends[course.marked] - before_end
+    return replace(Trace.concatenate(parts), time=times)
+
+
+def true_commands(course: Course, acting: Iterable[Acting]) -> tuple[Array, Array]:
+    """Return where the motors truly go when the servo follows a wrong encoder: start (n,) and commands (P, n) [rad]."""
+    acting = tuple(acting)
+    asked = np.concatenate([course.start[None], course.commands])
+    velocity = np.gradient(asked, CONTROL_PERIOD, axis=0)
+    true = asked
+    for _ in range(ITERATIONS):
+        error = encoder_errors(acting, true, velocity)
+        if error is None:
+            break
+        true = asked - error
+    return true[0], true[1:]
+
+
+def encoder_errors(acting: Iterable[Acting], q: Array, velocity: Array) -> Array | None:
+    """Return reading minus true angle of all effects together, shape (T, n) [rad]; None where there is none."""
+    errors = [one.effect.encoder_error(one.place, one.values, q, velocity) for one in acting]
+    known = [error for error in errors if error is not None]
+    return np.sum(known, axis=0) if known else None
+
+
+def read(
+    instruments: Instruments, acting: Sequence[Acting], steps: Sequence[Step], trace: Trace, conditions: Conditions
+) -> Reading:
+    """Return what the instruments show at K instants under constant conditions.
+
+    Args:
+        instruments: They draw noise.
+        acting: Effects.
+        steps: The K steps that are read.
+        trace: The truth there.
+        conditions: All the while.
+    """
+    error = encoder_errors(acting, trace.q, trace.q_velocity)
+    seen = trace if error is None else replace(trace, q=trace.q + error)
+    reading = read_steps(instruments, steps, seen)
+    for one in acting:
+        reading = one.effect.distort(one.place, one.values, reading, trace, conditions)
+    return reading
+
+
+def _edits(acting: Iterable[Acting], conditions: Conditions) -> tuple[SpecEdit, ...]:
+    edits = (one.effect.edit(one.place, one.values, conditions) for one in acting)
+    return tuple(edit for edit in edits if edit is not None)
+
+
+def _depends_on_conditions(robot: Robot, stay: Stay, acting: Sequence[Acting]) -> bool:
+    """Whether the model differs between warm and cold."""
+    cold = stay.conditions[0]
+    warm = replace(
+        cold,
+        gear_k=cold.gear_k + 10,
+        winding_k=cold.winding_k + 10,
+        gas_k=cold.gas_k + 10,
+        ambient_k=cold.ambient_k + 10,
+    )
+    if len(stay.pieces) == 1 or not _edits(acting, cold):
+        return False
+    return _bytes(robot, (*stay.edits, *_edits(acting, cold))) != _bytes(robot, (*stay.edits, *_edits(acting, warm)))
+
+
+def _bytes(robot: Robot, edits: Sequence[SpecEdit]) -> bytes:
+    model = Plant(robot, (*edits, bare)).model
+    buffer = np.empty(mujoco.mj_sizeModel(model), dtype=np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    return buffer.tobytes()

@@ -1,0 +1,49 @@
+"""Whether the parts that `figures.yaml` names play the roles that it gives them."""
+
+from collections.abc import Iterator
+
+import mujoco
+
+from bench.robot.folder import Robot
+
+JOINT_KINDS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+
+
+def faulty_roles(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
+    """Yield a sentence for every drive whose parts do not fit together, with its place and what to do.
+
+    All names must exist in the model.
+    """
+    for i, drive in enumerate(robot.figures.drives):
+        place = f"figures.yaml: drives[{i}]"
+        joint, rotor = model.joint(drive.joint), model.joint(drive.rotor)
+        kinds = [int(joint.type[0]), int(rotor.type[0])]
+        if any(kind not in JOINT_KINDS for kind in kinds):
+            yield f"{place}: {drive.joint!r} and {drive.rotor!r} must be hinges or slides."
+            continue
+        if joint.id == rotor.id:
+            yield f"{place}.rotor: {drive.rotor!r} is the link's joint; add a rotor, a body of its own in the world."
+            continue
+        body = int(model.jnt_bodyid[rotor.id])
+        if model.body_parentid[body] != 0 or model.body_jntnum[body] != 1:
+            yield f"{place}.rotor: {drive.rotor!r} must be the only joint of a body that stands in the world."
+        if model.dof_armature[model.jnt_dofadr[rotor.id]] <= 0:
+            yield f"{place}.rotor: {drive.rotor!r} has no armature; write J_m N^2 there."
+        yield from _element(place, drive.element, model, joint.id, rotor.id)
+        for part, name, on, word in (
+            ("servo", drive.servo, rotor.id, drive.rotor),
+            ("motor_friction", drive.motor_friction, rotor.id, drive.rotor),
+            ("link_friction", drive.link_friction, joint.id, drive.joint),
+        ):
+            if model.actuator(name).trnid[0] != on:
+                yield f"{place}.{part}: actuator {name!r} does not act on {word!r}; let it."
+
+
+def _element(place: str, name: str, model: mujoco.MjModel, joint: int, rotor: int) -> Iterator[str]:
+    element = model.tendon(name).id
+    wrapped = slice(model.tendon_adr[element], model.tendon_adr[element] + model.tendon_num[element])
+    coefficients = dict(zip(model.wrap_objid[wrapped].tolist(), model.wrap_prm[wrapped].tolist(), strict=True))
+    if coefficients.get(rotor) != 1 or coefficients.get(joint) != -1:
+        yield f"{place}.element: tendon {name!r} must be <fixed>, with the rotor at coef 1 and the link's joint at -1."
+    elif model.tendon_stiffness[element] <= 0:
+        yield f"{place}.element: tendon {name!r} has no stiffness; write k there."

@@ -1,0 +1,141 @@
+"""What a file does not say of its drives: figures to start from, each with the reason that goes into the folder."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from bench.robot.bodies import Array
+from bench.robot.starter.source import Source
+
+STEP = 2.5e-4  # [s], time step of a started robot
+POSES = 60  # at which inertia and gravity are looked at
+TWIST = (
+    2e-3  # [rad], or [m] / 10: what the largest torque winds a gear up by; strain-wave and cycloid gears, 1 to 3 mrad
+)
+STRETCH = 2e-4  # [m], the same of a slide
+RULE = 0.35  # sqrt(k / J) * STEP stays below for every spring; 2 is unstable, and several act on one link
+ELEMENT_DAMPING = 0.05  # ratio
+ROTOR_SHARE = 0.5  # of the greatest link inertia: gears are chosen for rotors of about the load's size
+BANDWIDTH = 2 * np.pi * 6.0  # [rad/s] of the servo on rotor and link together
+RESET = 0.2  # of the integral gain at which the servo would swing, J + M taken as one
+PRESLIDING = 1e-4  # [rad] or [m], where a friction element has reached its level
+LEAST_FRICTION = 0.01  # of the torque limit: level for which a frictionless element is made stiff
+RESERVE = 3.0  # torque limit by what the arm alone takes, where the file limits no torque
+REACH_TIME = 0.5  # [s] to the speed limit, where the file limits no torque
+SPEED = {False: 2.0, True: 0.5}  # [rad/s] of a hinge, [m/s] of a slide
+
+
+@dataclass(frozen=True)
+class DriveFigures:
+    """Figures of one drive, reflected to its joint; of a slide in m and N.
+
+    Attributes:
+        rotor_inertia: [kg m^2].
+        viscous: Of the rotor [Nm s/rad].
+        coulomb: On the motor side [Nm].
+        stiffness: [Nm/rad].
+        damping: Of the element [Nm s/rad].
+        motor_presliding, link_presliding: [Nm/rad].
+        kp, kv, ki: Of the servo [Nm/rad], [Nm s/rad], [Nm/(rad s)].
+        torque_limit: [Nm].
+        speed_limit: [rad/s].
+        origins: Figure -> where it comes from, for people.
+    """
+
+    rotor_inertia: float
+    viscous: float
+    coulomb: float
+    stiffness: float
+    damping: float
+    motor_presliding: float
+    link_presliding: float
+    kp: float
+    kv: float
+    ki: float
+    torque_limit: float
+    speed_limit: float
+    origins: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What the links ask for over their working range; n joints.
+
+    Attributes:
+        least_inertia: Shape (n,), 1 / (M^-1)_jj at its smallest.
+        greatest_inertia: Shape (n,), M_jj at its largest.
+        gravity: Shape (n,), greatest holding torque.
+        reach: Greatest distance of the load point from the base [m].
+    """
+
+    least_inertia: Array
+    greatest_inertia: Array
+    gravity: Array
+    reach: float
+
+
+def survey(source: Source, model: mujoco.MjModel) -> Survey:
+    """Look at the cleared robot in poses spread over its ranges; its degrees of freedom are the driven joints."""
+    data, rng = mujoco.MjData(model), np.random.default_rng(1)
+    low, high = np.clip(np.array([joint.limits for joint in source.joints]), -np.pi, np.pi).T
+    home = np.array([joint.home for joint in source.joints])
+    poses = np.vstack([home[None], rng.uniform(low, high, size=(POSES, len(home)))])
+    order = [model.joint(joint.name).dofadr[0] for joint in source.joints]
+    body = model.body(source.load_body).id
+    least, greatest, gravity, reach = [], [], [], []
+    mass = np.zeros((model.nv, model.nv))
+    for pose in poses:
+        data.qpos[order] = pose  # hinges and slides alone: qpos and qvel have the same order
+        mujoco.mj_forward(model, data)
+        mujoco.mj_fullM(model, data, mass)
+        least.append(1 / np.diag(np.linalg.inv(mass))[order])
+        greatest.append(np.diag(mass)[order])
+        gravity.append(np.abs(data.qfrc_bias[order]))
+        reach.append(np.linalg.norm(data.xpos[body]))
+    return Survey(np.min(least, axis=0), np.max(greatest, axis=0), np.max(gravity, axis=0), float(np.max(reach)))
+
+
+def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
+    """Return the figures of every drive: what the file says, and defaults for the rest."""
+    drives = []
+    for j, joint in enumerate(source.joints):
+        least, greatest = float(found.least_inertia[j]), float(found.greatest_inertia[j])
+        speed, origins = SPEED[joint.is_slide], {"speed_limit": "default"}
+        torque = joint.torque_limit or RESERVE * (float(found.gravity[j]) + greatest * speed / REACH_TIME)
+        origins["torque_limit"] = (
+            "the file" if joint.torque_limit else "default: three times what gravity and acceleration take"
+        )
+        rotor = joint.armature or ROTOR_SHARE * greatest
+        origins["rotor_inertia"] = "armature of the file" if joint.armature else "default: half of the link's inertia"
+        softest = min(rotor, least)
+        stiff, stable = torque / (STRETCH if joint.is_slide else TWIST), softest * (RULE / STEP) ** 2 / 2
+        stiffness = min(stiff, stable)
+        wind = f"{STRETCH * 1e3:g} mm" if joint.is_slide else f"{TWIST * 1e3:g} mrad"
+        origins["stiffness"] = (
+            f"default: the torque limit winds it up by {wind}"
+            if stiff <= stable
+            else f"default: as stiff as the time step allows on {softest:.2g} of inertia; real gears are stiffer"
+        )
+        whole = rotor + greatest
+        kp = min(whole * BANDWIDTH**2, rotor * (RULE / STEP) ** 2 / 2)
+        kv = 1.4 * whole * np.sqrt(kp / whole)
+        level = max(joint.frictionloss, LEAST_FRICTION * torque)
+        origins["coulomb"] = "frictionloss of the file" if joint.frictionloss else "none in the file"
+        origins["viscous"] = "damping of the file" if joint.damping else "none in the file"
+        figures = {
+            "rotor_inertia": rotor,
+            "viscous": joint.damping,
+            "coulomb": joint.frictionloss,
+            "stiffness": stiffness,
+            "damping": 2 * ELEMENT_DAMPING * np.sqrt(stiffness * rotor * least / (rotor + least)),
+            "motor_presliding": min(level / PRESLIDING, rotor * (RULE / STEP) ** 2 / 2),
+            "link_presliding": min(level / PRESLIDING, least * (RULE / STEP) ** 2 / 2),
+            "kp": kp,
+            "kv": kv,
+            "ki": RESET * kp * kv / whole,
+            "torque_limit": torque,
+            "speed_limit": speed,
+        }
+        drives.append(DriveFigures(**{key: float(f"{value:.4g}") for key, value in figures.items()}, origins=origins))
+    return tuple(drives)

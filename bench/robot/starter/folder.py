@@ -1,0 +1,136 @@
+"""Write the folder of a started robot, and try it out before it appears."""
+
+import re
+import shutil
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+
+import mujoco
+import numpy as np
+
+from bench.errors import InputError, RobotError
+from bench.record.folder import new_folder
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import FIGURES_FILE, load_robot
+from bench.robot.links import rigid_bodies
+from bench.robot.plain_words import plain_words
+from bench.robot.starter.defaults import DriveFigures, drive_figures, survey
+from bench.robot.starter.mjcf import mjcf_of, with_home
+from bench.robot.starter.pages import figures_text, log_text, readme_text, scene_text
+from bench.robot.starter.source import Source
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+ASSETS = "assets"
+MAX_ITERATIONS = 500
+AT_REST = 1e-12  # [rad] or [m]
+
+
+@dataclass(frozen=True)
+class Started:
+    """What was made.
+
+    Attributes:
+        compiled: The robot, compiled from its new folder.
+        source: What it was made of.
+        drives: Figures of its drives.
+    """
+
+    compiled: CompiledRobot
+    source: Source
+    drives: tuple[DriveFigures, ...]
+
+
+def start_robot(name: str, source: Source, folder: Path) -> Started:
+    """Write a robot folder; it appears complete and working, or not at all.
+
+    Args:
+        name: Of the robot; files are named after it.
+        source: What `bench.robot.starter.source.read_source` read.
+        folder: To write; must not exist, or be empty.
+
+    Raises:
+        InputError: The name or the folder cannot be used.
+        RobotError: What came out does not work; the message names the place in the new MJCF or in the file given.
+    """
+    if not NAME.fullmatch(name):
+        raise InputError(f"name {name!r}: use letters, digits, '_', '-' and '.'; files are named after it.")
+    with new_folder(folder, FIGURES_FILE, replace=False) as partial:
+        model = _compile(source)
+        found = survey(source, model)
+        drives = drive_figures(source, found)
+        _copy_assets(source, partial)
+        mjcf = mjcf_of(name, source, drives, source.spec.to_xml())
+        (partial / f"{name}.xml").write_text(mjcf, encoding="utf-8")
+        (partial / "scene.xml").write_text(scene_text(name), encoding="utf-8")
+        (partial / FIGURES_FILE).write_text(figures_text(name, source, drives, found), encoding="utf-8")
+        (partial / "log.yaml").write_text(log_text(source), encoding="utf-8")
+        (partial / "README.md").write_text(readme_text(name, source, drives), encoding="utf-8")
+        compiled = compile_robot(load_robot(partial))
+        rigid_bodies(compiled)
+        home = _rest(compiled, source)
+        (partial / f"{name}.xml").write_text(with_home(mjcf, *home), encoding="utf-8")
+        compile_robot(load_robot(partial))
+    return Started(compile_robot(load_robot(folder)), source, drives)
+
+
+def _compile(source: Source) -> mujoco.MjModel:
+    try:
+        return source.spec.compile()
+    except ValueError as error:
+        raise RobotError(f"{source.file}: with the driven joints alone: {plain_words(error)}") from error
+
+
+def _rest(compiled: CompiledRobot, source: Source) -> tuple[list[float], list[float], list[float]]:
+    """Return qpos, act and ctrl of the robot at rest at its home: theta = q - G(theta) / k, by fixed point.
+
+    Raises:
+        RobotError: It finds no rest there.
+    """
+    model, at = compiled.model, compiled.at
+    data, home = mujoco.MjData(model), np.array([joint.home for joint in source.joints])
+    data.qpos[at.q] = data.qpos[at.theta] = home
+    for _ in range(MAX_ITERATIONS):
+        mujoco.mj_forward(model, data)
+        torque = data.qfrc_bias[at.theta_dof].copy()
+        moved = home - torque / compiled.stiffness - data.qpos[at.theta]
+        data.qpos[at.theta] += moved
+        if np.max(np.abs(moved)) < AT_REST:
+            break
+    else:
+        raise RobotError(f"{source.file}: the robot finds no rest at its home; are masses and lengths in kg and m?")
+    gain = model.actuator_gainprm[at.servo, 0]
+    data.act[model.actuator_actadr[at.servo]] = torque / gain
+    data.ctrl[at.servo_ctrl] = home
+    return data.qpos.tolist(), data.act.tolist(), data.ctrl.tolist()
+
+
+def _copy_assets(source: Source, folder: Path) -> None:
+    """Copy meshes, textures, height fields and skins, and point the spec at the copies."""
+    spec, base = source.spec, source.file.resolve().parent
+    for directory, elements in (
+        (spec.meshdir, (*spec.meshes, *spec.hfields, *spec.skins)),
+        (spec.texturedir or spec.meshdir, spec.textures),
+    ):
+        for element in elements:
+            if element.file:
+                element.file = _copy(element.file, (base / directory, base), folder)
+    for texture in spec.textures:
+        files = list(texture.cubefiles)
+        places = (base / spec.texturedir, base)
+        texture.cubefiles = [_copy(file, places, folder) if file else "" for file in files]
+    spec.meshdir = spec.texturedir = ASSETS
+
+
+def _copy(file: str, places: Iterable[Path], folder: Path) -> str:
+    """Copy one file, keeping its folder where it has one below the robot's; return its new path in the assets."""
+    pure = PurePath(file)
+    target = pure.name if pure.is_absolute() or ".." in pure.parts else pure.as_posix()
+    for place in places:
+        for candidate in (place / file, place / pure.name):
+            if candidate.is_file():
+                copy = folder / ASSETS / target
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(candidate, copy)
+                return target
+    raise RobotError(f"{file}: the robot's file names it, but it was not found beside it.")

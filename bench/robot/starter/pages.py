@@ -1,0 +1,139 @@
+"""The text files of a started robot: figures, scene, log format, and a page that says where every number comes from."""
+
+from collections.abc import Sequence
+
+from bench.robot.starter.defaults import DriveFigures, Survey
+from bench.robot.starter.mjcf import names_of
+from bench.robot.starter.source import Source
+
+LOAD_SHARE = 0.2  # of the greatest torque, which the rated load takes at full reach
+SIGMA_SHARE = 0.002  # of the torque limit: noise of a torque reading
+
+
+def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], found: Survey) -> str:
+    """Return `figures.yaml`."""
+    pairs = list(zip(source.joints, drives, strict=True))
+    lines = [
+        f"# Figures of {name}, started from {source.file.name}. What is marked default is a guess.",
+        "# Keys: models/README.md and bench/robot/figures.py. Of a joint that slides, rad stands for m and nm for n.",
+        f"title: {name}",
+        f"mjcf: {name}.xml",
+        "scene: scene.xml",
+        "",
+        "drives:",
+    ]
+    for joint, drive in pairs:
+        keys = names_of(joint.name)
+        lines.append(f"  - joint: {_quoted(keys.pop('joint'))}")
+        lines += [f"    {key}: {_quoted(value)}" for key, value in keys.items()]
+        lines += [
+            "    torque_constant_nm_per_a: 1.0  # of a drive that reports current: Nm at the joint per A",
+            f"    speed_limit_rad_per_s: {drive.speed_limit:g}  # default",
+        ]
+    turning = [drive.torque_limit / max(found.reach, 0.1) for joint, drive in pairs if not joint.is_slide]
+    force = LOAD_SHARE * max(turning or [drive.torque_limit for drive in drives])
+    sigmas = ", ".join(f"{SIGMA_SHARE * drive.torque_limit:.2g}" for drive in drives)
+    lines += [
+        "",
+        f"load_body: bench_load  # {source.load_origin}",
+        "load_point: bench_load_point",
+        "reflectors: [bench_reflector]  # default: in the load point; three or more that are not in line tell more",
+        "",
+        "rating:  # default: a fifth of the strongest drive's torque, at full reach",
+        f"  force_n: {force:.2g}",
+        f"  moment_nm: {0.1 * force * max(found.reach, 0.1):.2g}",
+        "",
+        "instruments:  # null: not there",
+        "  tracker:",
+        f"    position_m: [{max(3.0, 2 * found.reach):.2g}, 0.5, 0.5]  # default",
+        "  force: null",
+        "  current: null  # default: the drives report torque",
+        "  torque:",
+        f"    sigma_nm: [{sigmas}]  # default: 0.2 % of the torque limit",
+        "    gain_sigma: 0.02  # default",
+        "  encoder:",
+        "    resolution_rad: 1.0e-6  # default",
+        "  pressure: null",
+        "",
+        "uncertainty:  # default: a model taken from a drawing",
+        "  mass: 0.05",
+        "  centre_of_mass_m: 5.0e-3",
+        "  geometry_m: 0.5e-3",
+        "  friction: 0.2",
+        "  stiffness: 0.5",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def scene_text(name: str) -> str:
+    """Return `scene.xml`."""
+    return (
+        f'<mujoco model="{name} scene">\n  <include file="{name}.xml"/>\n\n  <worldbody>\n'
+        '    <light type="directional" pos="2 -3 5" dir="-0.35 0.5 -0.8"/>\n'
+        '    <geom type="plane" size="0 0 0.05" contype="0" conaffinity="0" rgba="0.5 0.52 0.54 1"/>\n'
+        "  </worldbody>\n</mujoco>\n"
+    )
+
+
+def log_text(source: Source) -> str:
+    """Return a `log.yaml` whose names are those of a campaign, to be edited."""
+    lines = [
+        "# How your logs read: on the left a column of a campaign, on the right the column of your log, and its factor",
+        "# (unit, gear ratio, sign). Take out what you do not record, or mark it optional. Keys: models/README.md.",
+        "kind: motion",
+        "columns:",
+        "  time_s: {from: time_s}",
+    ]
+    for quantity, hinge, slide in (("q_cmd", "rad", "m"), ("q_motor", "rad", "m"), ("tau_motor", "nm", "n")):
+        for number, joint in enumerate(source.joints, start=1):
+            column = f"{quantity}_{number}_{slide if joint.is_slide else hinge}"
+            optional = ", optional: true" if quantity == "q_cmd" else ""
+            lines.append(f"  {column}: {{from: {column}, factor: 1.0{optional}}}")
+    return "\n".join(lines) + "\n"
+
+
+def readme_text(name: str, source: Source, drives: Sequence[DriveFigures]) -> str:
+    """Return `README.md`: what was taken from the file, what was added, and what to replace first."""
+    limits = [joint.name for joint in source.joints if not joint.has_limits]
+    lines = [
+        f"# {name}",
+        "",
+        f"Started by `bench new-robot` from `{source.file.name}`. Links, masses, inertias and shapes are that file's.",
+        "Rotors, elastic elements, servos, friction elements and the load body were added; contacts were switched off.",
+        "",
+        f"- Load point: {source.load_origin}.",
+        f"- Left out: {', '.join(source.left_out) or 'nothing'}.",
+        f"- Ranges made up for: {', '.join(limits) or 'no joint'}.",
+        "",
+        "## Joint by joint",
+        "",
+        "| joint | rotor J N² | stiffness | damping | viscous | Coulomb | torque limit | speed limit |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for joint, d in zip(source.joints, drives, strict=True):
+        values = (d.rotor_inertia, d.stiffness, d.damping, d.viscous, d.coulomb, d.torque_limit, d.speed_limit)
+        lines.append(f"| {joint.name} | {' | '.join(f'{value:g}' for value in values)} |")
+    lines += ["", "SI units; of a hinge kg m², Nm/rad, Nm s/rad, Nm, rad/s; of a slide kg, N/m, N s/m, N, m/s.", ""]
+    for key in ("rotor_inertia", "stiffness", "viscous", "coulomb", "torque_limit", "speed_limit"):
+        words: dict[str, list[str]] = {}
+        for joint, d in zip(source.joints, drives, strict=True):
+            words.setdefault(d.origins[key], []).append(joint.name)
+        lines.append(
+            f"- {key.replace('_', ' ')}: " + "; ".join(f"{', '.join(who)}: {why}" for why, who in words.items())
+        )
+    lines += [
+        "",
+        "Damping of the elements (ratio 0.05), presliding stiffness, servo gains, rating and instruments are defaults.",
+        "",
+        "## What to replace first",
+        "",
+        "1. Rotor inertia times the square of the gear ratio, and the stiffness of the gears, in the MJCF.",
+        "2. What the drives report, and how well: `instruments` in `figures.yaml`. A drive that reports current needs",
+        "   `torque_constant_nm_per_a`, `current: {}` and `torque: null`.",
+        "3. How your logs read: `log.yaml`. Then `bench convert`, `bench check`, `bench diagnose`.",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    return text if text.replace("_", "").replace("-", "").isalnum() and not text[0].isdigit() else f'"{text}"'

@@ -1,0 +1,259 @@
+"""Somebody's MJCF or URDF: which joints are driven, what is kept of it, what is left out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from bench.errors import RobotError, unknown_name
+from bench.robot.bodies import Array
+from bench.robot.plain_words import plain_words
+
+HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+FREE = int(mujoco.mjtJoint.mjJNT_FREE)
+NOT_KEPT = ("keys", "sensors", "actuators", "equalities", "tendons", "excludes", "pairs")
+TURN = 2 * np.pi  # [rad], range of a hinge that has none
+TRAVEL = 1.0  # [m], range of a slide that has none
+TOOL_SITES = ("attachment_site", "tool0", "tcp", "ee_site", "end_effector", "flange", "tool", "grip_site", "pinch")
+
+
+@dataclass(frozen=True)
+class SourceJoint:
+    """What the file says of one driven joint.
+
+    Attributes:
+        name: In the MJCF; made up where it had none.
+        is_slide: Else it is a hinge.
+        limits: (lower, upper) [rad] or [m].
+        has_limits: Whether the file gave them.
+        armature: [kg m^2] or [kg], 0 if not given.
+        damping: [Nm s/rad] or [N s/m].
+        frictionloss: [Nm] or [N].
+        torque_limit: Of its actuator or its joint [Nm] or [N]; 0 if not given.
+        home: [rad] or [m], in the first keyframe, else zero, moved into the limits.
+    """
+
+    name: str
+    is_slide: bool
+    limits: tuple[float, float]
+    has_limits: bool
+    armature: float
+    damping: float
+    frictionloss: float
+    torque_limit: float
+    home: float
+
+
+@dataclass(frozen=True)
+class Source:
+    """A robot as somebody else described it, cleared of everything that the bench brings itself.
+
+    Attributes:
+        file: Where it came from.
+        spec: Its links with the driven joints alone, without actuators, contacts and keyframes.
+        joints: The driven joints, from the base.
+        load_body: Body that carries the load point.
+        load_position: Shape (3,) [m], of the load point in that body.
+        load_origin: Where the load point comes from, in words.
+        left_out: What was left out, in words.
+    """
+
+    file: Path
+    spec: mujoco.MjSpec
+    joints: tuple[SourceJoint, ...]
+    load_body: str
+    load_position: Array
+    load_origin: str
+    left_out: tuple[str, ...]
+
+
+def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "") -> Source:
+    """Read an MJCF or URDF and clear it.
+
+    Args:
+        file: The file.
+        joints: Names of the driven joints; empty: those of the trunk, from the base up to where it branches.
+        load_point: Name of a site; empty: a site with a usual name on the last link, else the end of the chain.
+
+    Raises:
+        RobotError: The file cannot be used; names the place and what to do.
+    """
+    spec, model = _read(file)
+    driven = _driven(file, model, joints)
+    names = _name_joints(spec, model, driven)
+    described = tuple(_describe(model, j, name) for j, name in zip(driven, names, strict=True))
+    left_out = _clear(spec, set(names))
+    load_body, position, origin = _load_point(file, spec, names[-1], load_point)
+    return Source(file, spec, described, load_body, position, origin, left_out)
+
+
+def _read(file: Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
+    if not file.is_file():
+        raise RobotError(f"{file}: no such file; give an MJCF (.xml) or a URDF.")
+    try:
+        spec = mujoco.MjSpec.from_file(str(file.resolve()))
+        spec.compiler.fusestatic = False  # a URDF's tool frames keep their bodies
+        model = spec.compile()
+    except ValueError as error:
+        raise RobotError(f"{file}: {plain_words(error)}") from error
+    for j in range(model.njnt):
+        if int(model.jnt_type[j]) not in (HINGE, SLIDE):
+            kind = "free joint" if int(model.jnt_type[j]) == FREE else "ball joint"
+            remedy = "fix the base to the world" if kind == "free joint" else "write it as three hinges"
+            raise RobotError(f"{file}: body {_body_of(model, j)!r} has a {kind}; {remedy}.")
+    if model.njnt == 0:
+        raise RobotError(f"{file}: has no joints; give the file of a robot.")
+    return spec, model
+
+
+def _driven(file: Path, model: mujoco.MjModel, wanted: Sequence[str]) -> list[int]:
+    known = [_name(model, mujoco.mjtObj.mjOBJ_JOINT, j) for j in range(model.njnt)]
+    if wanted:
+        if problems := [f"--joints: {unknown_name('joint', name, known)}" for name in wanted if name not in known]:
+            raise RobotError(problems)
+        driven = [known.index(name) for name in wanted]
+    else:
+        driven = _trunk(file, model, known)
+    bodies = [int(model.jnt_bodyid[j]) for j in driven]
+    for joint, body in zip(driven, bodies, strict=True):
+        if model.body_jntnum[body] > 1:
+            raise RobotError(
+                f"{file}: body {_body_of(model, joint)!r} has several joints; give each a body of its own."
+            )
+        if model.qpos0[model.jnt_qposadr[joint]] != 0:
+            raise RobotError(f"{file}: joint {known[joint]!r} has ref != 0; move its zero into the pose of its body.")
+    for upper, lower in pairwise(driven):
+        if int(model.jnt_bodyid[upper]) not in _ancestors(model, int(model.jnt_bodyid[lower])):
+            raise RobotError(
+                f"{file}: joint {known[lower]!r} does not hang on {known[upper]!r}; "
+                "name the joints of one chain with --joints, from the base to the tool."
+            )
+    return driven
+
+
+def _trunk(file: Path, model: mujoco.MjModel, known: list[str]) -> list[int]:
+    """Return the joints from the base up to where the tree branches into two that move."""
+    moving = [body for body in range(1, model.nbody) if model.body_jntnum[body]]
+    above = {body: [other for other in _ancestors(model, body) if other in moving and other != body] for body in moving}
+    trunk: list[int] = []
+    here: int | None = None
+    while True:
+        after = [body for body in moving if (above[body][0] if above[body] else None) == here]
+        if len(after) != 1:
+            break
+        here = after[0]
+        trunk.append(int(model.body_jntadr[here]))
+    if not trunk:
+        raise RobotError(f"{file}: has several arms; name the joints of one with --joints. Known: {', '.join(known)}.")
+    return trunk
+
+
+def _ancestors(model: mujoco.MjModel, body: int) -> list[int]:
+    """Return a body and those that carry it, nearest first, without the world."""
+    found = []
+    while body > 0:
+        found.append(body)
+        body = int(model.body_parentid[body])
+    return found
+
+
+def _name_joints(spec: mujoco.MjSpec, model: mujoco.MjModel, driven: list[int]) -> list[str]:
+    """Give every driven joint a name in the spec; return them."""
+    names = []
+    for number, j in enumerate(driven, start=1):
+        joint = spec.joints[j]
+        if not joint.name:
+            joint.name = f"joint{number}"
+        names.append(joint.name)
+    return names
+
+
+def _describe(model: mujoco.MjModel, j: int, name: str) -> SourceJoint:
+    is_slide = bool(model.jnt_type[j] == SLIDE)
+    dof, has_limits = int(model.jnt_dofadr[j]), bool(model.jnt_limited[j])
+    unlimited = TRAVEL if is_slide else TURN
+    low, high = (float(x) for x in model.jnt_range[j]) if has_limits else (-unlimited, unlimited)
+    home = float(model.key_qpos[0, model.jnt_qposadr[j]]) if model.nkey else 0.0
+    return SourceJoint(
+        name=name,
+        is_slide=is_slide,
+        limits=(low, high),
+        has_limits=has_limits,
+        armature=float(model.dof_armature[dof]),
+        damping=float(np.ravel(model.dof_damping[dof])[0]),
+        frictionloss=float(model.dof_frictionloss[dof]),
+        torque_limit=_torque_limit(model, j),
+        home=float(np.clip(home, low, high)),
+    )
+
+
+def _torque_limit(model: mujoco.MjModel, j: int) -> float:
+    """Return the largest torque of a joint's actuator, or of the joint itself; 0 if nothing limits it."""
+    limits = [float(np.max(np.abs(model.jnt_actfrcrange[j])))] if model.jnt_actfrclimited[j] else []
+    for actuator in range(model.nactuator):
+        if (
+            int(model.actuator_trntype[actuator]) != int(mujoco.mjtTrn.mjTRN_JOINT)
+            or model.actuator_trnid[actuator, 0] != j
+        ):
+            continue
+        gear = abs(float(model.actuator_gear[actuator, 0]))
+        if model.actuator_forcelimited[actuator]:
+            limits.append(gear * float(np.max(np.abs(model.actuator_forcerange[actuator]))))
+        elif int(model.actuator_biastype[actuator]) == int(mujoco.mjtBias.mjBIAS_NONE):
+            control = model.actuator_ctrladr[actuator]
+            if model.actuator_ctrllimited[actuator]:
+                gain = abs(float(model.actuator_gainprm[actuator, 0]))
+                limits.append(gear * gain * float(np.max(np.abs(model.actuator_ctrlrange[control]))))
+    return min(limits, default=0.0)
+
+
+def _clear(spec: mujoco.MjSpec, driven: set[str]) -> tuple[str, ...]:
+    """Take out what the bench brings itself, and hold what it does not drive; return what went, in words."""
+    words = []
+    for collection in NOT_KEPT:
+        elements = list(getattr(spec, collection))
+        if elements:
+            words.append(f"{len(elements)} {collection}")
+        for element in elements:
+            spec.delete(element)
+    for joint in list(spec.joints):
+        if joint.name in driven:
+            joint.armature, joint.frictionloss = 0.0, 0.0
+            joint.damping = np.zeros_like(np.atleast_1d(joint.damping))
+            joint.stiffness = np.zeros_like(np.atleast_1d(joint.stiffness))
+        else:
+            words.append(f"joint {joint.name or 'without a name'}, held at its zero")
+            spec.delete(joint)
+    for geom in spec.geoms:
+        geom.contype = geom.conaffinity = 0
+    return tuple(words)
+
+
+def _load_point(file: Path, spec: mujoco.MjSpec, last: str, wanted: str) -> tuple[str, Array, str]:
+    """Return body, place in it [m] and origin in words of the load point."""
+    link = spec.joint(last).parent
+    bodies = [link, *link.find_all("body")]
+    sites = {site.name: site for body in bodies for site in body.sites if site.name}
+    if wanted and wanted not in sites:
+        raise RobotError(f"{file}: --load-point: {unknown_name('site of the last link', wanted, sites)}")
+    chosen = wanted or next((name for name in TOOL_SITES if name in sites), "")
+    for number, body in enumerate(bodies, start=1):
+        if not body.name:
+            body.name = f"link_{last}" if number == 1 else f"link_{last}_{number}"
+    if chosen:
+        site = sites[chosen]
+        return site.parent.name, np.array(site.pos), f"site {chosen!r} of the file"
+    if len(bodies) > 1:
+        return bodies[-1].name, np.zeros(3), f"origin of body {bodies[-1].name!r}, the last of the chain"
+    return link.name, np.array(link.ipos), f"centre of mass of the last link, {link.name!r}"
+
+
+def _body_of(model: mujoco.MjModel, joint: int) -> str:
+    return _name(model, mujoco.mjtObj.mjOBJ_BODY, int(model.jnt_bodyid[joint]))
+
+
+def _name(model: mujoco.MjModel, kind: mujoco.mjtObj, index: int) -> str:
+    return mujoco.mj_id2name(model, kind, index) or f"number {index}"

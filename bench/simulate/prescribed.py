@@ -1,0 +1,232 @@
+"""The robot along a prescribed motion of its motors: what torque that takes, and where the links are.
+
+The direction in which measured motion is replayed: motor angles, velocities and accelerations in, motor torques out.
+The links follow quasi-statically: their velocities and accelerations are those of the motors, and each sits on its
+elastic element where gravity, inertia, counterbalance, friction and load balance. What rings is left out. Any other
+hinge of the model is a passive compliance and finds its balance in the same way. Friction elements and gas remember
+the path from one instant to the next.
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from bench.errors import ConvergenceError
+from bench.robot.compiled import CompiledRobot
+from bench.simulate.plant import Array, Trace
+
+TOLERANCE = 1e-6  # of the largest torque on any link, where a balance counts as found
+MAX_ITERATIONS = 100
+PATIENCE = 6  # iterations after which steps are kept within brackets
+CLOSED = 1e-3  # of a step; a bracket narrower than that was closed by another unknown's change
+STEP_RESOLUTION = 1e-13  # [rad]
+LEAST_SLOPE = 0.02  # of its stiffness, for an element with play or a soft middle
+MOST_SLOPE = 3.0  # of its stiffness, for an element that hardens
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Prescribed motion at T instants; n drives.
+
+    Attributes:
+        time: Shape (T,) [s], from the start of the campaign.
+        q, velocity, acceleration: Shape (T, n), of the true motor angles [rad].
+        wrench: Shape (T, 6) [N, Nm], on the load point in world axes, without what is bolted to it.
+        read: Shape (T,) bool; instants that are read. The others only shape what friction elements remember.
+    """
+
+    time: Array
+    q: Array
+    velocity: Array
+    acceleration: Array
+    wrench: Array
+    read: Array
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+
+class Prescribed:
+    """One robot, moved along.
+
+    Args:
+        compiled: The robot.
+    """
+
+    def __init__(self, compiled: CompiledRobot) -> None:
+        self.compiled = compiled
+        model, at = compiled.model, compiled.at
+        self._data = mujoco.MjData(model)
+        driven = {*at.theta_dof.tolist(), *at.q_dof.tolist()}
+        passive = [dof for dof in range(model.nv) if dof not in driven]
+        self._dofs = np.concatenate([at.theta_dof, np.array(passive, dtype=np.int64)])
+        joints = model.dof_jntid[self._dofs]
+        self._positions = model.jnt_qposadr[joints]
+        stiffness = np.concatenate([compiled.stiffness, model.jnt_stiffness[joints[compiled.n_joints :], ...]])
+        stiffness = stiffness.reshape(len(self._dofs), -1)[:, 0]
+        self._sliding = stiffness
+        self._softest = np.where(_is_linear(compiled, len(passive)) > 0, 1.0, LEAST_SLOPE) * stiffness
+        self._sticking = stiffness.copy()
+        self._sticking[: compiled.n_joints] += compiled.link_presliding
+        self._stiffest = np.where(_is_linear(compiled, len(passive)) > 0, 1.0, MOST_SLOPE) * self._sticking
+        self._wrenched = np.zeros(model.nv)
+        self._bias = np.zeros(model.nv)
+
+    def follow(self, motion: Motion, guess: Array | None = None) -> tuple[Trace, Array]:
+        """Return the truth at the instants that are read, and the unknown positions at all of them.
+
+        Args:
+            motion: What the motors do.
+            guess: Shape (T, u), where a similar robot found its links along the same motion.
+
+        Raises:
+            ConvergenceError: No balance at some instant.
+        """
+        model, data, at = self.compiled.model, self._data, self.compiled.at
+        mujoco.mj_resetData(model, data)
+        n = self.compiled.n_joints
+        found = np.empty((len(motion), len(self._dofs)))
+        rows = np.flatnonzero(motion.read)
+        kept = {name: np.empty((len(rows), n)) for name in ("theta", "torque", "motor", "link")}
+        points = np.empty((len(rows), len(at.reflectors) + 1, 3))
+        sites = np.append(at.reflectors, at.load_point)
+        cylinder = np.full((len(rows), 2), np.nan)
+        unknown = np.zeros(len(self._dofs))
+        unknown[:n] = motion.q[0]
+        row = 0
+        own_step = model.opt.timestep
+        for i in range(len(motion)):
+            # gas relaxes over what the plugin takes for one step
+            model.opt.timestep = own_step if i == 0 else max(motion.time[i] - motion.time[i - 1], own_step)
+            if guess is not None and guess.shape[1] == len(unknown):
+                unknown = guess[i]
+            elif i:
+                unknown = found[i - 1].copy()
+                unknown[:n] += motion.q[i] - motion.q[i - 1]
+            data.qpos[at.q] = motion.q[i]
+            data.qvel[at.q_dof] = data.qvel[at.theta_dof] = motion.velocity[i]
+            data.qacc[at.q_dof] = data.qacc[at.theta_dof] = motion.acceleration[i]
+            accelerates = bool(np.any(motion.acceleration[i]))
+            self._push(motion.wrench[i])
+            found[i] = self._balance(np.array(unknown), accelerates, motion.time[i])
+            if motion.read[i]:
+                kept["theta"][row] = data.qpos[at.theta]
+                kept["torque"][row] = self._motor_torque(motion.acceleration[i])
+                kept["motor"][row] = data.actuator_force[at.motor_friction]
+                kept["link"][row] = data.actuator_force[at.link_friction]
+                points[row] = data.site_xpos[sites]
+                if at.counterbalance >= 0:
+                    cylinder[row] = -data.actuator_force[at.counterbalance], data.ten_length[at.counterbalance_tendon]
+                row += 1
+            self._remember()
+        model.opt.timestep = own_step
+        trace = Trace(
+            time=motion.time[rows],
+            q=motion.q[rows],
+            q_velocity=motion.velocity[rows],
+            theta=kept["theta"],
+            theta_velocity=motion.velocity[rows],
+            motor_torque=kept["torque"],
+            motor_friction=kept["motor"],
+            link_friction=kept["link"],
+            reflectors=points[:, :-1],
+            load_point=points[:, -1],
+            wrench=motion.wrench[rows],
+            counterbalance_force=cylinder[:, 0],
+            counterbalance_length=cylinder[:, 1],
+        )
+        return trace, found
+
+    def _push(self, wrench: Array) -> None:
+        self._wrench = wrench if np.any(wrench) else None
+
+    def _balance(self, unknown: Array, accelerates: bool, time: float) -> Array:
+        data = self._data
+        slope = self._sliding if np.any(data.qvel) else self._sticking
+        data.qpos[self._positions] = unknown
+        residual, scale = self._residual(accelerates)
+        bracket = np.stack([np.full_like(unknown, -np.inf), np.full_like(unknown, np.inf)])
+        for iteration in range(MAX_ITERATIONS):
+            if np.max(np.abs(residual)) < TOLERANCE * scale:
+                return unknown
+            step = residual / slope
+            if iteration >= PATIENCE:
+                step = _bracketed(bracket, unknown, residual, step)
+            unknown = unknown + step
+            data.qpos[self._positions] = unknown
+            before = residual
+            residual, scale = self._residual(accelerates)
+            moved = np.abs(step) > STEP_RESOLUTION
+            slope = np.clip(
+                np.divide(before - residual, step, out=slope.copy(), where=moved), self._softest, self._stiffest
+            )
+        raise ConvergenceError(
+            f"no balance at {time:.3f} s within {MAX_ITERATIONS} iterations: {np.max(np.abs(residual)):.3g} Nm are left."
+        )
+
+    def _residual(self, accelerates: bool) -> tuple[Array, float]:
+        """Return the torque left on every unknown, shape (u,) [Nm], and the largest torque there is [Nm]."""
+        model, data, at = self.compiled.model, self._data, self.compiled.at
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_tendon(model, data)
+        mujoco.mj_transmission(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_fwdActuation(model, data)
+        if accelerates:
+            mujoco.mj_rne(model, data, 1, self._bias)  # without armature, which only the rotors have
+            bias = self._bias
+        else:
+            bias = data.qfrc_bias
+        forces = data.qfrc_passive + data.qfrc_actuator - bias
+        if self._wrench is not None:
+            mujoco.mj_applyFT(
+                model, data, self._wrench[:3], self._wrench[3:], data.xipos[at.load_body], at.load_body, forces
+            )
+        return forces[self._dofs], float(np.max(np.abs(data.qfrc_passive[self._dofs]))) + 1.0
+
+    def _motor_torque(self, acceleration: Array) -> Array:
+        """Return what the motors put out, shape (n,) [Nm]: inertia, viscous and Coulomb friction, and the element."""
+        model, data, at = self.compiled.model, self._data, self.compiled.at
+        others = data.qfrc_actuator[at.q_dof] - data.actuator_force[at.servo]
+        return np.array(model.dof_armature[at.q_dof] * acceleration - data.qfrc_passive[at.q_dof] - others)
+
+    def _remember(self) -> None:
+        """Let the plugins take over the state of this instant: an integration step in which nothing moves."""
+        model, data = self.compiled.model, self._data
+        time, act = data.time, data.act.copy()
+        mujoco.mj_fwdPosition(model, data)
+        data.qvel[:] = 0
+        data.qacc[:] = 0
+        mujoco.mj_Euler(model, data)
+        data.time, data.act[:] = time, act
+
+
+def _bracketed(bracket: Array, at: Array, residual: Array, step: Array) -> Array:
+    """Return a step that stays between the places where the torque left was positive and where it was negative.
+
+    Secants can run in circles where friction slips on both sides. The torque on each unknown falls as that unknown
+    rises, but for a little that the others add; the bracket, shape (2, u), is therefore opened again when it is small.
+    """
+    low, high = bracket
+    low[residual > 0] = at[residual > 0]
+    high[residual < 0] = at[residual < 0]
+    closed = high - low < CLOSED * np.abs(step)
+    low[closed & (residual < 0)] = -np.inf
+    high[closed & (residual > 0)] = np.inf
+    aim = at + step
+    known = np.isfinite(low) & np.isfinite(high)
+    middle = np.where(known, (np.where(known, low, 0.0) + np.where(known, high, 0.0)) / 2, aim)
+    outside = known & ((aim <= low) | (aim >= high))
+    limited: Array = np.where(outside, middle, aim) - at
+    return limited
+
+
+def _is_linear(compiled: CompiledRobot, n_passive: int) -> Array:
+    """Return 1 for every unknown on a linear spring, else 0: elements first, then passive hinges (all linear)."""
+    model, element = compiled.model, compiled.at.element
+    rest = model.tendon_lengthspring[element]
+    curved = np.any(model.tendon_stiffnesspoly[element] != 0, axis=1) | (rest[:, 0] != rest[:, 1])
+    plastic = model.tendon_plasticadr[element] >= 0
+    return np.concatenate([np.where(curved | plastic, 0.0, 1.0), np.ones(n_passive)])

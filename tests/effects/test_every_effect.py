@@ -1,0 +1,158 @@
+"""What holds for every entry: null values change nothing, typical ones run, and the edited model can be saved."""
+
+from dataclasses import fields
+
+import mujoco
+import numpy as np
+import pytest
+
+from bench.effects.effect import Conditions, Effect
+from bench.effects.unlisted import unlisted
+from bench.robot.compiled import CompiledRobot, compile_robot, compile_spec, read_spec
+from bench.robot.edits import friction_on
+from bench.robot.folder import Robot
+from bench.simulate.payload import bolt_on
+from bench.simulate.plant import Plant
+from tests.effects.rest import CATALOGUE, PERIOD, perfect_reading, some_trace, typical
+
+EVERYTHING = {**CATALOGUE, **unlisted()}
+EDITED = [name for name, effect in EVERYTHING.items() if type(effect).edit is not Effect.edit]
+PAYLOAD = 12.0  # [kg]
+SETTLED = 1e-6  # [rad/s]; of a robot that was put at rest
+WARM = 15.0  # [K]
+
+
+def warm(n: int) -> Conditions:
+    return Conditions(np.full(n, 293.15 + WARM), np.full(n, 293.15 + 2 * WARM), payload_kg=PAYLOAD)
+
+
+def same_model(left: mujoco.MjModel, right: mujoco.MjModel) -> bool:
+    def numbers(model: mujoco.MjModel) -> dict[str, np.ndarray]:
+        everything = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
+        return {name: value for name, value in everything.items() if isinstance(value, np.ndarray)}
+
+    first, second = numbers(left), numbers(right)
+    return all(np.array_equal(first[name], second[name]) for name in first)
+
+
+@pytest.fixture(params=["small", "hh150"])
+def robot(request: pytest.FixtureRequest) -> Robot:
+    found: Robot = request.getfixturevalue(request.param)
+    return found
+
+
+@pytest.fixture
+def compiled(robot: Robot) -> CompiledRobot:
+    return compile_robot(robot)
+
+
+@pytest.mark.parametrize("name", EVERYTHING)
+def test_null_changes_nothing(name: str, robot: Robot, compiled: CompiledRobot, rng: np.random.Generator) -> None:
+    effect = EVERYTHING[name]
+    nominal = compile_robot(robot, [bolt_on(PAYLOAD)])
+    plant, trace = some_trace(robot, rng)
+    reading = perfect_reading(plant.compiled, trace)
+    for place in effect.places(compiled)[:2]:
+        values, conditions = effect.complete({}), warm(compiled.n_joints)
+        edit = effect.edit(place, values, conditions)
+        if edit is not None:
+            assert same_model(compile_robot(robot, [bolt_on(PAYLOAD), edit]).model, nominal.model)
+        error = effect.encoder_error(place, values, trace.q, trace.q_velocity)
+        assert error is None or not np.any(error)
+        seen = effect.distort(place, values, reading, trace, conditions)
+        for field in fields(reading):
+            np.testing.assert_array_equal(getattr(seen, field.name), getattr(reading, field.name))
+
+
+@pytest.mark.parametrize("name", EVERYTHING)
+def test_typical_values_do_something(
+    name: str, robot: Robot, compiled: CompiledRobot, rng: np.random.Generator
+) -> None:
+    """At least one of the three methods says that something changes."""
+    effect = EVERYTHING[name]
+    plant, trace = some_trace(robot, rng)
+    reading = perfect_reading(plant.compiled, trace)
+    for place in effect.places(compiled)[:1]:
+        values, conditions = effect.complete(typical(effect, compiled, place)), warm(compiled.n_joints)
+        seen = effect.distort(place, values, reading, trace, conditions)
+        assert (
+            effect.edit(place, values, conditions) is not None
+            or effect.encoder_error(place, values, trace.q, trace.q_velocity) is not None
+            or any(
+                not np.array_equal(getattr(seen, f.name), getattr(reading, f.name), equal_nan=True)
+                for f in fields(reading)
+            )
+        )
+
+
+@pytest.mark.parametrize("side", ["as-model", "none"])
+@pytest.mark.parametrize("name", EDITED)
+def test_stays_where_it_was_put(name: str, side: str, robot: Robot) -> None:
+    """With an effect of typical size the robot has a rest, and stays there in time, everywhere where it can act."""
+    base = [friction_on(side), bolt_on(PAYLOAD)]
+    compiled = compile_robot(robot, base)
+    q = np.full(compiled.n_joints, 0.3)
+    effect = EVERYTHING[name]
+    for place in effect.places(compiled):
+        edit = effect.edit(place, effect.complete(typical(effect, compiled, place)), warm(compiled.n_joints))
+        assert edit is not None
+        plant = Plant(robot, [*base, edit])
+        plant.reset(q)
+        trace = plant.advance(np.tile(q, (25, 1)), np.zeros((25, 6)), PERIOD)
+        assert np.max(np.abs(trace.theta_velocity)) < SETTLED, str(place)
+        assert np.max(np.abs(trace.q - q)) < SETTLED, str(place)
+
+
+@pytest.mark.parametrize("name", EDITED)
+def test_moves_without_ringing_up(name: str, robot: Robot, compiled: CompiledRobot) -> None:
+    effect = EVERYTHING[name]
+    start = np.full(compiled.n_joints, 0.2)
+    commands = start + 0.1 * np.sin(np.arange(150) * PERIOD * 2)[:, None]
+    for place in effect.places(compiled)[:1]:
+        values = effect.complete(
+            {p.name: p.null if p.is_shape else p.null + p.high for p in effect.parameters_at(compiled, place)}
+        )
+        edit = effect.edit(place, values, warm(compiled.n_joints))
+        assert edit is not None
+        plant = Plant(robot, [bolt_on(PAYLOAD), edit])
+        plant.reset(start)
+        trace = plant.advance(commands, np.zeros((150, 6)), PERIOD)
+        assert np.max(np.abs(trace.theta - commands[0])) < 0.3
+        assert np.max(np.abs(trace.theta_velocity)) < 1.0
+
+
+@pytest.mark.parametrize("name", EDITED)
+def test_edited_model_saves_and_loads(name: str, robot: Robot, compiled: CompiledRobot) -> None:
+    effect = EVERYTHING[name]
+    for place in effect.places(compiled)[-1:]:
+        edit = effect.edit(place, effect.complete(typical(effect, compiled, place)), warm(compiled.n_joints))
+        assert edit is not None
+        spec = read_spec(robot)
+        model = compile_spec(spec, robot, [bolt_on(PAYLOAD), edit]).model
+        again = mujoco.MjModel.from_xml_string(spec.to_xml())
+        forces = []
+        for either in (model, again):
+            data = mujoco.MjData(either)
+            data.qpos[:] = 0.01
+            data.qvel[:] = 0.01
+            mujoco.mj_forward(either, data)
+            forces.append(data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias)
+        assert again.nplugin == model.nplugin
+        np.testing.assert_allclose(forces[1], forces[0], rtol=1e-4, atol=0.1)  # numbers are saved with six digits
+
+
+@pytest.mark.parametrize("name", EVERYTHING)
+def test_entry_is_complete(name: str) -> None:
+    effect = EVERYTHING[name]
+    assert effect.name == name
+    assert effect.title
+    assert len(effect.physics) > 40
+    assert len(effect.source) > 5
+    names = [parameter.name for parameter in effect.parameters]
+    assert len(set(names)) == len(names)
+    assert not effect.parameters[0].is_shape
+    for parameter in effect.parameters:
+        assert parameter.low < parameter.high
+        assert parameter.is_shape or parameter.low > 0
+        if parameter.is_shape:
+            assert parameter.low <= parameter.null <= parameter.high

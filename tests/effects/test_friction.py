@@ -1,0 +1,134 @@
+"""Effects of drive friction: torques of the friction elements in sliding, against their closed forms."""
+
+import numpy as np
+import pytest
+
+from bench.effects.effect import Conditions
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
+from bench.robot.edits import friction_on
+from bench.robot.folder import Robot
+from tests.effects.rest import CATALOGUE, edit_of, sweep
+from tests.small_robot import FRICTION
+
+START = np.array([0.1, -0.2])
+SPEED = np.array([0.1, -0.1])  # [rad/s]
+TAIL = slice(1500, None)  # steps after which all elements slide
+SLIDING = 1e-6  # relative
+
+
+@pytest.fixture(params=["own", "shared"])
+def robot(request: pytest.FixtureRequest) -> Robot:
+    # the friction elements of the small robot have an instance each, those of the HH-150 share them
+    found: Robot = request.getfixturevalue({"own": "small", "shared": "hh150"}[request.param])
+    return found
+
+
+def friction(robot: Robot, edits: list[SpecEdit], speed: float) -> tuple[np.ndarray, np.ndarray, CompiledRobot]:
+    """Friction torques of motor and link side in sliding, shape (T, n)."""
+    n = robot.n_joints
+    trace = sweep(robot, edits, np.full(n, 0.1), np.full(n, speed))
+    return trace.motor_friction[TAIL], trace.link_friction[TAIL], compile_robot(robot)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("which", [0, 1])
+def test_level(robot: Robot, which: int, sign: int) -> None:
+    compiled = compile_robot(robot)
+    edit = edit_of("coulomb_level", compiled, {"change": 0.3}, which)
+    motor, link, _ = friction(robot, [edit], sign * 0.1)
+    factor = np.ones(robot.n_joints)
+    factor[which] = 1.3
+    np.testing.assert_allclose(motor, np.tile(-sign * factor * compiled.motor_coulomb, (len(motor), 1)), rtol=SLIDING)
+    np.testing.assert_allclose(link, np.tile(-sign * factor * compiled.link_coulomb, (len(link), 1)), rtol=SLIDING)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_direction(robot: Robot, sign: int) -> None:
+    compiled = compile_robot(robot)
+    motor, link, _ = friction(robot, [edit_of("direction_friction", compiled, {"asymmetry": 0.2}, 1)], sign * 0.1)
+    factor = np.ones(robot.n_joints)
+    factor[1] = 1 + sign * 0.2
+    np.testing.assert_allclose(motor[-1], -sign * factor * compiled.motor_coulomb, rtol=SLIDING)
+    np.testing.assert_allclose(link[-1], -sign * factor * compiled.link_coulomb, rtol=SLIDING)
+
+
+def test_stribeck(robot: Robot) -> None:
+    compiled = compile_robot(robot)
+    edit = edit_of("stribeck", compiled, {"rise": 0.4, "speed": 0.05}, 1)
+    trace = sweep(robot, [edit], np.full(robot.n_joints, 0.1), np.full(robot.n_joints, 0.06))
+    expected = -compiled.motor_coulomb[1] * (1 + 0.4 * np.exp(-((trace.q_velocity[TAIL, 1] / 0.05) ** 2)))
+    np.testing.assert_allclose(trace.motor_friction[TAIL, 1], expected, rtol=1e-5)
+    assert np.all(np.abs(trace.motor_friction[TAIL, 1]) > 1.05 * compiled.motor_coulomb[1])
+    np.testing.assert_allclose(trace.motor_friction[-1, 0], -compiled.motor_coulomb[0], rtol=SLIDING)
+
+
+def test_load(robot: Robot) -> None:
+    compiled = compile_robot(robot)
+    edit = edit_of("load_friction", compiled, {"coefficient": 0.05}, 1)
+    trace = sweep(robot, [edit], np.full(robot.n_joints, 0.1), np.full(robot.n_joints, 0.1))
+    load = compiled.stiffness[1] * (trace.q - trace.theta)[TAIL, 1]
+    expected = -(compiled.motor_coulomb[1] + 0.05 * np.abs(load))
+    np.testing.assert_allclose(trace.motor_friction[TAIL, 1], expected, rtol=1e-6)
+    np.testing.assert_allclose(trace.motor_friction[-1, 0], -compiled.motor_coulomb[0], rtol=SLIDING)
+
+
+def test_ripple(robot: Robot) -> None:
+    compiled = compile_robot(robot)
+    values = {"sin": 0.2, "cos": -0.1, "period": 0.3}
+    trace = sweep(
+        robot, [edit_of("friction_ripple", compiled, values, 1)], np.zeros(robot.n_joints), np.full(robot.n_joints, 0.1)
+    )
+    phase = 2 * np.pi * trace.q[TAIL, 1] / 0.3
+    expected = -compiled.motor_coulomb[1] * (1 + 0.2 * np.sin(phase) - 0.1 * np.cos(phase))
+    np.testing.assert_allclose(trace.motor_friction[TAIL, 1], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("moved", "motor", "link"), [(0.5, 0.5, 1.5), (-1.0, 2.0, 0.0)])
+def test_side(small: Robot, small_compiled: CompiledRobot, moved: float, motor: float, link: float) -> None:
+    """Both sides of the small robot have the same level."""
+    changed = compile_robot(small, [edit_of("friction_side", small_compiled, {"moved": moved}, 1)])
+    np.testing.assert_allclose(changed.motor_coulomb, np.array(FRICTION) * [1, motor])
+    np.testing.assert_allclose(changed.link_coulomb, np.array(FRICTION) * [1, link])
+
+
+def test_viscous(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
+    """The servo pays for it: at constant speed the torque grows by x f_v v."""
+    edit = edit_of("viscous_level", hh150_compiled, {"change": 0.5}, 1)
+    start, speed = np.full(6, 0.1), np.full(6, 0.05)
+    extra = sweep(hh150, [edit], start, speed).motor_torque - sweep(hh150, [], start, speed).motor_torque
+    damping = hh150_compiled.model.dof_damping[hh150_compiled.at.q_dof[1]]
+    np.testing.assert_allclose(extra[-1, 1], 0.5 * damping * 0.05, rtol=1e-3)
+
+
+def test_temperature(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
+    gear = np.array([293.15, 313.15, 293.15, 293.15, 293.15, 293.15])
+    conditions = Conditions(gear, np.full(6, 350.0))
+    edit = edit_of("friction_temperature", hh150_compiled, {"decrease": 0.03}, 1, conditions)
+    changed = compile_robot(hh150, [edit])
+    factor = np.array([1, np.exp(-0.6), 1, 1, 1, 1])
+    np.testing.assert_allclose(changed.motor_coulomb, factor * hh150_compiled.motor_coulomb)
+    np.testing.assert_allclose(changed.link_coulomb, factor * hh150_compiled.link_coulomb)
+    at = hh150_compiled.at.q_dof
+    np.testing.assert_allclose(changed.model.dof_damping[at], factor * hh150_compiled.model.dof_damping[at])
+
+
+def test_friction_where_the_model_has_none(small: Robot) -> None:
+    without = compile_robot(small, [friction_on("none")])
+    assert not CATALOGUE["coulomb_level"].places(without)
+    edits = [
+        friction_on("none"),
+        edit_of("coulomb_friction", without, {"level": 25.0}, 1),
+        edit_of("viscous_friction", without, {"coefficient": 40.0}, 1),
+    ]
+    with_it = sweep(small, edits, START, SPEED)
+    nominal = sweep(small, [friction_on("none")], START, SPEED)
+    np.testing.assert_allclose(with_it.motor_friction[-1], [0, 25.0], rtol=SLIDING)
+    np.testing.assert_allclose((with_it.motor_torque - nominal.motor_torque)[-1], [0, -25 - 4], atol=0.05)
+
+
+def test_ranges_scale_with_the_drive(hh150_compiled: CompiledRobot) -> None:
+    effect = CATALOGUE["coulomb_friction"]
+    places = CATALOGUE["coulomb_level"].places(hh150_compiled)
+    high = [effect.parameters_at(hh150_compiled, place)[0].high for place in places]
+    limits = [11600, 16900, 9100, 2100, 2500, 900]
+    np.testing.assert_allclose(high, 0.1 * np.array(limits))

@@ -1,0 +1,151 @@
+"""A laboratory's own logs become a campaign, or every fault is named in the words of the log."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.cli import main
+from bench.errors import CampaignError, InputError
+from bench.record.check import check_campaign
+from bench.record.convert import PAUSE_S, convert
+from bench.record.log_format import LogFormat, read_log_format
+from bench.record.read import read_campaign
+from bench.robot.folder import load_robot
+from bench.robot.logs import log_format_of
+from tests.recordings import write_emps, write_kr300
+
+LAYOUT = LogFormat.model_validate(
+    {
+        "columns": {
+            "time_s": {"from": "t_ms", "factor": 1e-3},
+            "q_motor_1_rad": {"from": "axis 1", "factor": -0.5, "offset": 0.1},
+            "current_1_a": {"from": "i1", "optional": True},
+        },
+        "noise": {"current": 0.03},
+    }
+)
+GEAR_2 = 267.42857142857144  # published with the KR300
+
+
+def log(folder: Path, name: str, text: str) -> Path:
+    file = folder / name
+    file.write_text(text)
+    return file
+
+
+def test_factor_offset_clock_and_optional_column(tmp_path: Path) -> None:
+    file = log(tmp_path, "a b.csv", "t_ms,axis 1,spare\n500,0.2,1\n504,0.4,1\n508,0.5,2\n")
+    converted = convert(file, LAYOUT, "mine")
+    assert converted.unused == {"a b.csv": ("spare",)}
+    assert converted.campaign.robot == "mine"
+    assert converted.campaign.noise == {"current": 0.03}
+    (run,) = converted.campaign.runs
+    assert (run.name, run.kind, run.start_s) == ("a_b", "motion", 0.0)
+    np.testing.assert_allclose(run.columns["time_s"], [0, 0.004, 0.008], atol=1e-15)
+    np.testing.assert_allclose(run.columns["q_motor_1_rad"], [0.0, -0.1, -0.15])
+    assert set(run.columns) == {"time_s", "q_motor_1_rad"}
+
+
+def test_a_folder_becomes_one_run_for_each_file(tmp_path: Path) -> None:
+    for name in ("b.csv", "a.csv", "a b.csv"):
+        log(tmp_path, name, "t_ms,axis 1,i1\n0,0.2,1\n4,0.4,2\n8,0.5,3\n")
+    log(tmp_path, "README.md", "no log")
+    runs = convert(tmp_path, LAYOUT, "mine").campaign.runs
+    assert [run.name for run in runs] == ["a_b", "a", "b"]
+    np.testing.assert_allclose([run.start_s for run in runs], np.arange(3) * (PAUSE_S + 0.008))
+    assert "time of its start is not known" in runs[0].note
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("t_ms,axis1\n0,1\n4,2\n", r"x\.csv: axis 1: is missing; q_motor_1_rad is made of it.*mean 'axis1'"),
+        ("t_ms,axis 1\n0,1\n4,\n8,3\n", r"x\.csv: row 2 \(line 3\): axis 1: no value"),
+        ("t_ms,axis 1\n0,1\n4,oops\n", r"x\.csv: row 2 \(line 3\): axis 1: 'oops' is no number"),
+        ("t_ms,axis 1\n0,1\n4\n", r"x\.csv: row 2 \(line 3\): 1 cells under 2 names"),
+        ("t_ms;axis 1\n0;1\n", r"x\.csv: cells are separated by semicolons"),
+        ("t_ms,axis 1,axis 1\n0,1,1\n4,2,2\n", r"axis 1: 2 columns have this name"),
+        ("t_ms,axis 1\n0,1\n4,2\n4,3\n", r"row 3 \(line 4\): t_ms \(time_s\): is the same as in the row before"),
+        ("t_ms,axis 1\n0,1\n4,200\n", r"axis 1 \(q_motor_1_rad\): -99\.9 rad is no position"),
+        ("t_ms,axis 1\n", r"no rows"),
+        ("", r"is empty"),
+    ],
+)
+def test_faults_are_named(tmp_path: Path, text: str, said: str) -> None:
+    with pytest.raises(CampaignError, match=said):
+        convert(log(tmp_path, "x.csv", text), LAYOUT, "mine")
+
+
+def test_all_faults_of_all_files_at_once(tmp_path: Path) -> None:
+    log(tmp_path, "x.csv", "t_ms\n0\n")
+    log(tmp_path, "y.csv", "axis 1\n0\n")
+    with pytest.raises(CampaignError, match=r"x\.csv: axis 1[\s\S]*y\.csv: t_ms"):
+        convert(tmp_path, LAYOUT, "mine")
+
+
+@pytest.mark.parametrize("source", ["nowhere", "empty", "notes.txt"])
+def test_no_log(tmp_path: Path, source: str) -> None:
+    (tmp_path / "empty").mkdir()
+    log(tmp_path, "notes.txt", "")
+    with pytest.raises(CampaignError, match=re.escape(str(tmp_path / source))):
+        convert(tmp_path / source, LAYOUT, "mine")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("columns: {q_motor_1_deg: {from: a}}", r"write 'q_motor_1_rad'"),
+        ("columns: {q_moter_1_rad: {from: a}}", r"unknown column 'q_moter_1_rad'.*mean 'q_motor_1_rad'"),
+        ("columns: {time_s: {from: a, gain: 2}}", r"columns\.time_s\.gain"),
+        ("columns: {time_s: {from: a, factor: two}}", r"columns\.time_s\.factor"),
+        ("columns: {time_s: {from: a}}\nnoise: {currant: 1}", r"unknown quantity 'currant'"),
+        ("columns: [", r"not YAML"),
+        ("kind: motion", r"columns: Field required"),
+    ],
+)
+def test_a_broken_format_is_told_what_is_wrong(tmp_path: Path, text: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read_log_format(log(tmp_path, "log.yaml", text))
+
+
+def test_a_robot_without_a_format_says_so(small_robot: Path) -> None:
+    with pytest.raises(InputError, match=r"log\.yaml: no such file"):
+        log_format_of(load_robot(small_robot))
+
+
+def test_emps_from_log_to_campaign(
+    tmp_path: Path, rng: np.random.Generator, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_emps(tmp_path / "emps.csv", rng)
+    assert main(["convert", "emps", str(tmp_path / "emps.csv"), "-o", str(tmp_path / "campaign")]) == 0
+    assert "1 runs, 6000 rows, 0 warnings" in capsys.readouterr().out
+    assert main(["check", str(tmp_path / "campaign")]) == 0
+    (run,) = read_campaign(tmp_path / "campaign").runs
+    assert set(run.columns) == {"time_s", "q_cmd_1_m", "q_motor_1_m", "tau_motor_1_n"}
+
+
+@pytest.mark.parametrize("table_format", ["csv", "parquet"])
+def test_kr300_from_log_to_campaign(tmp_path: Path, rng: np.random.Generator, table_format: str) -> None:
+    (tmp_path / "logs").mkdir()
+    write_kr300(tmp_path / "logs" / "one.csv", rng)
+    write_kr300(tmp_path / "logs" / "two.csv", rng)
+    extra = ["--parquet"] if table_format == "parquet" else []
+    assert main(["convert", "kr300", str(tmp_path / "logs"), "-o", str(tmp_path / "campaign"), *extra]) == 0
+    assert check_campaign(tmp_path / "campaign").findings == ()
+    campaign = read_campaign(tmp_path / "campaign")
+    assert campaign.robot == "kr300"
+    assert [run.name for run in campaign.runs] == ["one", "two"]
+    logged = np.genfromtxt(tmp_path / "logs" / "two.csv", delimiter=",", names=True)
+    run = campaign.runs[1]
+    np.testing.assert_allclose(run.columns["tau_motor_2_nm"], GEAR_2 * logged["tau_motor_2_Nm"])
+    np.testing.assert_array_equal(run.columns["q_motor_3_rad"], logged["q_motor_3_rad"])
+
+
+def test_nothing_is_left_behind_by_a_fault(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = log(tmp_path, "emps.csv", "time_s,q_m\n0,1\n")
+    code = main(["convert", "emps", str(file), "-o", str(tmp_path / "campaign")])
+    assert code == CampaignError.exit_code
+    assert "u_V" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["emps.csv"]

@@ -1,0 +1,255 @@
+"""`bench new-robot`: somebody's MJCF or URDF becomes a robot folder that works, or the fault is named."""
+
+import re
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from bench.cli import main
+from bench.errors import InputError, RobotError
+from bench.identify.arm import Arm
+from bench.robot.compiled import compile_robot
+from bench.robot.folder import load_robot
+from bench.robot.links import rigid_bodies
+from bench.robot.logs import log_format_of
+from bench.robot.starter.folder import start_robot
+from bench.robot.starter.source import read_source
+from bench.simulate.env import BenchEnv
+from bench.simulate.equilibrium import Equilibrium
+
+AGREEMENT = 1e-9  # of masses and gravity torques with the file's own
+FOLLOWS = 2e-3  # [rad], how near a started servo comes to its command within two seconds under a load
+
+# The habits of mujoco_menagerie: nested default classes, meshes in a folder, included files, position actuators, a
+# gripper of two fingers coupled by an equality, contact exclusions, a keyframe.
+MENAGERIE = """
+<mujoco model="twig">
+  <compiler angle="radian" meshdir="assets" autolimits="true"/>
+  <include file="defaults.xml"/>
+  <asset><mesh file="tri.obj"/></asset>
+  <worldbody>
+    <light pos="0 0 2"/>
+    <body name="base" childclass="arm">
+      <geom class="visual" mesh="tri"/>
+      <body name="l1" pos="0 0 0.2">
+        <inertial mass="4" pos="0 0 0.1" diaginertia="0.02 0.02 0.02"/>
+        <joint name="j1" axis="0 0 1"/>
+        <geom size="0.05"/>
+        <body name="l2" pos="0 0 0.2">
+          <inertial mass="3" pos="0 0 0.2" diaginertia="0.03 0.03 0.01"/>
+          <joint name="j2"/>
+          <body name="l3" pos="0 0 0.4">
+            <inertial mass="1" pos="0 0 0.1" diaginertia="0.002 0.002 0.0005"/>
+            <joint name="j3" class="small"/>
+            <site name="attachment_site" pos="0 0 0.2"/>
+            <body name="hand" pos="0 0 0.2">
+              <inertial mass="0.3" pos="0 0 0" diaginertia="1e-4 1e-4 1e-4"/>
+              <body name="f1" pos="0 0.02 0.05">
+                <joint name="finger1" type="slide" axis="0 1 0" range="0 0.04"/><geom size="0.01" mass="0.02"/>
+              </body>
+              <body name="f2" pos="0 -0.02 0.05">
+                <joint name="finger2" type="slide" axis="0 -1 0" range="0 0.04"/><geom size="0.01" mass="0.02"/>
+              </body>
+            </body>
+          </body>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+  <contact><exclude body1="l1" body2="l2"/></contact>
+  <equality><joint joint1="finger1" joint2="finger2"/></equality>
+  <actuator>
+    <position name="a1" joint="j1" class="arm"/>
+    <position name="a2" joint="j2" class="arm"/>
+    <position name="a3" joint="j3" class="small"/>
+    <position name="grip" joint="finger1" class="small" ctrlrange="0 0.04"/>
+  </actuator>
+  <sensor><jointpos joint="finger1"/></sensor>
+  <keyframe><key name="home" qpos="0 0.5 0 0 0" ctrl="0 0.5 0 0"/></keyframe>
+</mujoco>
+"""
+DEFAULTS = """
+<mujocoinclude>
+  <default>
+    <joint damping="9" frictionloss="9" armature="9"/>
+    <default class="arm">
+      <joint axis="0 1 0" range="-2 2" armature="0.1" damping="1" frictionloss="2"/>
+      <position ctrlrange="-2 2" forcerange="-150 150" kp="2000"/>
+      <default class="small"><position forcerange="-30 30" kp="500"/><joint armature="0.05"/></default>
+      <default class="visual"><geom type="mesh" group="2" contype="0" conaffinity="0"/></default>
+    </default>
+  </default>
+</mujocoinclude>
+"""
+TETRAHEDRON = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+URDF = """
+<robot name="lift">
+  <link name="base"/>
+  <link name="a">
+    <inertial><origin xyz="0 0 0.2"/><mass value="6"/>
+      <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>
+  </link>
+  <link name="b">
+    <inertial><origin xyz="0.2 0 0"/><mass value="2"/>
+      <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <link name="tool0"/>
+  <joint name="lift" type="prismatic"><parent link="base"/><child link="a"/><origin xyz="0 0 0.1"/><axis xyz="0 0 1"/>
+    <limit lower="-0.2" upper="1" effort="500" velocity="2"/></joint>
+  <joint name="turn" type="continuous"><parent link="a"/><child link="b"/><origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>
+    <dynamics damping="0.5" friction="0.2"/></joint>
+  <joint name="fixed" type="fixed"><parent link="b"/><child link="tool0"/><origin xyz="0.4 0 0"/></joint>
+</robot>
+"""
+
+
+@pytest.fixture
+def menagerie(tmp_path: Path) -> Path:
+    folder = tmp_path / "twig_arm"
+    (folder / "assets").mkdir(parents=True)
+    (folder / "assets" / "tri.obj").write_text(TETRAHEDRON)
+    (folder / "defaults.xml").write_text(DEFAULTS)
+    (folder / "twig.xml").write_text(MENAGERIE)
+    return folder / "twig.xml"
+
+
+@pytest.fixture
+def urdf(tmp_path: Path) -> Path:
+    (tmp_path / "lift.urdf").write_text(URDF)
+    return tmp_path / "lift.urdf"
+
+
+def works(folder: Path) -> None:
+    """Let it rest, and move to a command under a load."""
+    robot = load_robot(folder)
+    compiled = compile_robot(robot)
+    log_format_of(robot)
+    Arm(rigid_bodies(compiled))
+    home = compiled.model.key("home").ctrl[compiled.at.servo_ctrl]
+    Equilibrium(compiled).solve(home, np.array([5.0, 3.0, -10.0, 0, 0, 0]))
+    data = mujoco.MjData(compiled.model)
+    mujoco.mj_resetDataKeyframe(compiled.model, data, compiled.model.key("home").id)
+    start = data.qpos.copy()
+    for _ in range(2000):
+        mujoco.mj_step(compiled.model, data)
+    np.testing.assert_allclose(data.qpos, start, rtol=0, atol=1e-8)
+
+    env = BenchEnv(str(folder), truth=True)
+    env.reset(seed=1, options={"q": home})
+    goal, load = home + 0.05, np.array([5.0, 3.0, -10.0, 0, 0, 0])
+    for k in range(600):
+        blend = min(k / 100, 1.0)
+        observation, *_, info = env.step({"q_cmd": home + blend * (goal - home), "wrench": blend * load})
+    assert env.observation_space.contains(observation)
+    np.testing.assert_allclose(info["truth"].q[0], goal, rtol=0, atol=FOLLOWS)
+    scene = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
+    assert scene.nv == 2 * compiled.n_joints
+    assert (folder / "README.md").is_file()
+
+
+def test_menagerie_arm(menagerie: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new-robot", "twig", "--mjcf", str(menagerie), "-o", str(tmp_path / "robot")]) == 0
+    assert "3 drives: j1, j2, j3" in capsys.readouterr().out
+    works(tmp_path / "robot")
+    compiled = compile_robot(load_robot(tmp_path / "robot"))
+    model, at = compiled.model, compiled.at
+    np.testing.assert_allclose(model.dof_armature[at.q_dof], [0.1, 0.1, 0.05])
+    np.testing.assert_allclose(model.dof_armature[at.theta_dof], 0)
+    np.testing.assert_allclose(compiled.motor_coulomb, 2)
+    np.testing.assert_allclose(compiled.link_coulomb, 0)
+    np.testing.assert_allclose(model.actuator_forcerange[at.servo, 1], [150, 150, 30])
+    np.testing.assert_allclose(compiled.limits, [[-2, 2]] * 3)
+    np.testing.assert_allclose(model.key("home").ctrl[at.servo_ctrl], [0, 0.5, 0])
+    assert np.all(model.geom_contype == 0)
+    readme = (tmp_path / "robot" / "README.md").read_text()
+    assert "joint finger1, held at its zero" in readme
+    assert "site 'attachment_site' of the file" in readme
+
+
+def test_links_are_those_of_the_file(menagerie: Path, tmp_path: Path) -> None:
+    original = mujoco.MjModel.from_xml_path(str(menagerie))
+    data = mujoco.MjData(original)
+    started = start_robot("twig", read_source(menagerie), tmp_path / "robot")
+    arm = Arm(rigid_bodies(started.compiled))
+    for q in ([0.1, 0.2, -0.3], [1.0, -0.8, 1.5]):
+        data.qpos[:3] = q
+        mujoco.mj_forward(original, data)
+        np.testing.assert_allclose(arm.gravity(np.array([q]))[0], data.qfrc_bias[:3], atol=AGREEMENT)
+        position, _ = arm.pose(np.array(q), "bench_load_point")
+        np.testing.assert_allclose(position, data.site("attachment_site").xpos, atol=AGREEMENT)
+
+
+def test_urdf_with_a_slide(urdf: Path, tmp_path: Path) -> None:
+    started = start_robot("lift", read_source(urdf), tmp_path / "robot")
+    works(tmp_path / "robot")
+    assert started.compiled.is_slide == (True, False)
+    assert started.source.load_body == "tool0"
+    np.testing.assert_allclose(started.compiled.limits, [[-0.2, 1], [-2 * np.pi, 2 * np.pi]])
+    assert started.drives[0].torque_limit == 500
+    np.testing.assert_allclose(started.compiled.motor_coulomb, [0, 0.2])
+    assert "tau_motor_1_n:" in (tmp_path / "robot" / "log.yaml").read_text()
+
+
+def test_named_joints_and_load_point(menagerie: Path, tmp_path: Path) -> None:
+    source = read_source(menagerie, ["j2", "j3"], "attachment_site")
+    assert [joint.name for joint in source.joints] == ["j2", "j3"]
+    start_robot("part", source, tmp_path / "robot")
+    works(tmp_path / "robot")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "options", "said"),
+    [
+        ('mass="3"', 'mass="-3"', [], r"twig\.xml: .*'l2'.*; give the body positive mass"),
+        ('<inertial mass="4" pos="0 0 0.1" diaginertia="0.02 0.02 0.02"/>', "", [], None),  # the geom gives it
+        ('file="tri.obj"', 'name="tri" file="none.obj"', [], r"none\.obj.*; put the file where the MJCF says"),
+        ('<body name="base" childclass="arm">', '<body name="base" childclass="arm"><freejoint/>', [], r"fix the base"),
+        ('name="j2"/>', 'name="j2" type="ball" range="0 1"/>', [], r"ball joint; write it as three hinges"),
+        ('name="j2"/>', 'name="j2"/><joint name="k" axis="1 0 0"/>', [], r"body 'l2' has several joints"),
+        ('name="j2"/>', 'name="j2" ref="0.3"/>', [], r"joint 'j2' has ref != 0; move its zero"),
+        ("", "", ["--joints", "j1", "jx"], r"--joints: unknown joint 'jx'.*Known: finger1"),
+        ("", "", ["--joints", "finger1", "finger2"], r"'finger2' does not hang on 'finger1'"),
+        ("", "", ["--joints", "j2", "j1"], r"'j1' does not hang on 'j2'.*from the base to the tool"),
+        ("", "", ["--load-point", "hook"], r"unknown site of the last link 'hook'.*attachment_site"),
+        ("<worldbody>", '<worldbody><body><joint name="door"/><geom size="1"/></body>', [], r"several arms.*--joints"),
+    ],
+)
+def test_faults_are_named_and_nothing_is_left(
+    menagerie: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    old: str,
+    new: str,
+    options: list[str],
+    said: str | None,
+) -> None:
+    text = menagerie.read_text()
+    assert old in text
+    text = text.replace(old, new, 1)
+    if "freejoint" in new or 'type="ball"' in new or "<joint name=" in new:
+        text = text[: text.index("<keyframe>")] + "</mujoco>"  # its length no longer fits
+    menagerie.write_text(text)
+    code = main(["new-robot", "twig", "--mjcf", str(menagerie), "-o", str(tmp_path / "robot"), *options])
+    if said is None:
+        assert code == 0
+        return
+    assert code == RobotError.exit_code
+    assert re.search(said, capsys.readouterr().err)
+    assert [path.name for path in tmp_path.iterdir()] == ["twig_arm"]
+
+
+def test_bad_name_and_missing_file(urdf: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="use letters"):
+        start_robot("my arm/", read_source(urdf), tmp_path / "robot")
+    with pytest.raises(RobotError, match="no such file"):
+        read_source(tmp_path / "nothing.xml")
+
+
+def test_robots_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["robots"]) == 0
+    said = capsys.readouterr().out
+    for name in ("emps", "hh150", "kr300"):
+        assert f"{name}: " in said
