@@ -8,6 +8,7 @@ import tyro
 from bench.cli.benchmark import Benchmark
 from bench.cli.check import Check
 from bench.cli.convert import Convert
+from bench.cli.diagnose import Diagnose
 from bench.cli.effects import Effects
 from bench.cli.hide import Hide
 from bench.cli.identify import Identify
@@ -25,6 +26,7 @@ Command = (
     | Annotated[View, tyro.conf.subcommand("view")]
     | Annotated[Identify, tyro.conf.subcommand("identify")]
     | Annotated[Poses, tyro.conf.subcommand("poses")]
+    | Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
     | Annotated[Effects, tyro.conf.subcommand("effects")]
     | Annotated[Hide, tyro.conf.subcommand("hide")]
     | Annotated[Check, tyro.conf.subcommand("check")]

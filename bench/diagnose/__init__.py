@@ -1,1 +1,1 @@
-"""From measured data to what the simulation gets wrong: replay, show, name, extend, measure, ask. README.md has the way."""
+"""From measured data to what the simulation gets wrong and the cause of it. README.md has the way."""

@@ -150,7 +150,7 @@ def changes_of(
     plan: Sequence[tuple[Cause, Mapping[str, float]]],
     progress: Callable[[float], None] = lambda share: None,
 ) -> list[Array | None]:
-    """Return the change of every reading, shape (T, c), with the typical value of each size in turn; None: no balance."""
+    """Return the change of every reading, shape (T, c), at the typical value of each size in turn; None: no balance."""
     worlds = [
         World(acting=(cause.acting({**shape, size.name: size.typical}),))
         for cause, shape in plan

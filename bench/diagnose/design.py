@@ -115,7 +115,9 @@ def held_friction(
         for side, sigma in (("motor", HELD_MOTOR), ("link", HELD_LINK)):
             change = np.concatenate(
                 [
-                    segment.is_static * getattr(response, side)[:, :, j] * getattr(trace, f"{side}_friction")[:, [j]]
+                    (segment.is_static or segment.standing[j])
+                    * getattr(response, side)[:, :, j]
+                    * getattr(trace, f"{side}_friction")[:, [j]]
                     for segment, trace, response in zip(replay.segments, traces, responses, strict=True)
                 ]
             )
@@ -130,8 +132,7 @@ def held_friction(
 def fit(design: Design) -> Array:
     """Return the nuisances that explain the residuals best under their priors, shape (p,), in standard deviations."""
     normal = design.slopes.T @ design.slopes + np.eye(design.slopes.shape[1])
-    values: Array = np.linalg.solve(normal, design.slopes.T @ design.white)
-    return values
+    return np.asarray(np.linalg.solve(normal, design.slopes.T @ design.white), dtype=np.float64)
 
 
 def _sound(found: Array | BenchError) -> Array:
@@ -155,18 +156,13 @@ def _assemble(
     runs = tuple(dict.fromkeys(segment.run for segment in segments))
     c = len(replay.quantities)
     run_of = np.concatenate(
-        [
-            np.full(int(w.rows.sum()), runs.index(segment.run))
-            for segment, w in zip(segments, whitenings, strict=True)
-        ]
+        [np.full(int(w.rows.sum()), runs.index(segment.run)) for segment, w in zip(segments, whitenings, strict=True)]
     )
     column_of = np.concatenate(
         [np.tile(np.arange(c), len(segment))[w.rows] for segment, w in zip(segments, whitenings, strict=True)]
     )
     empty = np.empty(0)
-    draft = Design(
-        replay, nuisances, responses, whitenings, changes, residual, empty, empty, run_of, runs, column_of
-    )
+    draft = Design(replay, nuisances, responses, whitenings, changes, residual, empty, empty, run_of, runs, column_of)
     both = draft.whiten(np.concatenate([changes, residual[:, :, None]], axis=2))
     return replace(draft, slopes=both[:, :-1], white=both[:, -1])
 
@@ -180,6 +176,8 @@ def _roughened(left: Array, sigma: Array) -> Array:
         if len(values) < ROUGHNESS_WINDOW or not np.all(np.isfinite(values)):
             continue
         second = np.diff(values, 2) ** 2 / 6  # of white noise: its variance
-        local = np.convolve(np.pad(second, half + 1, mode="edge"), np.ones(ROUGHNESS_WINDOW) / ROUGHNESS_WINDOW, "valid")
+        local = np.convolve(
+            np.pad(second, half + 1, mode="edge"), np.ones(ROUGHNESS_WINDOW) / ROUGHNESS_WINDOW, "valid"
+        )
         raised[:, c] = np.where(local > ROUGH * sigma[:, c] ** 2, np.sqrt(local), sigma[:, c])
     return raised

@@ -1,4 +1,4 @@
-"""Shapes of what nobody listed: torques, gear errors and sensor errors as free functions of angle, direction, speed, load.
+"""What nobody listed: torques, gear errors and sensor errors as free functions of angle, direction, speed, load.
 
 Each block is one place and one dependence with a handful of free coefficients. If a block explains what the catalogue
 cannot, the cause is unlisted, and the block says where it acts, on what it depends, and how it runs.
@@ -101,6 +101,8 @@ def _drafts(design: Design) -> Iterator[_Draft]:
     is_static = np.concatenate([np.full(len(segment), segment.is_static) for segment in segments])
     standing = np.concatenate([np.tile(segment.standing, (len(segment), 1)) for segment in segments])
     direction = np.where(standing | is_static[:, None], 0.0, np.sign(trace.q_velocity))
+    idle = standing & ~is_static[:, None]  # whose friction is anywhere: it says nothing of the joint
+    link, motor = np.where(idle[:, None], 0.0, link), np.where(idle[:, None], 0.0, motor)
     names = [drive.joint for drive in design.replay.compiled.robot.figures.drives]
     for j in range(len(names)):
         angle, way, speed = trace.q[:, j], direction[:, j], np.abs(trace.q_velocity[:, j])
@@ -124,7 +126,14 @@ def _drafts(design: Design) -> Iterator[_Draft]:
                 if kind != "gear angle" and np.any(way > 0) and np.any(way < 0):
                     directed = table * way[:, None]
                     yield _Draft(
-                        place, kind, "angle and direction", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :]
+                        place,
+                        kind,
+                        "angle and direction",
+                        j,
+                        unit,
+                        nodes,
+                        prior,
+                        response[:, :, None] * directed[:, None, :],
                     )
             if kind != "gear angle" and np.any(moves):
                 fast = speed[moves]
@@ -132,7 +141,9 @@ def _drafts(design: Design) -> Iterator[_Draft]:
                     nodes = np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES))
                     nodes = np.unique(nodes)
                     directed = hats(speed, nodes) * way[:, None]
-                    yield _Draft(place, kind, "speed", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :])
+                    yield _Draft(
+                        place, kind, "speed", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :]
+                    )
             spread = np.max(np.abs(transmitted))
             if spread > 1.0:
                 nodes = np.linspace(np.min(transmitted), np.max(transmitted), 7)
@@ -141,7 +152,9 @@ def _drafts(design: Design) -> Iterator[_Draft]:
                     yield _Draft(place, kind, "load", j, unit, nodes, prior, response[:, :, None] * table[:, None, :])
                 elif np.any(moves):
                     directed = table * way[:, None]
-                    yield _Draft(place, kind, "load", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :])
+                    yield _Draft(
+                        place, kind, "load", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :]
+                    )
     yield from _sensors(design, trace)
 
 
@@ -156,7 +169,16 @@ def _sensors(design: Design, trace: Trace) -> Iterator[_Draft]:
             powers = np.stack([values**2, values**3, np.abs(values) * values], axis=1)
             raw = np.zeros((*nominal.shape, 3))
             raw[:, c] = powers
-            yield _Draft(f"drive {quantity.index + 1}", "reading", "load", quantity.index, quantity.unit, np.empty(0), READING_SHARE * size, raw)
+            yield _Draft(
+                f"drive {quantity.index + 1}",
+                "reading",
+                "load",
+                quantity.index,
+                quantity.unit,
+                np.empty(0),
+                READING_SHARE * size,
+                raw,
+            )
     axes = [c for c, quantity in enumerate(quantities) if quantity.kind == "reflector"]
     if axes:
         place = trace.reflectors.mean(axis=1)

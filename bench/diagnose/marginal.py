@@ -46,7 +46,7 @@ class Marginal:
 
     def sizes(self, columns: Array, prior: Array | None = None) -> tuple[Array, Array]:
         """Return the best sizes of some columns and their covariance."""
-        covariance = np.linalg.inv(self._penalised(columns, prior))
+        covariance = np.asarray(np.linalg.inv(self._penalised(columns, prior)), dtype=np.float64)
         return covariance @ self.scores[columns], covariance
 
     def log_evidence(self, columns: Array, prior: Array) -> float:
@@ -67,7 +67,7 @@ class Marginal:
         return Marginal(misfit, scores, information, self.n, self.scale)
 
     def _penalised(self, columns: Array, prior: Array | None) -> Array:
-        h = self.information[np.ix_(columns, columns)].copy()
+        h: Array = self.information[np.ix_(columns, columns)].copy()
         diagonal = np.diag(h)
         h[np.diag_indices_from(h)] += JITTER * np.maximum(diagonal, 1.0)
         if prior is not None:

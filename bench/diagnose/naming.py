@@ -90,6 +90,9 @@ def name_cause(design: Design, screening: Screening, progress: Callable[[str], N
     progress("single causes")
     current = _singles(design, screening, null)
     leftover = _leftover(design, screening, current[0].fit) if current else screening
+    found = max([h.log_evidence for h in current[:1]] + [entry.log_evidence for entry in screening.free[:1]])
+    if found <= screening.threshold:  # what the linear picture promised, the simulation did not keep
+        return Naming("nothing found", (), None, null, screening, screening)
     n_causes = 1
     while current and not _is_enough(leftover, screening, current[0].log_evidence) and n_causes < MOST_CAUSES:
         progress(f"{n_causes + 1} causes")

@@ -4,7 +4,7 @@ import numpy as np
 
 from bench.diagnose.quantities import Quantity
 from bench.record.campaign import Array, Campaign, Run
-from bench.robot.figures import Figures, Tracker
+from bench.robot.figures import Figures, TorqueSensor, Tracker
 
 NORMAL_MAD = 1.4826  # standard deviation of a normal distribution by its median absolute deviation
 UNIFORM = 1 / np.sqrt(12)  # standard deviation of rounding to 1
@@ -34,7 +34,7 @@ class Noise:
             case "current":
                 sigma = instruments.current.sigma_a if instruments.current else 0.02
             case "tau_motor":
-                sigma = instruments.torque.sigma_nm if instruments.torque else 0.0
+                sigma = torque_sigma(instruments.torque, quantity.index) if instruments.torque else 0.0
             case "reflector":
                 tracker = instruments.tracker
                 sigma = tracker.sigma_per_distance * _distance(run, quantity.index, tracker) if tracker else 30e-6
@@ -48,12 +48,13 @@ class Noise:
                 sigma = instruments.force.sigma_nm if instruments.force else 0.2
             case _:
                 sigma = 0.0
-        return np.full_like(values, sigma)
+        full: Array = np.full_like(values, sigma)
+        return full
 
     def rounding(self, quantity: Quantity) -> float:
         """Return what does not average out because readings are rounded coarsely."""
         if quantity.kind == "gas_pressure" and self._instruments.pressure:
-            return UNIFORM * self._instruments.pressure.resolution_pa
+            return float(UNIFORM * self._instruments.pressure.resolution_pa)
         return 0.0
 
     @staticmethod
@@ -63,6 +64,12 @@ class Noise:
             return 0.0
         third = np.diff(values, 3)
         return float(NORMAL_MAD * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))
+
+
+def torque_sigma(sensor: TorqueSensor, drive: int) -> float:
+    """Return the noise of the torque that one drive reports [Nm]."""
+    values = np.atleast_1d(np.array(sensor.sigma_nm, dtype=np.float64))
+    return float(values[drive if len(values) > 1 else 0])
 
 
 def _distance(run: Run, reflector: int, tracker: Tracker) -> float:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bench.diagnose.noise import torque_sigma
 from bench.diagnose.quantities import Quantity
 from bench.effects.nominal import nominal_parameters
 from bench.record.campaign import Array
@@ -68,7 +69,7 @@ def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
         if "tau_motor" in kinds:
             gain = drive.torque_constant_error
             found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_torque_gain(j)))
-            offset = 0.5 * torque.sigma_nm if torque else 0.0
+            offset = 0.5 * torque_sigma(torque, j) if torque else 0.0
             found.append(Nuisance(f"torque offset of {drive.joint}", "Nm", offset, on_reading=_torque_offset(j)))
     return found
 

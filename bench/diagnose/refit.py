@@ -30,7 +30,7 @@ class Unknown:
     def sigma(self) -> float:
         """Standard deviation of its prior."""
         p = self.parameter
-        return (p.high - p.low) / np.sqrt(3) if p.is_shape else p.high / np.sqrt(3)
+        return float((p.high - p.low if p.is_shape else p.high) / np.sqrt(3))
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -115,9 +115,7 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[tuple[str, s
     values = np.clip(values, low, high)
     x = np.zeros(len(design.nuisances))
     linear = [
-        i
-        for i, n in enumerate(design.nuisances)
-        if not (n.edit or n.on_reading or n.scales_wrench or n.scales_payload)
+        i for i, n in enumerate(design.nuisances) if not (n.edit or n.on_reading or n.scales_wrench or n.scales_payload)
     ]
     observed = np.concatenate([segment.observed for segment in design.segments])
 
@@ -133,7 +131,7 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[tuple[str, s
 
     residual = left(values, x)
     best = objective(residual, values, x)
-    curvature = np.eye(len(x) + len(values))
+    curvature: Array = np.eye(len(x) + len(values))
     slopes, is_stale = np.zeros((*residual.shape, len(values))), True
     for _ in range(MOST_ITERATIONS):
         if is_stale:
@@ -142,7 +140,8 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[tuple[str, s
         prior = np.concatenate([np.ones(len(x)), 1 / sigma**2])
         curvature = tangent.T @ tangent / scale + np.diag(prior)
         pull = np.concatenate([x, (values - origin) / sigma**2])
-        step = np.linalg.solve(curvature, tangent.T @ design.whiten(residual) / scale - pull)
+        gradient = tangent.T @ design.whiten(residual) / scale - pull
+        step = _bounded_step(curvature, gradient, len(x), low - values, high - values)
         promised = float(step @ (curvature @ step))
         fell = 0.0
         for halving in range(HALVINGS):
@@ -160,10 +159,36 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[tuple[str, s
         if fell < ENOUGH:
             break
         is_stale = fell < FAITHFUL * promised
-    covariance = np.linalg.inv(curvature)[len(x) :, len(x) :]
+    covariance = np.asarray(np.linalg.inv(curvature)[len(x) :, len(x) :], dtype=np.float64)
     _, determinant = np.linalg.slogdet(curvature)
     evidence = -0.5 * best - 0.5 * float(determinant) - float(np.sum(np.log(sigma)))
     return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, slopes)
+
+
+def _bounded_step(curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Array:
+    """Return the Newton step; unknowns that would leave their bounds stop there, and the rest is solved again.
+
+    Args:
+        curvature: Shape (p + k, p + k).
+        gradient: Shape (p + k,).
+        p: Number of nuisances, which come first and have no bounds.
+        low, high: Shape (k,), bounds of the unknowns' steps.
+    """
+    step = np.asarray(np.linalg.solve(curvature, gradient), dtype=np.float64)
+    stopped = np.zeros(len(step), dtype=bool)
+    for _ in range(len(low)):
+        inside = np.clip(step[p:], low, high)
+        out = np.zeros_like(stopped)
+        out[p:] = inside != step[p:]
+        if not np.any(out):
+            break
+        step[p:] = inside
+        stopped |= out
+        free = ~stopped
+        rest = gradient[free] - curvature[np.ix_(free, stopped)] @ step[stopped]
+        step[free] = np.linalg.solve(curvature[np.ix_(free, free)], rest)
+    step[p:] = np.clip(step[p:], low, high)
+    return step
 
 
 def _slopes(left, residual, values, x, unknowns, high) -> Array:  # type: ignore[no-untyped-def]

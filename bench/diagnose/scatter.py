@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import legendre
+from numpy.typing import NDArray
 
 from bench.diagnose.quantities import Quantity
 from bench.diagnose.segments import Segment
@@ -16,12 +17,12 @@ from bench.diagnose.torque_response import TorqueResponse
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-# Shares of the Coulomb level, measured on the virtual robot in time (README.md): how far friction at rest lies from what
-# the path of commands and loads alone would leave.
+# Shares of the Coulomb level, from the virtual robot in time (README.md): how far friction at rest lies from what the
+# path of commands and loads alone would leave.
 MOTOR_REST, LINK_REST = 0.8, 0.15  # anew at every rest
 MOTOR_VISIT, LINK_VISIT = 2.0, 0.6  # the same for a visit; a motor may have let go of all it held
-STANDING = 0.6  # a joint that stands while others move: anywhere between its two levels, changing slowly
-STANDING_REST = 0.1  # and by so much anew at every instant
+STANDING = 1.0  # a joint that stands while others move: anywhere between its two levels, changing slowly
+STANDING_REST = 0.3  # and by so much anew at every instant
 SLOWNESS = 5  # polynomials over the run that describe the slow change
 
 
@@ -36,7 +37,7 @@ class Whitening:
         shrink: Shape (r,), by how much each mode is taken back.
     """
 
-    rows: Array
+    rows: NDArray[np.bool_]
     factors: Array
     modes: Array
     shrink: Array
@@ -47,7 +48,8 @@ class Whitening:
         flat = np.nan_to_num(values.reshape(shape[0], shape[1], -1))
         white = (self.factors @ flat).reshape(shape[0] * shape[1], -1)[self.rows]
         white = white - self.modes @ (self.shrink[:, None] * (self.modes.T @ white))
-        return white.reshape(len(white), *shape[2:])
+        whitened: Array = white.reshape(len(white), *shape[2:])
+        return whitened
 
 
 def whitening_of(
@@ -63,11 +65,11 @@ def whitening_of(
     levels = np.concatenate([compiled.link_coulomb, compiled.motor_coulomb])
     if segment.is_static:
         once, lasting = np.repeat([LINK_REST, MOTOR_REST], n), np.repeat([LINK_VISIT, MOTOR_VISIT], n)
-        slow = np.ones((length, 1))
+        slow = np.asarray(np.ones((length, 1)), dtype=np.float64)
     else:
         standing = np.tile(segment.standing, 2)
         once, lasting = STANDING_REST * standing, STANDING * standing
-        slow = legendre.legvander(np.linspace(-1, 1, length), SLOWNESS - 1)
+        slow = np.asarray(legendre.legvander(np.linspace(-1, 1, length), SLOWNESS - 1), dtype=np.float64)
     spread = np.concatenate([response.link, response.motor], axis=2) * levels  # (T, c, 2n), a whole level
     spread = np.where(measured[:, :, None], spread, 0.0)
     noise = np.where(measured, segment.sigma, 1.0)

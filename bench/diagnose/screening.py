@@ -105,7 +105,8 @@ def screen(
         rng: For the threshold.
     """
     entries, start = [], 0
-    for what in (*candidates, *blocks):
+    tried: list[Candidate | Block] = [*candidates, *blocks]
+    for what in tried:
         k = what.columns.shape[1]
         prior = what.prior if isinstance(what, Candidate) else np.full(k, what.prior)
         entries.append(Entry(what, np.arange(start, start + k), prior))

@@ -8,7 +8,7 @@ from bench.diagnose.marginal import Marginal
 from bench.record.campaign import Array
 
 DRAWS = 4000
-LEAST = 3.0  # log Bayes factor (20 to 1) that is asked for even where chance would not come near it
+LEAST = 4.6  # log Bayes factor (100 to 1) that is asked for even where chance alone would not come near it
 
 
 def family_threshold(

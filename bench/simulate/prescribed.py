@@ -162,7 +162,7 @@ class Prescribed:
                 np.divide(before - residual, step, out=slope.copy(), where=moved), self._softest, self._stiffest
             )
         raise ConvergenceError(
-            f"no balance at {time:.3f} s within {MAX_ITERATIONS} iterations: {np.max(np.abs(residual)):.3g} Nm are left."
+            f"no balance at {time:.3f} s within {MAX_ITERATIONS} iterations: {np.max(np.abs(residual)):.3g} Nm left."
         )
 
     def _residual(self, accelerates: bool) -> tuple[Array, float]:

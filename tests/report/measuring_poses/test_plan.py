@@ -71,7 +71,7 @@ def test_requests_that_cannot_be_met(small_robot: Path, change: dict[str, object
 
 
 def test_command_prints_tables(capsys: pytest.CaptureFixture[str]) -> None:
-    command = tyro.cli(Poses, args=["-n", "1", "--after", "loading", "--method", "force"])
+    command = tyro.cli(Poses, args=["--robot", "hh150", "-n", "1", "--after", "loading", "--method", "force"])
     assert command.run() == 0
     printed = capsys.readouterr().out
     assert "these after loading" in printed
@@ -80,7 +80,7 @@ def test_command_prints_tables(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_command_prints_json_and_what_is_not_observable(capsys: pytest.CaptureFixture[str]) -> None:
-    command = tyro.cli(Poses, args=["-n", "4", "--slanting", "0", "--json", "--against", "None"])
+    command = tyro.cli(Poses, args=["--robot", "hh150", "-n", "4", "--slanting", "0", "--json", "--against", "None"])
     assert command.run() == 0
     printed = json.loads(capsys.readouterr().out)
     assert len(printed["poses"]) == 4

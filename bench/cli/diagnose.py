@@ -1,0 +1,47 @@
+"""`bench diagnose`: what the simulation gets wrong about a campaign."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True)
+class Diagnose:
+    """Say what the nominal model gets wrong about measured data, name the cause, and write the extended model.
+
+    An early version: it does not yet measure the gain on held-out runs, and its false-alarm rate is not yet kept.
+    """
+
+    campaign: tyro.conf.Positional[Path]
+    """Campaign folder (format: bench/record/README.md)."""
+    out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """Folder to write; must not exist yet."""
+    file: tuple[Path, ...] = ()
+    """Python files with effects of your own (bench/effects/README.md)."""
+
+    def run(self) -> int:
+        """Diagnose, print and write; return the exit code."""
+        import sys
+
+        from bench.diagnose.diagnose import diagnose
+        from bench.effects.catalogue import catalogue
+        from bench.record.folder import new_folder
+        from bench.report.campaigns import open_campaign
+        from bench.report.diagnosis.words import words_of
+        from bench.report.diagnosis.write import VERDICT, write_diagnosis
+
+        report, compiled = open_campaign(self.campaign)
+        campaign = report.usable()
+        assert compiled
+        for warning in report.warnings:
+            print(f"warning {warning}", file=sys.stderr)
+        with new_folder(self.out, VERDICT, replace=False) as folder:
+            found = diagnose(
+                campaign, compiled, catalogue(self.file), progress=lambda words: print(f"... {words}", file=sys.stderr)
+            )
+            write_diagnosis(found, folder)
+        for line in words_of(found.verdict):
+            print(line)
+        return 0

@@ -1,0 +1,66 @@
+"""The linear picture against dense algebra, and the declared false-alarm rate."""
+
+import numpy as np
+import pytest
+
+from bench.diagnose import threshold as threshold_module
+from bench.diagnose.marginal import Marginal, Nuisances
+from bench.diagnose.segments import centre_weights
+from bench.diagnose.threshold import family_threshold
+
+M, P, K = 60, 5, 4
+
+
+@pytest.fixture
+def data() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(1)
+    return rng.standard_normal((M, P)), rng.standard_normal(M), rng.standard_normal((M, K))
+
+
+def test_products_are_those_of_the_marginal_covariance(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+    slopes, white, columns = data
+    inverse = np.linalg.inv(np.eye(M) + slopes @ slopes.T)
+    found = Nuisances(slopes).products(white, columns)
+    assert found.misfit == pytest.approx(white @ inverse @ white)
+    np.testing.assert_allclose(found.scores, columns.T @ inverse @ white, rtol=1e-9)
+    np.testing.assert_allclose(found.information, columns.T @ inverse @ columns, rtol=1e-9)
+
+
+def test_evidence_is_the_ratio_of_two_normal_densities(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+    slopes, white, columns = data
+    prior = np.array([0.5, 2.0])
+    null = np.eye(M) + slopes @ slopes.T
+    more = null + (columns[:, :2] * prior**2) @ columns[:, :2].T
+
+    def log_density(covariance: np.ndarray) -> float:
+        return float(-0.5 * white @ np.linalg.solve(covariance, white) - 0.5 * np.linalg.slogdet(covariance)[1])
+
+    found = Nuisances(slopes).products(white, columns).log_evidence(np.arange(2), prior)
+    assert found == pytest.approx(log_density(more) - log_density(null), abs=1e-6)
+
+
+def test_columns_in_the_model_explain_nothing_more(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+    slopes, white, columns = data
+    both = Nuisances(slopes).products(white, np.concatenate([columns, columns[:, :1]], axis=1))
+    assert both.given(np.arange(1)).gain(np.array([K])) == pytest.approx(0.0, abs=1e-4)
+
+
+def test_threshold_keeps_the_declared_rate(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(threshold_module, "LEAST", -np.inf)  # chance alone
+    rng = np.random.default_rng(2)
+    root = 5 * rng.standard_normal((60, 60))
+    marginal = Marginal(0.0, np.zeros(60), root @ root.T, 1000)
+    blocks = [(np.arange(i, i + 2), np.full(2, 0.1)) for i in range(0, 60, 2)]
+    rate = 0.05
+    threshold = family_threshold(marginal, blocks, rate, rng)
+    alarms = 0
+    for _ in range(600):
+        null = Marginal(0.0, root @ rng.standard_normal(60), marginal.information, 1000)
+        alarms += max(null.log_evidence(columns, prior) for columns, prior in blocks) > threshold
+    assert 0.025 < alarms / 600 < 0.085  # three standard deviations of 600 draws and of the threshold's own
+
+
+def test_a_bin_gives_the_middle_of_a_parabola() -> None:
+    t = np.linspace(-1, 1, 9)
+    assert centre_weights(9) @ (2.0 - t + 5 * t**2) == pytest.approx(2.0)
+    np.testing.assert_allclose(centre_weights(3), 1 / 3)

@@ -1,0 +1,52 @@
+"""The robot along a prescribed motion against equilibrium at rest."""
+
+from pathlib import Path
+
+import numpy as np
+
+from bench.robot.compiled import compile_robot
+from bench.robot.folder import load_robot
+from bench.simulate.equilibrium import Equilibrium
+from bench.simulate.prescribed import Motion, Prescribed
+
+AGREE = 1e-8  # [rad]; Prescribed stops at a millionth of the largest torque
+
+
+def _motion(q: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> Motion:
+    length = len(q)
+    return Motion(
+        np.arange(length, dtype=float), q, velocity, acceleration, np.zeros((length, 6)), np.ones(length, dtype=bool)
+    )
+
+
+def test_rests_are_those_of_equilibrium() -> None:
+    compiled = compile_robot(load_robot("hh150"))
+    path = np.deg2rad([[0, 10, -20, 30, 40, 0], [0, 20, -30, 20, 50, 10], [0, 15, -25, 10, 45, 5]])
+    trace, _ = Prescribed(compiled).follow(_motion(path, 0 * path, 0 * path))
+    equilibrium = Equilibrium(compiled)
+    equilibrium.data.qpos[compiled.at.theta] = equilibrium.data.qpos[compiled.at.q] = path[0]
+    equilibrium = Equilibrium(compiled, equilibrium.data)
+    for i, q in enumerate(path):
+        theta = equilibrium.solve(q, np.zeros(6))
+        np.testing.assert_allclose(trace.theta[i], theta, atol=AGREE)
+        np.testing.assert_allclose(trace.motor_torque[i], equilibrium.motor_torque(), atol=0.02)
+
+
+def test_acceleration_costs_the_mass_matrix(small_robot: Path) -> None:
+    """Of two motions that differ in acceleration alone, torques differ by inertia; rigid to a part in a thousand."""
+    import mujoco
+
+    compiled = compile_robot(load_robot(str(small_robot)))
+    n = compiled.n_joints
+    q, zero, speed = np.full((2, n), 0.3), np.zeros((2, n)), np.full((2, n), 0.2)
+    acceleration = np.full((2, n), 0.5)
+    slow, _ = Prescribed(compiled).follow(_motion(q, speed, zero))
+    fast, _ = Prescribed(compiled).follow(_motion(q, speed, acceleration))
+    data = mujoco.MjData(compiled.model)
+    data.qpos[compiled.at.theta] = data.qpos[compiled.at.q] = 0.3
+    mujoco.mj_forward(compiled.model, data)
+    mass = np.empty((compiled.model.nv, compiled.model.nv))
+    mujoco.mj_fullM(compiled.model, data, mass)
+    link = mass[np.ix_(compiled.at.theta_dof, compiled.at.theta_dof)] @ acceleration[1]
+    rotor = compiled.model.dof_armature[compiled.at.q_dof] * acceleration[1]
+    np.testing.assert_allclose(fast.motor_torque[1] - slow.motor_torque[1], link + rotor, rtol=5e-3)
