@@ -172,7 +172,8 @@ def _bounded_step(curvature: Array, gradient: Array, p: int, low: Array, high: A
         curvature: Shape (p + k, p + k).
         gradient: Shape (p + k,).
         p: Number of nuisances, which come first and have no bounds.
-        low, high: Shape (k,), bounds of the unknowns' steps.
+        low: Shape (k,), least steps of the unknowns.
+        high: Shape (k,), largest steps of the unknowns.
     """
     step = np.asarray(np.linalg.solve(curvature, gradient), dtype=np.float64)
     stopped = np.zeros(len(step), dtype=bool)

@@ -1,4 +1,4 @@
-"""A short blind run: hidden by the simulation in time, found by the replay, with a handful of effects to choose from."""
+"""A short blind run: hidden by the simulation in time, found by the replay, with few effects to choose from."""
 
 import numpy as np
 import pytest

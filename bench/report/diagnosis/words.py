@@ -13,6 +13,8 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     elif verdict.unlisted:
         u = verdict.unlisted
         yield f"Unlisted cause: {u.kind} at {u.place}, depending on {u.depends_on}; no listed effect explains it."
+        if verdict.explanations:
+            yield "Beside it, listed effects (what is unlisted may have bent them):"
     elif len(verdict.explanations) > 1:
         yield f"{len(verdict.explanations)} explanations that these data cannot tell apart:"
     elif verdict.explanations:
