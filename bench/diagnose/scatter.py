@@ -74,6 +74,13 @@ def whitening_of(
     spread = np.where(measured[:, :, None], spread, 0.0)
     noise = np.where(measured, segment.sigma, 1.0)
     covariance = (spread * once**2) @ spread.transpose(0, 2, 1)
+    error = segment.acceleration_error[:, None, :]
+    for inertial in (
+        response.link * response.link_inertia[:, None] * error,
+        response.motor * response.rotor_inertia * error,
+    ):
+        seen = np.where(measured[:, :, None], inertial, 0.0)
+        covariance += seen @ seen.transpose(0, 2, 1)
     covariance[:, np.arange(c), np.arange(c)] += noise**2
     factors = np.linalg.inv(np.linalg.cholesky(covariance))
     rows = measured.reshape(-1)

@@ -5,13 +5,14 @@ mean with its standard error. A motion is cut into bins of constant direction, s
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 from scipy.signal import savgol_filter
 
-from bench.diagnose.noise import Noise
+from bench.diagnose.noise import UNIFORM, Noise
 from bench.diagnose.quantities import Quantity
 from bench.effects.effect import REFERENCE_K, Conditions
 from bench.record.campaign import Array, Campaign, Run
@@ -26,6 +27,8 @@ SAMPLES_OF_PARABOLA = 4  # fewer samples have no curvature to speak of
 STEADY = 0.15  # of a joint's largest acceleration in a run, below which it moves steadily
 ENOUGH_STEADY = 0.4  # of a run
 FOLLOWS = 0.1  # of its top speed; a drive that is nearer than that to its command follows it
+UNRESOLVED = 0.5  # of the difference between accelerations over one window and over two, that may be error
+RINGS = 0.2  # [s], for which a jerk is felt before and after
 STANDS = 1e-4  # [rad/s] or [m/s]; below it a joint counts as standing
 
 
@@ -47,6 +50,7 @@ class Segment:
         sigma: Shape (T, c), standard error from the instruments' noise alone.
         pure_error: Shape (T, c), variance of the mean as the scatter of the repeats gives it, nan where there is none.
         standing: Shape (n,) bool, drives that did not move.
+        acceleration_error: Shape (T, n), standard deviation of the motors' accelerations, as differentiated.
     """
 
     run: str
@@ -58,6 +62,7 @@ class Segment:
     sigma: Array
     pure_error: Array
     standing: Array
+    acceleration_error: Array
 
     def __len__(self) -> int:
         return len(self.observed)
@@ -80,7 +85,7 @@ def segments_of(
     found: list[Segment] = []
     for run in campaign.runs:
         pieces = _visits(run, compiled) if run.kind == "static" else _stretches(run, compiled, width)
-        for label, rows, motion, edges in pieces:
+        for label, rows, motion, edges, error in pieces:
             observed, sigma, pure = _means(run, rows, edges, quantities, noise, run.kind == "static")
             if not np.any(np.isfinite(observed)):
                 continue
@@ -96,9 +101,30 @@ def segments_of(
                     sigma,
                     pure,
                     speed < STANDS,
+                    error,
                 )
             )
-    return tuple(found)
+    return _rounded_alike(found, quantities, noise)
+
+
+def _rounded_alike(found: list[Segment], quantities: tuple[Quantity, ...], noise: Noise) -> tuple[Segment, ...]:
+    """Return the segments with readings that were rounded to the same number counted as one.
+
+    A gauge shows the same digit all day while its joint stands; a thousand such readings know no more than one.
+    """
+    sigma = [segment.sigma.copy() for segment in found]
+    for c, quantity in enumerate(quantities):
+        step = noise.rounding(quantity)
+        if step == 0.0:
+            continue
+        seen = np.concatenate([segment.observed[:, c] for segment in found])
+        known = np.sort(seen[np.isfinite(seen)])
+        half = step / UNIFORM / 2
+        for segment, own in zip(found, sigma, strict=True):
+            values = segment.observed[:, c]
+            alike = np.searchsorted(known, values + half) - np.searchsorted(known, values - half)
+            own[:, c] = np.hypot(own[:, c], step * np.sqrt(np.maximum(alike, 1)))
+    return tuple(replace(segment, sigma=own) for segment, own in zip(found, sigma, strict=True))
 
 
 def conditions_of(run: Run, rows: Index, n: int) -> Conditions:
@@ -116,7 +142,8 @@ def conditions_of(run: Run, rows: Index, n: int) -> Conditions:
     )
 
 
-Piece = tuple[str, Index, Motion, Index]  # label, rows of the run, motion, first row of each group within `rows`
+# label, rows of the run, motion, first row of each group within `rows`, error of the accelerations
+Piece = tuple[str, Index, Motion, Index, Array]
 
 
 def _angles(run: Run, compiled: CompiledRobot) -> Array:
@@ -173,7 +200,7 @@ def _visits(run: Run, compiled: CompiledRobot) -> Iterator[Piece]:
             read=np.concatenate([[False], np.ones(len(q), dtype=bool)]),
         )
         words = {1.0: " from below", -1.0: " from above"}.get(float(side), "")
-        yield f"{run.name}, pose {pose[first]:g}{words}", rows, motion, edges
+        yield f"{run.name}, pose {pose[first]:g}{words}", rows, motion, edges, zeros[1:]
 
 
 def _stretches(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Piece]:
@@ -186,6 +213,7 @@ def _stretches(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Piec
     velocity, acceleration = (
         savgol_filter(angles, window, 3, deriv=order, delta=dt, axis=0, mode="interp") for order in (1, 2)
     )
+    error = _acceleration_error(angles, acceleration, window, dt)
     samples = max(1, round(width / dt))
     edges = np.arange(0, len(run), samples)
     if len(edges) > 1 and len(run) - edges[-1] < samples:
@@ -217,7 +245,23 @@ def _stretches(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Piec
         wrench=np.concatenate([mean(wrenches)[:1], mean(wrenches)]),
         read=np.concatenate([[False], np.ones(len(kept), dtype=bool)]),
     )
-    yield run.name, rows, motion, starts
+    worst = np.stack([error[group].max(axis=0) for group in kept])
+    worst[:, still] = 0.0
+    yield run.name, rows, motion, starts, worst
+
+
+def _acceleration_error(angles: Array, acceleration: Array, window: int, dt: float) -> Array:
+    """Return how far an acceleration may be off where it changes fast, shape (rows, n): what half the resolution adds.
+
+    Where motion jerks, links ring for a while after it; the error is therefore kept up over a few windows.
+    """
+    longer = min(2 * window + 1, 2 * ((len(angles) - 1) // 2) - 1)
+    if longer <= window:
+        return np.zeros_like(angles)
+    coarse = savgol_filter(angles, longer, 3, deriv=2, delta=dt, axis=0, mode="interp")
+    reach = max(longer, 2 * round(RINGS / dt / 2) + 1)
+    error: Array = UNRESOLVED * maximum_filter1d(np.abs(acceleration - coarse), reach, axis=0)
+    return error
 
 
 def centre_weights(n: int) -> Array:
@@ -263,7 +307,7 @@ def _means(
         one = noise.of(quantity, mean[:, c], run)
         if not is_static:
             one = np.maximum(one, noise.of_samples(values))
-        sigma[:, c] = np.hypot(one * [np.linalg.norm(w) for w in weights], noise.rounding(quantity))
+        sigma[:, c] = one * [np.linalg.norm(w) for w in weights]
         if is_static:
             many = sizes > 1
             pure[many, c] = [values[group].var(ddof=1) / len(group) for group in groups if len(group) > 1]

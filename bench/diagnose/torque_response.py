@@ -23,10 +23,14 @@ class TorqueResponse:
     Attributes:
         link: Shape (T, c, n), per Nm (or N) on the link.
         motor: Shape (T, c, n), per Nm (or N) on the motor.
+        link_inertia: Shape (T, n), of everything that each joint carries, about it [kg m^2] or [kg].
+        rotor_inertia: Shape (n,), on the joint side.
     """
 
     link: Array
     motor: Array
+    link_inertia: Array
+    rotor_inertia: Array
 
 
 def torque_response(compiled: CompiledRobot, trace: Trace, quantities: tuple[Quantity, ...]) -> TorqueResponse:
@@ -37,16 +41,18 @@ def torque_response(compiled: CompiledRobot, trace: Trace, quantities: tuple[Qua
     compliance = 1 / compiled.stiffness
     reflectors = sorted({quantity.index for quantity in quantities if quantity.kind == "reflector"})
     jacobians = {k: np.empty((len(trace), 3, n)) for k in reflectors}
-    if reflectors:
-        data = mujoco.MjData(model)
-        jacobian = np.empty((3, model.nv))
-        for i in range(len(trace)):
-            data.qpos[at.theta] = trace.theta[i]
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_comPos(model, data)
-            for k in reflectors:
-                mujoco.mj_jacSite(model, data, jacobian, None, int(at.reflectors[k]))
-                jacobians[k][i] = jacobian[:, at.theta_dof]
+    data = mujoco.MjData(model)
+    jacobian, inertia, mass = np.empty((3, model.nv)), np.empty((len(trace), n)), np.empty((model.nv, model.nv))
+    for i in range(len(trace)):
+        data.qpos[at.theta] = trace.theta[i]
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_makeM(model, data)
+        mujoco.mj_fullM(model, data, mass)
+        inertia[i] = mass[at.theta_dof, at.theta_dof]
+        for k in reflectors:
+            mujoco.mj_jacSite(model, data, jacobian, None, int(at.reflectors[k]))
+            jacobians[k][i] = jacobian[:, at.theta_dof]
     for c, quantity in enumerate(quantities):
         j = quantity.index
         if quantity.is_drive:
@@ -56,4 +62,4 @@ def torque_response(compiled: CompiledRobot, trace: Trace, quantities: tuple[Qua
             link[:, c] = jacobians[j][:, quantity.axis] * compliance
         elif quantity.kind == "q_link":
             link[:, c, j] = compliance[j]
-    return TorqueResponse(link, motor)
+    return TorqueResponse(link, motor, inertia, model.dof_armature[at.q_dof].copy())
