@@ -1,4 +1,7 @@
-"""Import arrows run one way: errors <- record <- robot <- {simulate, identify} <- {hide, diagnose} <- report <- cli."""
+"""Import arrows run one way.
+
+errors <- record <- robot <- {simulate, identify} <- {hide, diagnose} <- study <- report <- cli.
+"""
 
 import ast
 import subprocess
@@ -25,8 +28,9 @@ MAY_IMPORT = {
     "effects": BELOW | {"simulate"},
     "hide": BELOW | {"simulate", "scenario", "effects"},
     "diagnose": BELOW | {"simulate", "effects", "identify"},
-    "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose"},
-    "cli": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "report"},
+    "study": BELOW | {"simulate", "scenario", "effects", "hide", "diagnose"},
+    "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study"},
+    "cli": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "report"},
 }
 ENGINES_OF = {"identify": {"mujoco", "gymnasium"}, "record": {"mujoco", "pinocchio", "gymnasium"}}
 TRUTH_READERS = {"report/scoring.py"}

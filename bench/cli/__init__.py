@@ -8,6 +8,7 @@ import tyro
 from bench.cli.benchmark import Benchmark
 from bench.cli.check import Check
 from bench.cli.convert import Convert
+from bench.cli.demo import Demo
 from bench.cli.diagnose import Diagnose
 from bench.cli.effects import Effects
 from bench.cli.hide import Hide
@@ -17,6 +18,7 @@ from bench.cli.paper import Paper
 from bench.cli.poses import Poses
 from bench.cli.robots import Robots
 from bench.cli.run import Run
+from bench.cli.study import Study
 from bench.cli.view import View
 from bench.errors import BenchError
 
@@ -27,6 +29,8 @@ Command = (
     | Annotated[Identify, tyro.conf.subcommand("identify")]
     | Annotated[Poses, tyro.conf.subcommand("poses")]
     | Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
+    | Annotated[Demo, tyro.conf.subcommand("demo")]
+    | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[Effects, tyro.conf.subcommand("effects")]
     | Annotated[Hide, tyro.conf.subcommand("hide")]
     | Annotated[Check, tyro.conf.subcommand("check")]

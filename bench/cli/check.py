@@ -15,12 +15,17 @@ class Check:
 
     def run(self) -> int:
         """Check and print; return the exit code: 0 without errors, 3 with."""
+        from bench.diagnose.channels import doubts_of
         from bench.errors import CampaignError
         from bench.report.campaigns import open_campaign
 
-        report, _ = open_campaign(self.campaign)
-        for finding in report.findings:
+        report, compiled = open_campaign(self.campaign)
+        findings = report.findings
+        if report.campaign and compiled:
+            findings += doubts_of(report.campaign, compiled, report.findings)
+        for finding in findings:
             print(f"{finding.level:8}{finding}")
         runs = f"{len(report.campaign.runs)} runs on {report.campaign.robot}" if report.campaign else "not usable"
-        print(f"{self.campaign}: {len(report.errors)} errors, {len(report.warnings)} warnings; {runs}")
+        warnings = len(findings) - len(report.errors)
+        print(f"{self.campaign}: {len(report.errors)} errors, {warnings} warnings; {runs}")
         return CampaignError.exit_code if report.errors else 0

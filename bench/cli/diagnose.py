@@ -25,23 +25,35 @@ class Diagnose:
         """Diagnose, print and write; return the exit code."""
         import sys
 
+        from bench.diagnose.channels import doubts_of
         from bench.diagnose.diagnose import diagnose
         from bench.effects.catalogue import catalogue
         from bench.record.folder import new_folder
         from bench.report.campaigns import open_campaign
-        from bench.report.diagnosis.words import words_of
-        from bench.report.diagnosis.write import VERDICT, write_diagnosis
+        from bench.report.diagnosis.file_names import VERDICT
+        from bench.report.diagnosis.words import places_of, words_of
+        from bench.report.diagnosis.write import write_diagnosis
 
         report, compiled = open_campaign(self.campaign)
         campaign = report.usable()
         assert compiled
-        for warning in report.warnings:
+        for warning in (*report.warnings, *doubts_of(campaign, compiled, report.findings)):
             print(f"warning {warning}", file=sys.stderr)
         with new_folder(self.out, VERDICT, replace=False) as folder:
             found = diagnose(
                 campaign, compiled, catalogue(self.file), progress=lambda words: print(f"... {words}", file=sys.stderr)
             )
-            write_diagnosis(found, folder)
+            write_diagnosis(found, folder, campaign, self.command)
         for line in words_of(found.verdict):
             print(line)
+        for line in places_of(self.out):
+            print(line)
         return 0
+
+    @property
+    def command(self) -> str:
+        """What to type to do it again."""
+        import shlex
+
+        files = [word for file in self.file for word in ("--file", str(file))]
+        return shlex.join(["bench", "diagnose", str(self.campaign), "-o", str(self.out), *files])

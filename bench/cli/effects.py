@@ -13,8 +13,8 @@ class Effects:
 
     name: Annotated[str | None, tyro.conf.Positional] = None
     """Of one effect; all, if left out."""
-    robot: str = "hh150"
-    """Robot that the places and ranges are for: a name in models/ or a folder."""
+    robot: str | None = None
+    """Robot whose places and ranges to print: a name in models/ or a folder; if left out, those of the catalogue."""
     file: tuple[Path, ...] = ()
     """Python files with effects of your own (bench/effects/README.md)."""
 
@@ -29,6 +29,6 @@ class Effects:
         effects = catalogue(self.file)
         if self.name is not None and self.name not in effects:
             raise InputError(unknown_name("effect", self.name, effects))
-        compiled = compile_robot(load_robot(self.robot))
+        compiled = compile_robot(load_robot(self.robot)) if self.robot else None
         print(entry(effects[self.name], compiled) if self.name else listing(effects, compiled))
         return 0

@@ -1,16 +1,13 @@
 """Which effects could act on a robot, where, and what a campaign would show of each: signatures, by simulation."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
 from bench.diagnose.design import Design
-from bench.diagnose.replay import NOMINAL, World
-from bench.diagnose.simulations import simulate_all
 from bench.effects.effect import Acting, Effect, Parameter, Place
-from bench.errors import BenchError
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
@@ -45,8 +42,7 @@ class Cause:
 
     def acting(self, values: Mapping[str, float]) -> Acting:
         """Return the cause with some of its parameters given."""
-        null = {parameter.name: parameter.null for parameter in (*self.sizes, *self.shapes)}
-        return Acting(self.effect, self.place, null | dict(values))
+        return Acting(self.effect, self.place, self.effect.complete(values))
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,23 +100,16 @@ def shape_grid(cause: Cause) -> list[dict[str, float]]:
     return [dict(point) for point in product(*axes)]
 
 
-def candidates_of(
-    design: Design,
-    causes: Sequence[Cause],
-    progress: Callable[[float], None] = lambda share: None,
-    changes: Sequence[Array | None] | None = None,
-) -> tuple[Candidate, ...]:
+def candidates_of(design: Design, causes: Sequence[Cause], changes: Sequence[Array | None]) -> tuple[Candidate, ...]:
     """Return the visible candidates of a campaign: every cause at every shape that leaves a trace in it.
 
     Args:
         design: The campaign.
         causes: What to try.
-        progress: Called with the share that is done.
-        changes: What `changes_of` gave for a campaign of the same design, if it is known.
+        changes: Of the readings, shape (T, c) each, with one size of one shape of one cause at its typical value, in the
+            order of `plan_of`; None where the model found no balance.
     """
     plan = plan_of(causes)
-    if changes is None:
-        changes = changes_of(design, plan, progress)
     found = []
     i = 0
     for cause, shape in plan:
@@ -143,19 +132,3 @@ def candidates_of(
 def plan_of(causes: Sequence[Cause]) -> list[tuple[Cause, dict[str, float]]]:
     """Return every cause with each of its shapes."""
     return [(cause, shape) for cause in causes for shape in shape_grid(cause)]
-
-
-def changes_of(
-    design: Design,
-    plan: Sequence[tuple[Cause, Mapping[str, float]]],
-    progress: Callable[[float], None] = lambda share: None,
-) -> list[Array | None]:
-    """Return the change of every reading, shape (T, c), at the typical value of each size in turn; None: no balance."""
-    worlds = [
-        World(acting=(cause.acting({**shape, size.name: size.typical}),))
-        for cause, shape in plan
-        for size in cause.sizes
-    ]
-    nominal = design.replay.predict(NOMINAL)
-    simulated = simulate_all(design.replay, worlds, progress)
-    return [None if isinstance(found, BenchError) else found - nominal for found in simulated]

@@ -5,6 +5,7 @@ is scaled to a prior of one. Effects are named in this picture first, for it is 
 simulation (`bench.diagnose.refit`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,6 +35,8 @@ class Design:
         nuisances: What may be a little wrong. One that changes neither model nor readings acts by its `changes` alone.
         responses: Of every segment to torques.
         whitenings: Of every segment.
+        weighed: The segments with the standard errors that count here.
+        excess: Shape (2, c), by what the standard errors were raised for lack of fit, at rest and in motion.
         changes: Shape (T, c, p), change of every reading with one standard deviation of each nuisance.
         residual: Shape (T, c), measured less nominal; nan where not measured.
         slopes: Shape (m, p), `changes` whitened.
@@ -47,6 +50,8 @@ class Design:
     nuisances: tuple[Nuisance, ...]
     responses: tuple[TorqueResponse, ...]
     whitenings: tuple[Whitening, ...]
+    weighed: tuple[Segment, ...]
+    excess: Array
     changes: Array
     residual: Array
     slopes: Array
@@ -101,6 +106,33 @@ def design_of(replay: Replay, nuisances: tuple[Nuisance, ...], changes: Array | 
         for segment, part in zip(replay.segments, plain.split(left), strict=True)
     )
     return _assemble(replay, nuisances, responses, rough, changes, residual)
+
+
+def relinearised(design: Design, which: Sequence[int], changes: Array) -> Design:
+    """Return the design with other `changes` of some nuisances, as they are about another world.
+
+    Args:
+        design: About the world so far.
+        which: Indices of q nuisances.
+        changes: Shape (T, c, q), of theirs.
+    """
+    every, slopes = design.changes.copy(), design.slopes.copy()
+    every[:, :, which], slopes[:, which] = changes, design.whiten(changes)
+    return replace(design, changes=every, slopes=slopes)
+
+
+def raised(design: Design, factors: Array) -> Design:
+    """Return the design with larger standard errors.
+
+    Args:
+        design: The campaign.
+        factors: Shape (2, c), for every quantity at rest and in motion.
+    """
+    segments = tuple(
+        replace(segment, sigma=segment.sigma * factors[0 if segment.is_static else 1]) for segment in design.weighed
+    )
+    heavier = _assemble(design.replay, design.nuisances, design.responses, segments, design.changes, design.residual)
+    return replace(heavier, excess=design.excess * factors)
 
 
 def held_friction(
@@ -162,7 +194,9 @@ def _assemble(
         [np.tile(np.arange(c), len(segment))[w.rows] for segment, w in zip(segments, whitenings, strict=True)]
     )
     empty = np.empty(0)
-    draft = Design(replay, nuisances, responses, whitenings, changes, residual, empty, empty, run_of, runs, column_of)
+    excess = np.ones((2, c))
+    known = (replay, nuisances, responses, whitenings, segments, excess, changes, residual)
+    draft = Design(*known, empty, empty, run_of, runs, column_of)
     both = draft.whiten(np.concatenate([changes, residual[:, :, None]], axis=2))
     return replace(draft, slopes=both[:, :-1], white=both[:, -1])
 

@@ -3,18 +3,18 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
-from bench.diagnose.candidates import candidates_of, causes_of, changes_of, plan_of, unseen_of
+from bench.diagnose.ask import ask
+from bench.diagnose.candidates import causes_of, unseen_of
 from bench.diagnose.design import Design, design_of
-from bench.diagnose.generic import blocks_of
+from bench.diagnose.measure import HeldOut, held_out
 from bench.diagnose.naming import Naming, name_cause
 from bench.diagnose.nuisances import nuisances_of
 from bench.diagnose.quantities import quantities_of
 from bench.diagnose.replay import Replay
-from bench.diagnose.screening import screen
-from bench.diagnose.segments import segments_of
-from bench.diagnose.verdict import Verdict, verdict_of
+from bench.diagnose.segments import MOST_BINS, segments_of
+from bench.diagnose.signatures import Signatures
+from bench.diagnose.surroundings import Surroundings
+from bench.diagnose.verdict import Proposal, Verdict, verdict_of
 from bench.effects.effect import Effect
 from bench.errors import InputError
 from bench.record.campaign import Campaign
@@ -38,6 +38,9 @@ def diagnose(
     catalogue: Mapping[str, Effect],
     rate: float = FALSE_ALARM_RATE,
     progress: Callable[[str], None] = lambda words: None,
+    signatures: Signatures | None = None,
+    most_bins: int = MOST_BINS,
+    asks: bool = True,
 ) -> Diagnosis:
     """Say what the nominal model gets wrong about a campaign.
 
@@ -47,33 +50,50 @@ def diagnose(
         catalogue: Effects to look for.
         rate: Share of null campaigns in which anything at all may be found.
         progress: Called with what is done next.
+        signatures: Of other campaigns of the same session, if there were any; from `signatures_of`.
+        most_bins: How many bins all motion together may have.
+        asks: Whether to look for the next experiment.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
         ConvergenceError: The nominal model finds no balance along the measured motion.
     """
-    quantities = quantities_of(campaign.runs, compiled)
-    segments = segments_of(campaign, compiled, quantities)
+    signatures = signatures or signatures_of(campaign, compiled, catalogue)
+    quantities = signatures.quantities
+    segments = segments_of(campaign, compiled, quantities, most_bins)
     if not segments or not quantities:
         raise InputError(
             "the campaign has no channel that a replay predicts: log motor currents or torques, a reflector, a link "
             "encoder, or the gas pressure, beside the motor angles."
         )
-    progress("replay of the nominal model")
-    design = design_of(Replay(compiled, segments, quantities), nuisances_of(compiled, quantities))
-    measured = _measured(campaign)
-    causes = causes_of(catalogue.values(), compiled, measured)
-    progress(f"signatures of {len(causes)} causes")
-    candidates = candidates_of(design, causes, changes=changes_of(design, plan_of(causes)))
-    if not candidates:
-        raise InputError("no effect of the catalogue would leave a trace in this campaign; see bench effects.")
+    progress(f"signatures of {len(signatures.causes)} causes")
+    changes = signatures.changes(segments)
+    design = design_of(Replay(compiled, segments, quantities), signatures.nuisances, changes.nuisances)
     progress("naming")
-    screening = screen(design, candidates, blocks_of(design), rate, np.random.default_rng(0))
-    naming = name_cause(design, screening, progress)
-    return Diagnosis(design, naming, verdict_of(naming, rate, unseen_of(catalogue.values(), measured)))
+    around = Surroundings(compiled, catalogue, measured_by(campaign), rate)
+    design, screening = around.weighed(design, signatures.causes, changes)
+    naming = name_cause(design, screening, around.about, progress)
+    worth: HeldOut | None = None
+    proposals: tuple[Proposal, ...] = ()
+    if naming.hypotheses:
+        progress("gain on what was held out")
+        worth = held_out(naming.design, 1.0, naming.null, naming.hypotheses[0].fit)
+        if asks:
+            progress("the next experiment")
+            proposals = ask(naming.design, 1.0, [hypothesis.fit for hypothesis in naming.alternatives])
+    missing = unseen_of(catalogue.values(), around.measured)
+    verdict = verdict_of(naming, rate, missing, signatures.unbalanced, worth, proposals)
+    return Diagnosis(naming.design, naming, verdict)
 
 
-def _measured(campaign: Campaign) -> frozenset[str]:
+def signatures_of(campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect]) -> Signatures:
+    """Return an empty store for the signatures of a campaign and of all others of its session."""
+    quantities = quantities_of(campaign.runs, compiled)
+    causes = causes_of(catalogue.values(), compiled, measured_by(campaign))
+    return Signatures(compiled, quantities, nuisances_of(compiled, quantities), causes)
+
+
+def measured_by(campaign: Campaign) -> frozenset[str]:
     """Return the quantities of a campaign, without numbers and units."""
     names = {name for run in campaign.runs for name in run.columns}
     words = (name.split("_")[:-1] for name in names)

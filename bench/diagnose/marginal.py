@@ -25,19 +25,12 @@ class Marginal:
         scores: Shape (q,), X^T M^-1 r.
         information: Shape (q, q), X^T M^-1 X.
         n: Number of readings.
-        scale: Variance of the noise against what the instruments explain, 1 or more; everything is divided by it.
     """
 
     misfit: float
     scores: Array
     information: Array
     n: int
-    scale: float = 1.0
-
-    def scaled(self, scale: float) -> "Marginal":
-        """Return the same with another scale of the noise."""
-        change = self.scale / scale
-        return Marginal(self.misfit * change, self.scores * change, self.information * change, self.n, scale)
 
     def gain(self, columns: Array, prior: Array | None = None) -> float:
         """Return by how much chi-square falls with some columns; with a prior, by how much the penalised one falls."""
@@ -64,7 +57,7 @@ class Marginal:
         scores = self.scores - cross @ cho_solve(factor, self.scores[columns])
         information = self.information - cross @ cho_solve(factor, cross.T)
         misfit = self.misfit - float(self.scores[columns] @ cho_solve(factor, self.scores[columns]))
-        return Marginal(misfit, scores, information, self.n, self.scale)
+        return Marginal(misfit, scores, information, self.n)
 
     def _penalised(self, columns: Array, prior: Array | None) -> Array:
         h: Array = self.information[np.ix_(columns, columns)].copy()

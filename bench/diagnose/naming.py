@@ -1,7 +1,12 @@
-"""Name: from evidence to a cause, a set of causes, several causes, or the word that it is none that is listed."""
+"""Name: from evidence to a cause, a set of causes, several causes, or the word that it is none that is listed.
+
+A climb from the nominal model: at each step the causes that promise most are fitted by simulation, the best one is
+added if its evidence passes the threshold and if it pays on what was held out, and all that was tried is weighed anew
+against the model that has it. At the end every cause has to stand against its own rivals beside the others.
+"""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Literal
 
@@ -10,19 +15,25 @@ import numpy as np
 from bench.diagnose.candidates import Cause
 from bench.diagnose.design import Design
 from bench.diagnose.generic import Block
-from bench.diagnose.refit import Fit, pseudo_residual, refit
+from bench.diagnose.measure import HeldOut, held_out
+from bench.diagnose.refit import Fit, Key, polished, pseudo_residual, refit
 from bench.diagnose.screening import Entry, Screening, rescreen
 from bench.errors import BenchError
 
 Kind = Literal["nothing found", "cause", "several causes", "unlisted cause"]
+Renew = Callable[[Design, Fit, Screening], tuple[Design, Screening] | None]
+
 FINALISTS = 6  # causes that are fitted by simulation
 PAIRED = 40  # causes whose pairs are all tried in the linear picture
 PAIR_FINALISTS = 4
-MOST_CAUSES = 6
+MOST_CAUSES = 24
+MOST_REFUSED = 3
 IN_REACH = 12.0  # log evidence behind the best, from where on a cause is not worth a simulation
 IN_SET = 6.0  # log evidence behind the best, up to where a cause is not told apart from it (odds of 400)
+NEARLY = 4.0  # beyond the set, up to where derivatives are taken anew before it is decided
+PROMISING = 0.5  # of the evidence that is asked for, in the linear picture
 # What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.
-UNEXPLAINED = 0.02
+UNEXPLAINED = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,17 +43,43 @@ class Hypothesis:
     Attributes:
         fit: With its parameters.
         log_evidence: Against the nominal model.
-        probability: Among all explanations of as many causes, and nothing else.
+        probability: Among all explanations that were fitted with as many causes, and nothing else.
     """
 
     fit: Fit
     log_evidence: float
-    probability: float
+    probability: float = 1.0
 
     @property
     def causes(self) -> tuple[Cause, ...]:
         """Its causes."""
         return self.fit.causes
+
+    @property
+    def keys(self) -> frozenset[tuple[str, str]]:
+        """What tells it from others."""
+        return frozenset(cause.key for cause in self.causes)
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """One step of the climb, taken or refused.
+
+    Attributes:
+        added: What was added to the model before.
+        replaced: It took the place of the model before, which has other causes.
+        fit: With it.
+        log_evidence: By how much the logarithm of the evidence rose.
+        held_out: What it is worth on what was held out.
+        is_taken: Whether the model keeps it.
+    """
+
+    added: tuple[Cause, ...]
+    replaced: bool
+    fit: Fit
+    log_evidence: float
+    held_out: HeldOut
+    is_taken: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +93,8 @@ class Naming:
         null: Fit of the nominal model.
         screening: Everything that was tried against the nominal model.
         leftover: Everything that was tried against the best explanation.
-        not_simulated: Causes whose model found no balance.
+        rungs: The climb.
+        design: The linear picture about the best explanation.
     """
 
     kind: Kind
@@ -65,7 +103,8 @@ class Naming:
     null: Fit
     screening: Screening
     leftover: Screening
-    not_simulated: tuple[str, ...] = field(default=())
+    rungs: tuple[Rung, ...]
+    design: Design
 
     @property
     def alternatives(self) -> tuple[Hypothesis, ...]:
@@ -76,130 +115,221 @@ class Naming:
         return tuple(h for h in self.hypotheses if h.log_evidence > best - IN_SET)
 
 
-def name_cause(design: Design, screening: Screening, progress: Callable[[str], None] = lambda words: None) -> Naming:
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """Where the climb stands: the linear picture about a model, everything weighed against it, and the model."""
+
+    design: Design
+    screening: Screening
+    best: Hypothesis
+
+    @property
+    def fit(self) -> Fit:
+        return self.best.fit
+
+
+def name_cause(
+    design: Design,
+    screening: Screening,
+    renew: Renew = lambda design, fit, screening: None,
+    progress: Callable[[str], None] = lambda words: None,
+) -> Naming:
     """Name what is wrong with the nominal model.
 
     Args:
         design: The campaign.
         screening: Everything that was tried in the linear picture.
+        renew: Returns the linear picture about a fit with everything that can be tried there, if that differs from
+            what can be tried on the nominal model; else None.
         progress: Called with what is done next.
     """
-    null = refit(design, (), {}, screening.marginal.scale)
-    if screening.entries[0].log_evidence <= screening.threshold:
-        return Naming("nothing found", (), None, null, screening, screening)
-    progress("single causes")
-    current = _singles(design, screening, null)
-    leftover = _leftover(design, screening, current[0].fit) if current else screening
-    found = max([h.log_evidence for h in current[:1]] + [entry.log_evidence for entry in screening.free[:1]])
-    if found <= screening.threshold:  # what the linear picture promised, the simulation did not keep
-        return Naming("nothing found", (), None, null, screening, screening)
-    n_causes = 1
-    while current and not _is_enough(leftover, screening, current[0].log_evidence) and n_causes < MOST_CAUSES:
-        progress(f"{n_causes + 1} causes")
-        more = _with_one_more(design, screening, null, current, leftover, n_causes)
-        if not more or more[0].log_evidence < current[0].log_evidence + screening.threshold:
+    null = refit(design, (), {})
+    threshold = screening.threshold
+    stage = _Stage(design, screening, Hypothesis(null, 0.0))
+    rungs: list[Rung] = []
+    refused: set[tuple[str, str]] = set()
+    if screening.top <= threshold:
+        return Naming("nothing found", (), None, null, screening, screening, (), design)
+    while len(stage.best.causes) < MOST_CAUSES and len(refused) < MOST_REFUSED:
+        limit = max(threshold, UNEXPLAINED * stage.best.log_evidence)
+        if stage.screening.top <= limit:
             break
-        current, n_causes = more, n_causes + 1
-        leftover = _leftover(design, screening, current[0].fit)
-    unlisted = _unlisted(screening, leftover, current)
-    if unlisted is not None:
-        block, kept = unlisted
-        return Naming("unlisted cause", kept, block, null, screening, leftover)
-    kind: Kind = "cause" if n_causes == 1 else "several causes"
-    return Naming(kind, current, None, null, screening, leftover)
-
-
-def _singles(design: Design, screening: Screening, null: Fit) -> tuple[Hypothesis, ...]:
-    listed = screening.listed
-    if not listed or listed[0].log_evidence <= screening.threshold / 2:
-        return ()
-    chosen = [e for e in listed[:FINALISTS] if e.log_evidence > listed[0].log_evidence - IN_REACH]
-    return _fitted(design, screening, null, [(entry,) for entry in chosen], [e.log_evidence for e in chosen])
-
-
-def _with_one_more(
-    design: Design,
-    screening: Screening,
-    null: Fit,
-    current: Sequence[Hypothesis],
-    leftover: Screening,
-    n_causes: int,
-) -> tuple[Hypothesis, ...]:
-    """Return explanations with one cause more: for a pair all pairs are tried, beyond that the best is extended."""
-    best = {entry.cause.key: entry for entry in screening.listed if entry.cause}
-    trials: dict[frozenset[tuple[str, str]], tuple[tuple[Entry, ...], float]] = {}
-    if n_causes == 1:
-        promising = list(screening.listed[:PAIRED])
-        promising += [best[e.cause.key] for e in leftover.listed[:PAIRED] if e.cause and e.cause.key in best]
-        unique = list({entry.cause.key: entry for entry in promising if entry.cause}.values())
-        for pair in combinations(unique, 2):
-            columns = np.concatenate([entry.columns for entry in pair])
-            prior = np.concatenate([entry.prior for entry in pair])
-            keys = frozenset(entry.cause.key for entry in pair if entry.cause)
-            trials[keys] = (pair, screening.marginal.log_evidence(columns, prior))
-    for hypothesis in current[:2]:
-        base = [best[cause.key] for cause in hypothesis.causes]
-        for entry in leftover.listed[:PAIR_FINALISTS]:
-            assert entry.cause
-            keys = frozenset([cause.key for cause in hypothesis.causes] + [entry.cause.key])
-            if len(keys) == n_causes + 1 and hypothesis is current[0]:
-                worth = hypothesis.log_evidence + entry.log_evidence
-                trials[keys] = ((*base, entry), max(worth, trials.get(keys, ((), -np.inf))[1]))
-    ranked = sorted(trials.values(), key=lambda trial: -trial[1])
-    ranked = [trial for trial in ranked if trial[1] > ranked[0][1] - IN_REACH][:PAIR_FINALISTS]
-    return _fitted(design, screening, null, [trial[0] for trial in ranked], [trial[1] for trial in ranked])
-
-
-def _fitted(
-    design: Design,
-    screening: Screening,
-    null: Fit,
-    trials: Sequence[tuple[Entry, ...]],
-    linear: Sequence[float],
-) -> tuple[Hypothesis, ...]:
-    fits: list[Fit] = []
-    for entries in trials:
-        causes = tuple(entry.cause for entry in entries if entry.cause)
-        start: dict[tuple[str, str, str], float] = {}
-        for entry in entries:
-            start |= screening.sizes_of(entry)
-        try:
-            fits.append(refit(design, causes, start, screening.marginal.scale))
-        except BenchError:
+        count = len(stage.best.causes) + 1
+        progress("single causes" if count == 1 else f"{count} causes")
+        found = _one_more(stage, screening, null, refused, limit)
+        if found is None or found.log_evidence <= stage.best.log_evidence + limit:
+            break
+        before = stage.best.keys
+        is_other = not before <= found.keys
+        worth = held_out(stage.design, 1.0, null if is_other else stage.fit, found.fit)
+        added = tuple(cause for cause in found.causes if is_other or cause.key not in before)
+        rise = found.log_evidence - (0.0 if is_other else stage.best.log_evidence)
+        rungs.append(Rung(added, is_other, found.fit, rise, worth, worth.pays))
+        if not worth.pays:
+            refused |= {cause.key for cause in added if cause.key not in before}
             continue
-    evidence = [fit.log_evidence - null.log_evidence for fit in fits]
-    weights = np.exp(np.array(evidence) - max(evidence)) if evidence else np.array([])
-    found = [
-        Hypothesis(fit, value, float(weight / weights.sum()))
-        for fit, value, weight in zip(fits, evidence, weights, strict=True)
-    ]
-    return tuple(sorted(found, key=lambda h: -h.log_evidence))
+        stage = _climbed(stage, found, renew, progress)
+    hypotheses = _among_rivals(stage, progress) if stage.best.causes else ()
+    if hypotheses and hypotheses[0].keys != stage.best.keys:
+        stage = _weighed(stage.design, stage.screening, hypotheses[0])
+    block = _unlisted(screening, stage)
+    if block is not None:
+        alone = block is screening.free[0].what
+        kept = () if alone else hypotheses
+        return Naming("unlisted cause", kept, block, null, screening, stage.screening, tuple(rungs), stage.design)
+    if not hypotheses:  # what the linear picture promised, the simulation did not keep
+        return Naming("nothing found", (), None, null, screening, screening, tuple(rungs), design)
+    kind: Kind = "cause" if len(stage.best.causes) == 1 else "several causes"
+    return Naming(kind, hypotheses, None, null, screening, stage.screening, tuple(rungs), stage.design)
 
 
-def _leftover(design: Design, screening: Screening, fit: Fit) -> Screening:
+def _climbed(stage: _Stage, found: Hypothesis, renew: Renew, progress: Callable[[str], None]) -> _Stage:
+    """Return the stage with another model: derivatives about it, and everything weighed against it."""
+    design, fit = polished(stage.design, found.fit)
+    best = Hypothesis(fit, found.log_evidence + fit.log_evidence - found.fit.log_evidence)
+    progress("what the extended model makes possible")
+    renewed = renew(design, fit, stage.screening)
+    if renewed is None:
+        return _weighed(design, stage.screening, best)
+    design, screening = renewed
+    best = replace(best, fit=refit(design, fit.causes, fit.start, fit.nuisances))
+    return _weighed(design, screening, best)
+
+
+def _weighed(design: Design, screening: Screening, best: Hypothesis) -> _Stage:
+    sigma = np.array([unknown.sigma for unknown in best.fit.unknowns])
+    pseudo, slopes = pseudo_residual(design, best.fit), design.whiten(best.fit.slopes)
+    against = rescreen(design, screening, pseudo, slopes, sigma, best.keys)
+    return _Stage(design, against, best)
+
+
+def _one_more(
+    stage: _Stage, first: Screening, null: Fit, refused: set[tuple[str, str]], limit: float
+) -> Hypothesis | None:
+    """Return the best explanation with one cause more; for two causes, the best of all pairs."""
+    open_ = [e for e in stage.screening.listed if e.cause and e.cause.key not in refused]
+    worth = [e for e in open_ if e.log_evidence > PROMISING * limit]
+    trials: dict[frozenset[tuple[str, str]], _Trial] = {}
+    for entry in worth[:FINALISTS]:
+        if entry.log_evidence > worth[0].log_evidence - IN_REACH:
+            trial = _Trial.extending(stage, entry)
+            trials[trial.keys] = trial
+    if len(stage.best.causes) == 1:
+        for trial in _pairs(stage, first, refused)[:PAIR_FINALISTS]:
+            trials.setdefault(trial.keys, trial)
+    ranked = sorted(trials.values(), key=lambda trial: -trial.promise)
+    ranked = [trial for trial in ranked if trial.promise > ranked[0].promise - IN_REACH][:FINALISTS]
+    fits = _fitted(stage, ranked)
+    return max(fits, key=lambda h: h.log_evidence) if fits else None
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """Causes that are to be fitted together, where to start, and what the linear picture promises of them."""
+
+    causes: tuple[Cause, ...]
+    start: dict[Key, float]
+    nuisances: np.ndarray | None
+    promise: float
+
+    @property
+    def keys(self) -> frozenset[tuple[str, str]]:
+        return frozenset(cause.key for cause in self.causes)
+
+    @classmethod
+    def extending(cls, stage: _Stage, entry: Entry) -> "_Trial":
+        assert entry.cause
+        start = stage.fit.start | stage.screening.sizes_of(entry)
+        promise = stage.best.log_evidence + entry.log_evidence
+        return cls((*stage.best.causes, entry.cause), start, stage.fit.nuisances, promise)
+
+
+def _pairs(stage: _Stage, first: Screening, refused: set[tuple[str, str]]) -> list[_Trial]:
+    """Return all pairs of promising causes in the linear picture about the nominal model, the most promising first."""
+    best = {entry.cause.key: entry for entry in first.listed if entry.cause}
+    beside = [e.cause.key for e in stage.screening.listed[:PAIRED] if e.cause]
+    promising = [*first.listed[:PAIRED], *(best[key] for key in beside if key in best)]
+    unique = {entry.cause.key: entry for entry in promising if entry.cause and entry.cause.key not in refused}
+    trials = []
+    for pair in combinations(unique.values(), 2):
+        columns = np.concatenate([entry.columns for entry in pair])
+        prior = np.concatenate([entry.prior for entry in pair])
+        causes = tuple(entry.cause for entry in pair if entry.cause)
+        start = first.sizes_of(pair[0]) | first.sizes_of(pair[1])
+        trials.append(_Trial(causes, start, None, first.marginal.log_evidence(columns, prior)))
+    return sorted(trials, key=lambda trial: -trial.promise)
+
+
+def _fitted(stage: _Stage, trials: Sequence[_Trial]) -> list[Hypothesis]:
+    found = []
+    for trial in trials:
+        try:
+            fit = refit(stage.design, trial.causes, trial.start, trial.nuisances)
+        except BenchError:
+            continue  # this model finds no balance along the measured motion
+        found.append(Hypothesis(fit, stage.best.log_evidence + fit.log_evidence - stage.fit.log_evidence))
+    return found
+
+
+def _among_rivals(stage: _Stage, progress: Callable[[str], None]) -> tuple[Hypothesis, ...]:
+    """Return the best explanation and those in which one of its causes is another, by falling evidence."""
+    progress("rivals")
+    fits = [stage.best]
+    for trial in _swaps(stage):
+        fits += _fitted(stage, [trial])
+    top = max(h.log_evidence for h in fits)
+    settled = []
+    for hypothesis in fits:
+        if hypothesis is not stage.best and hypothesis.log_evidence > top - IN_SET - NEARLY:
+            _, fit = polished(stage.design, hypothesis.fit)
+            value = hypothesis.log_evidence + fit.log_evidence - hypothesis.fit.log_evidence
+            hypothesis = Hypothesis(fit, value)
+        settled.append(hypothesis)
+    weights = np.exp(np.array([h.log_evidence for h in settled]) - max(h.log_evidence for h in settled))
+    shares = weights / weights.sum()
+    ranked = [replace(h, probability=float(p)) for h, p in zip(settled, shares, strict=True)]
+    return tuple(sorted(ranked, key=lambda h: -h.log_evidence))
+
+
+def _swaps(stage: _Stage) -> list[_Trial]:
+    """Return the explanations in which one cause of the best is replaced by another that may do as well."""
+    design, fit = stage.design, stage.fit
+    pseudo, slopes = pseudo_residual(design, fit), design.whiten(fit.slopes)
+    null = np.array([unknown.parameter.null for unknown in fit.unknowns])
     sigma = np.array([unknown.sigma for unknown in fit.unknowns])
-    return rescreen(design, screening, pseudo_residual(design, fit), design.whiten(fit.slopes), sigma)
+    trials: list[_Trial] = []
+    for cause in fit.causes:
+        mine = np.array([unknown.cause is cause for unknown in fit.unknowns])
+        white = pseudo + slopes[:, mine] @ (fit.values - null)[mine]
+        others = tuple(other for other in fit.causes if other is not cause)
+        taken = frozenset(other.key for other in others)
+        against = rescreen(design, stage.screening, white, slopes[:, ~mine], sigma[~mine], taken)
+        own = [e.log_evidence for e in against.listed if e.cause and e.cause.key == cause.key]
+        top = max([*own, against.listed[0].log_evidence]) if against.listed else 0.0
+        start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
+        for entry in against.listed[:FINALISTS]:
+            if entry.cause and entry.cause.key != cause.key and entry.log_evidence > top - IN_REACH:
+                promise = stage.best.log_evidence + entry.log_evidence - top
+                causes = (*others, entry.cause)
+                trials.append(_Trial(causes, start | against.sizes_of(entry), fit.nuisances, promise))
+    return trials
 
 
-def _is_enough(leftover: Screening, screening: Screening, explained: float) -> bool:
-    """Whether an explanation leaves nothing that chance and imperfect simulation of it would not leave."""
-    limit = max(screening.threshold, UNEXPLAINED * explained)
-    return leftover.entries[0].log_evidence <= limit
+def _unlisted(first: Screening, stage: _Stage) -> Block | None:
+    """Return the free shape that is needed, or None where listed causes are enough.
 
-
-def _unlisted(
-    screening: Screening, leftover: Screening, current: Sequence[Hypothesis]
-) -> tuple[Block, tuple[Hypothesis, ...]] | None:
-    """Return the free shape that is needed, and the listed causes that are still needed beside it."""
-    explained = current[0].log_evidence if current else 0.0
-    free = leftover.free
-    limit = max(screening.threshold, UNEXPLAINED * explained)
-    if current and (not free or free[0].log_evidence <= limit):
-        return None
-    alone = screening.free[0]
-    assert isinstance(alone.what, Block)
-    if not current or alone.log_evidence >= explained:
-        # the free shape explains all that the listed causes did
-        return alone.what, ()
-    assert isinstance(free[0].what, Block)
-    return free[0].what, tuple(current)
+    One that explains alone more than several listed causes together is preferred to them.
+    """
+    explained, threshold = stage.best.log_evidence, first.threshold
+    if first.free and (not stage.best.causes or len(stage.best.causes) > 1):
+        alone = first.free[0]
+        if alone.log_evidence > explained + threshold:
+            assert isinstance(alone.what, Block)
+            return alone.what
+    free = stage.screening.free
+    if stage.best.causes and free and free[0].log_evidence > max(threshold, UNEXPLAINED * explained):
+        alone = first.free[0]
+        what = alone.what if alone.log_evidence >= explained else free[0].what
+        assert isinstance(what, Block)
+        return what
+    return None

@@ -57,6 +57,11 @@ class Noise:
             return float(UNIFORM * self._instruments.pressure.resolution_pa)
         return 0.0
 
+    def lasting(self, quantity: Quantity) -> float:
+        """Return what does not average out because it is the same in neighbouring samples."""
+        fitted = self._instruments.link_encoder
+        return fitted.accuracy_rad if quantity.kind == "q_link" and fitted else 0.0
+
     @staticmethod
     def of_samples(values: Array) -> float:
         """Return the scatter of a smooth signal's samples, from their third differences; robust against jumps."""

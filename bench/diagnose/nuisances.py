@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.noise import torque_sigma
 from bench.diagnose.quantities import Quantity
 from bench.effects.nominal import nominal_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
+
+UNKNOWN_ZERO = 1e-3  # [rad] or [m], how well secondary encoders are zeroed where the figures do not say, assumed
 
 OnReading = Callable[[float, Reading], Reading]
 
@@ -50,7 +51,8 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     found.append(Nuisance("weights bolted on", "", load, scales_payload=True))
     found += _drives(compiled, kinds) + _tracker(compiled, quantities) + _force(compiled, kinds)
     if "q_link" in kinds:
-        sigma = 1e-3  # [rad] or [m]; secondary encoders are not zeroed against the motors
+        fitted = compiled.robot.figures.instruments.link_encoder
+        sigma = fitted.offset_sigma_rad if fitted else UNKNOWN_ZERO
         joints = [quantity.index for quantity in quantities if quantity.kind == "q_link"]
         found += [Nuisance(f"zero of link encoder {j + 1}", "rad", sigma, on_reading=_link_zero(j)) for j in joints]
     return tuple(nuisance for nuisance in found if nuisance.sigma > 0)
@@ -67,9 +69,9 @@ def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
             found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_current_gain(j)))
             found.append(Nuisance(f"current offset of {drive.joint}", "A", offset, on_reading=_current_offset(j)))
         if "tau_motor" in kinds:
-            gain = drive.torque_constant_error
+            gain = torque.gain_sigma if torque else drive.torque_constant_error
             found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_torque_gain(j)))
-            offset = 0.5 * torque_sigma(torque, j) if torque else 0.0
+            offset = torque.offset_sigma_nm if torque else 0.0
             found.append(Nuisance(f"torque offset of {drive.joint}", "Nm", offset, on_reading=_torque_offset(j)))
     return found
 

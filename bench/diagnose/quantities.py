@@ -35,6 +35,11 @@ class Quantity:
         """Whether it says what a motor pays."""
         return self.kind in ("current", "tau_motor")
 
+    @property
+    def is_of_drive(self) -> bool:
+        """Whether it belongs to one joint; `index` is its drive."""
+        return self.is_drive or self.kind == "q_link"
+
     def of(self, reading: Reading, trace: Trace) -> Array:
         """Return its predicted values, shape (T,)."""
         values: Array

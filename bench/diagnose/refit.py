@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.diagnose.candidates import Cause
-from bench.diagnose.design import Design
+from bench.diagnose.design import Design, relinearised
+from bench.diagnose.nuisances import Nuisance
 from bench.diagnose.replay import World
 from bench.effects.effect import Parameter
 from bench.errors import BenchError
@@ -15,8 +16,15 @@ from bench.record.campaign import Array
 MOST_ITERATIONS = 6
 ENOUGH = 0.2  # fall of the objective below which a fit has converged
 STEP = 0.05  # of a parameter's plausible size, for its derivative
+STEP_OF_NUISANCE = 0.5  # of its standard deviation, for its derivative about an extension
+MOST_AKIN = 8  # nuisances for each cause whose derivatives are taken anew
+AKIN = 0.15  # cosine of their slopes
+TINY = 1e-300
 HALVINGS = 3
 FAITHFUL = 0.7  # of the promised fall; derivatives that keep less are taken anew
+
+
+Key = tuple[str, str, str]  # effect, place, parameter
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +59,7 @@ class Fit:
         values: Shape (k,).
         covariance: Shape (k, k), nuisances integrated out.
         nuisances: Shape (p,), in standard deviations of their priors.
-        objective: Chi-square plus penalties of the priors, divided by the scale of the noise.
+        objective: Chi-square plus penalties of the priors.
         log_evidence: Logarithm of the marginal likelihood, up to a constant that all fits of a campaign share.
         residual: Shape (T, c), measured less simulated; nan where not measured.
         slopes: Shape (T, c, k), change of the readings with each unknown.
@@ -72,6 +80,11 @@ class Fit:
         """Shape (k,), standard deviations of the values."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
+    @property
+    def start(self) -> dict[Key, float]:
+        """Its values, for another fit to start from."""
+        return {(*u.cause.key, u.parameter.name): float(v) for u, v in zip(self.unknowns, self.values, strict=True)}
+
     def world(self, design: Design) -> World:
         """Return the world that was fitted."""
         return world_of(design, self.causes, self.unknowns, self.values, self.nuisances)
@@ -84,7 +97,7 @@ def world_of(
     deviations = {
         nuisance: float(x) * nuisance.sigma
         for nuisance, x in zip(design.nuisances, nuisances, strict=True)
-        if nuisance.edit or nuisance.on_reading or nuisance.scales_wrench or nuisance.scales_payload
+        if is_simulated(nuisance)
     }
     acting = []
     for cause in causes:
@@ -93,16 +106,18 @@ def world_of(
     return World(deviations, tuple(acting))
 
 
-def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[tuple[str, str, str], float], scale: float) -> Fit:
+def refit(
+    design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float], nuisances: Array | None = None
+) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
 
-    Nuisances are simulated too; their derivatives are those at the nominal model.
+    Nuisances are simulated too; their derivatives are those of the design.
 
     Args:
         design: The campaign.
         causes: What to add to the nominal model.
         start: (effect, place, parameter) -> first value; null where nothing is given.
-        scale: Variance of the noise against what the instruments explain.
+        nuisances: Shape (p,), first values; None: zeros.
 
     Raises:
         ConvergenceError, RobotError: The extended model cannot be simulated at all.
@@ -113,10 +128,8 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[tuple[str, s
     values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
     low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
     values = np.clip(values, low, high)
-    x = np.zeros(len(design.nuisances))
-    linear = [
-        i for i, n in enumerate(design.nuisances) if not (n.edit or n.on_reading or n.scales_wrench or n.scales_payload)
-    ]
+    x = np.zeros(len(design.nuisances)) if nuisances is None else nuisances.copy()
+    linear = [i for i, nuisance in enumerate(design.nuisances) if not is_simulated(nuisance)]
     observed = np.concatenate([segment.observed for segment in design.segments])
 
     def left(values: Array, x: Array) -> Array:
@@ -127,7 +140,7 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[tuple[str, s
     def objective(residual: Array, values: Array, x: Array) -> float:
         white = design.whiten(residual)
         penalty = float(np.sum(((values - origin) / sigma) ** 2)) if len(values) else 0.0
-        return float(white @ white) / scale + float(x @ x) + penalty
+        return float(white @ white) + float(x @ x) + penalty
 
     residual = left(values, x)
     best = objective(residual, values, x)
@@ -138,9 +151,9 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[tuple[str, s
             slopes = _slopes(left, residual, values, x, unknowns, high)
         tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
         prior = np.concatenate([np.ones(len(x)), 1 / sigma**2])
-        curvature = tangent.T @ tangent / scale + np.diag(prior)
+        curvature = tangent.T @ tangent + np.diag(prior)
         pull = np.concatenate([x, (values - origin) / sigma**2])
-        gradient = tangent.T @ design.whiten(residual) / scale - pull
+        gradient = tangent.T @ design.whiten(residual) - pull
         step = _bounded_step(curvature, gradient, len(x), low - values, high - values)
         promised = float(step @ (curvature @ step))
         fell = 0.0
@@ -204,6 +217,42 @@ def _slopes(left, residual, values, x, unknowns, high) -> Array:  # type: ignore
         moved[i] += step
         columns.append((residual - left(moved, x)) / step)
     return np.stack(columns, axis=2) if columns else np.zeros((*residual.shape, 0))
+
+
+def polished(design: Design, fit: Fit) -> tuple[Design, Fit]:
+    """Return a fit again, with new derivatives of the nuisances that act as its causes do; and the design with them.
+
+    Where friction has become half as large again, so has what its uncertainty does.
+    """
+    which = _akin(design, fit)
+    if not which:
+        return design, fit
+    world = fit.world(design)
+    here = design.replay.predict(world)
+    changes = []
+    for i in which:
+        nuisance = design.nuisances[i]
+        deviations = {**world.deviations, nuisance: world.deviations[nuisance] + STEP_OF_NUISANCE * nuisance.sigma}
+        changes.append((design.replay.predict(World(deviations, world.acting)) - here) / STEP_OF_NUISANCE)
+    about = relinearised(design, which, np.stack(changes, axis=2))
+    return about, refit(about, fit.causes, fit.start, fit.nuisances)
+
+
+def _akin(design: Design, fit: Fit) -> list[int]:
+    """Return the nuisances whose slopes point where those of the unknowns do, the nearest first."""
+    if not fit.unknowns:
+        return []
+    unknowns = design.whiten(fit.slopes)
+    unknowns = unknowns / np.maximum(np.linalg.norm(unknowns, axis=0), TINY)
+    size = np.linalg.norm(design.slopes, axis=0)
+    cosine = np.max(np.abs(unknowns.T @ design.slopes), axis=0) / np.maximum(size, TINY)
+    order = np.argsort(-cosine)[: MOST_AKIN * len(fit.causes)]
+    return [int(i) for i in order if cosine[i] > AKIN and size[i] > 1 and is_simulated(design.nuisances[i])]
+
+
+def is_simulated(nuisance: Nuisance) -> bool:
+    """Whether a nuisance changes model or readings; if not, it acts by its changes alone."""
+    return bool(nuisance.edit or nuisance.on_reading or nuisance.scales_wrench or nuisance.scales_payload)
 
 
 def pseudo_residual(design: Design, fit: Fit) -> Array:

@@ -12,8 +12,6 @@ from bench.diagnose.marginal import Marginal, Nuisances
 from bench.diagnose.threshold import family_threshold
 from bench.record.campaign import Array
 
-RICH_RIDGE = 1.0  # the richest model keeps the priors of its columns
-
 
 @dataclass(frozen=True, eq=False)
 class Entry:
@@ -45,18 +43,20 @@ class Screening:
         marginal: Products of residuals and all columns.
         entries: By falling evidence.
         threshold: Log evidence that chance exceeds at the declared rate.
+        taken: Causes that the model has already; they are not tried again.
     """
 
     marginal: Marginal
     entries: tuple[Entry, ...]
     threshold: float
+    taken: frozenset[tuple[str, str]] = frozenset()
 
     @property
     def listed(self) -> tuple[Entry, ...]:
-        """The best shape of every cause, by falling evidence."""
+        """The best shape of every cause that is not taken, by falling evidence."""
         best: dict[tuple[str, str], Entry] = {}
         for entry in self.entries:
-            if entry.cause:
+            if entry.cause and entry.cause.key not in self.taken:
                 best.setdefault(entry.cause.key, entry)
         return tuple(best.values())
 
@@ -64,6 +64,11 @@ class Screening:
     def free(self) -> tuple[Entry, ...]:
         """Blocks by falling evidence."""
         return tuple(entry for entry in self.entries if entry.cause is None)
+
+    @property
+    def top(self) -> float:
+        """The largest evidence of all that could be added."""
+        return max([entry.log_evidence for entry in (*self.listed[:1], *self.free[:1])], default=0.0)
 
     def sizes_of(self, entry: Entry) -> dict[tuple[str, str, str], float]:
         """Return the best values of a candidate's parameters, as a start for a refit."""
@@ -77,28 +82,20 @@ class Screening:
         }
         return values | {(*key, name): value for name, value in candidate.shape.items()}
 
-    def given(self, entries: Sequence[Entry]) -> "Screening":
-        """Return the same with some entries in the model already; those are not tried again."""
-        columns = np.concatenate([entry.columns for entry in entries])
-        prior = np.concatenate([entry.prior for entry in entries])
-        marginal = self.marginal.given(columns, prior)
-        taken = {entry.cause.key for entry in entries if entry.cause}
-        rest = [e for e in self.entries if not any(e is other for other in entries)]
-        rest = [e for e in rest if not (e.cause and e.cause.key in taken)]
-        return Screening(marginal, _ranked(marginal, rest), self.threshold)
-
 
 def screen(
     design: Design,
+    white: Array,
     candidates: Sequence[Candidate],
     blocks: Sequence[Block],
     rate: float,
     rng: np.random.Generator,
 ) -> Screening:
-    """Return the evidence for everything against the nominal model.
+    """Return the evidence for everything against a model.
 
     Args:
-        design: The campaign.
+        design: The campaign, linear about the model.
+        white: Shape (m,), residual of the model with nuisances at zero.
         candidates: Listed causes.
         blocks: Free shapes.
         rate: Declared false-alarm rate of the whole.
@@ -112,52 +109,47 @@ def screen(
         entries.append(Entry(what, np.arange(start, start + k), prior))
         start += k
     columns = np.concatenate([entry.what.columns for entry in entries], axis=1)
-    marginal = Nuisances(design.slopes).products(design.white, columns)
-    prior = np.concatenate([entry.prior for entry in entries])
-    marginal = marginal.scaled(noise_scale(design, columns, prior))
+    marginal = Nuisances(design.slopes).products(white, columns)
     threshold = family_threshold(marginal, [(e.columns, e.prior) for e in entries], rate, rng)
     return Screening(marginal, _ranked(marginal, entries), threshold)
 
 
-def rescreen(design: Design, base: Screening, white: Array, tangent: Array, sigma: Array) -> Screening:
+def rescreen(
+    design: Design,
+    base: Screening,
+    white: Array,
+    tangent: Array,
+    sigma: Array,
+    taken: frozenset[tuple[str, str]] = frozenset(),
+) -> Screening:
     """Return the evidence for everything against a fitted extension.
 
     Args:
         design: The campaign.
-        base: The screening of the nominal model.
+        base: Everything that can be tried.
         white: Shape (m,), residual of the extension with nuisances at zero.
         tangent: Shape (m, k), whitened slopes of its unknowns, which may move on.
         sigma: Shape (k,), their priors.
+        taken: Causes that the extension has.
     """
     entries = sorted(base.entries, key=lambda entry: int(entry.columns[0]))
     columns = np.concatenate([entry.what.columns for entry in entries] + [tangent], axis=1)
-    marginal = Nuisances(design.slopes).products(white, columns).scaled(base.marginal.scale)
+    marginal = Nuisances(design.slopes).products(white, columns)
     own = np.arange(columns.shape[1] - tangent.shape[1], columns.shape[1])
     marginal = marginal.given(own, sigma)
-    return Screening(marginal, _ranked(marginal, entries), base.threshold)
-
-
-def noise_scale(design: Design, columns: Array, prior: Array) -> float:
-    """Return the variance of what not even the richest model explains, against what the instruments explain; 1 or more.
-
-    Correlation from reading to reading counts: as many independent readings are lost.
-    """
-    rich = np.concatenate([design.slopes, columns * prior], axis=1)
-    size = rich.shape[1]
-    normal = rich.T @ rich + RICH_RIDGE * np.eye(size)
-    explained = np.linalg.solve(normal, rich.T @ design.white)
-    left = design.white - rich @ explained
-    freedom = float(np.trace(np.linalg.solve(normal, rich.T @ rich)))
-    scale = float(left @ left) / max(len(left) - freedom, 1.0)
-    order = np.lexsort((np.arange(len(left)), design.column_of, design.run_of))
-    sequence, run, column = left[order], design.run_of[order], design.column_of[order]
-    same = (run[1:] == run[:-1]) & (column[1:] == column[:-1])
-    pairs = float(np.sum(sequence[1:][same] * sequence[:-1][same]))
-    power = float(np.sum(sequence[:-1][same] ** 2))
-    correlation = float(np.clip(pairs / power if power > 0 else 0.0, 0.0, 0.95))
-    return max(scale * (1 + correlation) / (1 - correlation), 1.0)
+    return Screening(marginal, _ranked(marginal, entries), base.threshold, taken)
 
 
 def _ranked(marginal: Marginal, entries: Sequence[Entry]) -> tuple[Entry, ...]:
-    weighed = [replace(e, log_evidence=marginal.log_evidence(e.columns, e.prior)) for e in entries]
+    weighed = [replace(entry, log_evidence=_log_evidence(marginal, entry)) for entry in entries]
     return tuple(sorted(weighed, key=lambda entry: -entry.log_evidence))
+
+
+def _log_evidence(marginal: Marginal, entry: Entry) -> float:
+    """Return the evidence for an entry; a single size that has only one sign is not credited with the other."""
+    cause = entry.cause
+    if cause and len(cause.sizes) == 1 and not cause.sizes[0].signed:
+        assert isinstance(entry.what, Candidate)
+        if marginal.scores[entry.columns[0]] * np.sign(entry.what.step[0]) < 0:
+            return marginal.log_evidence(entry.columns, entry.prior) - 0.5 * marginal.gain(entry.columns, entry.prior)
+    return marginal.log_evidence(entry.columns, entry.prior)

@@ -10,30 +10,41 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from bench.diagnose.naming import Hypothesis, Naming
+import numpy as np
+
+from bench.diagnose.candidates import Cause
+from bench.diagnose.limits import DetectionLimit as DetectionLimit  # part of the verdict
+from bench.diagnose.limits import detection_limits
+from bench.diagnose.measure import ChannelGain as ChannelGain  # part of the verdict
+from bench.diagnose.measure import HeldOut
+from bench.diagnose.naming import Hypothesis, Naming, Rung
+from bench.diagnose.refit import Fit
 
 NORMAL_95 = 1.959964
 
 
 @dataclass(frozen=True)
 class ParameterValue:
-    """One parameter of a cause with its 95 % interval, in `unit`."""
+    """One parameter of a cause with its 95 % interval, in `unit`; `words` say what it is."""
 
     name: str
     value: float
     low: float
     high: float
     unit: str
+    words: str = ""
 
 
 @dataclass(frozen=True)
 class NamedCause:
-    """One cause: the effect of the catalogue, where it acts, and how large it is."""
+    """One cause: the effect of the catalogue, where it acts, how large it is, why it happens, and who says so."""
 
     effect: str
     title: str
     place: str
     parameters: tuple[ParameterValue, ...]
+    physics: str = ""
+    source: str = ""
 
 
 @dataclass(frozen=True)
@@ -61,6 +72,48 @@ class Unlisted:
 
 
 @dataclass(frozen=True)
+class Step:
+    """One step of the climb from the nominal model.
+
+    Attributes:
+        added: What was added: a cause, or two at once.
+        log_evidence: By how much the logarithm of the evidence rose.
+        held_out: By how much the log probability of held-out runs rose, in all [nats].
+        low, high: 90 % interval of it, over the runs.
+        accepted: Whether the model keeps it.
+        reason: Why, in words.
+    """
+
+    added: tuple[NamedCause, ...]
+    log_evidence: float
+    held_out: float
+    low: float
+    high: float
+    accepted: bool
+    reason: str
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """An experiment that would tell explanations apart, or show what these data cannot.
+
+    Attributes:
+        experiment: In words: pose, speed, load, dwell, or an instrument.
+        splits: Names of the two explanations that it tells apart best; of one that stands alone, its name and "".
+        separation: Expected log Bayes factor between the two, if the one that it favours less is true. Of one alone,
+            the logarithm of the factor by which the standard deviation of its first parameter shrinks.
+        today: The same with the data at hand; 0 for one alone.
+        narrows: Of one alone, what it does to that parameter, in words; else "".
+    """
+
+    experiment: str
+    splits: tuple[str, str]
+    separation: float
+    today: float
+    narrows: str = ""
+
+
+@dataclass(frozen=True)
 class Verdict:
     """What a campaign says.
 
@@ -73,7 +126,12 @@ class Verdict:
         rivals: Fitted, and behind.
         unlisted: Where nothing listed explains the data.
         missing: Effect -> channels without which it was not looked for.
-        not_simulated: Effects whose model found no balance.
+        not_simulated: Causes whose model found no balance along the measured motion.
+        gain: Of every channel on data that were not fitted; empty where there is no extension to try.
+        held_out_by: "run" or "block": what was left out as a whole to measure the gain.
+        steps: Of the climb, in order, the refused ones too.
+        next: Experiments that would tell more, the best first.
+        detectable: What would have been found, had it been there.
     """
 
     kind: str
@@ -85,19 +143,34 @@ class Verdict:
     unlisted: Unlisted | None
     missing: Mapping[str, tuple[str, ...]]
     not_simulated: tuple[str, ...]
+    gain: tuple[ChannelGain, ...] = ()
+    held_out_by: str = ""
+    steps: tuple[Step, ...] = ()
+    next: tuple[Proposal, ...] = ()
+    detectable: tuple[DetectionLimit, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of `verdict.json`."""
         return {"format": 1, **asdict(self)}
 
 
-def verdict_of(naming: Naming, rate: float, missing: Mapping[str, tuple[str, ...]]) -> Verdict:
+def verdict_of(
+    naming: Naming,
+    rate: float,
+    missing: Mapping[str, tuple[str, ...]],
+    not_simulated: tuple[str, ...],
+    worth: HeldOut | None = None,
+    proposals: tuple[Proposal, ...] = (),
+) -> Verdict:
     """Return the verdict.
 
     Args:
         naming: What the data say.
         rate: Declared false-alarm rate.
         missing: Effect -> channels that were not there.
+        not_simulated: Causes whose model found no balance.
+        worth: What the best explanation is worth on what was held out.
+        proposals: Next experiments.
     """
     near = naming.alternatives
     block = naming.unlisted
@@ -105,29 +178,46 @@ def verdict_of(naming: Naming, rate: float, missing: Mapping[str, tuple[str, ...
         kind=naming.kind,
         false_alarm_rate=rate,
         threshold=naming.screening.threshold,
-        noise_scale=naming.screening.marginal.scale,
+        noise_scale=float(np.mean(naming.design.excess**2)),
         explanations=tuple(_explanation(h) for h in near),
         rivals=tuple(_explanation(h) for h in naming.hypotheses if h not in near),
         unlisted=Unlisted(block.place, block.kind, block.depends_on) if block else None,
         missing=missing,
-        not_simulated=naming.not_simulated,
+        not_simulated=not_simulated,
+        gain=worth.channels if worth else (),
+        held_out_by=worth.by if worth else "",
+        steps=tuple(_step(rung) for rung in naming.rungs),
+        next=proposals,
+        detectable=detection_limits(naming.screening),
     )
 
 
+def _step(rung: Rung) -> Step:
+    worth = rung.held_out
+    reason = f"held-out {worth.by}s {'become' if worth.pays else 'do not become'} more probable"
+    if rung.replaced:
+        reason += "; takes the place of the model before"
+    named = tuple(_named(cause, rung.fit) for cause in rung.added)
+    return Step(named, rung.log_evidence, worth.nats, worth.low, worth.high, rung.is_taken, reason)
+
+
 def _explanation(hypothesis: Hypothesis) -> Explanation:
-    fit = hypothesis.fit
-    causes = []
-    for cause in fit.causes:
-        parameters = tuple(
-            ParameterValue(
-                u.parameter.name,
-                float(value),
-                float(value - NORMAL_95 * sigma),
-                float(value + NORMAL_95 * sigma),
-                u.parameter.unit,
-            )
-            for u, value, sigma in zip(fit.unknowns, fit.values, fit.sigma, strict=True)
-            if u.cause is cause
+    causes = tuple(_named(cause, hypothesis.fit) for cause in hypothesis.causes)
+    return Explanation(causes, hypothesis.probability, hypothesis.log_evidence)
+
+
+def _named(cause: Cause, fit: Fit) -> NamedCause:
+    parameters = tuple(
+        ParameterValue(
+            u.parameter.name,
+            float(value),
+            float(value - NORMAL_95 * sigma),
+            float(value + NORMAL_95 * sigma),
+            u.parameter.unit,
+            u.parameter.words,
         )
-        causes.append(NamedCause(cause.effect.name, cause.effect.title, str(cause.place), parameters))
-    return Explanation(tuple(causes), hypothesis.probability, hypothesis.log_evidence)
+        for u, value, sigma in zip(fit.unknowns, fit.values, fit.sigma, strict=True)
+        if u.cause is cause
+    )
+    effect = cause.effect
+    return NamedCause(effect.name, effect.title, str(cause.place), parameters, effect.physics, effect.source)

@@ -34,6 +34,7 @@ from bench.effects.masses import (
     PayloadMass,
     RotorInertia,
     TorqueOffset,
+    UnstatedPayload,
 )
 from bench.effects.sensing_bench import ForceGain, ForceTilt, TrackerDrift, TrackerFrame
 from bench.effects.sensing_drive import (
@@ -44,6 +45,7 @@ from bench.effects.sensing_drive import (
     TorqueConstantTemperature,
     TorqueSaturation,
 )
+from bench.effects.sensing_link import LinkEncoderDelay
 from bench.effects.structure import BaseCompliance, BaseTorsion, BearingTilt, LinkBending
 from bench.effects.transmission import Backlash, Hysteresis, JointCompliance, Softening
 from bench.errors import InputError
@@ -82,6 +84,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     BaseTorsion,
     # geometry and mass
     PayloadMass,
+    UnstatedPayload,
     PayloadCom,
     LinkMass,
     LinkCom,
@@ -102,6 +105,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     ForceGain,
     ForceTilt,
     EncoderDelay,
+    LinkEncoderDelay,
     EncoderEccentricity,
 )
 _REQUIRED = ("name", "family", "title", "physics", "source", "parameters")

@@ -96,9 +96,9 @@ class ViscousFriction(_OnFriction):
     physics = (
         "Shear of the lubricant opposes motion in proportion to speed, f = f_v v, mostly in the fast motor-side stages."
     )
-    source = f"{ARMSTRONG}; range: 0.2 to 20 % of the torque limit at the speed limit, assumed"
+    source = f"{ARMSTRONG}; range: 0.2 to 50 % of the torque limit at the speed limit, assumed"
     parameters = (
-        Parameter("coefficient", "Nm s/rad", 0.0, 10.0, 1000.0, "f_v; range for a drive of 10 kNm and 2 rad/s"),
+        Parameter("coefficient", "Nm s/rad", 0.0, 10.0, 2500.0, "f_v; range for a drive of 10 kNm and 2 rad/s"),
     )
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:

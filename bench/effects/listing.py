@@ -9,30 +9,31 @@ from bench.robot.compiled import CompiledRobot
 WIDTH = 110
 
 
-def listing(effects: Mapping[str, Effect], compiled: CompiledRobot) -> str:
-    """Return a table of effects by family: name, where each may act on a robot, and the range of its size."""
+def listing(effects: Mapping[str, Effect], compiled: CompiledRobot | None = None) -> str:
+    """Return a table of effects by family: name, where each may act on a robot if one is given, range of its size."""
     lines: list[str] = []
     family = ""
     for name, effect in effects.items():
         if effect.family != family:
             family = effect.family
             lines += ["", family.upper()]
-        lines.append(f"  {name:29}{where(effect, compiled):28}{_sizes(effect, compiled)}")
+        place = f"{where(effect, compiled):28}" if compiled else ""
+        lines.append(f"  {name:29}{place}{_sizes(effect, compiled)}")
         lines.append(f"  {'':29}{effect.title}")
     return "\n".join(lines).strip("\n")
 
 
-def entry(effect: Effect, compiled: CompiledRobot) -> str:
-    """Return everything that the catalogue says of one effect."""
+def entry(effect: Effect, compiled: CompiledRobot | None = None) -> str:
+    """Return everything that the catalogue says of one effect, with places and ranges of a robot if one is given."""
     lines = [f"{effect.name}: {effect.title} ({effect.family})", ""]
     lines += textwrap.wrap(effect.physics, WIDTH)
-    lines += ["", f"acts on   {where(effect, compiled)}"]
+    lines += ["", *([f"acts on   {where(effect, compiled)}"] if compiled else [])]
     if effect.needs:
         lines.append(f"needs     columns {', '.join(effect.needs)}")
     lines += textwrap.wrap(f"source    {effect.source}", WIDTH, subsequent_indent=" " * 10)
-    places = effect.places(compiled)
     variants: dict[tuple[Parameter, ...], list[str]] = {}
-    for place in places:
+    for place in effect.places(compiled) if compiled else ():
+        assert compiled
         variants.setdefault(effect.parameters_at(compiled, place), []).append(str(place))
     for parameters, named in (variants or {effect.parameters: []}).items():
         lines += ["", f"parameters{' on ' + ', '.join(named) if len(variants) > 1 else ''}"]
@@ -62,11 +63,10 @@ def markdown_table(effects: Mapping[str, Effect]) -> str:
     return "\n".join(lines)
 
 
-def _sizes(effect: Effect, compiled: CompiledRobot) -> str:
-    """Return the range of the first parameter over all places."""
-    at_places = [effect.parameters_at(compiled, place)[0] for place in effect.places(compiled)] or [
-        effect.parameters[0]
-    ]
+def _sizes(effect: Effect, compiled: CompiledRobot | None) -> str:
+    """Return the range of the first parameter over all places; without a robot that of the catalogue."""
+    at_places = [effect.parameters_at(compiled, place)[0] for place in effect.places(compiled)] if compiled else []
+    at_places = at_places or [effect.parameters[0]]
     first = at_places[0]
     low, high = min(p.low for p in at_places), max(p.high for p in at_places)
     return f"{first.name} {_text(low, high, first)}"

@@ -1,15 +1,18 @@
 """Masses, inertias and constant torques that differ from the model's."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 
 from bench.actuators.laws import TorqueTable
-from bench.effects.effect import Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Place, Values
 from bench.effects.places import OnDrive, drive_of, links
 from bench.effects.plugin_actuators import add_torque_table, unused_name
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
+COMPACT_M, BULKY_M = 0.05, 0.6  # [m], radii of gyration of a steel block and of a bulky workpiece, assumed
 SWEVERS = "Swevers, Verdonck and De Schutter, Dynamic model identification for industrial robots, 2007"
 
 
@@ -33,6 +36,41 @@ class PayloadMass(_GeometryAndMass):
             scale_mass(spec.body(robot.figures.load_body), 1 + change)
 
         return edit if change else None
+
+
+class UnstatedPayload(_GeometryAndMass):
+    """The robot carries something that nobody wrote down."""
+
+    name = "unstated_payload"
+    title = "payload that is not stated"
+    physics = (
+        "A body with mass m, centred at the load point, and with the moment of inertia J about every axis through its "
+        "centre is bolted to the load point, beside what the campaign states."
+    )
+    source = f"{SWEVERS} (payload identification); range: up to `uncertainty.payload_kg` of the robot's figures"
+    parameters = (
+        Parameter("mass", "kg", 0.0, 0.01, 1.0, "m; range as a part of the largest payload that may be there"),
+        Parameter("inertia", "kg m^2", 0.0, 0.01 * COMPACT_M**2, BULKY_M**2, "J; range for a largest mass of 1 kg"),
+    )
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return the robot if its figures say that payloads may not be stated."""
+        return (WHOLE,) if compiled.robot.figures.uncertainty.payload_kg > 0 else ()
+
+    def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
+        """Return the parameters with the range of a robot."""
+        largest = compiled.robot.figures.uncertainty.payload_kg
+        return tuple(replace(p, low=largest * p.low, high=largest * p.high) for p in self.parameters)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        mass, inertia = values["mass"], values["inertia"]
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            load = spec.body(robot.figures.load_body)
+            load.mass = load.mass + mass
+            load.inertia = np.array(load.inertia) + inertia
+
+        return change if mass or inertia else None
 
 
 class PayloadCom(_GeometryAndMass):

@@ -65,7 +65,7 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
             for i, axis in enumerate("xyz")
         ]
     balance = robot.figures.counterbalance
-    if balance:
+    if balance and compiled.counterbalance:  # a cylinder without gas pulls at nothing, whatever its figures
         actuator = balance.actuator
         found.append(NominalParameter("gas constant C", "", known.gas_constant, _scaled(actuator, "constant")))
         found.append(

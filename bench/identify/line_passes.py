@@ -85,8 +85,11 @@ def line_passes(campaign: Campaign, figures: Figures, places: int | None = None)
         places: How many; None takes as many as the first run has rows.
 
     Raises:
-        InputError: No run has such a name, or one of them is too short or lacks commands or the reflector; all listed.
+        InputError: The robot has no reflector, no run has such a name, or one of them is too short or lacks commands or
+            the reflector; all listed.
     """
+    if not figures.reflectors:
+        raise InputError("the robot has no reflector; a pass along the line is seen by a tracker.")
     named = {(state, way): run for run in campaign.runs for state, way in [_name(run)] if state}
     if not named:
         expected = ", ".join(f"{state}-{way}" for state in STATES for way in WAYS)

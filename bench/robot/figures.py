@@ -103,6 +103,7 @@ class LinkEncoder(Strict):
     joints: tuple[str, ...] = Field(min_length=1, description="link-side joints that have one, by their names")
     resolution_rad: Positive = 2e-7
     offset_sigma_rad: NonNegative = 0.0
+    accuracy_rad: NonNegative = Field(0.0, description="error within a turn: graduation, centring; no mean lessens it")
 
 
 class PressureGauge(Strict):
@@ -140,6 +141,7 @@ class Uncertainty(Strict):
     gas_constant: NonNegative = Field(0.01, description="relative, of the counterbalance's C")
     critical_length_m: NonNegative = Field(0.5e-3, description="[m], of the counterbalance's l_c")
     load: NonNegative = Field(0.001, description="relative, of weights hung or bolted on")
+    payload_kg: NonNegative = Field(0.0, description="[kg], largest payload that recordings may leave unstated")
 
 
 class Figures(Strict):

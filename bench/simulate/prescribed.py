@@ -143,24 +143,25 @@ class Prescribed:
 
     def _balance(self, unknown: Array, accelerates: bool, time: float) -> Array:
         data = self._data
-        slope = self._sliding if np.any(data.qvel) else self._sticking
+        slope = self._sliding if data.qvel.any() else self._sticking
         data.qpos[self._positions] = unknown
         residual, scale = self._residual(accelerates)
-        bracket = np.stack([np.full_like(unknown, -np.inf), np.full_like(unknown, np.inf)])
+        bracket = None
         for iteration in range(MAX_ITERATIONS):
-            if np.max(np.abs(residual)) < TOLERANCE * scale:
+            if np.abs(residual).max() < TOLERANCE * scale:
                 return unknown
             step = residual / slope
             if iteration >= PATIENCE:
+                if bracket is None:
+                    bracket = np.stack([np.full_like(unknown, -np.inf), np.full_like(unknown, np.inf)])
                 step = _bracketed(bracket, unknown, residual, step)
             unknown = unknown + step
             data.qpos[self._positions] = unknown
             before = residual
             residual, scale = self._residual(accelerates)
             moved = np.abs(step) > STEP_RESOLUTION
-            slope = np.clip(
-                np.divide(before - residual, step, out=slope.copy(), where=moved), self._softest, self._stiffest
-            )
+            secant = (before - residual) / np.where(moved, step, 1.0)
+            slope = np.where(moved, np.minimum(np.maximum(secant, self._softest), self._stiffest), slope)
         raise ConvergenceError(
             f"no balance at {time:.3f} s within {MAX_ITERATIONS} iterations: {np.max(np.abs(residual)):.3g} Nm left."
         )
@@ -179,12 +180,13 @@ class Prescribed:
             bias = self._bias
         else:
             bias = data.qfrc_bias
-        forces = data.qfrc_passive + data.qfrc_actuator - bias
+        passive = data.qfrc_passive
+        forces = passive + data.qfrc_actuator - bias
         if self._wrench is not None:
             mujoco.mj_applyFT(
                 model, data, self._wrench[:3], self._wrench[3:], data.xipos[at.load_body], at.load_body, forces
             )
-        return forces[self._dofs], float(np.max(np.abs(data.qfrc_passive[self._dofs]))) + 1.0
+        return forces[self._dofs], float(np.abs(passive[self._dofs]).max()) + 1.0
 
     def _motor_torque(self, acceleration: Array) -> Array:
         """Return what the motors put out, shape (n,) [Nm]: inertia, viscous and Coulomb friction, and the element."""

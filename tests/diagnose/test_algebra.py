@@ -5,7 +5,7 @@ import pytest
 
 from bench.diagnose import threshold as threshold_module
 from bench.diagnose.marginal import Marginal, Nuisances
-from bench.diagnose.segments import centre_weights
+from bench.diagnose.piece import centre_weights
 from bench.diagnose.threshold import family_threshold
 
 M, P, K = 60, 5, 4

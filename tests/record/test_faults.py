@@ -129,6 +129,13 @@ MOTION: dict[str, tuple[Change, str, str, int | None, str]] = {
     "saturated": (clip("current_2_a", 8.0), "warning", "current_2_a", None, "largest value 8 "),
     "saturated encoder": (clip("q_link_2_rad", 0.6), "warning", "q_link_2_rad", None, "largest value 0.6 "),
     "copied current": (copy("current_1_a", "current_2_a"), "warning", "current_2_a", None, "copy of current_1_a"),
+    "copied link encoder": (
+        copy("q_link_2_rad", "q_motor_2_rad"),
+        "warning",
+        "q_link_2_rad",
+        None,
+        "copy of q_motor_2",
+    ),
     "copied command": (copy_command, "warning", "q_motor_2_rad", None, "copy of q_cmd_2_rad"),
     "link turned": (scale("q_link_2_rad", -1), "warning", "q_link_2_rad", None, "follows minus q_motor_2_rad"),
     "torque turned": (turn_torque, "warning", "tau_motor_2_nm", None, "against current_2_a"),

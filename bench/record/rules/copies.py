@@ -11,7 +11,7 @@ DIFFERENT = 10  # values in a column; with fewer, two drives near rest may agree
 
 
 def identical(sheet: Sheet) -> Iterator[Finding]:
-    """No two drives read the same numbers, and a moving motor is never exactly where it was told to be.
+    """No two drives read the same numbers, and a moving joint is never exactly where another record of it says.
 
     At rest it may be: a servo with integral action comes to its command, and a simulation without noise says so.
     Two drives that are commanded alike may move alike.
@@ -23,10 +23,11 @@ def identical(sheet: Sheet) -> Iterator[Finding]:
                 if np.array_equal(values, others) and not _commanded_alike(sheet, column.index, other.index):
                     yield sheet.warning(column.name, f"is a copy of {other.name}", "look which of them was recorded")
                     break
-    for column, values in sheet.columns("q_motor") if sheet.run.kind == "motion" else ():
-        command = sheet.joint(column.index, "q_cmd")
-        if command and len(np.unique(values)) >= DIFFERENT and np.array_equal(values, command[1]):
-            yield sheet.warning(column.name, f"is a copy of {command[0].name}", "record the encoder")
+    for quantity, source in (("q_motor", "q_cmd"), ("q_link", "q_cmd"), ("q_link", "q_motor")):
+        for column, values in sheet.columns(quantity) if sheet.run.kind == "motion" else ():
+            own = sheet.joint(column.index, source)
+            if own and len(np.unique(values)) >= DIFFERENT and np.array_equal(values, own[1]):
+                yield sheet.warning(column.name, f"is a copy of {own[0].name}", "record the encoder")
 
 
 def _commanded_alike(sheet: Sheet, first: int, second: int) -> bool:

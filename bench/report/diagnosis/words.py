@@ -1,45 +1,80 @@
-"""A verdict in plain words."""
+"""A verdict in plain words for the terminal."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
-from bench.diagnose.verdict import Explanation, NamedCause, Verdict
+from bench.diagnose.verdict import Explanation, Verdict
+from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT
+from bench.report.diagnosis.names import cause_name, explanation_name, parameter_text, percent
+from bench.report.diagnosis.sentences import (
+    explanation_of_set,
+    gain_sentence,
+    gain_text,
+    headline,
+    proposal_text,
+    rate_sentence,
+    scatter_sentence,
+)
+
+BEST_CHANNELS = 4
+BEST_PROPOSALS = 2
+BEST_LIMITS = 5
 
 
 def words_of(verdict: Verdict) -> Iterator[str]:
-    """Yield the lines of a verdict for the terminal."""
-    rate = f"{100 * verdict.false_alarm_rate:g} %"
-    if verdict.kind == "nothing found":
-        yield f"Nothing found (chance alone would raise an alarm in {rate} of such campaigns)."
-    elif verdict.unlisted:
-        u = verdict.unlisted
-        yield f"Unlisted cause: {u.kind} at {u.place}, depending on {u.depends_on}; no listed effect explains it."
-        if verdict.explanations:
-            yield "Beside it, listed effects (what is unlisted may have bent them):"
-    elif len(verdict.explanations) > 1:
-        yield f"{len(verdict.explanations)} explanations that these data cannot tell apart:"
-    elif verdict.explanations:
-        yield "Found:"
+    """Yield the lines of a verdict for the terminal: what it is, what it is worth, what to do next."""
+    yield headline(verdict)
     for explanation in verdict.explanations:
         yield from _explanation(explanation)
+    if len(verdict.explanations) > 1:
+        yield explanation_of_set(verdict)
+    if not verdict.explanations and not verdict.unlisted:
+        yield rate_sentence(verdict)
+        yield from _limits(verdict)
     if verdict.rivals and not verdict.unlisted:
-        yield "Fitted, and less likely: " + "; ".join(_short(rival) for rival in verdict.rivals)
+        yield "Fitted, and ruled out: " + ", ".join(explanation_name(rival) for rival in verdict.rivals) + "."
+    yield from _gain(verdict)
+    for step in verdict.steps:
+        if not step.accepted:
+            yield f"Refused: {' with '.join(cause_name(cause) for cause in step.added)}. {step.reason}"
+    for proposal in verdict.next[:BEST_PROPOSALS]:
+        yield f"Next: {proposal.experiment}"
+        yield f"      {proposal_text(proposal)}"
     if verdict.noise_scale > 1:
-        yield (
-            f"Scatter is {verdict.noise_scale**0.5:.1f} times what the instruments explain; intervals are wider for it."
-        )
+        yield scatter_sentence(verdict)
     for effect, channels in verdict.missing.items():
         yield f"Not looked for: {effect}, which needs {', '.join(channels)}."
+    for effect in verdict.not_simulated:
+        yield f"Not looked for: {effect}, whose model found no balance."
 
 
 def _explanation(explanation: Explanation) -> Iterator[str]:
     for i, cause in enumerate(explanation.causes):
-        mark = f"{100 * explanation.probability:5.1f} %  " if i == 0 else "         "
-        yield f"  {mark}{cause.title} ({cause.place}): {_sizes(cause)}"
+        mark = f"{percent(explanation.probability):>9}  " if i == 0 else " " * 11
+        yield f"{mark}{cause_name(cause)}"
+        for parameter in cause.parameters:
+            yield f"{'':13}{parameter_text(parameter)}" + (f"   {parameter.words}" if parameter.words else "")
 
 
-def _sizes(cause: NamedCause) -> str:
-    return ", ".join(f"{p.name} {p.value:.4g} [{p.low:.4g}, {p.high:.4g}] {p.unit}".rstrip() for p in cause.parameters)
+def _gain(verdict: Verdict) -> Iterator[str]:
+    if verdict.gain:
+        yield gain_sentence(verdict)
+        for gain in sorted(verdict.gain, key=lambda gain: -gain.gain)[:BEST_CHANNELS]:
+            yield f"  {gain_text(gain)}"
 
 
-def _short(explanation: Explanation) -> str:
-    return " with ".join(f"{cause.effect} ({cause.place})" for cause in explanation.causes)
+def _limits(verdict: Verdict) -> Iterator[str]:
+    if verdict.detectable:
+        yield "It would have been found if it had been larger than, for instance:"
+        for limit in verdict.detectable[:BEST_LIMITS]:
+            place = "" if limit.place == "robot" else f", {limit.place}"
+            yield f"  {limit.effect}{place}: {limit.parameter} {limit.limit:.3g} {limit.unit}".rstrip()
+
+
+def places_of(folder: Path) -> Iterator[str]:
+    """Yield where the files are and how to open them."""
+    yield f"report     {folder / REPORT}"
+    yield f"recording  {folder / RECORDING}   (bench view {folder})"
+    yield f"numbers    {folder / VERDICT}"
+    if (folder / EXTENDED).is_file():
+        yield f"model      {folder / EXTENDED}   (its change: {DIFFERENCE})"

@@ -18,6 +18,7 @@ INK, GREY, PALE = "#222222", "#8A8A8A", "#E4E4E4"
 WIDTH = 12.0  # [inch], 1200 px at the resolution that the text sizes are made for
 PIXELS_PER_INCH = 150
 TEXT = 10.5  # [pt]
+SMALL_TEXT = 9.0  # [pt], of figures for a narrow column
 PADDING = 0.09  # [inch], around every axes
 
 _STYLE: dict[Any, Any] = {
@@ -65,6 +66,28 @@ def new_figure(
     with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=(WIDTH, height), layout=ConstrainedLayoutEngine(w_pad=PADDING, h_pad=row_padding))
         figure.suptitle(title, x=0.01, ha="left", fontsize=TEXT + 3, fontweight="bold")
+        axes: Sequence[Sequence[Axes]] = figure.subplots(rows, columns, squeeze=False, **layout)
+    return figure, axes
+
+
+def small_figure(
+    rows: int, columns: int, width: float, height: float, **layout: Any
+) -> tuple["Figure", Sequence[Sequence["Axes"]]]:
+    """Return a figure without a title for a narrow column of text, with its axes by row and column.
+
+    Args:
+        rows: Number of rows of axes.
+        columns: Number of columns of axes.
+        width: [inch].
+        height: [inch].
+        layout: Further arguments of `Figure.subplots`.
+    """
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    sizes = {key: SMALL_TEXT for key in _STYLE if key.endswith(("size", "fontsize")) and key != "lines.markersize"}
+    with matplotlib.rc_context({**_STYLE, **sizes}):
+        figure = Figure(figsize=(width, height), layout="constrained")
         axes: Sequence[Sequence[Axes]] = figure.subplots(rows, columns, squeeze=False, **layout)
     return figure, axes
 

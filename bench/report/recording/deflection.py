@@ -34,7 +34,7 @@ def deflection_of(film: Film) -> Deflection:
     The reference of each stand, see `is_standing`, is the mean position over the last `REFERENCE_TIME` before its first
     load, when the links have stopped ringing; if it begins loaded, or is never loaded, over all its unloaded instants.
     """
-    true, measured = film.trace.reflectors[:, 0], film.reading.reflectors[:, 0]
+    true, measured = reference_of(film)
     force = np.linalg.norm(film.trace.wrench[:, :3], axis=1)
     unloaded = force <= UNLOADED_SHARE * np.max(force, initial=0.0)
     moved = {"true": np.full(true.shape, np.nan), "measured": np.full(measured.shape, np.nan)}
@@ -45,6 +45,16 @@ def deflection_of(film: Film) -> Deflection:
         for name, position in (("true", true[stand]), ("measured", measured[stand])):
             moved[name][stand] = position - np.mean(position[reference], axis=0)
     return Deflection(read_only(moved["true"]), read_only(moved["measured"]))
+
+
+def reference_of(film: Film) -> tuple[Array, Array]:
+    """Return the true and the measured path of the reference point, shape (T, 3) [m] each.
+
+    It is the first reflector; of a robot without any the load point, which nobody measures.
+    """
+    if film.trace.reflectors.shape[1] == 0:
+        return film.trace.load_point, np.full(film.trace.load_point.shape, np.nan)
+    return film.trace.reflectors[:, 0], film.reading.reflectors[:, 0]
 
 
 def is_standing(film: Film) -> NDArray[np.bool_]:

@@ -10,7 +10,7 @@ from bench.report.recording.reel import TIMELINE
 from bench.robot.bodies import Array
 
 if TYPE_CHECKING:
-    from rerun.blueprint import Blueprint, View
+    from rerun.blueprint import Blueprint, Container, View
 
 TRAIL = 60.0  # [s], how long the way of a point stays visible
 PLAYBACK_SPEED = 4.0
@@ -36,30 +36,51 @@ def layout(
     """
     import rerun.blueprint as rrb
 
-    robot: list[View] = [_robot_view(magnification, floor, extent, trails)]
+    title = f"Joint deflection x{magnification:g} (colour) over the rigid robot (translucent)"
+    robot: list[View] = [robot_view(title, floor, extent, trails)]
     if with_events:
-        robot.append(
-            rrb.TextLogView(
-                origin="events",
-                name="Events",
-                columns=rrb.TextLogColumns(
-                    timeline_columns=[rrb.encodings.TimelineColumn(TIMELINE, visible=False)], text_log_columns=["Body"]
-                ),
-            )
-        )
+        robot.append(event_view("Events"))
+    return with_plots(rrb.Vertical(*robot, row_shares=[4, 1][: len(robot)]), plots)
+
+
+def event_view(title: str) -> "View":
+    """Return the text log of everything under `events`."""
+    import rerun.blueprint as rrb
+
+    return rrb.TextLogView(
+        origin="events",
+        name=title,
+        columns=rrb.TextLogColumns(
+            timeline_columns=[rrb.encodings.TimelineColumn(TIMELINE, visible=False)], text_log_columns=["Body"]
+        ),
+    )
+
+
+def with_plots(left: "Container", plots: Sequence[Plot]) -> "Blueprint":
+    """Return a layout with something on the left and the plots in tabs on the right; the panels are folded."""
+    import rerun.blueprint as rrb
+
     tabs = [
         rrb.Vertical(*(_plot_view(plot) for plot in plots if plot.tab == tab), name=tab)
         for tab in dict.fromkeys(plot.tab for plot in plots)
     ]
     return rrb.Blueprint(
-        rrb.Horizontal(rrb.Vertical(*robot, row_shares=[4, 1][: len(robot)]), rrb.Tabs(*tabs), column_shares=[1.15, 1]),
+        rrb.Horizontal(left, rrb.Tabs(*tabs), column_shares=[1.15, 1]),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=PLAYBACK_SPEED),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
     )
 
 
-def _robot_view(magnification: float, floor: float, extent: Array, trails: Sequence[str]) -> "View":
+def robot_view(title: str, floor: float, extent: Array, trails: Sequence[str] = ()) -> "View":
+    """Return the 3D view of everything under `scene`, `robot` and `tracker`.
+
+    Args:
+        title: Of the view.
+        floor: Height of the grid [m].
+        extent: Shape (2, 3) [m], lower and upper corner of what it should show.
+        trails: Entity paths of points that leave a trail.
+    """
     import rerun as rr
     import rerun.blueprint as rrb
 
@@ -74,7 +95,7 @@ def _robot_view(magnification: float, floor: float, extent: Array, trails: Seque
     return rrb.Spatial3DView(
         origin="/",
         contents=["+ /scene/**", "+ /robot/**", "+ /tracker/**"],
-        name=f"Joint deflection x{magnification:g} (colour) over the rigid robot (translucent)",
+        name=title,
         background=BACKGROUND,
         line_grid=rrb.LineGrid3D(
             spacing=0.5,

@@ -1,10 +1,12 @@
 """A Rerun file that is being written: one timeline, everything on it or fixed, whole columns at a time."""
 
-from collections.abc import Iterator
+import hashlib
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
+from uuid import UUID
 
 import numpy as np
 
@@ -50,6 +52,14 @@ class Reel:
 def xyzw(quaternion: Array) -> Array:
     """Return MuJoCo's quaternions w x y z, shape (..., 4), in Rerun's order."""
     return np.roll(quaternion, -1, axis=-1)
+
+
+def identity_of(arrays: Iterable[Array]) -> str:
+    """Return a recording id that depends on the content alone, so that the same content is the same recording."""
+    digest = hashlib.sha256()
+    for array in arrays:
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return str(UUID(bytes=digest.digest()[:16], version=4))
 
 
 @contextmanager

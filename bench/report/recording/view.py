@@ -37,14 +37,16 @@ def recordings_in(path: Path) -> tuple[Path, ...]:
         InputError: There is none.
     """
     if not path.exists():
-        raise InputError(f"{path}: does not exist; give a folder that `bench run` wrote, or an .rrd file.")
+        raise InputError(
+            f"{path}: does not exist; give a folder that `bench run` or `bench diagnose` wrote, or an .rrd file."
+        )
     if path.is_file():
         if path.suffix != ".rrd":
             raise InputError(f"{path}: is not a recording; give an .rrd file, or the folder that holds one.")
         return (path,)
     found = tuple(sorted(path.glob("*.rrd")))
     if not found:
-        raise InputError(f"{path}: holds no recording (*.rrd); `bench run SCENARIO --out FOLDER` writes one.")
+        raise InputError(f"{path}: holds no recording (*.rrd); `bench run` and `bench diagnose` write one.")
     return found
 
 

@@ -1,9 +1,7 @@
 """A Rerun recording of an experiment: the robot, what acts on it, what the instruments saw, and the truth."""
 
-import hashlib
 from dataclasses import fields
 from pathlib import Path
-from uuid import UUID
 
 import numpy as np
 
@@ -15,7 +13,7 @@ from bench.report.recording.deflection import deflection_of, is_standing
 from bench.report.recording.events import log_events
 from bench.report.recording.layout import layout
 from bench.report.recording.poses import Poses, elastic_poses, rigid_poses
-from bench.report.recording.reel import Reel, recording_to
+from bench.report.recording.reel import Reel, identity_of, recording_to
 from bench.report.recording.scene import floor_height, scene_of
 from bench.report.recording.surroundings import Colour, log_load, log_path, log_point, log_tracker
 from bench.robot.bodies import Array
@@ -56,7 +54,7 @@ def write_recording(
         plots,
         magnification=magnification,
         floor=floor,
-        extent=_extent(compiled, rigid, floor),
+        extent=extent_of(compiled, rigid, floor),
         trails=(RIGID_PATH, ELASTIC_PATH),
         with_events=bool(film.events),
     )
@@ -75,7 +73,8 @@ def _log_points(
 ) -> None:
     """Log what hangs on the points of the two robots: load, reference points, and the tracker with what it measured."""
     at, figures = compiled.at, compiled.robot.figures
-    rigid_reference, reference = (poses.site_position[:, at.reflectors[0]] for poses in (rigid, elastic))
+    site = at.reflectors[0] if len(at.reflectors) else at.load_point
+    rigid_reference, reference = (poses.site_position[:, site] for poses in (rigid, elastic))
     log_point(reel, "robot/rigid/reference_point", rigid_reference, RIGID_POINT, POINT_RADIUS)
     log_point(reel, "robot/elastic/reference_point", reference, ELASTIC_POINT, POINT_RADIUS)
     log_path(reel, RIGID_PATH, rigid_reference, np.full(len(film.trace), True), RIGID_POINT)
@@ -91,7 +90,7 @@ def _log_points(
         log_tracker(reel, "tracker", tracker.position_m, floor, np.where(np.isnan(measured), reference, measured))
 
 
-def _extent(compiled: CompiledRobot, poses: Poses, floor: float) -> Array:
+def extent_of(compiled: CompiledRobot, poses: Poses, floor: float) -> Array:
     """Return the corners of the box that holds floor, robot and tracker, shape (2, 3) [m]."""
     tracker = compiled.robot.figures.instruments.tracker
     robot = np.concatenate([poses.body_position, poses.site_position], axis=1).reshape(-1, 3)
@@ -101,9 +100,5 @@ def _extent(compiled: CompiledRobot, poses: Poses, floor: float) -> Array:
 
 
 def _identity(film: Film) -> str:
-    """Return a recording id that depends on the content alone, so that the same session is the same recording."""
-    digest = hashlib.sha256()
-    for part in (film.trace, film.reading):
-        for field in fields(part):
-            digest.update(np.ascontiguousarray(getattr(part, field.name)).tobytes())
-    return str(UUID(bytes=digest.digest()[:16], version=4))
+    parts = (film.trace, film.reading)
+    return identity_of(getattr(part, field.name) for part in parts for field in fields(part))

@@ -1,0 +1,106 @@
+"""Direct measurements: one number that a thermometer or a scale gives, beside any run."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from bench.diagnose.design import Design
+from bench.diagnose.leave_out import tangent_of
+from bench.diagnose.outlook import STEP, Expectation
+from bench.diagnose.refit import Fit, world_of
+from bench.diagnose.replay import NOMINAL, World, edits_in, ideal_reading
+from bench.effects.effect import REFERENCE_K, Conditions
+from bench.record.campaign import Array
+from bench.robot.compiled import compile_robot
+from bench.simulate.instruments import Reading
+from bench.simulate.plant import Trace
+
+THERMOMETER_K = 2.0  # [K], of a thermometer on the cylinder's wall, and of the temperature the figures hold at; assumed
+LEAST_SCALE = 1e-3  # relative, of a scale in a workshop; assumed
+
+
+@dataclass(frozen=True)
+class WithGasTemperature(Reading):
+    """A reading with a thermometer in the gas.
+
+    Attributes:
+        gas_temperature: Shape (T,) [K].
+    """
+
+    gas_temperature: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Direct:
+    """One number.
+
+    Attributes:
+        words: What to do.
+        family: What it is like.
+        expectations: Of each explanation, parameters as in `outlook.Outlook` without fresh ones.
+    """
+
+    words: str
+    family: str
+    expectations: tuple[Expectation, ...]
+
+
+def direct_measurements(design: Design, scale: float, fits: Sequence[Fit], trace: Trace) -> tuple[Direct, ...]:
+    """Return what a gas thermometer and a scale would show; each only where there is something to measure.
+
+    Args:
+        design: Today's campaign.
+        scale: Variance of the noise against what the instruments explain.
+        fits: Explanations.
+        trace: Any motion of the nominal robot; its first instant is read.
+    """
+    compiled = design.replay.compiled
+    found = []
+    conditions = [segment.conditions for segment in design.segments]
+    if compiled.counterbalance is not None and all(c.gas_k == REFERENCE_K for c in conditions):
+        reading = ideal_reading(compiled, trace[:1])
+        plain = {f.name: getattr(reading, f.name) for f in fields(reading)}
+        thermometer = WithGasTemperature(**{**plain, "gas_temperature": np.array([REFERENCE_K])})
+
+        def gas_k(world: World) -> float:
+            shown: Reading = thermometer
+            for acting in world.acting:
+                shown = acting.effect.distort(acting.place, acting.values, shown, trace[:1], conditions[0])
+            assert isinstance(shown, WithGasTemperature)
+            return float(shown.gas_temperature[0])
+
+        expectations = _expectations(design, scale, fits, gas_k, THERMOMETER_K)
+        found.append(Direct("a thermometer on the gas of the counterbalance", "gas thermometer", expectations))
+    payload = max(c.payload_kg for c in conditions)
+    if payload > 0:
+        at = Conditions.reference(compiled.n_joints, payload)
+
+        def mass_kg(world: World) -> float:
+            model = compile_robot(compiled.robot, edits_in(world, at)).model
+            return float(model.body_subtreemass[compiled.at.load_body])
+
+        sigma = payload * max(compiled.robot.figures.uncertainty.load, LEAST_SCALE)
+        expectations = _expectations(design, scale, fits, mass_kg, sigma)
+        found.append(Direct(f"the payload of {payload:g} kg on a scale", "scale", expectations))
+    return tuple(found)
+
+
+def _expectations(design, scale, fits, read, sigma) -> tuple[Expectation, ...]:  # type: ignore[no-untyped-def]
+    """Return what each fit expects of one number, in standard deviations of its reading."""
+    nominal = read(NOMINAL)
+    changes = np.array([read(World({n: n.sigma})) - nominal if n.scales_payload else 0.0 for n in design.nuisances])
+    found = []
+    for fit in fits:
+        mean = read(fit.world(design))
+        own = []
+        for i, unknown in enumerate(fit.unknowns):
+            moved = fit.values.copy()
+            step = STEP * unknown.sigma
+            moved[i] += step
+            world = world_of(design, fit.causes, fit.unknowns, moved, fit.nuisances)
+            own.append((read(world) - mean) / step)
+        slopes = np.concatenate([changes, own]) / sigma
+        covariance = np.asarray(np.linalg.inv(tangent_of(design, scale, fit).precision), dtype=np.float64)
+        found.append(Expectation(np.array([mean / sigma]), slopes[None], covariance, 1.0))
+    return tuple(found)

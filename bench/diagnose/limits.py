@@ -1,0 +1,51 @@
+"""How large an effect must be to be found in a campaign: from the instruments, what may be off, and the threshold."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnose.screening import Screening
+
+
+@dataclass(frozen=True)
+class DetectionLimit:
+    """The smallest size of a cause that this campaign would have shown.
+
+    Attributes:
+        effect: Of the catalogue.
+        place: Where it would act.
+        parameter: Its size.
+        limit: Smallest size that would have been found, in `unit`.
+        unit: SI; "" for a relative size.
+    """
+
+    effect: str
+    place: str
+    parameter: str
+    limit: float
+    unit: str
+
+
+def detection_limits(screening: Screening) -> tuple[DetectionLimit, ...]:
+    """Return the limits of everything that was tried; for a cause of several shapes, that of the one seen best.
+
+    With the information I on a size, nuisances integrated out, and its prior p, the expected log evidence of a size s is
+    s^2 I p^2 I / (1 + p^2 I) / 2 - log(1 + p^2 I) / 2; the limit is where it reaches the threshold.
+    """
+    found: dict[tuple[str, str, str], DetectionLimit] = {}
+    for entry in screening.entries:
+        if entry.cause is None:
+            continue
+        for size, column, prior, step in zip(
+            entry.cause.sizes, entry.columns, entry.prior, entry.what.step, strict=True  # type: ignore[union-attr]
+        ):
+            information = float(screening.marginal.information[column, column])
+            known = prior**2 * information
+            if known <= 0:
+                continue
+            square = (2 * screening.threshold + np.log1p(known)) * (1 + known) / known / information
+            limit = float(np.sqrt(square) * abs(step))
+            key = (entry.cause.effect.name, str(entry.cause.place), size.name)
+            if key not in found or limit < found[key].limit:
+                found[key] = DetectionLimit(*key, limit, size.unit)
+    return tuple(found.values())

@@ -1,0 +1,102 @@
+"""How channels, causes and values are called on the page and on the terminal."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.diagnose.verdict import Explanation, NamedCause, ParameterValue
+
+KINDS = {
+    "current": "motor current",
+    "tau_motor": "motor torque",
+    "reflector": "reflector",
+    "q_link": "link angle",
+    "force": "force",
+    "moment": "moment",
+    "gas_pressure": "gas pressure",
+}
+# SI -> what a workshop reads, and how many of it make one
+WORKSHOP = {"m": ("mm", 1e3), "rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi), "Pa": ("bar", 1e-5)}
+SIGNIFICANT = 2  # digits of half an interval
+MOST_DECIMALS = 7
+LARGE = 1e5  # from where on numbers have an exponent
+
+
+def channel_name(column: str) -> str:
+    """Return what people call a column: "current_2_a" is motor current 2."""
+    for kind, words in KINDS.items():
+        if column.startswith(f"{kind}_"):
+            parts = column.removeprefix(f"{kind}_").split("_")[:-1]
+            return " ".join([words, *parts])
+    return column
+
+
+def cause_name(cause: NamedCause) -> str:
+    """Return the title of a cause with its place, but for the robot as a whole."""
+    place = cause.place.replace("_", " ")
+    return cause.title if place == "robot" else f"{cause.title}, {place}"
+
+
+def explanation_name(explanation: Explanation) -> str:
+    """Return the causes of an explanation in a row."""
+    return "; with ".join(cause_name(cause) for cause in explanation.causes)
+
+
+def listed(names: Sequence[str], last: str) -> str:
+    """Return names in a row, the last after a word: "a; b and c"."""
+    return names[0] if len(names) == 1 else f"{'; '.join(names[:-1])} {last} {names[-1]}"
+
+
+def capital(words: str) -> str:
+    """Return words with a capital letter in front."""
+    return words[:1].upper() + words[1:]
+
+
+def unit_name(unit: str) -> str:
+    """Return the unit in which a quantity is shown."""
+    return WORKSHOP.get(unit, (unit, 1.0))[0]
+
+
+def shown(values: Sequence[float], unit: str, resolution: float) -> tuple[str, ...]:
+    """Return values as they are shown, without their unit, all with the same decimals.
+
+    Args:
+        values: In `unit`.
+        unit: SI.
+        resolution: What two digits should be left of, in `unit`.
+    """
+    scale = WORKSHOP.get(unit, (unit, 1.0))[1]
+    largest = max((abs(value * scale) for value in values if np.isfinite(value)), default=0.0)
+    if largest >= LARGE:
+        return tuple(f"{value * scale:.3g}" for value in values)
+    step = abs(resolution * scale)
+    digits = SIGNIFICANT - 1 - int(np.floor(np.log10(step))) if np.isfinite(step) and step > 0 else 3
+    decimals = int(np.clip(digits, 0, MOST_DECIMALS))
+    return tuple(_zero(f"{value * scale:.{decimals}f}") if np.isfinite(value) else "-" for value in values)
+
+
+def interval_of(parameter: ParameterValue) -> tuple[str, str, str]:
+    """Return value, low and high of a parameter as they are shown."""
+    half = (parameter.high - parameter.low) / 2
+    value, low, high = shown((parameter.value, parameter.low, parameter.high), parameter.unit, half)
+    return value, low, high
+
+
+def parameter_text(parameter: ParameterValue) -> str:
+    """Return a parameter in a line: "offset -38 K (-44 to -33)"."""
+    value, low, high = interval_of(parameter)
+    return " ".join(filter(None, (parameter.name, value, unit_name(parameter.unit), f"({low} to {high})")))
+
+
+def percent(share: float) -> str:
+    """Return a share or a probability in percent, never rounded to what it is not."""
+    value = 100 * share
+    if 0 < value < 0.1:
+        return "< 0.1 %"
+    if 99.9 < value < 100:
+        return "> 99.9 %"
+    return f"{value:.0f} %" if abs(value) >= 10 else f"{value:.2g} %"
+
+
+def _zero(text: str) -> str:
+    return text.removeprefix("-") if float(text) == 0 else text

@@ -1,0 +1,184 @@
+"""The report of a diagnosis as one self-contained HTML page."""
+
+from base64 import b64encode
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+
+from bench.diagnose.verdict import ChannelGain, DetectionLimit, Verdict
+from bench.report.diagnosis.facts import Facts
+from bench.report.diagnosis.learned import LearnedCurve
+from bench.report.diagnosis.names import (
+    capital,
+    cause_name,
+    channel_name,
+    explanation_name,
+    interval_of,
+    percent,
+    shown,
+    unit_name,
+)
+from bench.report.diagnosis.pictures import Picture
+from bench.report.diagnosis.readings import Channel
+from bench.report.diagnosis.sentences import (
+    explanation_of_set,
+    gain_sentence,
+    headline,
+    proposal_text,
+    rate_sentence,
+    scatter_sentence,
+    unlisted_name,
+)
+
+TEMPLATE = "page.html.j2"
+MOST_LINES = 300  # of a difference, on the page
+HELD_OUT = {
+    "run": "Each run in turn was left out whole, and predicted by the models fitted to all others.",
+    "block": "One run shows nearly all of it, so stretches of it were left out in turn; that proves less than runs.",
+}
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """Everything that is drawn.
+
+    Attributes:
+        worst: Names of the worst channels, each with its pictures.
+        learned: Curves of a learned shape.
+        turns_round: Whether that shape turns its sign round with the direction of motion.
+    """
+
+    worst: tuple[tuple[str, tuple[Picture, ...]], ...]
+    learned: tuple[Picture, ...] = ()
+    turns_round: bool = False
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Two bars on a scale of 0 to 100, with an interval on the second and a mark across both; None: left out."""
+
+    before: float
+    after: float | None = None
+    low: float | None = None
+    high: float | None = None
+    mark: float | None = None
+
+
+@dataclass(frozen=True)
+class GainRow:
+    """One channel of the table of gains, as it is shown."""
+
+    gain: ChannelGain
+    name: str
+    unit: str
+    before: str
+    after: str
+    floor: str
+    bars: Bars
+
+
+def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[str, str], difference: str) -> str:
+    """Return the page.
+
+    Args:
+        verdict: What it says.
+        facts: What else it says.
+        pictures: What is drawn.
+        made: Files that stand beside it -> what they are.
+        difference: Unified difference of the extended model, "" without one.
+    """
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {
+        "base64": lambda text: b64encode(text.encode()).decode(),
+        "capital": capital,
+        "cause_name": cause_name,
+        "channel": channel_name,
+        "explanation_name": explanation_name,
+        "interval": interval_of,
+        "letter": lambda number: chr(ord("A") + number - 1),
+        "limit": _limit,
+        "percent": percent,
+        "proposal": proposal_text,
+        "spaced": lambda name: name.replace("_", " "),
+        "unit": unit_name,
+    }
+    template = environment.from_string(files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8"))
+    return template.render(
+        v=verdict,
+        facts=facts,
+        pictures=pictures.worst,
+        learned=pictures.learned,
+        turns_round=pictures.turns_round,
+        tables=[(curve, _table(curve)) for curve in facts.learned],
+        headline=headline(verdict),
+        set_words=explanation_of_set(verdict),
+        rate_words=rate_sentence(verdict),
+        gain_words=gain_sentence(verdict),
+        scatter_words=scatter_sentence(verdict),
+        unlisted_name=unlisted_name(verdict.unlisted) if verdict.unlisted else "",
+        cause_title=_cause_title(verdict),
+        held_out_words=HELD_OUT.get(verdict.held_out_by, ""),
+        missing=_by_channels(verdict.missing),
+        has_after=any(channel.after is not None for channel in facts.channels),
+        channels=_channels(facts.channels),
+        gains=[_gain_row(gain) for gain in verdict.gain],
+        files=made,
+        difference=_lines(difference),
+    )
+
+
+def _cause_title(verdict: Verdict) -> str:
+    if verdict.unlisted:
+        return "Listed causes beside it"
+    if len(verdict.explanations) > 1:
+        return f"{len(verdict.explanations)} explanations that these data cannot tell apart"
+    causes = sum(len(explanation.causes) for explanation in verdict.explanations)
+    return "The cause" if causes == 1 else "The causes"
+
+
+def _by_channels(missing: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
+    """Return missing channels -> effects that were not looked for."""
+    found: dict[str, list[str]] = {}
+    for effect, channels in missing.items():
+        found.setdefault(", ".join(channels).replace("_", " "), []).append(effect.replace("_", " "))
+    return found
+
+
+def _channels(channels: tuple[Channel, ...]) -> list[tuple[Channel, Bars]]:
+    """Return the channels, worst first, with their bars, all on one scale."""
+    largest = max([1.0, *(max(c.before, c.after or 0.0) for c in channels)])
+    rows = sorted(channels, key=lambda channel: -channel.before)
+    scale = 100 / largest
+    return [(c, Bars(scale * c.before, None if c.after is None else scale * c.after, mark=scale)) for c in rows]
+
+
+def _gain_row(gain: ChannelGain) -> GainRow:
+    before, after, floor = shown((gain.before, gain.after, gain.floor), gain.unit, gain.floor or gain.after)
+    scale = 100 / max(gain.before, gain.after, gain.floor, 1e-300)
+    low, high = ((1 - g) * gain.before * scale for g in (gain.high, gain.low))
+    low, high = (min(max(x, 0.0), 100.0) for x in (low, high))
+    bars = Bars(gain.before * scale, gain.after * scale, low, high, gain.floor * scale)
+    return GainRow(gain, channel_name(gain.channel), unit_name(gain.unit), before, after, floor, bars)
+
+
+def _table(curve: LearnedCurve) -> list[tuple[str, ...]]:
+    spread = max(curve.at) - min(curve.at)
+    half = min(high - low for low, high in zip(curve.low, curve.high, strict=True)) / 2
+    largest = max(abs(value) for value in curve.value)
+    at = shown(curve.at, curve.over_unit, spread / 10)
+    values = (shown(v, curve.unit, max(half, largest / 1000)) for v in (curve.value, curve.low, curve.high))
+    return list(zip(at, *values, strict=True))
+
+
+def _limit(limit: DetectionLimit) -> str:
+    return shown((limit.limit,), limit.unit, limit.limit)[0]
+
+
+def _lines(difference: str) -> list[tuple[str, str]]:
+    """Return the lines of a difference with what they are."""
+    lines = difference.splitlines()
+    cut = [f"... {len(lines) - MOST_LINES} more lines in the file"] if len(lines) > MOST_LINES else []
+    kinds = {"+": "add", "-": "del"}
+    return [(kinds.get(line[:1], "same"), line) for line in lines[:MOST_LINES] + cut]

@@ -1,0 +1,163 @@
+"""What the models leave of every reading, in units of what cannot be predicted, and the circumstances of each."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.design import Design
+from bench.diagnose.diagnose import Diagnosis
+from bench.diagnose.folds import instant_of
+from bench.diagnose.quantities import Quantity
+from bench.diagnose.refit import pseudo_residual
+from bench.diagnose.replay import World
+from bench.diagnose.segments import Segment
+from bench.record.campaign import Array
+from bench.report.diagnosis.learned import learned_of
+
+STANDS_OUT = 1.2  # root mean square from where on a channel is worth a picture
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Channel:
+    """How well one channel is explained; residuals in units of what cannot be predicted.
+
+    Attributes:
+        channel: Column of the campaign.
+        unit: SI.
+        readings: How many were compared: means of repeats, and bins of motion.
+        before: Root mean square without what was found, its other figures as fitted with it; 1 is what cannot be
+            predicted.
+        after: The same with what was found; None where nothing was.
+    """
+
+    channel: str
+    unit: str
+    readings: int
+    before: float
+    after: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """A campaign reading by reading; T instants, c quantities, n drives, m readings that were compared.
+
+    What was found is compared with the nominal model under the same uncertain figures, those of the fit with what was
+    found: the nominal model alone would bend them until little is left, and hide what is wrong.
+
+    Attributes:
+        quantities: What is compared.
+        before: Shape (m,), residual without what was found; 1 is what cannot be predicted.
+        after: Shape (m,), residual with it; None where nothing was found.
+        measured: Shape (T, c); nan where not measured.
+        simulated: Shape (T, c), without what was found.
+        extended: Shape (T, c), with it; None where no listed cause was found.
+        instant: Shape (m,), index into the T instants.
+        column: Shape (m,), index into the quantities.
+        run: Shape (T,), index of the run among those that were compared.
+        angle: Shape (T, n) [rad] or [m], of the motors.
+        direction: Shape (T, n), sign of the velocity; 0 at rest.
+    """
+
+    quantities: tuple[Quantity, ...]
+    before: Array
+    after: Array | None
+    measured: Array
+    simulated: Array
+    extended: Array | None
+    instant: Index
+    column: Index
+    run: Index
+    angle: Array
+    direction: Array
+
+    @cached_property
+    def channels(self) -> tuple[Channel, ...]:
+        """Every channel with a reading, in the order of the campaign."""
+        found = []
+        for c, quantity in enumerate(self.quantities):
+            mine = self.column == c
+            if np.any(mine):
+                after = None if self.after is None else rms(self.after[mine])
+                found.append(Channel(quantity.column, quantity.unit, int(mine.sum()), rms(self.before[mine]), after))
+        return tuple(found)
+
+    def worst(self, count: int) -> tuple[int, ...]:
+        """Return the indices of the channels that are explained worst without what was found, the worst first.
+
+        At least one, and beyond that only channels that stand out.
+        """
+        size = {int(c): rms(self.before[self.column == c]) for c in np.unique(self.column)}
+        ranked = sorted(size, key=lambda c: -size[c])[:count]
+        return tuple(c for i, c in enumerate(ranked) if i == 0 or size[c] > STANDS_OUT)
+
+
+@dataclass(frozen=True, eq=False)
+class _Comparison:
+    """Residuals and simulations of `Readings`, of the same names."""
+
+    before: Array
+    after: Array | None
+    simulated: Array
+    extended: Array | None
+
+
+def readings_of(diagnosis: Diagnosis) -> Readings:
+    """Return the readings of a diagnosis; a few simulations."""
+    design = diagnosis.design
+    segments = design.segments
+    measured = np.concatenate([segment.observed for segment in segments])
+    found = _comparison(diagnosis, measured)
+    moved = [np.sign(s.motion.velocity[s.motion.read]) * _moves(s) for s in segments]
+    return Readings(
+        quantities=design.quantities,
+        before=found.before,
+        after=found.after,
+        measured=measured,
+        simulated=found.simulated,
+        extended=found.extended,
+        instant=instant_of(design),
+        column=design.column_of.astype(np.int64),
+        run=np.concatenate([np.full(len(s), design.runs.index(s.run)) for s in segments]),
+        angle=np.concatenate([s.motion.q[s.motion.read] for s in segments]),
+        direction=np.concatenate(moved),
+    )
+
+
+def _comparison(diagnosis: Diagnosis, measured: Array) -> _Comparison:
+    design, naming = diagnosis.design, diagnosis.naming
+    learned = learned_of(naming)
+    fit = naming.hypotheses[0].fit if naming.hypotheses else naming.null
+    change = np.zeros_like(measured)  # by the listed causes
+    if fit.causes:
+        world = fit.world(design)
+        change = design.replay.predict(world) - design.replay.predict(World(world.deviations))
+    extended = measured - fit.residual
+    after = design.whiten(fit.residual)
+    before = after + design.whiten(change)
+    if learned is not None:
+        shape = learned.block.columns @ learned.value
+        pseudo = pseudo_residual(design, fit) - shape
+        after = pseudo - design.slopes @ _nuisances(design, pseudo)
+        before = after + shape + design.whiten(change)
+    is_found = learned is not None or bool(fit.causes)
+    return _Comparison(before, after if is_found else None, extended - change, extended if fit.causes else None)
+
+
+def _moves(segment: Segment) -> NDArray[np.bool_]:
+    """Return which drives move, shape (n,)."""
+    moves: NDArray[np.bool_] = ~(np.asarray(segment.standing, dtype=bool) | segment.is_static)
+    return moves
+
+
+def _nuisances(design: Design, white: Array) -> Array:
+    """Return the nuisances that explain a whitened residual best under their priors, shape (p,)."""
+    normal = design.slopes.T @ design.slopes + np.eye(design.slopes.shape[1])
+    return np.asarray(np.linalg.solve(normal, design.slopes.T @ white), dtype=np.float64)
+
+
+def rms(values: Array) -> float:
+    """Return the root mean square."""
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,125 @@
+"""What a verdict says in sentences, for the page and the terminal alike."""
+
+from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Unlisted, Verdict
+from bench.report.diagnosis.names import (
+    capital,
+    cause_name,
+    channel_name,
+    explanation_name,
+    interval_of,
+    listed,
+    parameter_text,
+    percent,
+    shown,
+    unit_name,
+)
+
+ACTS = {
+    "link torque": "a torque on the link of {place}",
+    "motor torque": "a torque on the motor of {place}",
+    "gear angle": "an error of the gear of {place}",
+    "reading": "an error of the readings of {place}",
+}
+DECISIVE = 4.6  # log Bayes factor of odds of 100
+
+
+def headline(verdict: Verdict) -> str:
+    """Return the verdict in one sentence."""
+    if verdict.unlisted:
+        words = f"An unlisted cause: {unlisted_name(verdict.unlisted)}, which no effect of the catalogue explains"
+        beside = f"; beside it, {_named(verdict)}" if verdict.explanations else ""
+        return f"{words}{beside}."
+    if not verdict.explanations:
+        return "Nothing found: the nominal model explains this campaign."
+    return capital(f"{_named(verdict)}.")
+
+
+def explanation_of_set(verdict: Verdict) -> str:
+    """Return what it means that explanations stand side by side, "" where there is one."""
+    count = len(verdict.explanations)
+    if count < 2:
+        return ""
+    open_ = listed([explanation_name(e) for e in verdict.explanations], "and")
+    return (
+        f"These data cannot tell {count} explanations apart: {open_}. Their probabilities are no reason to prefer one; "
+        "each fits, with its own parameters. Do not correct the robot for one of them before another experiment has "
+        "split them."
+    )
+
+
+def rate_sentence(verdict: Verdict) -> str:
+    """Return how often chance alone would say that something was found."""
+    return (
+        f"Where the nominal model is right, chance would still find something in {percent(verdict.false_alarm_rate)} "
+        "of such campaigns."
+    )
+
+
+def scatter_sentence(verdict: Verdict) -> str:
+    """Return what the scale of the noise means, "" where it is as expected."""
+    if verdict.noise_scale <= 1:
+        return ""
+    return (
+        f"The data scatter more than the instruments explain: their variance is {verdict.noise_scale:.3g} times as "
+        "large, and all intervals are wider for it."
+    )
+
+
+def unlisted_name(unlisted: Unlisted) -> str:
+    """Return where an unlisted cause acts, and on what it depends."""
+    acts = ACTS.get(unlisted.kind, unlisted.kind + " at {place}").format(place=unlisted.place)
+    return f"{acts} that depends on {unlisted.depends_on}"
+
+
+def gain_sentence(verdict: Verdict) -> str:
+    """Return what the extension is worth on data that it has not seen, "" where nobody tried."""
+    better = [gain for gain in verdict.gain if gain.low > 0]
+    worse = [gain for gain in verdict.gain if gain.high < 0]
+    if not verdict.gain:
+        return ""
+    held_out = {"run": "runs", "block": "stretches of runs"}.get(verdict.held_out_by, "data")
+    words = f"On {held_out} that were not fitted, {len(better)} of {len(verdict.gain)} channels are predicted better"
+    return f"{words}, {len(worse)} worse." if worse else f"{words}, none worse."
+
+
+def gain_text(gain: ChannelGain) -> str:
+    """Return the gain of one channel in a line."""
+    before, after, floor = shown((gain.before, gain.after, gain.floor), gain.unit, gain.floor or gain.after)
+    return (
+        f"{channel_name(gain.channel)}: {before} -> {after} {unit_name(gain.unit)} (floor {floor}), "
+        f"gain {percent(gain.gain)} ({percent(gain.low)} to {percent(gain.high)})"
+    )
+
+
+def proposal_text(proposal: Proposal) -> str:
+    """Return what an experiment would tell, in words."""
+    first, second = proposal.splits
+    if proposal.narrows:
+        return f"It would narrow {proposal.narrows}."
+    sure = "would decide" if proposal.separation > DECISIVE else "would help to decide"
+    return (
+        f"It {sure} between {first} and {second}: expected log Bayes factor {proposal.separation:.1f}, "
+        f"{proposal.today:.1f} with the data at hand."
+    )
+
+
+def cause_text(cause: NamedCause) -> str:
+    """Return a cause with its parameters in a line."""
+    return f"{cause_name(cause)}: {', '.join(parameter_text(p) for p in cause.parameters)}"
+
+
+def _named(verdict: Verdict) -> str:
+    """Return the causes that all explanations share, and those that are open between them."""
+    sets = [[cause_name(cause) for cause in e.causes] for e in verdict.explanations]
+    common = [name for name in sets[0] if all(name in names for names in sets)]
+    if len(sets) == 1:
+        (only,) = verdict.explanations
+        if len(only.causes) == 1:
+            first = only.causes[0].parameters[0]
+            value, low, high = interval_of(first)
+            size = f"{first.name} {value} {unit_name(first.unit)}".rstrip()
+            return f"{common[0]}: {size} (95 % interval {low} to {high})"
+        return f"{len(common)} causes act together: {listed(common, 'and')}"
+    rest = [" with ".join(name for name in names if name not in common) or "nothing else" for names in sets]
+    either = "either " + listed(rest, "or") + ", which these data cannot tell apart"
+    return f"{listed(common, 'and')}; and {either}" if common else either

@@ -1,0 +1,1 @@
+"""The study: hundreds of campaigns with hidden effects, diagnosed blind, and only then held against the truth."""

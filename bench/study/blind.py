@@ -1,0 +1,33 @@
+"""A diagnosis for studies: coarser in time than usual, without the next experiment, with signatures simulated before."""
+
+from collections.abc import Callable, Mapping
+
+from bench.diagnose.diagnose import FALSE_ALARM_RATE, Diagnosis, diagnose
+from bench.diagnose.diagnose import signatures_of as signatures_of  # of a session, for every campaign of it
+from bench.diagnose.signatures import Signatures
+from bench.effects.effect import Effect
+from bench.record.campaign import Campaign
+
+BINS = 500  # over all motion of a campaign: a replay takes a thirtieth of a second
+
+
+def diagnose_with(
+    campaign: Campaign,
+    signatures: Signatures,
+    catalogue: Mapping[str, Effect],
+    rate: float = FALSE_ALARM_RATE,
+    progress: Callable[[str], None] = lambda words: None,
+) -> Diagnosis:
+    """Say what the nominal model gets wrong about a campaign; nothing else is handed in.
+
+    Args:
+        campaign: What the instruments saw.
+        signatures: Of its session.
+        catalogue: Effects to look for.
+        rate: Declared false-alarm rate.
+        progress: Called with what is done next.
+
+    Raises:
+        ConvergenceError: The nominal model finds no balance along the measured motion.
+    """
+    return diagnose(campaign, signatures.compiled, catalogue, rate, progress, signatures, BINS, asks=False)

@@ -1,0 +1,58 @@
+"""One campaign with an effect at random, diagnosed blind, and whether the answer is right."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnose.diagnose import Diagnosis
+from bench.effects.catalogue import catalogue
+from bench.study.blind import diagnose_with
+from bench.study.labs import Lab, prepare
+from bench.study.make import Made, make
+from bench.study.outcome import Outcome, answer_of, outcome_of
+from bench.study.plan import EFFECTS, Trial
+from bench.study.score import marks_of
+from bench.study.study import NULL_STREAM
+
+
+@dataclass(frozen=True, eq=False)
+class Demo:
+    """A hidden effect, what the diagnosis said, and both side by side."""
+
+    made: Made
+    diagnosis: Diagnosis
+    outcome: Outcome
+
+
+def hide_and_seek(seed: int, progress: Callable[[str], None] = lambda words: None) -> Demo:
+    """Hide an effect at random, clearly visible, and look for it.
+
+    Args:
+        seed: Of what is hidden, and of all noise.
+        progress: Called with what is done next.
+    """
+    rng = np.random.default_rng(seed)
+    name = EFFECTS[int(rng.integers(len(EFFECTS)))]
+    trial = Trial("demo", "single", (name,), number=int(rng.integers(100)), size="clear")
+    ground = prepare(Lab(), catalogue(), np.random.default_rng([seed, NULL_STREAM]), progress)
+    progress("a campaign with a hidden effect")
+    made = make(trial, ground, seed)
+    diagnosis = diagnose_with(made.hidden.campaign, ground.signatures, ground.catalogue, progress=progress)
+    return Demo(made, diagnosis, outcome_of(trial, made, answer_of(diagnosis.verdict), 0.0, 0.0))
+
+
+def judgement(outcome: Outcome) -> str:
+    """Return in a sentence whether an answer to a single effect is right."""
+    marks, answer = marks_of(outcome), outcome.answer
+    n = len(answer.explanations)
+    if marks.first and n == 1:
+        return "Right: that is what was hidden."
+    if marks.in_set:
+        rest = "the likeliest of them" if marks.first else "not the likeliest of them"
+        return f"Right, among {n} that these data cannot tell apart; the hidden one is {rest}."
+    if not marks.found:
+        return "Wrong: there was something, and it was not found."
+    if marks.all_there:
+        return "Half right: what was hidden is named, but so is something that is not there."
+    return "Wrong: something else was hidden."

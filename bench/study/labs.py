@@ -1,0 +1,124 @@
+"""A lab of the study: a session, the instruments that are there, and what all its campaigns have in common."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.diagnose.design import Design
+from bench.diagnose.signatures import Signatures
+from bench.effects.effect import Acting, Effect
+from bench.errors import InputError
+from bench.hide.campaign import Hidden, hide_campaign
+from bench.hide.plan import legs_of
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.figures import LinkEncoder
+from bench.robot.folder import Robot, load_robot
+from bench.scenario.files import read_scenario
+from bench.scenario.session import SessionScenario
+from bench.study.blind import diagnose_with, signatures_of
+
+SESSION = "session-study"
+ACCURATE = 1e-5  # [rad], of an encoder on a link: 2 arc seconds, as ring encoders of its size are sold
+
+
+@dataclass(frozen=True)
+class Lab:
+    """What is done, and with which instruments.
+
+    Attributes:
+        session: Name or file of the session.
+        without: Instruments, channels and parts of the session that are missing, as in `hide_campaign`.
+        channels: Further channels.
+        one_payload: Rotations with a payload are run with the first one only.
+        link_encoder: The first joint has an encoder on its link too.
+    """
+
+    session: str = SESSION
+    without: tuple[str, ...] = ()
+    channels: tuple[str, ...] = ()
+    one_payload: bool = False
+    link_encoder: bool = False
+
+    def scenario(self) -> SessionScenario:
+        """Read the session.
+
+        Raises:
+            InputError: There is none of that name, or it is another kind of scenario.
+        """
+        session = read_scenario(self.session)
+        if not isinstance(session, SessionScenario):
+            raise InputError(f"{self.session}: is no session; take session-study or session-short.")
+        if not self.one_payload:
+            return session
+        first = tuple(part.model_copy(update={"payloads_kg": part.payloads_kg[:1]}) for part in session.rotations)
+        return session.model_copy(update={"rotations": first})
+
+    def robot(self) -> Robot:
+        """Load the robot with the instruments that it has there."""
+        robot = load_robot(self.scenario().robot)
+        if not self.link_encoder:
+            return robot
+        figures = robot.figures
+        encoder = LinkEncoder(joints=(figures.drives[0].joint,), accuracy_rad=ACCURATE)
+        instruments = figures.instruments.model_copy(update={"link_encoder": encoder})
+        return replace(robot, figures=figures.model_copy(update={"instruments": instruments}))
+
+    def words(self) -> str:
+        """Return what is done, in words."""
+        session = self.scenario()
+        legs = legs_of(self.robot(), session)
+        minutes = sum(leg.course.seconds + leg.pause_s for leg in legs) / 60
+        runs = dict.fromkeys(step.mark.run for leg in legs for step in leg.course.steps if step.mark)
+        return f"{len(runs)} runs on {session.robot} in {minutes:.0f} minutes with breaks."
+
+    def compiled(self) -> CompiledRobot:
+        """Compile the nominal robot."""
+        return compile_robot(self.robot())
+
+    def hide(self, acting: tuple[Acting, ...], rng: np.random.Generator) -> Hidden:
+        """Make a campaign in which some effects act: half the step, Student's t, background errors, warm-up."""
+        return hide_campaign(self.robot(), self.scenario(), acting, rng, without=self.without, channels=self.channels)
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """What the campaigns of a lab share; all of it comes from the nominal robot and one null campaign.
+
+    Attributes:
+        lab: The lab.
+        compiled: The nominal robot.
+        catalogue: Effects to look for.
+        signatures: Of nuisances and causes.
+        design: The linear picture of the null campaign, for detection limits.
+        threshold: Log evidence that chance exceeds at the declared rate.
+    """
+
+    lab: Lab
+    compiled: CompiledRobot
+    catalogue: Mapping[str, Effect]
+    signatures: Signatures
+    design: Design
+    threshold: float
+
+
+def prepare(
+    lab: Lab,
+    catalogue: Mapping[str, Effect],
+    rng: np.random.Generator,
+    progress: Callable[[str], None] = lambda words: None,
+) -> Ground:
+    """Return what the campaigns of a lab share.
+
+    Args:
+        lab: The lab.
+        catalogue: Effects to look for.
+        rng: Of the null campaign.
+        progress: Called with what is done next.
+    """
+    compiled = lab.compiled()
+    progress("a null campaign")
+    campaign = lab.hide((), rng).campaign
+    signatures = signatures_of(campaign, compiled, catalogue)
+    diagnosis = diagnose_with(campaign, signatures, catalogue, progress=progress)
+    return Ground(lab, compiled, catalogue, signatures, diagnosis.design, diagnosis.verdict.threshold)

@@ -1,0 +1,87 @@
+"""How large an effect must be to be seen: its detection limit in a session, from instruments and what may be off."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnose.design import Design
+from bench.diagnose.marginal import Nuisances
+from bench.diagnose.replay import NOMINAL, World
+from bench.effects.effect import Acting, Effect, Parameter, Place
+from bench.robot.compiled import CompiledRobot
+
+PRIOR = 1 / np.sqrt(3)  # standard deviation of a size, as a share of the largest plausible; that of the diagnosis
+
+
+@dataclass(frozen=True)
+class Way:
+    """An effect at a place with everything fixed but how large it is.
+
+    Attributes:
+        effect: What.
+        place: Where.
+        direction: Size parameter -> its share of the size, -1 to 1.
+        shape: Values of the parameters that only shape it.
+    """
+
+    effect: Effect
+    place: Place
+    direction: dict[str, float]
+    shape: dict[str, float]
+
+    @classmethod
+    def draw(cls, effect: Effect, place: Place, compiled: CompiledRobot, rng: np.random.Generator) -> "Way":
+        """Draw the signs of sizes, their proportions where there are several, and shapes over the plausible range."""
+        parameters = effect.parameters_at(compiled, place)
+        sizes = [parameter for parameter in parameters if not parameter.is_shape]
+        share = rng.uniform(-1, 1, len(sizes))
+        share /= np.max(np.abs(share))
+        direction = {p.name: float(x) if p.signed else float(abs(x)) for p, x in zip(sizes, share, strict=True)}
+        shape = {p.name: _drawn(p, rng) for p in parameters if p.is_shape}
+        return cls(effect, place, direction, shape)
+
+    def at(self, size: float, compiled: CompiledRobot) -> Acting:
+        """Return the effect at a size, as a share of the largest plausible one."""
+        values = dict(self.shape)
+        for parameter in self.effect.parameters_at(compiled, self.place):
+            if not parameter.is_shape:
+                values[parameter.name] = parameter.null + size * self.direction[parameter.name] * parameter.high
+        return Acting(self.effect, self.place, values)
+
+    def smallest(self, compiled: CompiledRobot) -> float:
+        """Return the least plausible size, as a share of the largest."""
+        sizes = [p for p in self.effect.parameters_at(compiled, self.place) if not p.is_shape]
+        return max(p.low / p.high for p in sizes)
+
+
+def detection_limit(way: Way, design: Design, threshold: float) -> float:
+    """Return the size at which the expected evidence reaches a threshold, as a share of the largest plausible size.
+
+    With the information I on the size, all nuisances integrated out, and its prior p, the log evidence that noise-free
+    data give is s^2 I w/2 - ln(1 + I p^2)/2 with w = I p^2/(1 + I p^2). The effect is taken as linear below its typical
+    size.
+
+    Args:
+        way: The effect.
+        design: A null campaign of the session.
+        threshold: Log evidence.
+
+    Raises:
+        ConvergenceError: The model with the effect finds no balance.
+    """
+    compiled = design.replay.compiled
+    size = float(np.sqrt(way.smallest(compiled)))
+    change = design.replay.predict(World(acting=(way.at(size, compiled),))) - design.replay.predict(NOMINAL)
+    column = design.whiten(change[:, :, None]) / size
+    information = float(Nuisances(design.slopes).products(design.white, column).information[0, 0])
+    if information <= 0:
+        return float("inf")
+    weighed = information * PRIOR**2
+    needed = 2 * threshold + float(np.log1p(weighed))
+    return float(np.sqrt(needed * (1 + weighed) / (information * weighed)))
+
+
+def _drawn(parameter: Parameter, rng: np.random.Generator) -> float:
+    if parameter.low > 0:
+        return float(np.exp(rng.uniform(np.log(parameter.low), np.log(parameter.high))))
+    return float(rng.uniform(parameter.low, parameter.high))

@@ -1,0 +1,109 @@
+"""Make the campaign of a trial: draw where an effect acts, how large it is and how it is shaped, then hide it."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.effects.effect import Acting, Effect, Place
+from bench.effects.unlisted import unlisted
+from bench.errors import BenchError
+from bench.hide.campaign import Hidden
+from bench.robot.compiled import CompiledRobot
+from bench.study.labs import Ground, Lab
+from bench.study.limits import Way, detection_limit
+from bench.study.plan import TWIN_SIZE, Trial
+
+LIMITS = 3.0  # times its detection limit, at which an effect is to be found
+CLEARLY = 10.0  # times its detection limit: clearly visible
+TRIES = 6  # places and shapes that are drawn until the size is plausible
+
+
+@dataclass(frozen=True, eq=False)
+class Sized:
+    """An effect that acts.
+
+    Attributes:
+        acting: The effect with its values.
+        size: As a share of the largest plausible.
+        limit: Detection limit, the same way; nan if it was not asked for.
+    """
+
+    acting: Acting
+    size: float
+    limit: float
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """A campaign of a study with its truth."""
+
+    hidden: Hidden
+    effects: tuple[Sized, ...]
+
+
+def make(trial: Trial, ground: Ground, seed: int) -> Made:
+    """Return the campaign of a trial.
+
+    Args:
+        trial: What to hide.
+        ground: Of the ordinary lab, for detection limits.
+        seed: Of the study.
+    """
+    rng = trial.rng(seed)
+    effects = tuple(_drawn(trial, ground, rng))
+    return Made(lab_of(trial, ground).hide(tuple(one.acting for one in effects), rng), effects)
+
+
+def lab_of(trial: Trial, ground: Ground) -> Lab:
+    """Return the lab of a trial."""
+    if trial.twin is None:
+        return ground.lab
+    return trial.twin.extra if trial.is_split else trial.twin.ordinary
+
+
+def _drawn(trial: Trial, ground: Ground, rng: np.random.Generator) -> Iterator[Sized]:
+    if trial.twin is not None:
+        name, place = trial.twin.hidden
+        effect = ground.catalogue[name]
+        way = Way.draw(effect, _named(effect, place, ground.compiled), ground.compiled, rng)
+        yield Sized(way.at(TWIN_SIZE, ground.compiled), TWIN_SIZE, float("nan"))
+        return
+    known: Mapping[str, Effect] = unlisted() if trial.kind == "unlisted" else ground.catalogue
+    for name in trial.effects:
+        yield sized(known[name], trial, ground, rng)
+
+
+def sized(effect: Effect, trial: Trial, ground: Ground, rng: np.random.Generator) -> Sized:
+    """Return an effect at the next place where it shows at a plausible size, and as large as the trial asks.
+
+    Where it shows nowhere, it is taken at its last try, at the largest plausible size.
+    """
+    places = effect.places(ground.compiled)
+    way, limit = None, float("inf")
+    for i in range(TRIES):
+        way = Way.draw(effect, places[(trial.number + i) % len(places)], ground.compiled, rng)
+        try:
+            limit = detection_limit(way, ground.design, ground.threshold)
+        except BenchError:
+            continue
+        if LIMITS * limit <= 1:
+            break
+    assert way is not None
+    limit = float(f"{limit:.2g}")  # balances are found within a tolerance; a study that is repeated shall be the same
+    size = _size(trial, way, limit, ground.compiled, rng)
+    return Sized(way.at(size, ground.compiled), size, limit)
+
+
+def _size(trial: Trial, way: Way, limit: float, compiled: CompiledRobot, rng: np.random.Generator) -> float:
+    match trial.size:
+        case "three limits":
+            return min(LIMITS * limit, 1.0)
+        case "clear":  # what is not listed has no range that binds it
+            return min(CLEARLY * limit, max(1.0, LIMITS * limit) if trial.kind == "unlisted" else 1.0)
+        case "plausible":
+            return float(np.exp(rng.uniform(np.log(way.smallest(compiled)), 0.0)))
+
+
+def _named(effect: Effect, words: str, compiled: CompiledRobot) -> Place:
+    return next(place for place in effect.places(compiled) if str(place) == words)

@@ -1,0 +1,171 @@
+"""What came of one campaign: truth beside verdict, as plain data. A study is a list of these."""
+
+from dataclasses import dataclass
+
+from pydantic import TypeAdapter
+
+from bench.diagnose.verdict import NORMAL_95, ChannelGain, Explanation, Verdict
+from bench.study.make import Made
+from bench.study.plan import Kind, SizeRule, Trial
+
+Name = tuple[str, str]  # effect and place, in words
+
+
+@dataclass(frozen=True)
+class TrueCause:
+    """What acted.
+
+    Attributes:
+        effect, place: In words.
+        values: Parameter -> value.
+        size: As a share of the largest plausible.
+        limit: Detection limit as the same share, None if it was not computed.
+    """
+
+    effect: str
+    place: str
+    values: dict[str, float]
+    size: float
+    limit: float | None
+
+    @property
+    def name(self) -> Name:
+        """Effect and place."""
+        return self.effect, self.place
+
+
+@dataclass(frozen=True)
+class Found:
+    """A parameter as found, with its standard deviation."""
+
+    value: float
+    sigma: float
+
+
+@dataclass(frozen=True)
+class FoundCause:
+    """A cause that was named."""
+
+    effect: str
+    place: str
+    values: dict[str, Found]
+
+    @property
+    def name(self) -> Name:
+        """Effect and place."""
+        return self.effect, self.place
+
+
+@dataclass(frozen=True)
+class Named:
+    """One explanation of the named set."""
+
+    causes: tuple[FoundCause, ...]
+    probability: float
+
+    @property
+    def names(self) -> frozenset[Name]:
+        """Of its causes."""
+        return frozenset(cause.name for cause in self.causes)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a diagnosis said.
+
+    Attributes:
+        kind: "nothing found", "cause", "several causes", "unlisted cause", or "failed".
+        explanations: That cannot be told apart, the likeliest first.
+        unlisted: Where nothing listed explains the data, None otherwise.
+        held_out: Root mean square over the channels of held-out error over noise floor, None where nothing was named.
+        failure: Why there is no verdict.
+    """
+
+    kind: str
+    explanations: tuple[Named, ...] = ()
+    unlisted: str | None = None
+    held_out: float | None = None
+    failure: str = ""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One campaign of a study.
+
+    Attributes:
+        name, kind, size: Of its trial.
+        truth: What acted.
+        twin: The cause that looks alike, of a twin.
+        is_split: Whether a twin was hidden where it can be told apart.
+        answer: What the diagnosis said.
+        make_s, diagnose_s: Time on one core [s].
+    """
+
+    name: str
+    kind: Kind
+    size: SizeRule
+    truth: tuple[TrueCause, ...]
+    twin: Name | None
+    is_split: bool
+    answer: Answer
+    make_s: float
+    diagnose_s: float
+
+    def as_json(self) -> str:
+        """Return it as one line."""
+        return _ADAPTER.dump_json(self).decode()
+
+    @classmethod
+    def from_json(cls, line: str) -> "Outcome":
+        """Read what `as_json` gave.
+
+        Raises:
+            ValueError: The line is not whole.
+        """
+        return _ADAPTER.validate_json(line)
+
+
+_ADAPTER = TypeAdapter(Outcome)
+
+
+def answer_of(verdict: Verdict) -> Answer:
+    """Return what a verdict says, as plain data."""
+    return Answer(
+        verdict.kind,
+        tuple(_named(explanation) for explanation in verdict.explanations),
+        verdict.unlisted.place if verdict.unlisted else None,
+        _held_out(verdict.gain),
+    )
+
+
+def outcome_of(trial: Trial, made: Made, answer: Answer, make_s: float, diagnose_s: float) -> Outcome:
+    """Put truth beside an answer; the diagnosis is over."""
+    truth = tuple(
+        TrueCause(
+            one.acting.effect.name,
+            str(one.acting.place),
+            {name: float(value) for name, value in acting.values.items()},
+            one.size,
+            one.limit if one.limit < float("inf") else None,
+        )
+        for one, acting in zip(made.effects, made.hidden.acting, strict=True)
+    )
+    twin = trial.twin.other if trial.twin else None
+    return Outcome(trial.name, trial.kind, trial.size, truth, twin, trial.is_split, answer, make_s, diagnose_s)
+
+
+def _named(explanation: Explanation) -> Named:
+    causes = tuple(
+        FoundCause(
+            cause.effect,
+            cause.place,
+            {p.name: Found(p.value, (p.high - p.low) / (2 * NORMAL_95)) for p in cause.parameters},
+        )
+        for cause in explanation.causes
+    )
+    return Named(causes, explanation.probability)
+
+
+def _held_out(channels: tuple[ChannelGain, ...]) -> float | None:
+    ratios = [channel.after / channel.floor for channel in channels if channel.floor > 0]
+    return float((sum(ratio**2 for ratio in ratios) / len(ratios)) ** 0.5) if ratios else None

@@ -1,0 +1,186 @@
+"""What a study hides: single effects, nothing, what nobody listed, pairs, and twins."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+from zlib import crc32
+
+import numpy as np
+
+from bench.effects.unlisted import UNLISTED
+from bench.robot.compiled import CompiledRobot
+from bench.study.labs import Lab
+
+Kind = Literal["null", "single", "unlisted", "pair", "twin"]
+SizeRule = Literal["three limits", "plausible", "clear"]
+
+EFFECTS = (
+    # gas and cylinder
+    "gas_loss",
+    "polytropic_exponent",
+    "seal_friction",
+    # drive friction
+    "coulomb_level",
+    "viscous_level",
+    "load_friction",
+    "direction_friction",
+    "friction_ripple",
+    # transmission
+    "joint_compliance",
+    "softening",
+    "backlash",
+    "wrist_coupling",
+    # structure
+    "base_compliance",
+    "bearing_tilt",
+    # geometry and mass
+    "payload_mass",
+    "payload_com",
+    "joint_zero",
+    # sensing
+    "torque_saturation",
+    "current_offset",
+    "encoder_delay",
+)
+TWIN_SIZE = 0.6  # of the largest plausible
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How much a study hides.
+
+    Attributes:
+        seeds: Campaigns for each single effect; half at three times the detection limit, half over the plausible range.
+        nulls: Campaigns without an effect.
+        unlisted: Campaigns with an effect that is not in the catalogue.
+        pairs: Campaigns with two effects.
+        twins: Whether the four pairs of twins are hidden, each in an ordinary session and in one that splits them.
+        effects: Names of the single effects.
+    """
+
+    seeds: int = 20
+    nulls: int = 200
+    unlisted: int = 40
+    pairs: int = 40
+    twins: bool = True
+    effects: tuple[str, ...] = EFFECTS
+
+
+SMALL = Counts(seeds=2, nulls=2, unlisted=2, pairs=2, twins=False, effects=("gas_loss", "coulomb_level"))
+
+
+@dataclass(frozen=True)
+class Twin:
+    """Two causes that look alike.
+
+    Attributes:
+        hidden: Effect and place, in words, that acts.
+        other: Effect and place of its twin.
+        ordinary: A lab that cannot tell them apart.
+        extra: The lab that can.
+        remedy: What it has more, in words.
+    """
+
+    hidden: tuple[str, str]
+    other: tuple[str, str]
+    ordinary: Lab
+    extra: Lab
+    remedy: str
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One campaign to be made and diagnosed.
+
+    Attributes:
+        name: Unique in a study; its random numbers follow from it and from the study's seed.
+        kind: What it tests.
+        effects: Names of what is hidden.
+        number: Of its kind and effect, from 0; places take turns by it.
+        size: How sizes are drawn.
+        twin: Of a twin.
+        is_split: Whether a twin is hidden in the lab that can tell.
+    """
+
+    name: str
+    kind: Kind
+    effects: tuple[str, ...] = ()
+    number: int = 0
+    size: SizeRule = "plausible"
+    twin: Twin | None = None
+    is_split: bool = False
+
+    def rng(self, seed: int) -> np.random.Generator:
+        """Return the random numbers of this campaign in a study with a seed."""
+        return np.random.default_rng([seed, crc32(self.name.encode())])
+
+
+def plan(counts: Counts, compiled: CompiledRobot, seed: int) -> tuple[Trial, ...]:
+    """Return the campaigns of a study; what takes long comes first.
+
+    Args:
+        counts: How many of each.
+        compiled: The robot.
+        seed: Of the study.
+    """
+    return tuple(_trials(counts, compiled, np.random.default_rng(seed)))
+
+
+def twins_of(compiled: CompiledRobot) -> tuple[Twin, ...]:
+    """Return the twins that a robot can have."""
+    found = []
+    if compiled.counterbalance is not None:
+        balanced = f"joint {compiled.counterbalance.joint + 1}"
+        found += [
+            Twin(
+                ("gas_loss", "robot"),
+                ("gas_temperature", "robot"),
+                Lab(),
+                Lab(channels=("gas_temperature",)),
+                "a thermometer on the gas",
+            ),
+            Twin(
+                ("seal_friction", "robot"),
+                ("coulomb_level", balanced),
+                Lab(without=("rotations", "pressure", "line")),
+                Lab(),
+                f"sweeps of {balanced} over its range, and a gauge on the gas",
+            ),
+            Twin(
+                ("torque_constant", balanced),
+                ("payload_mass", "robot"),
+                Lab(without=("loading", "repeat_at_end", "line", "dwell", "tracker"), one_payload=True),
+                Lab(),
+                "a second payload, runs without one, and the tracker",
+            ),
+        ]
+    found.append(
+        Twin(
+            ("base_torsion", "robot"),
+            ("joint_compliance", "joint 1"),
+            Lab(),
+            Lab(link_encoder=True),
+            "an encoder on the link of joint 1",
+        )
+    )
+    return tuple(found)
+
+
+def _trials(counts: Counts, compiled: CompiledRobot, rng: np.random.Generator) -> Iterator[Trial]:
+    for twin in twins_of(compiled) if counts.twins else ():
+        for is_split in (False, True):
+            words = "split" if is_split else "ordinary"
+            yield Trial(f"twin {twin.hidden[0]} {words}", "twin", (twin.hidden[0],), twin=twin, is_split=is_split)
+    for i in range(counts.pairs):
+        first, second = rng.choice(len(counts.effects), 2, replace=False)
+        pair = (counts.effects[first], counts.effects[second])
+        yield Trial(f"pair {i + 1} {' '.join(pair)}", "pair", pair, i, "clear")
+    for i in range(counts.unlisted):
+        kind = UNLISTED[i % len(UNLISTED)].name
+        yield Trial(f"unlisted {kind} {i // len(UNLISTED) + 1}", "unlisted", (kind,), i // len(UNLISTED), "clear")
+    for i in range(counts.seeds):
+        size: SizeRule = "plausible" if i % 2 else "three limits"
+        for effect in counts.effects:
+            yield Trial(f"single {effect} {i + 1}", "single", (effect,), i, size)
+    for i in range(counts.nulls):
+        yield Trial(f"null {i + 1}", "null", number=i)

@@ -1,0 +1,268 @@
+"""Held-out runs: the algebra against dense normal densities, and what pays and what does not."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from bench.diagnose.candidates import Cause
+from bench.diagnose.design import Design
+from bench.diagnose.floor import floor_variance
+from bench.diagnose.folds import BLOCKS, folds_of
+from bench.diagnose.leave_out import (
+    errors_of_folds,
+    log_probability_of_figures,
+    log_probability_of_folds,
+    tangent_of,
+)
+from bench.diagnose.measure import held_out, predicted_error
+from bench.diagnose.quantities import Quantity
+from bench.diagnose.refit import Fit, Unknown
+from bench.diagnose.scatter import Whitening
+from bench.diagnose.segments import Segment
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import WHOLE, Conditions
+from bench.simulate.prescribed import Motion
+
+SIGMA = 0.2  # [A]
+LENGTH = 12  # instants of a run
+EFFECT = catalogue()["gas_loss"]
+CAUSE = Cause(EFFECT, WHOLE, EFFECT.parameters, ())
+UNKNOWN = Unknown(CAUSE, EFFECT.parameters[0])
+
+
+def design_with(residual: np.ndarray, changes: np.ndarray, runs: int, modes: np.ndarray | None = None) -> Design:
+    """Return a campaign of one channel, noise SIGMA; residual of shape (T,), changes of shape (T, p)."""
+    n = len(residual) // runs
+    zeros = np.zeros((n, 1))
+    motion = Motion(np.arange(n, dtype=float), zeros, zeros, zeros, np.zeros((n, 6)), np.ones(n, dtype=bool))
+    segments, whitenings = [], []
+    for i in range(runs):
+        observed, sigma = residual[i * n : (i + 1) * n, None], np.full((n, 1), SIGMA)
+        standing = np.zeros(1, dtype=bool)
+        at = Conditions.reference(1)
+        segments.append(
+            Segment(f"run{i}", f"run{i}", False, motion, at, observed, sigma, 0 * sigma, standing, 0 * sigma)
+        )
+        factors = np.full((n, 1, 1), 1 / SIGMA)
+        common = np.zeros((n, 0)) if modes is None else modes / SIGMA
+        found, size, _ = np.linalg.svd(common, full_matrices=False)
+        whitenings.append(Whitening(np.ones(n, dtype=bool), factors, found, 1 - 1 / np.sqrt(1 + size**2)))
+    replay = SimpleNamespace(segments=tuple(segments), quantities=(Quantity("current_1_a", "current", "A"),))
+    empty = np.empty(0)
+    draft = Design(
+        replay=replay,  # type: ignore[arg-type]
+        nuisances=tuple(range(changes.shape[1])),  # type: ignore[arg-type]
+        responses=(),
+        whitenings=tuple(whitenings),
+        weighed=tuple(segments),
+        excess=np.ones((2, 1)),
+        changes=changes[:, None, :],
+        residual=residual[:, None],
+        slopes=empty,
+        white=empty,
+        run_of=np.repeat(np.arange(runs), n),
+        runs=tuple(f"run{i}" for i in range(runs)),
+        column_of=np.zeros(len(residual), dtype=int),
+    )
+    return replace(draft, slopes=draft.whiten(draft.changes), white=draft.whiten(draft.residual))
+
+
+def fit_of(design: Design, column: np.ndarray | None = None) -> Fit:
+    """Return the exact fit of nuisances and, if there is a column of shape (T,), of one unknown."""
+    slopes = np.zeros((*design.residual.shape, 0)) if column is None else column[:, None, None]
+    unknowns = () if column is None else (UNKNOWN,)
+    tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
+    p = design.slopes.shape[1]
+    prior = np.concatenate([np.ones(p), [1 / u.sigma**2 for u in unknowns]])
+    curvature = tangent.T @ tangent + np.diag(prior)
+    found = np.linalg.solve(curvature, tangent.T @ design.white)
+    left = design.residual - design.changes @ found[:p] - slopes @ found[p:]
+    causes = (CAUSE,) if unknowns else ()
+    covariance = np.linalg.inv(curvature)[p:, p:]
+    return Fit(causes, unknowns, found[p:], covariance, found[:p], 0.0, 0.0, left, slopes)
+
+
+def noise(rng: np.random.Generator, runs: int) -> np.ndarray:
+    return SIGMA * rng.standard_normal(runs * LENGTH)
+
+
+def changes(rng: np.random.Generator, runs: int, p: int = 3) -> np.ndarray:
+    return 0.3 * rng.standard_normal((runs * LENGTH, p))
+
+
+def test_held_out_runs_have_their_conditional_normal_density(rng: np.random.Generator) -> None:
+    runs = 5
+    design = design_with(noise(rng, runs), changes(rng, runs), runs)
+    column = rng.standard_normal(runs * LENGTH)
+    fit = fit_of(design, column)
+    tangent = tangent_of(design, 1.3, fit)
+    # a linear fit with noise variance 1.3: bring the fit to its optimum
+    fit = fit_of(replace(design, slopes=design.slopes), column)
+    found = log_probability_of_folds(design, tangent_of(design, 1.0, fit), folds_of(design))
+    prior = np.diag([1.0, 1.0, 1.0, UNKNOWN.sigma**2])
+    covariance = np.eye(len(design.white)) + tangent.slopes @ prior @ tangent.slopes.T
+    everything = multivariate_normal.logpdf(design.white, cov=covariance)
+    for f in range(runs):
+        rest = design.run_of != f
+        others = multivariate_normal.logpdf(design.white[rest], cov=covariance[np.ix_(rest, rest)])
+        assert found[f] == pytest.approx(everything - others, abs=1e-6)
+
+
+def test_a_held_out_figure_has_its_conditional_normal_density(rng: np.random.Generator) -> None:
+    design = design_with(noise(rng, 4) + 0.5, changes(rng, 4), 4)
+    fit = fit_of(design)
+    p = 3
+    # the stated figures are measurements 0 = x + e of the same parameters x, flat otherwise
+    slopes = np.concatenate([design.slopes, np.eye(p)])
+    seen = np.concatenate([design.white, np.zeros(p)])
+    expected = 0.0
+    for i in range(p):
+        rest = np.arange(len(seen)) != len(design.white) + i
+        precision = slopes[rest].T @ slopes[rest]
+        mean = np.linalg.solve(precision, slopes[rest].T @ seen[rest])[i]
+        variance = 1 + np.linalg.inv(precision)[i, i]
+        expected += -0.5 * (mean**2 / variance + np.log(variance))
+    assert log_probability_of_figures(fit, tangent_of(design, 1.0, fit)) == pytest.approx(expected)
+
+
+def test_held_out_error_is_that_of_a_fit_without_the_run(rng: np.random.Generator) -> None:
+    runs = 5
+    slopes, column = changes(rng, runs), rng.standard_normal(runs * LENGTH)
+    residual = noise(rng, runs) + slopes @ np.array([1.0, -1.0, 0.5])
+    design = design_with(residual, slopes, runs)
+    fit = fit_of(design, column)
+    found = errors_of_folds(design, fit, tangent_of(design, 1.0, fit), folds_of(design))
+    for f in range(runs):
+        stays = np.repeat(np.arange(runs), LENGTH) != f
+        without = design_with(residual[stays], slopes[stays], runs - 1)
+        refitted = fit_of(without, column[stays])
+        expected = residual - slopes @ refitted.nuisances - column * refitted.values[0]
+        np.testing.assert_allclose(found[~stays, 0], expected[~stays], atol=1e-9)
+
+
+def test_figures_stay_within_reach(rng: np.random.Generator) -> None:
+    slopes = changes(rng, 4, p=1)
+    design = design_with(noise(rng, 4) + 10 * slopes[:, 0], slopes, 4)
+    fit = fit_of(design)
+    assert abs(fit.nuisances[0]) > 8  # else the test says nothing
+    found = errors_of_folds(design, fit, tangent_of(design, 1.0, fit), folds_of(design), reach=4.0)
+    np.testing.assert_allclose(found[:, 0], design.residual[:, 0] - 4 * slopes[:, 0], atol=1e-9)
+
+
+def test_a_true_extension_pays_and_an_invented_one_does_not() -> None:
+    runs, refused = 10, 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        slopes, column = changes(rng, runs), rng.standard_normal(runs * LENGTH)
+        true = design_with(noise(rng, runs) + 0.15 * column, slopes, runs)
+        assert held_out(true, 1.0, fit_of(true), fit_of(true, column)).pays
+        null = design_with(noise(rng, runs), slopes, runs)
+        refused += not held_out(null, 1.0, fit_of(null), fit_of(null, column)).pays
+    assert refused >= 17  # an interval of 90 % lets one in twenty pass on each side
+
+
+def test_what_one_run_shows_and_the_others_deny_is_refused(rng: np.random.Generator) -> None:
+    runs = 10
+    column = rng.standard_normal(runs * LENGTH)
+    residual = noise(rng, runs)
+    residual[:LENGTH] += 1.5 * column[:LENGTH]  # a glitch
+    design = design_with(residual, changes(rng, runs), runs)
+    before, after = fit_of(design), fit_of(design, column)
+    fell = np.sum(design.whiten(before.residual) ** 2) - np.sum(design.whiten(after.residual) ** 2)
+    assert fell > 20  # the fit alone would take it: log evidence above 4.6 after the price of one parameter
+    found = held_out(design, 1.0, before, after)
+    assert found.by == "run"
+    assert not found.pays
+
+
+def test_two_runs_of_twenty_are_enough(rng: np.random.Generator) -> None:
+    runs = 20
+    column = np.zeros(runs * LENGTH)
+    column[: 2 * LENGTH] = rng.standard_normal(2 * LENGTH)
+    design = design_with(noise(rng, runs) + 0.5 * column, changes(rng, runs), runs)
+    found = held_out(design, 1.0, fit_of(design), fit_of(design, column))
+    assert found.by == "run"
+    assert found.pays
+
+
+def test_an_absurd_figure_does_not_stand_in_for_a_cause(rng: np.random.Generator) -> None:
+    runs = 10
+    slopes = changes(rng, runs)
+    column = slopes[:, 0] * 10 / UNKNOWN.sigma  # it acts exactly as the first nuisance
+    design = design_with(noise(rng, runs) + 10 * slopes[:, 0], slopes, runs)
+    found = held_out(design, 1.0, fit_of(design), fit_of(design, column))
+    assert abs(found.nats - found.figures) < 2  # runs alone cannot tell
+    assert found.pays
+    assert found.channels[0].gain > 0.4
+    within = design_with(noise(rng, runs) + 0.5 * slopes[:, 0], slopes, runs)
+    assert not held_out(within, 1.0, fit_of(within), fit_of(within, column)).pays
+
+
+def test_folds_are_whole_runs(rng: np.random.Generator) -> None:
+    design = design_with(noise(rng, 50), changes(rng, 50), 50)
+    folds = folds_of(design)
+    by_run = folds.of_instants.reshape(50, LENGTH)
+    assert np.all(by_run == by_run[:, :1])
+    assert not np.any(folds.gap)
+
+
+@pytest.mark.parametrize("runs", [1, 3])
+def test_a_run_that_stands_alone_is_cut_into_blocks(runs: int, rng: np.random.Generator) -> None:
+    length = 80
+    design = design_with(rng.standard_normal(runs * length), rng.standard_normal((runs * length, 1)), runs)
+    changed = np.zeros(runs * length)
+    changed[:length] = 1.0
+    folds = folds_of(design, changed)
+    assert folds.by == "block"
+    assert len(folds) == BLOCKS + runs - 1
+    mine = folds.of_instants[:length]
+    np.testing.assert_array_equal(np.unique(mine), np.arange(BLOCKS))
+    assert np.all(np.diff(mine) >= 0)
+    for block in range(BLOCKS):
+        inside, near = np.flatnonzero(mine == block), np.flatnonzero(folds.gap[:, block])
+        assert len(near) > 0
+        assert not set(inside) & set(near)
+        assert np.all(np.minimum(abs(near - inside[0]), abs(near - inside[-1])) <= 3)
+
+
+def test_a_perfect_model_is_as_good_as_its_floor() -> None:
+    runs = 40
+    rng = np.random.default_rng(3)
+    modes = np.linspace(0.1, 0.5, LENGTH)[:, None]
+    shared = np.concatenate([modes[:, 0] * rng.standard_normal() for _ in range(runs)])
+    design = design_with(noise(rng, runs) + shared, 1e-9 * changes(rng, runs), runs, modes)
+    expected = np.tile(SIGMA**2 + modes[:, 0] ** 2, runs)
+    np.testing.assert_allclose(floor_variance(design)[:, 0], expected)
+    channel = held_out(design, 1.0, fit_of(design), fit_of(design)).channels[0]
+    assert channel.after / channel.floor == pytest.approx(1.0, abs=0.12)  # 40 draws of a mode: 3 % to 5 % each way
+    assert channel.gain == pytest.approx(0.0, abs=1e-9)
+
+
+def test_raised_errors_do_not_raise_the_floor(rng: np.random.Generator) -> None:
+    design = design_with(noise(rng, 3), changes(rng, 3), 3)
+    heavier = replace(
+        design,
+        weighed=tuple(replace(s, sigma=2 * s.sigma) for s in design.weighed),
+        whitenings=tuple(replace(w, factors=w.factors / 2) for w in design.whitenings),
+        excess=np.full((2, 1), 2.0),
+    )
+    np.testing.assert_allclose(floor_variance(heavier), floor_variance(design))
+
+
+def test_predicted_error_covers_one_more_run() -> None:
+    covered = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        runs = 9
+        slopes = changes(rng, runs, p=1)
+        sizes = np.repeat(np.exp(0.5 * rng.standard_normal(runs)), LENGTH)
+        design = design_with(sizes * noise(rng, runs), slopes, runs)
+        (found,) = predicted_error(design, 1.0, fit_of(design))
+        assert (found.channel, found.kind, found.runs) == ("current_1_a", "motion", runs)
+        assert found.low < found.high
+        fresh = np.exp(0.5 * rng.standard_normal()) * SIGMA * rng.standard_normal(LENGTH)
+        covered += found.low < np.sqrt(np.mean(fresh**2)) < found.high
+    assert 31 <= covered <= 40  # binomial of 40 at 90 %, three standard deviations down

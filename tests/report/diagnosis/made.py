@@ -1,0 +1,110 @@
+"""Verdicts of every kind, made up; nothing is simulated."""
+
+from dataclasses import replace
+
+from bench.diagnose.verdict import (
+    ChannelGain,
+    DetectionLimit,
+    Explanation,
+    NamedCause,
+    ParameterValue,
+    Proposal,
+    Step,
+    Unlisted,
+    Verdict,
+)
+from bench.report.diagnosis.facts import Data, Facts, RunFacts
+from bench.report.diagnosis.learned import LearnedCurve
+from bench.report.diagnosis.readings import Channel
+
+HOSTILE = "<script>alert('x')</script> & \"quoted\""
+
+GAS = NamedCause(
+    "gas_loss",
+    "loss of gas",
+    "robot",
+    (ParameterValue("lost", 0.1326, 0.1127, 0.1525, "", "share of the charge that is gone"),),
+    "Gas leaks through seals and valve over months.",
+    "range: assumed",
+)
+WARM = NamedCause(
+    "gas_temperature", "gas warmer or colder", "robot", (ParameterValue("offset", -38.4, -44.2, -32.6, "K"),)
+)
+ZERO = NamedCause(
+    "joint_zero", "zero of a joint", "joint 2", (ParameterValue("offset", 3.1e-4, 2.2e-4, 4.0e-4, "rad"),)
+)
+MASS = NamedCause("link_mass", "mass of a link", "upper_arm", (ParameterValue("change", 0.0327, 0.0028, 0.0626, ""),))
+
+NOTHING = Verdict(
+    kind="nothing found",
+    false_alarm_rate=0.01,
+    threshold=5.9,
+    noise_scale=1.0,
+    explanations=(),
+    rivals=(),
+    unlisted=None,
+    missing={"friction_temperature": ("gear_temperature",), "torque_constant_temperature": ("motor_temperature",)},
+    not_simulated=("backlash",),
+    detectable=(DetectionLimit("joint_zero", "joint 2", "offset", 2.1e-4, "rad"),),
+)
+CAUSE = replace(
+    NOTHING,
+    kind="cause",
+    noise_scale=1.7,
+    explanations=(Explanation((GAS,), 0.9997, 94.3),),
+    rivals=(Explanation((MASS,), 0.0003, 82.1),),
+    gain=(
+        ChannelGain("current_2_a", "A", 0.612, 0.081, 0.074, 0.868, 0.83, 0.904),
+        ChannelGain("reflector_1_z_m", "m", 2.11e-4, 2.14e-4, 2.0e-4, -0.0142, -0.05, 0.021),
+    ),
+    held_out_by="run",
+    steps=(
+        Step(GAS, 94.3, 81.2, 60.1, 103.4, True, "Held-out runs become more probable."),
+        Step(MASS, 6.1, 0.4, -3.1, 4.2, False, "Held-out runs are predicted no better."),
+    ),
+    next=(Proposal("the sweeps again, slower", ("loss of gas", ""), 0.4, 0.0, "lost: 0.13 +- 0.01 today"),),
+)
+A_SET = replace(
+    CAUSE,
+    explanations=(Explanation((GAS, ZERO), 0.58, 87.0), Explanation((WARM, ZERO), 0.42, 86.7)),
+    next=(Proposal("a thermometer on the cylinder", ("loss of gas", "gas warmer or colder"), 24.2, 0.3),),
+)
+SEVERAL = replace(CAUSE, kind="several causes", explanations=(Explanation((GAS, ZERO), 1.0, 120.4),), rivals=())
+UNLISTED = replace(
+    NOTHING, kind="unlisted cause", unlisted=Unlisted("joint 2", "motor torque", "angle and direction"), detectable=()
+)
+BESIDE = replace(CAUSE, kind="unlisted cause", unlisted=Unlisted("tracker", "reading", "place"))
+VERDICTS = {
+    "nothing": NOTHING,
+    "cause": CAUSE,
+    "set": A_SET,
+    "several": SEVERAL,
+    "unlisted": UNLISTED,
+    "unlisted beside a listed one": BESIDE,
+}
+CURVE = LearnedCurve(
+    "", "angle", "rad", "Nm", (-0.5, 0.0, 0.5), (12.0, -3.0, 20.0), (9.0, -6.0, 16.0), (15.0, 0.0, 24.0)
+)
+
+
+def facts_for(verdict: Verdict) -> Facts:
+    """Return facts that suit a verdict."""
+    is_found = verdict.kind != "nothing found"
+    return Facts(
+        data=Data(
+            robot="HH-150",
+            started="2026-11-02 08:00:00",
+            notes=HOSTILE,
+            runs=(RunFacts(1, "pose1", "static", 40, 8), RunFacts(2, HOSTILE, "motion", 400, 132)),
+            rows=440,
+            compared=140,
+            readings=280,
+        ),
+        channels=(
+            Channel("current_2_a", "A", 140, 8.31, 0.94 if is_found else None),
+            Channel("gas_pressure_pa", "Pa", 140, 0.71, 0.7 if is_found else None),
+        ),
+        learned=(CURVE,) if verdict.unlisted else (),
+        versions={"bench": "0.1.0", "mujoco": "4.0.0"},
+        command=f"bench diagnose {HOSTILE}",
+    )

@@ -1,0 +1,151 @@
+"""The page of every verdict: self-contained, every number in verdict.json, nothing executed that a lab wrote."""
+
+import re
+from collections.abc import Iterator
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from bench.diagnose.verdict import Verdict
+from bench.report.diagnosis.names import WORKSHOP
+from bench.report.diagnosis.page import Pictures, page_of
+from bench.report.diagnosis.pictures import learned_picture
+from bench.report.plain import plain
+from tests.report.diagnosis.made import CURVE, HOSTILE, VERDICTS, facts_for
+
+LEVELS = {95.0, 90.0, 1.0}  # of intervals, and the unit of residuals: said in words, of no campaign
+SCALES = (1.0, 100.0, *(scale for _, scale in WORKSHOP.values()))  # units of a workshop, and percent
+DIFFERENCE = "--- a.xml\n+++ b.xml\n-<a x='<script>'/>\n+<b/>\n"
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
+
+
+class Page(HTMLParser):
+    """What a reader sees, and what a browser would load."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.words: list[str] = []
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self._open: list[str] = []
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag in ("style", "pre", "code"):
+            self._open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        if self._open and self._open[-1] == tag:
+            self._open.pop()
+
+    def handle_data(self, data: str) -> None:
+        if not self._open:
+            self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+
+def html_of(verdict: Verdict) -> str:
+    learned = (learned_picture(CURVE, "motor torque"),) if verdict.unlisted else ()
+    pictures = Pictures(worst=(("motor current 2", learned),), learned=learned)
+    made = {"verdict.json": "all numbers of this page"}
+    return page_of(verdict, facts_for(verdict), pictures, made, DIFFERENCE)
+
+
+@pytest.fixture(params=VERDICTS.values(), ids=VERDICTS.keys())
+def verdict(request: pytest.FixtureRequest) -> Verdict:
+    chosen: Verdict = request.param
+    return chosen
+
+
+@pytest.fixture
+def page(verdict: Verdict) -> Page:
+    return Page(html_of(verdict))
+
+
+def test_it_loads_nothing(page: Page) -> None:
+    assert not {"script", "link", "iframe", "object", "base"} & {tag for tag, _ in page.tags}
+    for tag, attributes in page.tags:
+        assert not any(name.startswith("on") for name in attributes)
+        for name in ("src", "srcset", "data", "action", "xlink:href"):
+            assert (attributes.get(name) or "data:").startswith("data:image/svg+xml;base64,") or name not in attributes
+        if tag == "a":
+            assert attributes["href"] == "verdict.json"
+        assert "http" not in (attributes.get("style") or "")
+    assert "url(" not in html_of(VERDICTS["cause"])
+    assert "@import" not in html_of(VERDICTS["cause"])
+
+
+def test_what_a_lab_wrote_is_text(page: Page, verdict: Verdict) -> None:
+    assert "<script" not in html_of(verdict)
+    assert HOSTILE in page.text
+
+
+def leaves(value: object) -> Iterator[object]:
+    match value:
+        case dict():
+            for entry in value.values():
+                yield from leaves(entry)
+        case list():
+            yield len(value)
+            for entry in value:
+                yield from leaves(entry)
+        case _:
+            yield value
+
+
+def is_known(text: str, numbers: list[float]) -> bool:
+    shown = float(text)
+    digits = text.lstrip("+-").partition("e")[0].partition(".")[2]
+    power = int(text.partition("e")[2] or 0)
+    half = 0.5000001 * 10.0 ** (power - len(digits))
+    small = 0.5001 * 10.0 ** (np.floor(np.log10(abs(shown))) - 2) if shown else 0.0  # of three or more digits
+    return any(abs(number * scale - shown) <= max(half, small) for number in numbers for scale in SCALES)
+
+
+def test_every_number_is_in_the_file(page: Page, verdict: Verdict) -> None:
+    content = plain(verdict.as_json() | facts_for(verdict).as_json())
+    known = list(leaves(content))
+    numbers = [float(leaf) for leaf in known if isinstance(leaf, int | float)]
+    numbers += [-number for number in numbers]
+    words = " ".join(leaf for leaf in known if isinstance(leaf, str))
+    in_words = set(NUMBER.findall(words.replace("_", " ")))
+    shown = NUMBER.findall(re.sub(r"[<>] (0\.1|99\.9) %", "", page.text))
+    assert shown
+    for text in shown:
+        assert text in in_words or float(text) in LEVELS or is_known(text, numbers), text
+
+
+def test_sections_are_those_with_something_to_say(page: Page, verdict: Verdict) -> None:
+    for words, content in (
+        ("What it is worth on data that were not fitted", verdict.gain),
+        ("How the extension grew", verdict.steps),
+        ("The next experiment", verdict.next),
+        ("What would have been found", verdict.detectable),
+        ("Evidence and rivals", verdict.explanations),
+        ("The learned shape", verdict.unlisted),
+    ):
+        assert (words in page.text) == bool(content), words
+
+
+def test_a_set_is_called_one() -> None:
+    text = Page(html_of(VERDICTS["set"])).text
+    assert "These data cannot tell 2 explanations apart" in text
+    assert "Zero of a joint, joint 2; and either loss of gas or gas warmer or colder" in text
+
+
+def test_missing_channels_are_said_once_each() -> None:
+    text = Page(html_of(VERDICTS["nothing"])).text
+    assert "Missing: gear temperature so these were not looked for: friction temperature" in text
+    assert "backlash: the model found no balance" in text
+
+
+def test_a_refused_step_says_why() -> None:
+    assert "refused Held-out runs are predicted no better." in Page(html_of(VERDICTS["cause"])).text
+
+
+def test_the_same_verdict_gives_the_same_page() -> None:
+    assert html_of(VERDICTS["unlisted"]) == html_of(VERDICTS["unlisted"])

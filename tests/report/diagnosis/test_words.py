@@ -1,0 +1,94 @@
+"""What is said on the terminal, and how numbers and channels are called."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bench.diagnose.verdict import ParameterValue
+from bench.report.diagnosis.names import channel_name, parameter_text, percent, shown
+from bench.report.diagnosis.words import places_of, words_of
+from tests.report.diagnosis.made import VERDICTS
+
+
+@pytest.mark.parametrize(
+    ("kind", "first"),
+    [
+        ("nothing", "Nothing found: the nominal model explains this campaign."),
+        ("cause", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
+        ("several", "2 causes act together: loss of gas and zero of a joint, joint 2."),
+        (
+            "unlisted",
+            "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction, which no effect "
+            "of the catalogue explains.",
+        ),
+    ],
+)
+def test_the_first_line_is_the_verdict(kind: str, first: str) -> None:
+    assert next(words_of(VERDICTS[kind])) == first
+
+
+def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
+    text = "\n".join(words_of(VERDICTS["cause"]))
+    for words in (
+        "lost 0.133 (0.113 to 0.152)",
+        "motor current 2: 0.612 -> 0.081 A (floor 0.074), gain 87 % (83 % to 90 %)",
+        "Refused: mass of a link, upper arm. Held-out runs are predicted no better.",
+        "Next: the sweeps again, slower",
+        "variance is 1.7 times",
+        "Not looked for: friction_temperature, which needs gear_temperature.",
+    ):
+        assert words in text
+
+
+def test_a_set_is_not_guessed_between() -> None:
+    text = "\n".join(words_of(VERDICTS["set"]))
+    assert "either loss of gas or gas warmer or colder, which these data cannot tell apart" in text
+    assert "It would decide between loss of gas and gas warmer or colder" in text
+
+
+def test_files_are_named(tmp_path: Path) -> None:
+    assert not any("model" in line for line in places_of(tmp_path))
+    (tmp_path / "extended.xml").touch()
+    assert any(str(tmp_path / "extended.xml") in line for line in places_of(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("column", "name"),
+    [
+        ("current_2_a", "motor current 2"),
+        ("tau_motor_3_nm", "motor torque 3"),
+        ("reflector_1_x_m", "reflector 1 x"),
+        ("gas_pressure_pa", "gas pressure"),
+        ("oil_level_m", "oil_level_m"),
+    ],
+)
+def test_channels_have_names(column: str, name: str) -> None:
+    assert channel_name(column) == name
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "unit", "text"),
+    [
+        (0.1326, 0.1127, 0.1525, "", "x 0.133 (0.113 to 0.152)"),
+        (3.1e-4, 2.2e-4, 4.0e-4, "rad", "x 0.0178 deg (0.0126 to 0.0229)"),
+        (2.9e-3, 1.2e-3, 4.6e-3, "m", "x 2.9 mm (1.2 to 4.6)"),
+        (-38.4, -44.2, -32.6, "K", "x -38.4 K (-44.2 to -32.6)"),
+        (3.2e7, 2.9e7, 3.5e7, "Nm/rad", "x 3.2e+07 Nm/rad (2.9e+07 to 3.5e+07)"),
+        (1.0, 1.0, 1.0, "", "x 1.000 (1.000 to 1.000)"),
+    ],
+)
+def test_digits_follow_the_interval(value: float, low: float, high: float, unit: str, text: str) -> None:
+    assert parameter_text(ParameterValue("x", value, low, high, unit)) == text
+
+
+@given(st.floats(-1e9, 1e9), st.floats(1e-6, 1e6))
+def test_what_is_shown_is_near_the_value(value: float, resolution: float) -> None:
+    (text,) = shown((value,), "A", resolution)
+    assert abs(float(text) - value) <= max(0.1 * resolution, 1e-2 * abs(value), 1e-6)
+
+
+@given(st.floats(0, 1, exclude_min=True, exclude_max=True))
+def test_no_probability_is_rounded_to_certainty(share: float) -> None:
+    assert percent(share) not in ("0 %", "100 %")

@@ -1,0 +1,132 @@
+"""The files of a real diagnosis, of what was found, of nothing, and of something unlisted."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rerun.chunk import RrdReader
+
+from bench.diagnose.diagnose import Diagnosis, diagnose
+from bench.diagnose.generic import Block
+from bench.diagnose.naming import Naming
+from bench.diagnose.verdict import Unlisted
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Acting
+from bench.hide.campaign import hide_campaign
+from bench.record.campaign import Campaign
+from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT
+from bench.report.diagnosis.readings import readings_of
+from bench.report.diagnosis.reel_time import reel_time_of
+from bench.report.diagnosis.write import write_diagnosis
+from bench.report.recording.view import recordings_in
+from bench.robot.compiled import compile_robot
+from bench.robot.folder import load_robot
+from bench.scenario.rotation import Rotation
+
+LARGEST = 20e6  # [byte], of a recording
+NOTE = "After service <script>alert(1)</script>"
+SWEEP = Rotation(
+    experiment="rotation",
+    robot="hh150",
+    joint=2,
+    start_deg=(0, -20, 0, 0, 90, 0),
+    end_deg=50,
+    speeds_deg_per_s=(20,),
+    ramp_s=1.0,
+    sample_period_s=0.08,
+)
+
+
+@pytest.fixture(scope="module")
+def campaign() -> Campaign:
+    robot, effect = load_robot("hh150"), catalogue()["coulomb_level"]
+    place = effect.places(compile_robot(robot))[1]
+    acting = Acting(effect, place, effect.complete({"change": 0.8}))
+    made = hide_campaign(robot, SWEEP, [acting], np.random.default_rng(3)).campaign
+    return replace(made, notes=NOTE)
+
+
+@pytest.fixture(scope="module")
+def found(campaign: Campaign) -> Diagnosis:
+    names = ("coulomb_level",)
+    effects = catalogue()
+    return diagnose(campaign, compile_robot(load_robot("hh150")), {name: effects[name] for name in names})
+
+
+def named(found: Diagnosis, kind: str) -> Diagnosis:
+    """Return the same data with another verdict."""
+    naming, verdict = found.naming, found.verdict
+    empty = replace(verdict, kind=kind, explanations=(), rivals=(), gain=(), steps=(), next=())
+    if kind == "nothing found":
+        changed: Naming = replace(naming, kind="nothing found", hypotheses=())
+        return replace(found, naming=changed, verdict=empty)
+    if kind == "unlisted cause":
+        block = naming.screening.free[0].what
+        assert isinstance(block, Block)
+        changed = replace(naming, kind="unlisted cause", hypotheses=(), unlisted=block)
+        unlisted = Unlisted(block.place, block.kind, block.depends_on)
+        return replace(found, naming=changed, verdict=replace(empty, unlisted=unlisted))
+    return found
+
+
+@pytest.fixture(scope="module", params=["cause", "nothing found", "unlisted cause"])
+def folder(
+    request: pytest.FixtureRequest, found: Diagnosis, campaign: Campaign, tmp_path_factory: pytest.TempPathFactory
+) -> Path:
+    made = tmp_path_factory.mktemp("diagnosis")
+    write_diagnosis(named(found, request.param), made, campaign, "bench diagnose campaign -o out")
+    return made
+
+
+def test_the_files_are_there(folder: Path) -> None:
+    names = {path.name for path in folder.iterdir()}
+    assert {VERDICT, REPORT, RECORDING} <= names
+    assert (EXTENDED in names) == (DIFFERENCE in names)
+    content = json.loads((folder / VERDICT).read_text())
+    assert (EXTENDED in names) == bool(content["explanations"])
+    assert content["data"]["runs"][0]["name"]
+    assert content["command"].startswith("bench diagnose")
+
+
+def test_the_page_shows_the_pictures_and_no_script(folder: Path) -> None:
+    page = (folder / REPORT).read_text()
+    assert "<script" not in page
+    assert "&lt;script&gt;" in page
+    assert page.count("data:image/svg+xml;base64,") >= 2
+
+
+def test_the_recording_opens_and_has_robot_channels_and_verdict(folder: Path) -> None:
+    path = folder / RECORDING
+    assert path.stat().st_size < LARGEST
+    assert recordings_in(folder) == (path,)
+    entities = {chunk.entity_path for chunk in RrdReader(path).stream().to_chunks()}
+    for start in ("/robot/elastic/", "/robot/compared/", "/channels/current_2_a/measured", "/left/", "/verdict"):
+        assert any(entity.startswith(start) for entity in entities), start
+    is_named = bool(json.loads((folder / VERDICT).read_text())["explanations"])
+    assert any(entity.startswith("/probability/") for entity in entities) == is_named
+
+
+def test_what_was_found_explains_the_channel_that_was_wrong(found: Diagnosis) -> None:
+    readings = readings_of(found)
+    assert readings.after is not None
+    worst = readings.channels[[c.before for c in readings.channels].index(max(c.before for c in readings.channels))]
+    assert worst.channel == "current_2_a"
+    assert worst.after is not None
+    assert worst.after < 2.0 < worst.before
+
+
+def test_residuals_and_simulations_agree(found: Diagnosis) -> None:
+    readings = readings_of(found)
+    np.testing.assert_allclose(
+        found.design.whiten(readings.measured - readings.simulated), readings.before, rtol=1e-6, atol=1e-6
+    )
+
+
+def test_the_reel_runs_without_the_hours_in_between(found: Diagnosis) -> None:
+    time = reel_time_of(found.design)
+    assert np.all(np.diff(time.seconds) > 0)
+    assert time.is_break.sum() == len(found.design.segments) - 1
+    angle = time.curve(readings_of(found).angle[:, 1])
+    assert np.array_equal(np.isnan(angle), time.is_break)

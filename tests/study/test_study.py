@@ -1,0 +1,144 @@
+"""A study of a few small campaigns, from end to end."""
+
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.diagnose.replay import World
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Effect
+from bench.errors import InputError
+from bench.record.campaign import Campaign
+from bench.report.study.write import PAGE, RESULTS, write_study
+from bench.study import study
+from bench.study.labs import Ground, Lab, prepare
+from bench.study.limits import Way, detection_limit
+from bench.study.outcome import Outcome
+from bench.study.plan import Counts, Trial
+from bench.study.scores import scores_of
+from bench.study.study import NULL_STREAM, ROWS, Settings, run_study, run_trial
+
+SESSION = """
+experiment: session
+robot: hh150
+break_s: 60
+rotations:
+  - {joint: 2, start_deg: [0, -10, 0, 0, 90, 0], end_deg: 60, speeds_deg_per_s: [30], ramp_s: 0.7, settle_s: 0.3,
+     sample_period_s: 0.04, move_speed: 0.9, acceleration_deg_per_s2: 120}
+"""
+CHOICE = ("gas_loss", "coulomb_level", "current_offset")
+COUNTS = Counts(seeds=1, nulls=1, unlisted=1, pairs=0, twins=False, effects=("gas_loss",))
+CLOSE = 1e-6
+SEED = 5
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory: pytest.TempPathFactory) -> str:
+    file = tmp_path_factory.mktemp("sessions") / "sweeps.yaml"
+    file.write_text(SESSION, encoding="utf-8")
+    return str(file)
+
+
+@pytest.fixture(scope="module")
+def choice() -> Mapping[str, Effect]:
+    effects = catalogue()
+    return {name: effects[name] for name in CHOICE}
+
+
+@pytest.fixture(scope="module")
+def ground(session: str, choice: Mapping[str, Effect]) -> Ground:
+    return prepare(Lab(session), choice, np.random.default_rng([SEED, NULL_STREAM]))
+
+
+def run(ground: Ground, folder: Path, cores: int) -> tuple[Outcome, ...]:
+    """Run the study on a ground that was prepared before."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study, "prepare", lambda *arguments: ground)
+        return run_study(Settings(COUNTS, SEED, ground.lab.session), folder, cores)
+
+
+@pytest.fixture(scope="module")
+def done(ground: Ground, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("study")
+    outcomes = run(ground, folder, cores=2)
+    write_study(outcomes, scores_of(outcomes), Settings(COUNTS, SEED, ground.lab.session), "Two sweeps.", folder)
+    return folder
+
+
+def test_every_campaign_is_a_row(done: Path) -> None:
+    content = json.loads((done / RESULTS).read_text())
+    assert [row["kind"] for row in content["campaigns"]] == ["unlisted", "single", "null"]
+    assert content["campaigns"][1]["truth"][0]["effect"] == "gas_loss"
+    assert all(row["diagnose_s"] > 0 and "found" in row["marks"] for row in content["campaigns"])
+
+
+def test_page_needs_nothing_else(done: Path) -> None:
+    page = (done / PAGE).read_text()
+    assert "3 campaigns" in page
+    assert "false alarms on null data" in page
+    assert not re.search(r"(src|href)=\"(?!data:)", page)
+    assert "<script" not in page
+
+
+def test_interrupted_study_goes_on(done: Path, ground: Ground, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The last row is cut off, as by a power failure; it alone is done again, and comes out the same."""
+    rows = (done / ROWS).read_text().splitlines()
+    (tmp_path / ROWS).write_text("\n".join(rows[:-1]) + "\n" + rows[-1][:50])
+    ran: list[str] = []
+
+    def noted(trial: Trial, ground: Ground, seed: int) -> Outcome:
+        ran.append(trial.name)
+        return run_trial(trial, ground, seed)
+
+    monkeypatch.setattr(study, "run_trial", noted)
+    outcomes = run(ground, tmp_path, cores=1)
+    lost = Outcome.from_json(rows[-1])
+    (again,) = (one for one in outcomes if one.name == lost.name)
+    assert ran == [lost.name]
+    assert len(outcomes) == 3
+    assert (again.truth, again.answer.kind) == (lost.truth, lost.answer.kind)
+
+
+def test_other_settings_are_another_study(done: Path, session: str) -> None:
+    with pytest.raises(InputError, match="another folder"):
+        run_study(Settings(COUNTS, SEED + 1, session), done, 1)
+
+
+def test_diagnosis_is_given_the_campaign_alone(ground: Ground, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What acts is drawn after all else that is handed in was made, and none of its names stands in the campaign."""
+    given: list[tuple[object, ...]] = []
+
+    def spy(*arguments: object) -> object:
+        given.append(arguments)
+        raise InputError("enough seen.")
+
+    monkeypatch.setattr(study, "diagnose_with", spy)
+    outcome = run_trial(Trial("one", "single", ("coulomb_level",), size="clear"), ground, 1)
+    ((campaign, signatures, effects),) = given
+    assert type(campaign) is Campaign
+    assert signatures is ground.signatures
+    assert effects is ground.catalogue
+    assert "coulomb" not in campaign.notes + " ".join(run.name for run in campaign.runs)
+    assert outcome.answer.kind == "failed"
+    assert outcome.truth[0].effect == "coulomb_level"
+
+
+def test_detection_limit_is_where_evidence_reaches_the_threshold(ground: Ground, rng: np.random.Generator) -> None:
+    """Data of the nominal model with a current offset of that size, which acts linearly, and without noise."""
+    from bench.diagnose.marginal import Nuisances
+
+    effect = ground.catalogue["current_offset"]
+    way = Way.draw(effect, effect.places(ground.compiled)[1], ground.compiled, rng)
+    limit = detection_limit(way, ground.design, ground.threshold)
+    replay = ground.design.replay
+    at_limit = replay.predict(World(acting=(way.at(limit, ground.compiled),))) - replay.predict(World())
+    column = ground.design.whiten(at_limit[:, :, None])
+    products = Nuisances(ground.design.slopes).products(column[:, 0], column / limit)
+    evidence = products.log_evidence(np.array([0]), np.array([1 / np.sqrt(3)]))
+    assert evidence == pytest.approx(ground.threshold, rel=CLOSE)
+    (size,) = (p for p in effect.parameters if not p.is_shape)
+    assert abs(way.at(1.0, ground.compiled).values["offset"] - size.null) == pytest.approx(size.high)
