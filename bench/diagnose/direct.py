@@ -1,6 +1,6 @@
 """Direct measurements: one number that a thermometer or a scale gives, beside any run."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -86,8 +86,18 @@ def direct_measurements(design: Design, scale: float, fits: Sequence[Fit], trace
     return tuple(found)
 
 
-def _expectations(design, scale, fits, read, sigma) -> tuple[Expectation, ...]:  # type: ignore[no-untyped-def]
-    """Return what each fit expects of one number, in standard deviations of its reading."""
+def _expectations(
+    design: Design, scale: float, fits: Sequence[Fit], read: Callable[[World], float], sigma: float
+) -> tuple[Expectation, ...]:
+    """Return what each fit expects of one number, in standard deviations of its reading.
+
+    Args:
+        design: Today's campaign.
+        scale: Variance of the noise against what the instruments explain.
+        fits: Explanations.
+        read: The number in a world.
+        sigma: Standard deviation of its reading.
+    """
     nominal = read(NOMINAL)
     changes = np.array([read(World({n: n.sigma})) - nominal if n.scales_payload else 0.0 for n in design.nuisances])
     found = []

@@ -1,7 +1,7 @@
 """Experiments that a lab could make next with any robot: another run, or today's runs with another instrument.
 
-Poses are those of the campaign, for nobody knows here what stands around the robot. A run is sketched with a few instants,
-each as precise as one reading of today; a real one has more, so what is expected of it is rather too little.
+Poses are those of the campaign, for nobody knows here what stands around the robot. A run is sketched with a few
+instants, each as precise as one reading of today; a real one has more, so what is expected of it is rather too little.
 """
 
 from collections.abc import Iterator
@@ -77,7 +77,7 @@ def experiments_for(design: Design, is_thermal: bool) -> tuple[Experiment, ...]:
     """
     lab = _Lab(design)
     found = [*_instruments(lab), *_sweeps(lab), *_loadings(lab), *_dwell(lab)]
-    return tuple(found + [*_warm_sweeps(lab)] if is_thermal else found)
+    return tuple([*found, *_warm_sweeps(lab)] if is_thermal else found)
 
 
 class _Lab:
@@ -163,7 +163,7 @@ class _Lab:
             observed=np.where(columns, np.zeros(shape), np.nan),
             sigma=np.where(columns, np.broadcast_to(self.sigma[is_static], shape), np.nan),
             pure_error=np.full(shape, np.nan),
-            standing=~np.any(motion.velocity, axis=0),
+            standing=np.all(motion.velocity == 0, axis=0),
             acceleration_error=np.zeros((length, self.n)),
         )
 
@@ -202,7 +202,7 @@ def _instruments(lab: _Lab) -> Iterator[Experiment]:
 def _thinned(motion: Motion, later: float) -> Motion:
     read = np.flatnonzero(motion.read)
     kept = read[np.unique(np.linspace(0, len(read) - 1, REPEATED_INSTANTS).round().astype(int))]
-    rows = np.sort(np.concatenate([np.flatnonzero(~motion.read), kept]))
+    rows = np.sort(np.concatenate([np.flatnonzero(np.logical_not(motion.read)), kept]))
     return Motion(
         time=motion.time[rows] - motion.time[rows[0]] + later,
         q=motion.q[rows],
@@ -253,7 +253,7 @@ def _sweep(lab: _Lab, joint: int, share: float, conditions: Conditions, load: st
             velocity=velocity,
             acceleration=np.zeros_like(q),
             wrench=np.zeros((len(q), 6)),
-            read=np.arange(len(q)) > 0,
+            read=_after_first(len(q)),
         )
         segments.append(lab.segment(motion, words, False, conditions, lab.today))
     return Experiment(words, f"sweep {joint}", tuple(segments))
@@ -261,7 +261,7 @@ def _sweep(lab: _Lab, joint: int, share: float, conditions: Conditions, load: st
 
 def _loadings(lab: _Lab) -> Iterator[Experiment]:
     """Yield forces along x, y and down at poses of the campaign."""
-    seen = [s for s in lab.statics] or lab.motions
+    seen = lab.statics or lab.motions
     every = np.unique(np.round([s.motion.q[s.motion.read].mean(axis=0) for s in seen], 3), axis=0)
     rated = lab.compiled.robot.figures.rating.force_n
     for pose in every[np.unique(np.linspace(0, len(every) - 1, POSES).round().astype(int))]:
@@ -270,7 +270,8 @@ def _loadings(lab: _Lab) -> Iterator[Experiment]:
             wrench = np.zeros((len(LOADS) + 2, 6))
             wrench[2:, axis] = sign * rated * np.array(LOADS)
             words = f"force of up to {rated:.0f} N {name} on the load point, at ({where})"
-            motion = _resting(lab, pose, lab.later + 60.0 * np.arange(len(wrench)), wrench)
+            times = lab.later + 60.0 * np.arange(len(wrench), dtype=np.float64)
+            motion = _resting(lab, pose, times, wrench)
             segment = lab.segment(motion, words, True, Conditions.reference(lab.n), lab.today)
             yield Experiment(words, f"loading {name}", (segment,))
 
@@ -297,5 +298,9 @@ def _resting(lab: _Lab, pose: Array, times: Array, wrench: Array) -> Motion:
     q = np.tile(pose, (len(times), 1))
     q[0] -= APPROACH * LEAST_SWEEP * np.ptp(lab.limits, axis=1)
     zeros = np.zeros_like(q)
-    return Motion(times, q, zeros, zeros, wrench, np.arange(len(times)) > 0)
+    return Motion(times, q, zeros, zeros, wrench, _after_first(len(times)))
 
+
+def _after_first(count: int) -> Array:
+    """Return which instants are read: all but the first."""
+    return np.asarray(np.arange(count) > 0)

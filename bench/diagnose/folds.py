@@ -30,7 +30,7 @@ class Folds:
     gap: NDArray[np.bool_]
 
     def __len__(self) -> int:
-        return self.gap.shape[1]
+        return int(self.gap.shape[1])
 
     def of_rows(self, design: Design) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Return the fold, shape (m,), and the gaps, shape (m, K), of whitened readings."""

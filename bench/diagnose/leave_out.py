@@ -1,7 +1,8 @@
 """Leave out: every fold predicted by a model that was fitted to the others, without simulating anything again.
 
-A fit is taken as converged, and its slopes as good over the small step that leaving out a run makes. In whitened space,
-with residual r, slopes T (nuisances, then unknowns), precision P of the priors and variance s of the noise, that step is
+A fit is taken as converged, and its slopes as good over the small step that leaving out a run makes. In whitened
+space, with residual r, slopes T (nuisances, then unknowns), precision P of the priors and variance s of the noise, that
+step is
 
     d = -H^-1 b / s,   H = P + T^T T / s over the runs that stay,   b = T^T r over those that are left out,
 

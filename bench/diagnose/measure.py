@@ -4,8 +4,8 @@ It pays if what was held out becomes more probable. Two kinds of things are held
 
 - every run, predicted by the model fitted to the others;
 - every stated figure of robot and instruments, predicted by all runs and the other figures. A nominal model with
-  absurd figures predicts held-out runs as well as an extension does (a gas constant 12 sigmas off acts exactly as a loss
-  of gas does), so runs alone would refuse causes that are true; the figure tells.
+  absurd figures predicts held-out runs as well as an extension does (a gas constant 12 sigmas off acts exactly as a
+  loss of gas does), so runs alone would refuse causes that are true; the figure tells.
 
 An effect that a single run shows nearly alone cannot be checked with other runs. That run is then cut into blocks of
 time, with a gap on both sides of the block that is held out; `HeldOut.by` says so, for it is the weaker proof.
@@ -32,6 +32,7 @@ from bench.record.campaign import Array
 DRAWS = 2000  # of the Bayesian bootstrap
 SEED = 0
 LOW, HIGH = 0.05, 0.95
+NOTICEABLE = 0.1  # [nats]; what changes nothing rises by rounding
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,8 @@ class ChannelGain:
     Attributes:
         channel: Column of the campaign.
         unit: SI.
-        before: Root mean square of what the model without the extension leaves of a run, fitted to the other runs as far
-            as the stated uncertainty of its figures allows.
+        before: Root mean square of what the model without the extension leaves of a run, fitted to the other runs as
+            far as the stated uncertainty of its figures allows (`leave_out.REACH`).
         after: The same with the extension.
         floor: What noise and friction at rest would leave of a perfect model.
         gain: 1 - after / before.
@@ -83,7 +84,7 @@ class HeldOut:
     @property
     def pays(self) -> bool:
         """Whether what was held out becomes more probable, whichever runs one happened to make."""
-        return self.low > 0
+        return self.low > NOTICEABLE
 
 
 def held_out(design: Design, scale: float, before: Fit, after: Fit) -> HeldOut:
@@ -104,7 +105,7 @@ def held_out(design: Design, scale: float, before: Fit, after: Fit) -> HeldOut:
     one, two = (log_probability_of_folds(design, tangent, folds) for tangent in tangents)
     figures = log_probability_of_figures(after, tangents[1]) - log_probability_of_figures(before, tangents[0])
     low, high = np.quantile(figures + len(folds) * weights @ (two - one), (LOW, HIGH))
-    errors = [errors_of_folds(design, fit, t, folds) for fit, t in zip((before, after), tangents, strict=True)]
+    first, second = (errors_of_folds(design, fit, t, folds) for fit, t in zip((before, after), tangents, strict=True))
     return HeldOut(
         nats=figures + float(np.sum(two - one)),
         low=float(low),
@@ -112,7 +113,7 @@ def held_out(design: Design, scale: float, before: Fit, after: Fit) -> HeldOut:
         figures=figures,
         by=folds.by,
         folds=len(folds),
-        channels=_channels(design, folds, *errors, weights),
+        channels=_channels(design, folds, first, second, weights),
     )
 
 
@@ -127,7 +128,8 @@ def _channels(design: Design, folds: Folds, before: Array, after: Array, weights
     Args:
         design: The campaign.
         folds: What was held out at a time; K.
-        before, after: Shape (T, c), held-out errors.
+        before: Shape (T, c), held-out errors without the extension.
+        after: Shape (T, c), with it.
         weights: Shape (draws, K), of the bootstrap.
     """
     variance = floor_variance(design)
@@ -186,9 +188,10 @@ class PredictedError:
 def predicted_error(design: Design, scale: float, fit: Fit) -> tuple[PredictedError, ...]:
     """Return what a fitted model will leave of an unseen recording of the same robot, for static runs and for motion.
 
-    Each run of the campaign is predicted by the model as fitted to the others. The logarithms of their root mean squares
-    are taken as normal; one more run lies within t_(K-1) s sqrt(1 + 1/K) of their mean. Instruments that are set up
-    anew bring their own errors, which are not in it. A campaign of one run is cut into blocks that stand for runs.
+    Each run of the campaign is predicted by the model as fitted to the others. The logarithms of their root mean
+    squares are taken as normal; one more run lies within t_(K-1) s sqrt(1 + 1/K) of their mean. Instruments that are
+    set up anew bring their own errors, which are not in it. A campaign of one run is cut into blocks that stand for
+    runs.
 
     Args:
         design: The campaign.

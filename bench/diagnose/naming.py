@@ -16,7 +16,7 @@ from bench.diagnose.candidates import Cause
 from bench.diagnose.design import Design
 from bench.diagnose.generic import Block
 from bench.diagnose.measure import HeldOut, held_out
-from bench.diagnose.refit import Fit, Key, polished, pseudo_residual, refit
+from bench.diagnose.refit import Fit, Key, fit_without, polished, pseudo_residual, refit
 from bench.diagnose.screening import Entry, Screening, rescreen
 from bench.errors import BenchError
 
@@ -29,6 +29,7 @@ PAIR_FINALISTS = 4
 MOST_CAUSES = 24
 MOST_REFUSED = 3
 IN_REACH = 12.0  # log evidence behind the best, from where on a cause is not worth a simulation
+IMPRECISE = 0.2  # of its evidence, by which the linear picture may be wrong about a strong effect
 IN_SET = 6.0  # log evidence behind the best, up to where a cause is not told apart from it (odds of 400)
 NEARLY = 4.0  # beyond the set, up to where derivatives are taken anew before it is decided
 PROMISING = 0.5  # of the evidence that is asked for, in the linear picture
@@ -169,6 +170,8 @@ def name_cause(
             refused |= {cause.key for cause in added if cause.key not in before}
             continue
         stage = _climbed(stage, found, renew, progress)
+        if count > 1 and _explains_more(screening, stage):
+            break
     hypotheses = _among_rivals(stage, progress) if stage.best.causes else ()
     if hypotheses and hypotheses[0].keys != stage.best.keys:
         stage = _weighed(stage.design, stage.screening, hypotheses[0])
@@ -203,6 +206,11 @@ def _weighed(design: Design, screening: Screening, best: Hypothesis) -> _Stage:
     return _Stage(design, against, best)
 
 
+def _reach(evidence: float) -> float:
+    """Return how far behind the best, in the linear picture, a cause may be and still turn out the best."""
+    return max(IN_REACH, IMPRECISE * evidence)
+
+
 def _one_more(
     stage: _Stage, first: Screening, null: Fit, refused: set[tuple[str, str]], limit: float
 ) -> Hypothesis | None:
@@ -211,15 +219,14 @@ def _one_more(
     worth = [e for e in open_ if e.log_evidence > PROMISING * limit]
     trials: dict[frozenset[tuple[str, str]], _Trial] = {}
     for entry in worth[:FINALISTS]:
-        if entry.log_evidence > worth[0].log_evidence - IN_REACH:
+        if entry.log_evidence > worth[0].log_evidence - _reach(worth[0].log_evidence):
             trial = _Trial.extending(stage, entry)
             trials[trial.keys] = trial
     if len(stage.best.causes) == 1:
         for trial in _pairs(stage, first, refused)[:PAIR_FINALISTS]:
             trials.setdefault(trial.keys, trial)
     ranked = sorted(trials.values(), key=lambda trial: -trial.promise)
-    ranked = [trial for trial in ranked if trial.promise > ranked[0].promise - IN_REACH][:FINALISTS]
-    fits = _fitted(stage, ranked)
+    fits = _fitted(stage, ranked[:FINALISTS])
     return max(fits, key=lambda h: h.log_evidence) if fits else None
 
 
@@ -294,25 +301,32 @@ def _among_rivals(stage: _Stage, progress: Callable[[str], None]) -> tuple[Hypot
 def _swaps(stage: _Stage) -> list[_Trial]:
     """Return the explanations in which one cause of the best is replaced by another that may do as well."""
     design, fit = stage.design, stage.fit
-    pseudo, slopes = pseudo_residual(design, fit), design.whiten(fit.slopes)
-    null = np.array([unknown.parameter.null for unknown in fit.unknowns])
+    slopes = design.whiten(fit.slopes)
     sigma = np.array([unknown.sigma for unknown in fit.unknowns])
     trials: list[_Trial] = []
     for cause in fit.causes:
         mine = np.array([unknown.cause is cause for unknown in fit.unknowns])
-        white = pseudo + slopes[:, mine] @ (fit.values - null)[mine]
         others = tuple(other for other in fit.causes if other is not cause)
+        try:
+            white = pseudo_residual(design, fit_without(design, fit, cause))
+        except BenchError:
+            continue  # without it the model finds no balance along the measured motion
         taken = frozenset(other.key for other in others)
         against = rescreen(design, stage.screening, white, slopes[:, ~mine], sigma[~mine], taken)
         own = [e.log_evidence for e in against.listed if e.cause and e.cause.key == cause.key]
         top = max([*own, against.listed[0].log_evidence]) if against.listed else 0.0
         start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
         for entry in against.listed[:FINALISTS]:
-            if entry.cause and entry.cause.key != cause.key and entry.log_evidence > top - IN_REACH:
+            if entry.cause and entry.cause.key != cause.key and entry.log_evidence > top - _reach(top):
                 promise = stage.best.log_evidence + entry.log_evidence - top
                 causes = (*others, entry.cause)
                 trials.append(_Trial(causes, start | against.sizes_of(entry), fit.nuisances, promise))
     return trials
+
+
+def _explains_more(first: Screening, stage: _Stage) -> bool:
+    """Whether one free shape explains more than all listed causes that were found."""
+    return bool(first.free) and first.free[0].log_evidence > stage.best.log_evidence + first.threshold
 
 
 def _unlisted(first: Screening, stage: _Stage) -> Block | None:
@@ -321,11 +335,9 @@ def _unlisted(first: Screening, stage: _Stage) -> Block | None:
     One that explains alone more than several listed causes together is preferred to them.
     """
     explained, threshold = stage.best.log_evidence, first.threshold
-    if first.free and (not stage.best.causes or len(stage.best.causes) > 1):
-        alone = first.free[0]
-        if alone.log_evidence > explained + threshold:
-            assert isinstance(alone.what, Block)
-            return alone.what
+    if len(stage.best.causes) != 1 and _explains_more(first, stage):
+        assert isinstance(first.free[0].what, Block)
+        return first.free[0].what
     free = stage.screening.free
     if stage.best.causes and free and free[0].log_evidence > max(threshold, UNEXPLAINED * explained):
         alone = first.free[0]

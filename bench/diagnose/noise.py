@@ -1,12 +1,17 @@
 """How much an instrument scatters: by the campaign's own word, by the robot's figures, and by the data themselves."""
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.quantities import Quantity
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.figures import Figures, TorqueSensor, Tracker
 
 NORMAL_MAD = 1.4826  # standard deviation of a normal distribution by its median absolute deviation
+FEWEST = 8  # samples in a group, in which a scatter about a parabola can be seen
+MOST_ALIKE = 0.8  # correlation of neighbours that is believed; beyond it samples are a slow signal, not noise
 UNIFORM = 1 / np.sqrt(12)  # standard deviation of rounding to 1
 
 
@@ -69,6 +74,26 @@ class Noise:
             return 0.0
         third = np.diff(values, 3)
         return float(NORMAL_MAD * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))
+
+    @staticmethod
+    def of_groups(values: Array, groups: Sequence[NDArray[np.int64]]) -> float:
+        """Return the scatter of samples about a parabola through each group of them, as of white noise.
+
+        Third differences see what changes from sample to sample; this sees all that a group averages, such as torque
+        that rings, and takes into account that neighbours ring alike.
+        """
+        sizes = np.array([len(group) for group in groups])
+        n = int(np.median(sizes)) if len(sizes) else 0
+        if n < FEWEST:
+            return 0.0
+        basis = np.vander(np.linspace(-1, 1, n), 3)
+        samples = np.stack([values[group] for group in groups if len(group) == n])
+        left = samples - samples @ np.linalg.pinv(basis).T @ basis.T
+        power = np.sum(left**2, axis=1)
+        variance = float(np.median(power)) / (n - 3)
+        alike = np.median(np.sum(left[:, 1:] * left[:, :-1], axis=1)) / max(float(np.median(power)), 1e-300)
+        alike = float(np.clip(alike, 0.0, MOST_ALIKE))
+        return float(np.sqrt(variance * (1 + alike) / (1 - alike)))
 
 
 def torque_sigma(sensor: TorqueSensor, drive: int) -> float:

@@ -25,6 +25,9 @@ from bench.errors import BenchError
 from bench.record.campaign import Array
 
 STEP = 0.1  # of a size's prior, for its derivative
+# Relative error of every slope: nuisances are differentiated at the nominal robot, sizes at the explanation. Where two
+# of them act alike, and only their sum is known, an experiment must not seem to tell them apart by that difference.
+SLOPE_ERROR = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +49,9 @@ class Expectation:
     @property
     def predictive(self) -> Array:
         """Covariance of the readings, shape (m, m)."""
-        return self.scale * np.eye(len(self.mean)) + self.slopes @ self.covariance @ self.slopes.T
+        blurred = self.covariance + SLOPE_ERROR**2 * np.diag(np.diag(self.covariance))
+        predictive: Array = self.scale * np.eye(len(self.mean)) + self.slopes @ blurred @ self.slopes.T
+        return predictive
 
 
 def expected_log_bayes_factor(one: Expectation, two: Expectation) -> float:
@@ -55,7 +60,7 @@ def expected_log_bayes_factor(one: Expectation, two: Expectation) -> float:
     If `one` is true, it is the Kullback-Leibler divergence of its predictive distribution from that of `two`,
     (tr(S2^-1 S1) - m + d^T S2^-1 d + log det S2 - log det S1) / 2.
     """
-    first, second = (np.linalg.cholesky(e.predictive) for e in (one, two))
+    first, second = (np.asarray(np.linalg.cholesky(e.predictive), dtype=np.float64) for e in (one, two))
     difference = one.mean - two.mean
     return min(_divergence(first, second, difference), _divergence(second, first, difference))
 
@@ -119,7 +124,9 @@ class Outlook:
         found = simulate_all(self._replay, worlds + [World({n: n.sigma}) for n in simulated])
         nominal, means = _sound(found[0]), [_sound(f) for f in found[1 : len(fits) + 1]]
         columns = [_sound(f) for f in found[len(fits) + 1 : len(worlds)]]
-        deviations = [np.zeros_like(nominal) if isinstance(f, BenchError) else f - nominal for f in found[len(worlds) :]]
+        deviations = [
+            np.zeros_like(nominal) if isinstance(f, BenchError) else f - nominal for f in found[len(worlds) :]
+        ]
         by_name = {n.name: change for n, change in zip(simulated, deviations, strict=True)}
         by_name |= {n.name: held_changes[:, :, i] for i, n in enumerate(held)}
         today = [n.name for n in design.nuisances]

@@ -1,7 +1,7 @@
 """The last word on an extension: its parameters and all nuisances together, fitted by simulating the extended model."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -253,6 +253,28 @@ def _akin(design: Design, fit: Fit) -> list[int]:
 def is_simulated(nuisance: Nuisance) -> bool:
     """Whether a nuisance changes model or readings; if not, it acts by its changes alone."""
     return bool(nuisance.edit or nuisance.on_reading or nuisance.scales_wrench or nuisance.scales_payload)
+
+
+def fit_without(design: Design, fit: Fit, cause: Cause) -> Fit:
+    """Return a fit with one of its causes taken away and nothing fitted anew.
+
+    Raises:
+        ConvergenceError, RobotError: What is left cannot be simulated.
+    """
+    kept = [i for i, unknown in enumerate(fit.unknowns) if unknown.cause is not cause]
+    causes = tuple(other for other in fit.causes if other is not cause)
+    unknowns, values = tuple(fit.unknowns[i] for i in kept), fit.values[kept]
+    here = design.replay.predict(fit.world(design))
+    without = design.replay.predict(world_of(design, causes, unknowns, values, fit.nuisances))
+    return replace(
+        fit,
+        causes=causes,
+        unknowns=unknowns,
+        values=values,
+        covariance=fit.covariance[np.ix_(kept, kept)],
+        residual=fit.residual + here - without,
+        slopes=fit.slopes[:, :, kept],
+    )
 
 
 def pseudo_residual(design: Design, fit: Fit) -> Array:

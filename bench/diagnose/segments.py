@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bench.diagnose.noise import UNIFORM, Noise
 from bench.diagnose.piece import Piece, centre_weights
 from bench.diagnose.quantities import Quantity
-from bench.diagnose.stretches import STANDS, stretches_of
+from bench.diagnose.stretches import stretches_of
 from bench.diagnose.visits import visits_of
 from bench.effects.effect import REFERENCE_K, Conditions
 from bench.record.campaign import Array, Campaign, Run
@@ -90,7 +90,7 @@ def segments_of(
                     observed,
                     sigma,
                     pure,
-                    speed < STANDS,
+                    speed == 0.0,
                     piece.acceleration_error,
                 )
             )
@@ -153,7 +153,7 @@ def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Nois
         mean[:, c] = [w @ values[group] for w, group in zip(weights, groups, strict=True)]
         one = noise.of(quantity, mean[:, c], run)
         if not is_static:
-            one = np.maximum(one, noise.of_samples(values))
+            one = np.maximum(one, max(noise.of_samples(values), noise.of_groups(values, groups)))
         sigma[:, c] = np.hypot(one * [np.linalg.norm(w) for w in weights], noise.lasting(quantity))
         if is_static:
             many = sizes > 1

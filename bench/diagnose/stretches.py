@@ -19,6 +19,7 @@ TURNING = 0.08  # of a joint's top speed in a run; below it, it starts, stops or
 UNRESOLVED = 0.5  # of the difference between accelerations over one window and over two, that may be error
 RINGS = 0.2  # [s], for which a jerk is felt before and after
 STANDS = 1e-4  # [rad/s] or [m/s]; below it a joint counts as standing
+TRAVELS = 0.005  # [rad] or [m]; a joint that goes less far in a run only gives: its friction does not slide
 
 
 def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Piece]:
@@ -50,7 +51,7 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Pi
         edges = edges[:-1]
     groups = np.split(np.arange(len(run)), edges[1:])
     top = np.max(np.abs(velocity), axis=0)
-    moves = top > STANDS
+    moves = (top > STANDS) & (np.ptp(angles, axis=0) > TRAVELS)
     slowest = np.stack([np.min(np.abs(velocity[group]), axis=0) for group in groups])
     turning = moves & (slowest < TURNING * top)
     useful = np.any(moves & ~turning, axis=1) | ~np.any(moves)  # some joint slides on

@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.effects.effect import Effect, Parameter, Place
 from bench.effects.nominal import moving_bodies
+from bench.effects.plugin_actuators import PREFIX
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import Drive
 from bench.robot.folder import Robot
@@ -48,12 +49,12 @@ def hinges(compiled: CompiledRobot) -> tuple[Place, ...]:
 
 
 def links(compiled: CompiledRobot) -> tuple[Place, ...]:
-    """Return the moving bodies that have a mass, without the one that carries the payload."""
+    """Return the moving bodies that have a mass, without the one that carries the payload and those of effects."""
     bodies = [compiled.model.body(name) for name in moving_bodies(compiled)]
     return tuple(
         Place("body", int(body.id), str(body.name))
         for body in bodies
-        if body.mass[0] > 0 and body.id != compiled.at.load_body
+        if body.mass[0] > 0 and body.id != compiled.at.load_body and not body.name.startswith(PREFIX)
     )
 
 

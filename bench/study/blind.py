@@ -1,4 +1,4 @@
-"""A diagnosis for studies: coarser in time than usual, without the next experiment, with signatures simulated before."""
+"""A diagnosis for studies: coarser in time, without the next experiment, with signatures simulated before."""
 
 from collections.abc import Callable, Mapping
 

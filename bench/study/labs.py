@@ -15,10 +15,12 @@ from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.figures import LinkEncoder
 from bench.robot.folder import Robot, load_robot
 from bench.scenario.files import read_scenario
+from bench.scenario.rotation import RotationPart
 from bench.scenario.session import SessionScenario
 from bench.study.blind import diagnose_with, signatures_of
 
 SESSION = "session-study"
+BRIEF = 15.0  # [deg]
 ACCURATE = 1e-5  # [rad], of an encoder on a link: 2 arc seconds, as ring encoders of its size are sold
 
 
@@ -30,14 +32,14 @@ class Lab:
         session: Name or file of the session.
         without: Instruments, channels and parts of the session that are missing, as in `hide_campaign`.
         channels: Further channels.
-        one_payload: Rotations with a payload are run with the first one only.
+        is_brief: Rotations are run over their first 15 degrees, with the heaviest payload only.
         link_encoder: The first joint has an encoder on its link too.
     """
 
     session: str = SESSION
     without: tuple[str, ...] = ()
     channels: tuple[str, ...] = ()
-    one_payload: bool = False
+    is_brief: bool = False
     link_encoder: bool = False
 
     def scenario(self) -> SessionScenario:
@@ -49,10 +51,9 @@ class Lab:
         session = read_scenario(self.session)
         if not isinstance(session, SessionScenario):
             raise InputError(f"{self.session}: is no session; take session-study or session-short.")
-        if not self.one_payload:
+        if not self.is_brief:
             return session
-        first = tuple(part.model_copy(update={"payloads_kg": part.payloads_kg[:1]}) for part in session.rotations)
-        return session.model_copy(update={"rotations": first})
+        return session.model_copy(update={"rotations": tuple(_brief(part) for part in session.rotations)})
 
     def robot(self) -> Robot:
         """Load the robot with the instruments that it has there."""
@@ -122,3 +123,9 @@ def prepare(
     signatures = signatures_of(campaign, compiled, catalogue)
     diagnosis = diagnose_with(campaign, signatures, catalogue, progress=progress)
     return Ground(lab, compiled, catalogue, signatures, diagnosis.design, diagnosis.verdict.threshold)
+
+
+def _brief(part: RotationPart) -> RotationPart:
+    start = part.start_deg[part.joint - 1]
+    end = start + float(np.clip(part.end_deg - start, -BRIEF, BRIEF))
+    return part.model_copy(update={"end_deg": end, "payloads_kg": (max(part.payloads_kg),)})

@@ -45,7 +45,8 @@ class Way:
         values = dict(self.shape)
         for parameter in self.effect.parameters_at(compiled, self.place):
             if not parameter.is_shape:
-                values[parameter.name] = parameter.null + size * self.direction[parameter.name] * parameter.high
+                share = size * self.direction.get(parameter.name, 0.0)
+                values[parameter.name] = parameter.null + share * parameter.high
         return Acting(self.effect, self.place, values)
 
     def smallest(self, compiled: CompiledRobot) -> float:

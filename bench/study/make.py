@@ -12,7 +12,7 @@ from bench.hide.campaign import Hidden
 from bench.robot.compiled import CompiledRobot
 from bench.study.labs import Ground, Lab
 from bench.study.limits import Way, detection_limit
-from bench.study.plan import TWIN_SIZE, Trial
+from bench.study.plan import Trial
 
 LIMITS = 3.0  # times its detection limit, at which an effect is to be found
 CLEARLY = 10.0  # times its detection limit: clearly visible
@@ -26,7 +26,7 @@ class Sized:
     Attributes:
         acting: The effect with its values.
         size: As a share of the largest plausible.
-        limit: Detection limit, the same way; nan if it was not asked for.
+        limit: Detection limit, the same way; inf if there is none or it was not asked for.
     """
 
     acting: Acting
@@ -66,8 +66,9 @@ def _drawn(trial: Trial, ground: Ground, rng: np.random.Generator) -> Iterator[S
     if trial.twin is not None:
         name, place = trial.twin.hidden
         effect = ground.catalogue[name]
-        way = Way.draw(effect, _named(effect, place, ground.compiled), ground.compiled, rng)
-        yield Sized(way.at(TWIN_SIZE, ground.compiled), TWIN_SIZE, float("nan"))
+        first = effect.parameters[0].name
+        way = Way(effect, _named(effect, place, ground.compiled), {first: 1.0}, {})
+        yield Sized(way.at(trial.twin.size, ground.compiled), trial.twin.size, float("inf"))
         return
     known: Mapping[str, Effect] = unlisted() if trial.kind == "unlisted" else ground.catalogue
     for name in trial.effects:

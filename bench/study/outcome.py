@@ -98,7 +98,7 @@ class Outcome:
         twin: The cause that looks alike, of a twin.
         is_split: Whether a twin was hidden where it can be told apart.
         answer: What the diagnosis said.
-        make_s, diagnose_s: Time on one core [s].
+        make_s, diagnose_s: Processor time [s]; the wall clock says the same on a core that has nothing else to do.
     """
 
     name: str

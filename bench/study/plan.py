@@ -42,7 +42,6 @@ EFFECTS = (
     "current_offset",
     "encoder_delay",
 )
-TWIN_SIZE = 0.6  # of the largest plausible
 
 
 @dataclass(frozen=True)
@@ -76,6 +75,7 @@ class Twin:
     Attributes:
         hidden: Effect and place, in words, that acts.
         other: Effect and place of its twin.
+        size: Of what acts, as a share of the largest plausible: as large as its twin can be too.
         ordinary: A lab that cannot tell them apart.
         extra: The lab that can.
         remedy: What it has more, in words.
@@ -83,6 +83,7 @@ class Twin:
 
     hidden: tuple[str, str]
     other: tuple[str, str]
+    size: float
     ordinary: Lab
     extra: Lab
     remedy: str
@@ -131,38 +132,19 @@ def twins_of(compiled: CompiledRobot) -> tuple[Twin, ...]:
     found = []
     if compiled.counterbalance is not None:
         balanced = f"joint {compiled.counterbalance.joint + 1}"
+        brief = Lab(without=("loading", "repeat_at_end", "line", "dwell", "tracker", "pressure"), is_brief=True)
+        thermometer = Lab(channels=("gas_temperature",))
+        longer = f"sweeps of {balanced} over its range, "
+        loss, warmer = ("gas_loss", "robot"), ("gas_temperature", "robot")
+        seal, coulomb = ("seal_friction", "robot"), ("coulomb_level", balanced)
+        payload, constant = ("payload_mass", "robot"), ("torque_constant", balanced)
         found += [
-            Twin(
-                ("gas_loss", "robot"),
-                ("gas_temperature", "robot"),
-                Lab(),
-                Lab(channels=("gas_temperature",)),
-                "a thermometer on the gas",
-            ),
-            Twin(
-                ("seal_friction", "robot"),
-                ("coulomb_level", balanced),
-                Lab(without=("rotations", "pressure", "line")),
-                Lab(),
-                f"sweeps of {balanced} over its range, and a gauge on the gas",
-            ),
-            Twin(
-                ("torque_constant", balanced),
-                ("payload_mass", "robot"),
-                Lab(without=("loading", "repeat_at_end", "line", "dwell", "tracker"), one_payload=True),
-                Lab(),
-                "a second payload, runs without one, and the tracker",
-            ),
+            Twin(loss, warmer, 0.6, Lab(), thermometer, "a thermometer on the gas"),
+            Twin(seal, coulomb, 0.6, brief, Lab(), longer + "and a gauge on the gas"),
+            Twin(payload, constant, 1.0, brief, Lab(), longer + "a second payload, and the tracker"),
         ]
-    found.append(
-        Twin(
-            ("base_torsion", "robot"),
-            ("joint_compliance", "joint 1"),
-            Lab(),
-            Lab(link_encoder=True),
-            "an encoder on the link of joint 1",
-        )
-    )
+    gear, foot = ("joint_compliance", "joint 1"), ("base_torsion", "robot")
+    found.append(Twin(gear, foot, 0.3, Lab(), Lab(link_encoder=True), "an encoder on the link of joint 1"))
     return tuple(found)
 
 

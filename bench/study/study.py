@@ -7,7 +7,7 @@ import signal
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 from scipy.linalg import LinAlgError
@@ -123,9 +123,9 @@ def run_trial(trial: Trial, ground: Ground, seed: int) -> Outcome:
         ground: Of the ordinary lab.
         seed: Of the study.
     """
-    start = perf_counter()
+    start = process_time()
     made = make(trial, ground, seed)
-    ready = perf_counter()
+    ready = process_time()
     campaign, signatures = made.hidden.campaign, ground.signatures
     if trial.twin is not None:  # its lab has other instruments, or another robot
         lab = trial.twin.extra if trial.is_split else trial.twin.ordinary
@@ -134,7 +134,7 @@ def run_trial(trial: Trial, ground: Ground, seed: int) -> Outcome:
         answer = answer_of(diagnose_with(campaign, signatures, ground.catalogue).verdict)
     except (BenchError, LinAlgError) as error:
         answer = Answer("failed", failure=f"{type(error).__name__}: {error}")
-    return outcome_of(trial, made, answer, ready - start, perf_counter() - ready)
+    return outcome_of(trial, made, answer, ready - start, process_time() - ready)
 
 
 def _plan(settings: Settings, lab: Lab) -> tuple[Trial, ...]:

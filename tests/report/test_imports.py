@@ -6,7 +6,7 @@ import sys
 
 import bench.report
 
-HEAVY = ("rerun", "matplotlib", "rich")
+HEAVY = ("rerun", "matplotlib", "rich", "jinja2")
 
 
 def test_importing_the_report_loads_no_drawing_library() -> None:

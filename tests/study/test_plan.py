@@ -8,6 +8,7 @@ from bench.effects.catalogue import catalogue
 from bench.effects.unlisted import unlisted
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
+from bench.study.labs import Lab
 from bench.study.plan import EFFECTS, Counts, plan, twins_of
 
 
@@ -56,3 +57,7 @@ def test_twins_exist_on_the_robot(hh150: CompiledRobot) -> None:
         assert twin.ordinary != twin.extra
         assert twin.ordinary.scenario()
         assert twin.extra.compiled()
+
+
+def test_session_is_told_in_words() -> None:
+    assert "runs on hh150" in Lab().words()

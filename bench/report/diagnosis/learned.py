@@ -66,8 +66,8 @@ def learned_of(naming: Naming) -> Learned | None:
     block = naming.unlisted
     if block is None:
         return None
-    screening = naming.leftover if naming.hypotheses else naming.screening
-    (entry,) = (entry for entry in screening.entries if entry.what is block)
+    both = (naming.leftover, naming.screening) if naming.hypotheses else (naming.screening, naming.leftover)
+    screening, entry = next((s, entry) for s in both for entry in s.entries if entry.what is block)
     return Learned(block, *screening.marginal.sizes(entry.columns, entry.prior))
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.diagnose.verdict import Explanation, NamedCause, ParameterValue
+from bench.diagnose.verdict import DetectionLimit, Explanation, NamedCause, ParameterValue
 
 KINDS = {
     "current": "motor current",
@@ -19,6 +19,7 @@ KINDS = {
 WORKSHOP = {"m": ("mm", 1e3), "rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi), "Pa": ("bar", 1e-5)}
 SIGNIFICANT = 2  # digits of half an interval
 MOST_DECIMALS = 7
+UNSEEN = 100.0  # a relative size beyond which nothing would be left of the robot
 LARGE = 1e5  # from where on numbers have an exponent
 
 
@@ -34,17 +35,22 @@ def channel_name(column: str) -> str:
 def cause_name(cause: NamedCause) -> str:
     """Return the title of a cause with its place, but for the robot as a whole."""
     place = cause.place.replace("_", " ")
-    return cause.title if place == "robot" else f"{cause.title}, {place}"
+    return cause.title if place == "robot" else f"{cause.title} ({place})"
 
 
 def explanation_name(explanation: Explanation) -> str:
     """Return the causes of an explanation in a row."""
-    return "; with ".join(cause_name(cause) for cause in explanation.causes)
+    return " with ".join(cause_name(cause) for cause in explanation.causes)
 
 
 def listed(names: Sequence[str], last: str) -> str:
-    """Return names in a row, the last after a word: "a; b and c"."""
-    return names[0] if len(names) == 1 else f"{'; '.join(names[:-1])} {last} {names[-1]}"
+    """Return names in a row, the last after a word: "a, b and c"."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
+
+
+def letter(index: int) -> str:
+    """Return A for 0, B for 1."""
+    return chr(ord("A") + index)
 
 
 def capital(words: str) -> str:
@@ -88,13 +94,29 @@ def parameter_text(parameter: ParameterValue) -> str:
     return " ".join(filter(None, (parameter.name, value, unit_name(parameter.unit), f"({low} to {high})")))
 
 
+def limit_of(limit: DetectionLimit) -> str:
+    """Return the smallest size that a campaign would have shown, without its unit."""
+    if not limit.unit and limit.limit > UNSEEN:
+        return "unseen at any size"
+    return shown((limit.limit,), limit.unit, limit.limit)[0]
+
+
+def limit_text(limit: DetectionLimit) -> str:
+    """Return it with its parameter and unit: "offset 0.012 deg"."""
+    return f"{limit.parameter} {limit_of(limit)} {unit_name(limit.unit)}".rstrip()
+
+
 def percent(share: float) -> str:
     """Return a share or a probability in percent, never rounded to what it is not."""
     value = 100 * share
+    if not np.isfinite(value):
+        return "-"
     if 0 < value < 0.1:
         return "< 0.1 %"
     if 99.9 < value < 100:
         return "> 99.9 %"
+    if 99 < value < 100:
+        return f"{value:.1f} %"
     return f"{value:.0f} %" if abs(value) >= 10 else f"{value:.2g} %"
 
 

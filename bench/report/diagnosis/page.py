@@ -2,10 +2,12 @@
 
 from base64 import b64encode
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 
-from bench.diagnose.verdict import ChannelGain, DetectionLimit, Verdict
+import numpy as np
+
+from bench.diagnose.verdict import ChannelGain, Verdict
 from bench.report.diagnosis.facts import Facts
 from bench.report.diagnosis.learned import LearnedCurve
 from bench.report.diagnosis.names import (
@@ -14,6 +16,8 @@ from bench.report.diagnosis.names import (
     channel_name,
     explanation_name,
     interval_of,
+    letter,
+    limit_of,
     percent,
     shown,
     unit_name,
@@ -97,8 +101,8 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
         "channel": channel_name,
         "explanation_name": explanation_name,
         "interval": interval_of,
-        "letter": lambda number: chr(ord("A") + number - 1),
-        "limit": _limit,
+        "letter": letter,
+        "limit": limit_of,
         "percent": percent,
         "proposal": proposal_text,
         "spaced": lambda name: name.replace("_", " "),
@@ -156,11 +160,16 @@ def _channels(channels: tuple[Channel, ...]) -> list[tuple[Channel, Bars]]:
 
 def _gain_row(gain: ChannelGain) -> GainRow:
     before, after, floor = shown((gain.before, gain.after, gain.floor), gain.unit, gain.floor or gain.after)
-    scale = 100 / max(gain.before, gain.after, gain.floor, 1e-300)
-    low, high = ((1 - g) * gain.before * scale for g in (gain.high, gain.low))
-    low, high = (min(max(x, 0.0), 100.0) for x in (low, high))
-    bars = Bars(gain.before * scale, gain.after * scale, low, high, gain.floor * scale)
-    return GainRow(gain, channel_name(gain.channel), unit_name(gain.unit), before, after, floor, bars)
+    name, unit = channel_name(gain.channel), unit_name(gain.unit)
+    sizes = (gain.before, gain.after, gain.floor)
+    if not np.all(np.isfinite(sizes)) or max(sizes) <= 0:
+        return GainRow(gain, name, unit, before, after, floor, Bars(0.0))
+    scale = 100 / max(sizes)
+    bars = Bars(gain.before * scale, gain.after * scale, mark=gain.floor * scale)
+    if np.isfinite(gain.low) and np.isfinite(gain.high):
+        ends = (float(np.clip((1 - g) * gain.before * scale, 0.0, 100.0)) for g in (gain.high, gain.low))
+        bars = replace(bars, low=next(ends), high=next(ends))
+    return GainRow(gain, name, unit, before, after, floor, bars)
 
 
 def _table(curve: LearnedCurve) -> list[tuple[str, ...]]:
@@ -170,10 +179,6 @@ def _table(curve: LearnedCurve) -> list[tuple[str, ...]]:
     at = shown(curve.at, curve.over_unit, spread / 10)
     values = (shown(v, curve.unit, max(half, largest / 1000)) for v in (curve.value, curve.low, curve.high))
     return list(zip(at, *values, strict=True))
-
-
-def _limit(limit: DetectionLimit) -> str:
-    return shown((limit.limit,), limit.unit, limit.limit)[0]
 
 
 def _lines(difference: str) -> list[tuple[str, str]]:

@@ -60,7 +60,8 @@ def pictures_of(readings: Readings) -> tuple[tuple[str, tuple[Picture, ...]], ..
 def telling_joint(readings: Readings, column: int) -> int | None:
     """Return the moving joint whose angle and direction explain most of a channel's residual; None if none moves."""
     mine = readings.column == column
-    instant, residual = readings.instant[mine], readings.before[mine]
+    reach = _reach(readings, np.flatnonzero(mine))  # one stray reading is no structure
+    instant, residual = readings.instant[mine], np.clip(readings.before[mine], -reach, reach)
     explained: dict[int, float] = {}
     for j in range(readings.angle.shape[1]):
         way, angle = readings.direction[instant, j], readings.angle[instant, j]

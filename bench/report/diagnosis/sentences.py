@@ -1,5 +1,7 @@
 """What a verdict says in sentences, for the page and the terminal alike."""
 
+import numpy as np
+
 from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Unlisted, Verdict
 from bench.report.diagnosis.names import (
     capital,
@@ -7,6 +9,7 @@ from bench.report.diagnosis.names import (
     channel_name,
     explanation_name,
     interval_of,
+    letter,
     listed,
     parameter_text,
     percent,
@@ -39,9 +42,9 @@ def explanation_of_set(verdict: Verdict) -> str:
     count = len(verdict.explanations)
     if count < 2:
         return ""
-    open_ = listed([explanation_name(e) for e in verdict.explanations], "and")
+    named = "; ".join(f"{letter(i)}, {explanation_name(e)}" for i, e in enumerate(verdict.explanations))
     return (
-        f"These data cannot tell {count} explanations apart: {open_}. Their probabilities are no reason to prefer one; "
+        f"These data cannot tell {count} explanations apart: {named}. Their probabilities are no reason to prefer one; "
         "each fits, with its own parameters. Do not correct the robot for one of them before another experiment has "
         "split them."
     )
@@ -73,12 +76,13 @@ def unlisted_name(unlisted: Unlisted) -> str:
 
 def gain_sentence(verdict: Verdict) -> str:
     """Return what the extension is worth on data that it has not seen, "" where nobody tried."""
-    better = [gain for gain in verdict.gain if gain.low > 0]
-    worse = [gain for gain in verdict.gain if gain.high < 0]
-    if not verdict.gain:
+    known = [gain for gain in verdict.gain if np.isfinite(gain.low) and np.isfinite(gain.high)]
+    better = [gain for gain in known if gain.low > 0]
+    worse = [gain for gain in known if gain.high < 0]
+    if not known:
         return ""
     held_out = {"run": "runs", "block": "stretches of runs"}.get(verdict.held_out_by, "data")
-    words = f"On {held_out} that were not fitted, {len(better)} of {len(verdict.gain)} channels are predicted better"
+    words = f"On {held_out} that were not fitted, {len(better)} of {len(known)} channels are predicted better"
     return f"{words}, {len(worse)} worse." if worse else f"{words}, none worse."
 
 
@@ -122,4 +126,4 @@ def _named(verdict: Verdict) -> str:
         return f"{len(common)} causes act together: {listed(common, 'and')}"
     rest = [" with ".join(name for name in names if name not in common) or "nothing else" for names in sets]
     either = "either " + listed(rest, "or") + ", which these data cannot tell apart"
-    return f"{listed(common, 'and')}; and {either}" if common else either
+    return f"{listed(common, 'and')}, and {either}" if common else either

@@ -3,9 +3,11 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from bench.diagnose.verdict import Explanation, Verdict
 from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT
-from bench.report.diagnosis.names import cause_name, explanation_name, parameter_text, percent
+from bench.report.diagnosis.names import cause_name, explanation_name, limit_text, parameter_text, percent
 from bench.report.diagnosis.sentences import (
     explanation_of_set,
     gain_sentence,
@@ -36,7 +38,7 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     yield from _gain(verdict)
     for step in verdict.steps:
         if not step.accepted:
-            yield f"Refused: {' with '.join(cause_name(cause) for cause in step.added)}. {step.reason}"
+            yield f"Refused: {' with '.join(cause_name(cause) for cause in step.added)}: {step.reason.rstrip('.')}."
     for proposal in verdict.next[:BEST_PROPOSALS]:
         yield f"Next: {proposal.experiment}"
         yield f"      {proposal_text(proposal)}"
@@ -59,16 +61,18 @@ def _explanation(explanation: Explanation) -> Iterator[str]:
 def _gain(verdict: Verdict) -> Iterator[str]:
     if verdict.gain:
         yield gain_sentence(verdict)
-        for gain in sorted(verdict.gain, key=lambda gain: -gain.gain)[:BEST_CHANNELS]:
+        known = [gain for gain in verdict.gain if np.isfinite(gain.gain)]
+        for gain in sorted(known, key=lambda gain: -gain.gain)[:BEST_CHANNELS]:
             yield f"  {gain_text(gain)}"
 
 
 def _limits(verdict: Verdict) -> Iterator[str]:
     if verdict.detectable:
-        yield "It would have been found if it had been larger than, for instance:"
-        for limit in verdict.detectable[:BEST_LIMITS]:
+        yield "Larger ones would have been found, for instance of more than:"
+        best = sorted(verdict.detectable, key=lambda limit: (bool(limit.unit), limit.limit))
+        for limit in best[:BEST_LIMITS]:
             place = "" if limit.place == "robot" else f", {limit.place}"
-            yield f"  {limit.effect}{place}: {limit.parameter} {limit.limit:.3g} {limit.unit}".rstrip()
+            yield f"  {limit.effect.replace('_', ' ')}{place}: {limit_text(limit)}"
 
 
 def places_of(folder: Path) -> Iterator[str]:

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from bench.diagnose.verdict import (
     ChannelGain,
     DetectionLimit,
@@ -27,12 +29,10 @@ GAS = NamedCause(
     "Gas leaks through seals and valve over months.",
     "range: assumed",
 )
-WARM = NamedCause(
-    "gas_temperature", "gas warmer or colder", "robot", (ParameterValue("offset", -38.4, -44.2, -32.6, "K"),)
-)
-ZERO = NamedCause(
-    "joint_zero", "zero of a joint", "joint 2", (ParameterValue("offset", 3.1e-4, 2.2e-4, 4.0e-4, "rad"),)
-)
+COLD = ParameterValue("offset", -38.4, -44.2, -32.6, "K")
+WARM = NamedCause("gas_temperature", "gas warmer or colder", "robot", (COLD,))
+OFF = ParameterValue("offset", 3.1e-4, 2.2e-4, 4.0e-4, "rad")
+ZERO = NamedCause("joint_zero", "zero of a joint", "joint 2", (OFF,))
 MASS = NamedCause("link_mass", "mass of a link", "upper_arm", (ParameterValue("change", 0.0327, 0.0028, 0.0626, ""),))
 
 NOTHING = Verdict(
@@ -55,12 +55,13 @@ CAUSE = replace(
     rivals=(Explanation((MASS,), 0.0003, 82.1),),
     gain=(
         ChannelGain("current_2_a", "A", 0.612, 0.081, 0.074, 0.868, 0.83, 0.904),
+        ChannelGain("reflector_1_x_m", "m", np.nan, np.nan, np.nan, np.nan, np.nan, np.nan),
         ChannelGain("reflector_1_z_m", "m", 2.11e-4, 2.14e-4, 2.0e-4, -0.0142, -0.05, 0.021),
     ),
     held_out_by="run",
     steps=(
-        Step(GAS, 94.3, 81.2, 60.1, 103.4, True, "Held-out runs become more probable."),
-        Step(MASS, 6.1, 0.4, -3.1, 4.2, False, "Held-out runs are predicted no better."),
+        Step((GAS,), 94.3, 81.2, 60.1, 103.4, True, "held-out runs become more probable"),
+        Step((MASS,), 6.1, 0.4, -3.1, 4.2, False, "held-out runs do not become more probable"),
     ),
     next=(Proposal("the sweeps again, slower", ("loss of gas", ""), 0.4, 0.0, "lost: 0.13 +- 0.01 today"),),
 )

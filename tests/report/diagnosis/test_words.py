@@ -17,7 +17,7 @@ from tests.report.diagnosis.made import VERDICTS
     [
         ("nothing", "Nothing found: the nominal model explains this campaign."),
         ("cause", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
-        ("several", "2 causes act together: loss of gas and zero of a joint, joint 2."),
+        ("several", "2 causes act together: loss of gas and zero of a joint (joint 2)."),
         (
             "unlisted",
             "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction, which no effect "
@@ -34,7 +34,7 @@ def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
     for words in (
         "lost 0.133 (0.113 to 0.152)",
         "motor current 2: 0.612 -> 0.081 A (floor 0.074), gain 87 % (83 % to 90 %)",
-        "Refused: mass of a link, upper arm. Held-out runs are predicted no better.",
+        "Refused: mass of a link (upper arm): held-out runs do not become more probable.",
         "Next: the sweeps again, slower",
         "variance is 1.7 times",
         "Not looked for: friction_temperature, which needs gear_temperature.",
@@ -46,6 +46,12 @@ def test_a_set_is_not_guessed_between() -> None:
     text = "\n".join(words_of(VERDICTS["set"]))
     assert "either loss of gas or gas warmer or colder, which these data cannot tell apart" in text
     assert "It would decide between loss of gas and gas warmer or colder" in text
+
+
+def test_nothing_found_says_what_would_have_been() -> None:
+    text = "\n".join(words_of(VERDICTS["nothing"]))
+    assert "chance would still find something in 1 % of such campaigns" in text
+    assert "joint zero, joint 2: offset 0.012 deg" in text
 
 
 def test_files_are_named(tmp_path: Path) -> None:
