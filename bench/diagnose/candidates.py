@@ -106,26 +106,29 @@ def candidates_of(design: Design, causes: Sequence[Cause], changes: Sequence[Arr
     Args:
         design: The campaign.
         causes: What to try.
-        changes: Of the readings, shape (T, c) each, with one size of one shape of one cause at its typical value, in the
-            order of `plan_of`; None where the model found no balance.
+        changes: Of the readings, shape (T, c) each, with one size of one shape of one cause at its typical value, in
+            the order of `plan_of`; None where the model found no balance.
     """
-    plan = plan_of(causes)
+    seen = [i for i, change in enumerate(changes) if change is not None]
+    if not seen:
+        return ()
+    white = design.whiten(np.stack([change for change in changes if change is not None], axis=2))
+    column_of = {i: column for column, i in enumerate(seen)}
     found = []
     i = 0
-    for cause, shape in plan:
-        mine = changes[i : i + len(cause.sizes)]
+    for cause, shape in plan_of(causes):
+        kept = [(size, column_of[i + k]) for k, size in enumerate(cause.sizes) if i + k in column_of]
         i += len(cause.sizes)
-        kept = [(size, change) for size, change in zip(cause.sizes, mine, strict=True) if change is not None]
         if not kept:
             continue
         step = np.array([size.typical - size.null for size, _ in kept])
         prior = np.array([size.high for size, _ in kept]) / np.sqrt(3) / np.abs(step)
-        columns = design.whiten(np.stack([change for _, change in kept], axis=2))
-        seen = np.linalg.norm(columns, axis=0) * prior > INVISIBLE
-        if np.any(seen):
-            sizes = tuple(size for (size, _), is_seen in zip(kept, seen, strict=True) if is_seen)
-            visible = Cause(cause.effect, cause.place, sizes, cause.shapes)
-            found.append(Candidate(visible, shape, step[seen], prior[seen], columns[:, seen]))
+        columns = white[:, [column for _, column in kept]]
+        visible = np.linalg.norm(columns, axis=0) * prior > INVISIBLE
+        if np.any(visible):
+            sizes = tuple(size for (size, _), is_visible in zip(kept, visible, strict=True) if is_visible)
+            shown = Cause(cause.effect, cause.place, sizes, cause.shapes)
+            found.append(Candidate(shown, shape, step[visible], prior[visible], columns[:, visible]))
     return tuple(found)
 
 

@@ -1,7 +1,10 @@
-"""What not even the richest model explains is noise too: by how much, channel by channel, standard errors are too small.
+"""What not even the richest model explains is noise too: by how much the standard errors of quantities are too small.
 
 A real drive has cogging, a real arm rings, a clock jitters. One factor for a whole campaign would let the worst channel
 drown the others; so each quantity has its own, at rest and in motion. Neighbours that err alike count as one reading.
+
+While a model is still far from the data, signatures are those of a wrong model, good to a share of what it misses: no
+quantity counts as known better than half of that. As the climb goes on, standard errors fall to what instruments have.
 """
 
 import numpy as np
@@ -11,6 +14,7 @@ from bench.record.campaign import Array
 
 RIDGE = 1.0  # the richest model keeps the priors of its columns
 MOST_ALIKE = 50  # lags over which the correlation of neighbours is summed
+SHARE_OF_MISSES = 0.5  # of what the present model misses, below which no standard error goes
 FEW = 10  # readings that say nothing of their own scatter
 
 
@@ -30,12 +34,12 @@ def lack_of_fit(design: Design, white: Array, columns: Array, prior: Array) -> A
     explained = np.linalg.solve(normal + RIDGE * np.eye(len(normal)), rich.T @ white)
     left = white - rich @ explained
     # what each reading's own fit took away from its scatter
+    own = design.slopes
+    missed = white - own @ np.linalg.solve(own.T @ own + RIDGE * np.eye(own.shape[1]), own.T @ white)
     inverse = np.linalg.inv(normal + RIDGE * np.eye(len(normal)))
     leverage = np.clip(np.einsum("ij,jk,ik->i", rich, inverse, rich, optimize=True), 0.0, 0.9)
     still = np.array([segment.is_static for segment in design.segments])
-    at_rest = np.concatenate(
-        [np.full(int(w.rows.sum()), one) for w, one in zip(design.whitenings, still, strict=True)]
-    )
+    at_rest = np.concatenate([np.full(int(w.rows.sum()), one) for w, one in zip(design.whitenings, still, strict=True)])
     factors = np.ones((2, len(design.quantities)))
     for c in range(len(design.quantities)):
         for kind, rows in enumerate((at_rest & (design.column_of == c), ~at_rest & (design.column_of == c))):
@@ -43,7 +47,8 @@ def lack_of_fit(design: Design, white: Array, columns: Array, prior: Array) -> A
                 continue
             variance = float(np.sum(left[rows] ** 2) / np.sum(1 - leverage[rows]))
             alike = 1.0 if kind == 0 else _alike(left[rows], design.run_of[rows])
-            factors[kind, c] = np.sqrt(variance * alike)
+            misses = SHARE_OF_MISSES * np.sqrt(np.mean(missed[rows] ** 2))
+            factors[kind, c] = max(np.sqrt(variance * alike), misses)
     return np.maximum(factors * design.excess, 1.0) / design.excess
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.diagnose.candidates import Candidate
 from bench.diagnose.screening import Screening
 
 
@@ -29,23 +30,22 @@ class DetectionLimit:
 def detection_limits(screening: Screening) -> tuple[DetectionLimit, ...]:
     """Return the limits of everything that was tried; for a cause of several shapes, that of the one seen best.
 
-    With the information I on a size, nuisances integrated out, and its prior p, the expected log evidence of a size s is
+    With the information I on a size, nuisances integrated out, and its prior p, the log evidence expected of size s is
     s^2 I p^2 I / (1 + p^2 I) / 2 - log(1 + p^2 I) / 2; the limit is where it reaches the threshold.
     """
     found: dict[tuple[str, str, str], DetectionLimit] = {}
     for entry in screening.entries:
-        if entry.cause is None:
+        what = entry.what
+        if not isinstance(what, Candidate):
             continue
-        for size, column, prior, step in zip(
-            entry.cause.sizes, entry.columns, entry.prior, entry.what.step, strict=True  # type: ignore[union-attr]
-        ):
+        for size, column, prior, step in zip(what.cause.sizes, entry.columns, entry.prior, what.step, strict=True):
             information = float(screening.marginal.information[column, column])
             known = prior**2 * information
             if known <= 0:
                 continue
             square = (2 * screening.threshold + np.log1p(known)) * (1 + known) / known / information
             limit = float(np.sqrt(square) * abs(step))
-            key = (entry.cause.effect.name, str(entry.cause.place), size.name)
+            key = (*what.cause.key, size.name)
             if key not in found or limit < found[key].limit:
-                found[key] = DetectionLimit(*key, limit, size.unit)
+                found[key] = DetectionLimit(*what.cause.key, size.name, limit, size.unit)
     return tuple(found.values())

@@ -19,22 +19,23 @@ from bench.diagnose.measure import HeldOut, held_out
 from bench.diagnose.refit import Fit, Key, fit_without, polished, pseudo_residual, refit
 from bench.diagnose.screening import Entry, Screening, rescreen
 from bench.errors import BenchError
+from bench.record.campaign import Array
 
 Kind = Literal["nothing found", "cause", "several causes", "unlisted cause"]
-Renew = Callable[[Design, Fit, Screening], tuple[Design, Screening] | None]
+Renew = Callable[[Design, Fit, Screening], tuple[Design, Screening]]
 
 FINALISTS = 6  # causes that are fitted by simulation
 PAIRED = 40  # causes whose pairs are all tried in the linear picture
-PAIR_FINALISTS = 4
-MOST_CAUSES = 24
-MOST_REFUSED = 3
+PAIR_FINALISTS = 3
+MOST_CAUSES = 30
+MOST_REFUSED = 8
 IN_REACH = 12.0  # log evidence behind the best, from where on a cause is not worth a simulation
 IMPRECISE = 0.2  # of its evidence, by which the linear picture may be wrong about a strong effect
 IN_SET = 6.0  # log evidence behind the best, up to where a cause is not told apart from it (odds of 400)
 NEARLY = 4.0  # beyond the set, up to where derivatives are taken anew before it is decided
 PROMISING = 0.5  # of the evidence that is asked for, in the linear picture
 # What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.
-UNEXPLAINED = 0.01
+UNEXPLAINED = 0.002
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,11 +119,15 @@ class Naming:
 
 @dataclass(frozen=True, eq=False)
 class _Stage:
-    """Where the climb stands: the linear picture about a model, everything weighed against it, and the model."""
+    """Where the climb stands: the linear picture about a model, everything weighed against it, and the model.
+
+    `tried` are the explanations with as many causes that were fitted on the way.
+    """
 
     design: Design
     screening: Screening
     best: Hypothesis
+    tried: tuple[Hypothesis, ...] = ()
 
     @property
     def fit(self) -> Fit:
@@ -132,7 +137,7 @@ class _Stage:
 def name_cause(
     design: Design,
     screening: Screening,
-    renew: Renew = lambda design, fit, screening: None,
+    renew: Renew,
     progress: Callable[[str], None] = lambda words: None,
 ) -> Naming:
     """Name what is wrong with the nominal model.
@@ -140,8 +145,7 @@ def name_cause(
     Args:
         design: The campaign.
         screening: Everything that was tried in the linear picture.
-        renew: Returns the linear picture about a fit with everything that can be tried there, if that differs from
-            what can be tried on the nominal model; else None.
+        renew: Returns the linear picture about a fit with everything that can be tried there.
         progress: Called with what is done next.
     """
     null = refit(design, (), {})
@@ -157,7 +161,8 @@ def name_cause(
             break
         count = len(stage.best.causes) + 1
         progress("single causes" if count == 1 else f"{count} causes")
-        found = _one_more(stage, screening, null, refused, limit)
+        fits = _one_more(stage, screening, refused, limit)
+        found = max(fits, key=lambda h: h.log_evidence, default=None)
         if found is None or found.log_evidence <= stage.best.log_evidence + limit:
             break
         before = stage.best.keys
@@ -169,16 +174,16 @@ def name_cause(
         if not worth.pays:
             refused |= {cause.key for cause in added if cause.key not in before}
             continue
-        stage = _climbed(stage, found, renew, progress)
-        if count > 1 and _explains_more(screening, stage):
+        others = tuple(h for h in fits if h is not found and len(h.causes) == len(found.causes))
+        stage = _climbed(stage, found, others, renew, progress)
+        if len(stage.best.causes) > 1 and _explains_more(stage):
             break
     hypotheses = _among_rivals(stage, progress) if stage.best.causes else ()
     if hypotheses and hypotheses[0].keys != stage.best.keys:
         stage = _weighed(stage.design, stage.screening, hypotheses[0])
-    block = _unlisted(screening, stage)
+    block = _unlisted(stage, threshold)
     if block is not None:
-        alone = block is screening.free[0].what
-        kept = () if alone else hypotheses
+        kept = () if _explains_more(stage) else hypotheses
         return Naming("unlisted cause", kept, block, null, screening, stage.screening, tuple(rungs), stage.design)
     if not hypotheses:  # what the linear picture promised, the simulation did not keep
         return Naming("nothing found", (), None, null, screening, screening, tuple(rungs), design)
@@ -186,24 +191,28 @@ def name_cause(
     return Naming(kind, hypotheses, None, null, screening, stage.screening, tuple(rungs), stage.design)
 
 
-def _climbed(stage: _Stage, found: Hypothesis, renew: Renew, progress: Callable[[str], None]) -> _Stage:
+def _climbed(
+    stage: _Stage,
+    found: Hypothesis,
+    others: tuple[Hypothesis, ...],
+    renew: Renew,
+    progress: Callable[[str], None],
+) -> _Stage:
     """Return the stage with another model: derivatives about it, and everything weighed against it."""
-    design, fit = polished(stage.design, found.fit)
-    best = Hypothesis(fit, found.log_evidence + fit.log_evidence - found.fit.log_evidence)
     progress("what the extended model makes possible")
-    renewed = renew(design, fit, stage.screening)
-    if renewed is None:
-        return _weighed(design, stage.screening, best)
-    design, screening = renewed
-    best = replace(best, fit=refit(design, fit.causes, fit.start, fit.nuisances))
-    return _weighed(design, screening, best)
+    design, fit = polished(stage.design, found.fit)
+    value = found.log_evidence + fit.log_evidence - found.fit.log_evidence
+    about, screening = renew(design, fit, stage.screening)
+    if about is design:
+        return _weighed(design, screening, Hypothesis(fit, value), others)
+    return _weighed(about, screening, Hypothesis(refit(about, fit.causes, fit.start, fit.nuisances), value))
 
 
-def _weighed(design: Design, screening: Screening, best: Hypothesis) -> _Stage:
+def _weighed(design: Design, screening: Screening, best: Hypothesis, tried: tuple[Hypothesis, ...] = ()) -> _Stage:
     sigma = np.array([unknown.sigma for unknown in best.fit.unknowns])
     pseudo, slopes = pseudo_residual(design, best.fit), design.whiten(best.fit.slopes)
     against = rescreen(design, screening, pseudo, slopes, sigma, best.keys)
-    return _Stage(design, against, best)
+    return _Stage(design, against, best, tried)
 
 
 def _reach(evidence: float) -> float:
@@ -211,23 +220,18 @@ def _reach(evidence: float) -> float:
     return max(IN_REACH, IMPRECISE * evidence)
 
 
-def _one_more(
-    stage: _Stage, first: Screening, null: Fit, refused: set[tuple[str, str]], limit: float
-) -> Hypothesis | None:
-    """Return the best explanation with one cause more; for two causes, the best of all pairs."""
+def _one_more(stage: _Stage, first: Screening, refused: set[tuple[str, str]], limit: float) -> list[Hypothesis]:
+    """Return explanations with one cause more, or with two that hide each other; for two causes, of all pairs."""
     open_ = [e for e in stage.screening.listed if e.cause and e.cause.key not in refused]
-    worth = [e for e in open_ if e.log_evidence > PROMISING * limit]
-    trials: dict[frozenset[tuple[str, str]], _Trial] = {}
-    for entry in worth[:FINALISTS]:
-        if entry.log_evidence > worth[0].log_evidence - _reach(worth[0].log_evidence):
-            trial = _Trial.extending(stage, entry)
-            trials[trial.keys] = trial
+    worth = [e for e in open_ if e.log_evidence > PROMISING * limit][:FINALISTS]
+    single = worth[0].log_evidence if worth else 0.0
+    trials = [_Trial.extending(stage, e) for e in worth if e.log_evidence > single - _reach(single)]
+    trials += _hiding(stage, open_, single + limit)
     if len(stage.best.causes) == 1:
-        for trial in _pairs(stage, first, refused)[:PAIR_FINALISTS]:
-            trials.setdefault(trial.keys, trial)
-    ranked = sorted(trials.values(), key=lambda trial: -trial.promise)
-    fits = _fitted(stage, ranked[:FINALISTS])
-    return max(fits, key=lambda h: h.log_evidence) if fits else None
+        trials += _pairs(stage, first, refused)[:PAIR_FINALISTS]
+    unique = {trial.keys: trial for trial in sorted(trials, key=lambda trial: trial.promise)}
+    ranked = sorted(unique.values(), key=lambda trial: -trial.promise)
+    return _fitted(stage, ranked[: FINALISTS + PAIR_FINALISTS])
 
 
 @dataclass(frozen=True)
@@ -236,7 +240,7 @@ class _Trial:
 
     causes: tuple[Cause, ...]
     start: dict[Key, float]
-    nuisances: np.ndarray | None
+    nuisances: Array | None
     promise: float
 
     @property
@@ -244,11 +248,30 @@ class _Trial:
         return frozenset(cause.key for cause in self.causes)
 
     @classmethod
-    def extending(cls, stage: _Stage, entry: Entry) -> "_Trial":
-        assert entry.cause
-        start = stage.fit.start | stage.screening.sizes_of(entry)
-        promise = stage.best.log_evidence + entry.log_evidence
-        return cls((*stage.best.causes, entry.cause), start, stage.fit.nuisances, promise)
+    def extending(cls, stage: _Stage, *entries: Entry, evidence: float | None = None) -> "_Trial":
+        start = dict(stage.fit.start)
+        for entry in entries:
+            start |= stage.screening.sizes_of(entry)
+        promise = stage.best.log_evidence + (entries[0].log_evidence if evidence is None else evidence)
+        added = tuple(entry.cause for entry in entries if entry.cause)
+        return cls((*stage.best.causes, *added), start, stage.fit.nuisances, promise)
+
+
+def _hiding(stage: _Stage, open_: Sequence[Entry], least: float) -> list[_Trial]:
+    """Return pairs that explain together what neither does alone, as a payload and missing gas hide each other."""
+    found = []
+    for pair in combinations(open_[:PAIRED], 2):
+        alone = sum(max(entry.log_evidence, 0.0) for entry in pair)
+        evidence = _joint_evidence(stage.screening, pair)
+        if evidence > alone + least:
+            found.append(_Trial.extending(stage, *pair, evidence=evidence))
+    return sorted(found, key=lambda trial: -trial.promise)[:PAIR_FINALISTS]
+
+
+def _joint_evidence(screening: Screening, pair: Sequence[Entry]) -> float:
+    columns = np.concatenate([entry.columns for entry in pair])
+    prior = np.concatenate([entry.prior for entry in pair])
+    return screening.marginal.log_evidence(columns, prior)
 
 
 def _pairs(stage: _Stage, first: Screening, refused: set[tuple[str, str]]) -> list[_Trial]:
@@ -259,11 +282,9 @@ def _pairs(stage: _Stage, first: Screening, refused: set[tuple[str, str]]) -> li
     unique = {entry.cause.key: entry for entry in promising if entry.cause and entry.cause.key not in refused}
     trials = []
     for pair in combinations(unique.values(), 2):
-        columns = np.concatenate([entry.columns for entry in pair])
-        prior = np.concatenate([entry.prior for entry in pair])
         causes = tuple(entry.cause for entry in pair if entry.cause)
         start = first.sizes_of(pair[0]) | first.sizes_of(pair[1])
-        trials.append(_Trial(causes, start, None, first.marginal.log_evidence(columns, prior)))
+        trials.append(_Trial(causes, start, None, _joint_evidence(first, pair)))
     return sorted(trials, key=lambda trial: -trial.promise)
 
 
@@ -281,9 +302,8 @@ def _fitted(stage: _Stage, trials: Sequence[_Trial]) -> list[Hypothesis]:
 def _among_rivals(stage: _Stage, progress: Callable[[str], None]) -> tuple[Hypothesis, ...]:
     """Return the best explanation and those in which one of its causes is another, by falling evidence."""
     progress("rivals")
-    fits = [stage.best]
-    for trial in _swaps(stage):
-        fits += _fitted(stage, [trial])
+    known = {h.keys for h in stage.tried}
+    fits = [stage.best, *stage.tried, *_fitted(stage, [trial for trial in _swaps(stage) if trial.keys not in known])]
     top = max(h.log_evidence for h in fits)
     settled = []
     for hypothesis in fits:
@@ -324,24 +344,36 @@ def _swaps(stage: _Stage) -> list[_Trial]:
     return trials
 
 
-def _explains_more(first: Screening, stage: _Stage) -> bool:
-    """Whether one free shape explains more than all listed causes that were found."""
-    return bool(first.free) and first.free[0].log_evidence > stage.best.log_evidence + first.threshold
+def _explains_more(stage: _Stage) -> bool:
+    """Whether one free shape explains more than all listed causes that were found, with the same errors counted."""
+    free = _alone(stage)
+    if not free:
+        return False
+    null = refit(stage.design, (), {})
+    return free[0].log_evidence > stage.fit.log_evidence - null.log_evidence + stage.screening.threshold
 
 
-def _unlisted(first: Screening, stage: _Stage) -> Block | None:
+def _alone(stage: _Stage) -> tuple[Entry, ...]:
+    """Return the free shapes against the nominal model, by falling evidence."""
+    design = stage.design
+    nothing: Array = np.zeros((len(design.white), 0))
+    return rescreen(design, stage.screening, design.white, nothing, np.zeros(0)).free
+
+
+def _unlisted(stage: _Stage, threshold: float) -> Block | None:
     """Return the free shape that is needed, or None where listed causes are enough.
 
     One that explains alone more than several listed causes together is preferred to them.
     """
-    explained, threshold = stage.best.log_evidence, first.threshold
-    if len(stage.best.causes) != 1 and _explains_more(first, stage):
-        assert isinstance(first.free[0].what, Block)
-        return first.free[0].what
-    free = stage.screening.free
-    if stage.best.causes and free and free[0].log_evidence > max(threshold, UNEXPLAINED * explained):
-        alone = first.free[0]
-        what = alone.what if alone.log_evidence >= explained else free[0].what
-        assert isinstance(what, Block)
-        return what
-    return None
+    left = stage.screening.free
+    needed = left and left[0].log_evidence > max(threshold, UNEXPLAINED * stage.best.log_evidence)
+    if not needed and len(stage.best.causes) == 1:
+        return None
+    if _explains_more(stage):
+        what = _alone(stage)[0].what
+    elif needed:
+        what = left[0].what
+    else:
+        return None
+    assert isinstance(what, Block)
+    return what

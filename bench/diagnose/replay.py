@@ -15,6 +15,7 @@ from bench.diagnose.segments import Segment
 from bench.effects.effect import Acting, Conditions, Effect
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec, read_spec
+from bench.simulate.bare import bare
 from bench.simulate.instruments import Reading
 from bench.simulate.payload import bolt_on
 from bench.simulate.plant import Trace
@@ -53,6 +54,7 @@ class Replay:
         self.segments = segments
         self.quantities = quantities
         self._spec = read_spec(compiled.robot)
+        bare(self._spec, compiled.robot)
         self._found: list[Array | None] = [None] * len(segments)
         self._nominal: list[Trace] = []
         self._nominal = self.traces(NOMINAL)

@@ -1,4 +1,4 @@
-"""Signatures: what each cause and each nuisance changes in the readings. It depends on what was done, not on what was read.
+"""Signatures: what each cause and each nuisance changes in the readings. It depends on what was done, not on readings.
 
 Two campaigns of one session repeat the same motion within microns, so the derivatives of the model are the same.
 They are simulated once for every stretch of a session; a study looks them up afterwards. Residuals are never shared.
@@ -28,7 +28,7 @@ class Changes:
 
     Attributes:
         nuisances: Shape (T, c, p), of one standard deviation each.
-        causes: One for each size of each shape of each cause, in the order of `plan_of`, shape (T, c); None: no balance.
+        causes: One for each size of each shape of each cause, in the order of `plan_of`, shape (T, c); None: fails.
     """
 
     nuisances: Array
@@ -74,10 +74,7 @@ class Signatures:
         """Causes whose model found no balance along some motion."""
         p = len(self.nuisances)
         lost = {
-            i
-            for known in self._changes.values()
-            for i in range(len(self._plan))
-            if np.any(np.isnan(known[..., p + i]))
+            i for known in self._changes.values() for i in range(len(self._plan)) if np.any(np.isnan(known[..., p + i]))
         }
         return tuple(dict.fromkeys(f"{self._plan[i].effect.name} {self._plan[i].place}" for i in sorted(lost)))
 

@@ -1,13 +1,12 @@
 """What can be tried about an extended model: a robot that has friction may have more of it at low speed, and so on."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from bench.diagnose.candidates import Cause, candidates_of, causes_of
+from bench.diagnose.candidates import Candidate, Cause, candidates_of, causes_of
 from bench.diagnose.design import Design, raised, relinearised
-from bench.diagnose.generic import blocks_of
+from bench.diagnose.generic import Block, blocks_of
 from bench.diagnose.lack_of_fit import lack_of_fit
 from bench.diagnose.refit import Fit, is_simulated, pseudo_residual
 from bench.diagnose.replay import World, edits_in
@@ -19,28 +18,28 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, compile_spec, read_spec
 
 ENOUGH = 1.2  # times; standard errors that have to be raised by less are settled
-ROUNDS = 3
+ROUNDS = 6
 
 
-@dataclass(frozen=True)
 class Surroundings:
-    """Looks for what an extended model makes possible.
+    """Weighs everything that can be tried on a model, and on each model that extends it.
 
-    Attributes:
+    Args:
         compiled: The nominal robot.
         catalogue: Effects.
         measured: Quantities that the campaign has.
         rate: Declared false-alarm rate.
     """
 
-    compiled: CompiledRobot
-    catalogue: Mapping[str, Effect]
-    measured: frozenset[str]
-    rate: float
-
-    def causes(self) -> tuple[Cause, ...]:
-        """Return what can be tried on the nominal model."""
-        return causes_of(self.catalogue.values(), self.compiled, self.measured)
+    def __init__(
+        self, compiled: CompiledRobot, catalogue: Mapping[str, Effect], measured: frozenset[str], rate: float
+    ) -> None:
+        self.compiled = compiled
+        self.catalogue = catalogue
+        self.measured = measured
+        self.rate = rate
+        self._causes: tuple[Cause, ...] = ()
+        self._changes = Changes(np.empty(0), ())
 
     def weighed(self, design: Design, causes: Sequence[Cause], changes: Changes) -> tuple[Design, Screening]:
         """Return the nominal model with everything weighed against it.
@@ -50,46 +49,53 @@ class Surroundings:
             causes: What to try.
             changes: What they change.
         """
-        return self._screened(design, lambda nominal: nominal.white, causes, changes)
+        self._causes, self._changes = tuple(causes), changes
+        return self._screened(design, lambda nominal: nominal.white)
 
-    def about(self, design: Design, fit: Fit, known: Screening) -> tuple[Design, Screening] | None:
-        """Return the linear picture about a fit, with everything that can be tried there.
+    def about(self, design: Design, fit: Fit, known: Screening) -> tuple[Design, Screening]:
+        """Return the linear picture about an extended model, with everything that can be tried there.
 
-        None if no effect finds a place there that it did not find before.
+        Signatures are simulated anew where effects find places that they did not find before.
 
         Args:
             design: About the model before.
             fit: Of the extended model.
-            known: What could be tried on the model before.
+            known: Everything as it was weighed before; returned as it is where nothing has to be weighed anew.
         """
         world = fit.world(design)
         edits = edits_in(World(acting=world.acting), Conditions.reference(self.compiled.n_joints))
         extended = compile_spec(read_spec(self.compiled.robot), self.compiled.robot, edits)
+        causes = causes_of(self.catalogue.values(), extended, self.measured)
         taken = {cause.key for cause in fit.causes}
-        causes = tuple(c for c in causes_of(self.catalogue.values(), extended, self.measured) if c.key not in taken)
-        before = {entry.cause.key for entry in known.entries if entry.cause}
-        if {cause.key for cause in causes} <= before | {cause.key for cause in self.causes()}:
-            return None
-        which = [i for i, nuisance in enumerate(design.nuisances) if is_simulated(nuisance)]
-        nuisances = tuple(design.nuisances[i] for i in which)
-        changes = Signatures(self.compiled, design.quantities, nuisances, causes, world).changes(design.segments)
-        design = relinearised(design, which, changes.nuisances)
-        return self._screened(design, lambda about: pseudo_residual(about, fit), causes, changes)
+        if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
+            which = [i for i, nuisance in enumerate(design.nuisances) if is_simulated(nuisance)]
+            nuisances = tuple(design.nuisances[i] for i in which)
+            self._causes = tuple(cause for cause in causes if cause.key not in taken)
+            signatures = Signatures(self.compiled, design.quantities, nuisances, self._causes, world)
+            self._changes = signatures.changes(design.segments)
+            design = relinearised(design, which, self._changes.nuisances)
+        elif _is_settled(_factors(design, pseudo_residual(design, fit), [entry.what for entry in known.entries])):
+            return design, known
+        return self._screened(design, lambda about: pseudo_residual(about, fit))
 
-    def _screened(
-        self, design: Design, white_of: Callable[[Design], Array], causes: Sequence[Cause], changes: Changes
-    ) -> tuple[Design, Screening]:
+    def _screened(self, design: Design, white_of: Callable[[Design], Array]) -> tuple[Design, Screening]:
         for _ in range(ROUNDS):
-            candidates, blocks = candidates_of(design, causes, changes.causes), blocks_of(design)
-            tried = [(c.columns, c.prior) for c in candidates]
-            tried += [(block.columns, np.full(block.columns.shape[1], block.prior)) for block in blocks]
-            if not tried:
+            candidates, blocks = candidates_of(design, self._causes, self._changes.causes), blocks_of(design)
+            if not (candidates or blocks):
                 raise InputError("nothing of the catalogue would leave a trace in this campaign; see bench effects.")
-            columns = np.concatenate([one for one, _ in tried], axis=1)
-            prior = np.concatenate([one for _, one in tried])
-            factors = lack_of_fit(design, white_of(design), columns, prior)
-            if np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)):
+            factors = _factors(design, white_of(design), (*candidates, *blocks))
+            if _is_settled(factors):
                 break
             design = raised(design, factors)
         screening = screen(design, white_of(design), candidates, blocks, self.rate, np.random.default_rng(0))
         return design, screening
+
+
+def _factors(design: Design, white: Array, tried: Sequence[Candidate | Block]) -> Array:
+    columns = np.concatenate([what.columns for what in tried], axis=1)
+    prior = np.concatenate([np.broadcast_to(what.prior, what.columns.shape[1]) for what in tried])
+    return lack_of_fit(design, white, columns, prior)
+
+
+def _is_settled(factors: Array) -> bool:
+    return bool(np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)))
