@@ -14,9 +14,12 @@ class Check:
     """Campaign folder (format: bench/record/README.md)."""
 
     def run(self) -> int:
-        """Check and print; return the exit code: 0 without errors, 3 with."""
+        """Check and print; return the exit code: 0, or 3 with errors or doubts."""
+        from typing import get_args
+
         from bench.diagnose.channels import doubts_of
         from bench.errors import CampaignError
+        from bench.record.finding import Level
         from bench.report.campaigns import open_campaign
 
         report, compiled = open_campaign(self.campaign)
@@ -26,6 +29,7 @@ class Check:
         for finding in findings:
             print(f"{finding.level:8}{finding}")
         runs = f"{len(report.campaign.runs)} runs on {report.campaign.robot}" if report.campaign else "not usable"
-        warnings = len(findings) - len(report.errors)
-        print(f"{self.campaign}: {len(report.errors)} errors, {warnings} warnings; {runs}")
-        return CampaignError.exit_code if report.errors else 0
+        count = {level: sum(finding.level == level for finding in findings) for level in get_args(Level)}
+        doubts = f"{count['doubt']} doubts, " if count["doubt"] else ""
+        print(f"{self.campaign}: {count['error']} errors, {doubts}{count['warning']} warnings; {runs}")
+        return CampaignError.exit_code if count["error"] or count["doubt"] else 0

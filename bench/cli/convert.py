@@ -36,9 +36,9 @@ class Convert:
         for file, names in converted.unused.items():
             if names:
                 print(f"{file}: not used: {', '.join(names)}")
-        warnings = check_campaign(self.out).warnings
+        warnings = check_campaign(self.out).findings  # one with errors was not written
         for warning in warnings:
-            print(f"warning {warning}")
+            print(f"{warning.level:8}{warning}")
         rows = sum(len(run) for run in converted.campaign.runs)
         print(f"{self.out}: {len(converted.campaign.runs)} runs, {rows} rows, {len(warnings)} warnings")
         return 0

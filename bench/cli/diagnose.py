@@ -6,6 +6,11 @@ from typing import Annotated
 
 import tyro
 
+WAYS_OUT = (
+    "Put this right first: a verdict would blame the robot for it. A column that cannot be mended is left out when its "
+    "name begins with _; if all is as it should be, give --despite-doubts."
+)
+
 
 @dataclass(frozen=True)
 class Diagnose:
@@ -20,6 +25,8 @@ class Diagnose:
     """Folder to write; must not exist yet."""
     file: tuple[Path, ...] = ()
     """Python files with effects of your own (bench/effects/README.md)."""
+    despite_doubts: bool = False
+    """Go on although channels are hardly what their names say; by default that ends in an error."""
 
     def run(self) -> int:
         """Diagnose, print and write; return the exit code."""
@@ -28,21 +35,24 @@ class Diagnose:
         from bench.diagnose.channels import doubts_of
         from bench.diagnose.diagnose import diagnose
         from bench.effects.catalogue import catalogue
+        from bench.errors import CampaignError
         from bench.record.folder import new_folder
         from bench.report.campaigns import open_campaign
         from bench.report.diagnosis.file_names import VERDICT
         from bench.report.diagnosis.words import places_of, words_of
         from bench.report.diagnosis.write import write_diagnosis
 
+        effects = catalogue(self.file)
         report, compiled = open_campaign(self.campaign)
         campaign = report.usable()
         assert compiled
-        for warning in (*report.warnings, *doubts_of(campaign, compiled, report.findings)):
-            print(f"warning {warning}", file=sys.stderr)
+        doubts = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
+        if doubts and not self.despite_doubts:
+            raise CampaignError([*(f"{self.campaign}: {doubt}" for doubt in doubts), WAYS_OUT])
+        for finding in (*report.warnings, *doubts):
+            print(f"{finding.level:8}{finding}", file=sys.stderr)
         with new_folder(self.out, VERDICT, replace=False) as folder:
-            found = diagnose(
-                campaign, compiled, catalogue(self.file), progress=lambda words: print(f"... {words}", file=sys.stderr)
-            )
+            found = diagnose(campaign, compiled, effects, progress=lambda words: print(f"... {words}", file=sys.stderr))
             write_diagnosis(found, folder, campaign, self.command)
         for line in words_of(found.verdict):
             print(line)
@@ -56,4 +66,5 @@ class Diagnose:
         import shlex
 
         files = [word for file in self.file for word in ("--file", str(file))]
+        files += ["--despite-doubts"] * self.despite_doubts
         return shlex.join(["bench", "diagnose", str(self.campaign), "-o", str(self.out), *files])

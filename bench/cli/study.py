@@ -39,6 +39,7 @@ class Study:
         import os
 
         from bench.cli.progress import progress_bar
+        from bench.errors import InputError
         from bench.report.study.words import measured_words, met_words
         from bench.report.study.write import PAGE, write_study
         from bench.study.labs import Lab
@@ -48,7 +49,10 @@ class Study:
 
         counts = SMALL if self.small else Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins)
         settings = Settings(counts, self.seed)
-        self.out.mkdir(parents=True, exist_ok=True)
+        try:
+            self.out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{self.out}: cannot be made ({error.strerror}); choose another folder") from error
         with progress_bar("campaigns") as progress:
             outcomes = run_study(settings, self.out, self.cores or os.cpu_count() or 1, progress)
         scores = scores_of(outcomes)

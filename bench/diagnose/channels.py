@@ -1,8 +1,8 @@
-"""Drive channels that are not what their name says: sign, unit or joint, against what the nominal model needs.
+"""Channels that are not what their name says: sign, unit or joint, against what the nominal model needs.
 
-The nominal model may lack friction, payload and gas, so nothing rests on how well it fits. What is told rests on laws
-that no such lack can break: friction takes energy, a drive stays within its limits, and a joint's torque follows that
-joint's motion.
+The nominal model may lack friction, payload and gas. What is told rests on laws that no such lack can break (friction
+takes energy, a drive stays within its limits, a joint's torque follows that joint's motion), or on a model that fits
+well once a channel is read in another way (`mistaken.py`), or on distances far beyond any defect (`displaced.py`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -10,11 +10,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.displaced import displaced
 from bench.diagnose.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.quantities import quantities_of
+from bench.diagnose.mistaken import doubt, mistakes_in, turned
+from bench.diagnose.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
+from bench.diagnose.physical_fit import misfit
+from bench.diagnose.quantities import Quantity, quantities_of
 from bench.diagnose.replay import Replay
 from bench.diagnose.segments import segments_of
-from bench.diagnose.turned_axes import doubt, turned_axes
 from bench.effects.places import speed_limit, torque_limit
 from bench.errors import ConvergenceError
 from bench.record.campaign import Array, Campaign
@@ -26,37 +29,61 @@ BLOCKS = 6  # of the readings; what is said has to hold with any of them left ou
 LEAST = 30  # readings of a drive in motion
 GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
 BEYOND = 2.0  # times the limits of a drive
+TURNED = 0.5  # part of the misfit that is left with the sign turned, before friction is believed to give energy
 FEEBLE = 0.1  # of the torque that the model needs; friction only adds to it, no counterbalance takes so much away
 ANOTHERS, FAR_BETTER = 0.8, 0.3  # variance explained by another joint's motion; part of the own misfit that this leaves
 
 
 def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = ()) -> tuple[Finding, ...]:
-    """Return a warning for each drive channel that cannot be what its name says.
+    """Return a doubt for each channel that can hardly be what its name says.
 
     Args:
         campaign: A checked campaign.
         compiled: Its robot, nominal.
-        known: What was found before; a column is not reported twice.
+        known: What was found before; a column is not reported twice, and where angles or loads are doubted already,
+            nothing is made of them.
     """
-    told = {finding.column for finding in known}
-    quantities = tuple(q for q in quantities_of(campaign.runs, compiled) if q.is_drive)
-    segments = segments_of(campaign, compiled, quantities, BINS)
-    if not segments:
+    if any(finding.level == "doubt" and finding.column.startswith(("q_", "load_")) for finding in known):
         return ()
+    told = {finding.column for finding in known}
+    every = quantities_of(campaign.runs, compiled)
     try:
-        picture = drive_picture(Replay(compiled, segments, quantities))
+        found = list(_of_drives(campaign, compiled, tuple(q for q in every if q.is_drive), told))
+        others = tuple(q for q in every if not q.is_drive)
+        if segments := segments_of(campaign, compiled, others, BINS):
+            found += displaced(Replay(compiled, segments, others))
     except ConvergenceError as error:
         return (doubt("", f"the nominal model cannot follow the motion ({error})", "look at angles and their units"),)
+    return tuple(finding for finding in found if finding.column not in told)
+
+
+def _of_drives(
+    campaign: Campaign, compiled: CompiledRobot, quantities: tuple[Quantity, ...], told: set[str]
+) -> Iterator[Finding]:
+    segments = segments_of(campaign, compiled, quantities, BINS)
+    if not segments:
+        return
+    picture = drive_picture(Replay(compiled, segments, quantities))
     if too_fast := tuple(_beyond_speed(picture, compiled)):
-        return too_fast
-    found = []
-    for j, name in enumerate(picture.names):
+        yield from too_fast
+        return
+    dead = tuple(_dead(picture))
+    yield from dead
+
+    recording = Recording(segments, quantities, compiled)
+    of_loads = mistaken_loads(picture, recording)
+    mistaken = [
+        finding
+        for finding in mistakes_in(picture, of_loads, lambda: mistaken_joints(picture, recording))
+        if finding.column not in told
+    ]
+    yield from mistaken
+    for j, name in enumerate(picture.names if not mistaken else ()):
         if not name or name in told:
             continue
-        rows = np.isfinite(picture.observed[:, j])
+        rows = np.isfinite(picture.observed[:, j]) & ~picture.standing[:, j]
         if rows.sum() >= LEAST:
-            found += list(_of_drive(picture, compiled, j, rows))[:1]
-    return tuple(found) or tuple(turned_axes(picture, segments, quantities, compiled))
+            yield from list(_of_drive(picture, compiled, j, rows))[:1]
 
 
 def _beyond_speed(picture: DrivePicture, compiled: CompiledRobot) -> Iterator[Finding]:
@@ -65,6 +92,19 @@ def _beyond_speed(picture: DrivePicture, compiled: CompiledRobot) -> Iterator[Fi
         if top > BEYOND * limit:
             message = f"{drive} moves at {top:.3g} per s, its limit is {limit:.3g}"
             yield doubt(f"q_motor_{j + 1}", message, "degrees or millimetres? give SI units")
+
+
+def _dead(picture: DrivePicture) -> Iterator[Finding]:
+    """Yield drives that read one number all along though the model needs more than friction can hold."""
+    for j, name in enumerate(picture.names):
+        seen = np.isfinite(picture.observed[:, j])
+        if name and np.any(seen) and np.ptp(picture.observed[seen, j]) == 0:
+            value, needed = picture.observed[seen, j][0], picture.model[seen, j]
+            if np.max(np.abs(needed - value)) > picture.slack[j]:
+                message = (
+                    f"is {value / picture.unit[j]:g} all along, the model needs up to {np.max(np.abs(needed)):.3g} Nm"
+                )
+                yield doubt(name, message, "look whether it is connected, or remove it")
 
 
 def _of_drive(picture: DrivePicture, compiled: CompiledRobot, j: int, rows: NDArray[np.bool_]) -> Iterator[Finding]:
@@ -90,7 +130,7 @@ def _of_drive(picture: DrivePicture, compiled: CompiledRobot, j: int, rows: NDAr
             "on the motor side of the gear, or in kNm? multiply by the gear ratio, give SI units",
         )
     gains = [_energy(columns[kept], values[kept], velocity[kept]) for kept in _leaving_out(len(values))]
-    if max(gains) < -GAINED:
+    if max(gains) < -GAINED and misfit(turned(picture, (j,)))[j] < TURNED * misfit(picture)[j]:
         yield doubt(name, f"friction of {drive} would give energy", "turn the sign of this channel, or of the angle")
 
 

@@ -7,6 +7,7 @@ simulation (`bench.diagnose.refit`).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -71,9 +72,26 @@ class Design:
         return self.replay.segments
 
     def whiten(self, values: Array) -> Array:
-        """Return whitened values, shape (m, ...), of values of shape (T, c, ...)."""
-        parts = self.split(values)
-        return np.concatenate([w(part) for w, part in zip(self.whitenings, parts, strict=True)])
+        """Return whitened values, shape (m, ...), of values of shape (T, c, ...); nan counts as not measured."""
+        factors, rows = self._stacked
+        shape = values.shape
+        flat = np.nan_to_num(values.reshape(*shape[:2], -1))
+        white = (factors @ flat).reshape(shape[0] * shape[1], -1)[rows]
+        start = 0
+        for whitening in self.whitenings:
+            end = start + len(whitening.modes)
+            white[start:end] = whitening.settled(white[start:end])
+            start = end
+        whitened: Array = white.reshape(len(white), *shape[2:])
+        return whitened
+
+    @cached_property
+    def _stacked(self) -> tuple[Array, Array]:
+        """Factors, shape (T, c, c), and rows that were measured, shape (T * c,), of all segments."""
+        return (
+            np.concatenate([whitening.factors for whitening in self.whitenings]),
+            np.concatenate([whitening.rows for whitening in self.whitenings]),
+        )
 
     def split(self, values: Array) -> list[Array]:
         """Return values of shape (T, ...) segment by segment."""

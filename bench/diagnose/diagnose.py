@@ -1,15 +1,18 @@
 """From a campaign to a naming: replay, screen, refit. Extension files are written by `bench.report.diagnosis`."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bench.diagnose.ask import ask
+from bench.diagnose.blind_spots import blind_spots
 from bench.diagnose.candidates import causes_of, unseen_of
 from bench.diagnose.design import Design, design_of
+from bench.diagnose.learn import Lesson, lesson_of
 from bench.diagnose.measure import HeldOut, held_out
 from bench.diagnose.naming import Naming, name_cause
 from bench.diagnose.nuisances import nuisances_of
 from bench.diagnose.quantities import quantities_of
+from bench.diagnose.refit import Fit, refit
 from bench.diagnose.replay import Replay
 from bench.diagnose.segments import MOST_BINS, segments_of
 from bench.diagnose.signatures import Signatures
@@ -30,6 +33,19 @@ class Diagnosis:
     design: Design
     naming: Naming
     verdict: Verdict
+    lesson: Lesson | None = None
+
+    @property
+    def extension(self) -> Fit | None:
+        """The model with what was found, listed or learned; None where there is nothing to add."""
+        return extension_of(self.naming, self.lesson)
+
+
+def extension_of(naming: Naming, lesson: Lesson | None) -> Fit | None:
+    """Return the model with what was found, listed or learned; None where there is nothing to add."""
+    if lesson and lesson.pays:
+        return lesson.fit
+    return naming.hypotheses[0].fit if naming.hypotheses else None
 
 
 def diagnose(
@@ -52,7 +68,7 @@ def diagnose(
         progress: Called with what is done next.
         signatures: Of other campaigns of the same session, if there were any; from `signatures_of`.
         most_bins: How many bins all motion together may have.
-        asks: Whether to look for the next experiment.
+        asks: Whether to look for the next experiment, and for what the campaign could not show.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
@@ -75,15 +91,22 @@ def diagnose(
     naming = name_cause(design, screening, around.about, progress)
     worth: HeldOut | None = None
     proposals: tuple[Proposal, ...] = ()
-    if naming.hypotheses:
+    if naming.unlisted:
+        progress("learning what is not listed")
+    lesson = lesson_of(naming)
+    extension = extension_of(naming, lesson)
+    about = lesson.design if lesson and lesson.pays else naming.design
+    if extension:
         progress("gain on what was held out")
-        worth = held_out(naming.design, 1.0, naming.null, naming.hypotheses[0].fit)
-        if asks:
-            progress("the next experiment")
-            proposals = ask(naming.design, 1.0, [hypothesis.fit for hypothesis in naming.alternatives])
+        null = naming.null if about is naming.design else refit(about, (), {})
+        worth = held_out(about, 1.0, null, extension)
+    if naming.hypotheses and asks:
+        progress("the next experiment")
+        proposals = ask(naming.design, 1.0, [hypothesis.fit for hypothesis in naming.alternatives])
+    blind = blind_spots(compiled, segments, quantities, screening, signatures.causes) if asks else ()
     missing = unseen_of(catalogue.values(), around.measured)
-    verdict = verdict_of(naming, rate, missing, signatures.unbalanced, worth, proposals)
-    return Diagnosis(naming.design, naming, verdict)
+    verdict = verdict_of(naming, rate, missing, signatures.unbalanced, worth, proposals, lesson)
+    return Diagnosis(about, naming, replace(verdict, blind=blind), lesson)
 
 
 def signatures_of(campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect]) -> Signatures:

@@ -1,34 +1,21 @@
 """Direct measurements: one number that a thermometer or a scale gives, beside any run."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from bench.diagnose.design import Design
 from bench.diagnose.leave_out import tangent_of
+from bench.diagnose.nuisances import THERMOMETER_K
 from bench.diagnose.outlook import STEP, Expectation
 from bench.diagnose.refit import Fit, world_of
 from bench.diagnose.replay import NOMINAL, World, edits_in, ideal_reading
 from bench.effects.effect import REFERENCE_K, Conditions
-from bench.record.campaign import Array
 from bench.robot.compiled import compile_robot
-from bench.simulate.instruments import Reading
 from bench.simulate.plant import Trace
 
-THERMOMETER_K = 2.0  # [K], of a thermometer on the cylinder's wall, and of the temperature the figures hold at; assumed
 LEAST_SCALE = 1e-3  # relative, of a scale in a workshop; assumed
-
-
-@dataclass(frozen=True)
-class WithGasTemperature(Reading):
-    """A reading with a thermometer in the gas.
-
-    Attributes:
-        gas_temperature: Shape (T,) [K].
-    """
-
-    gas_temperature: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,15 +46,12 @@ def direct_measurements(design: Design, scale: float, fits: Sequence[Fit], trace
     found = []
     conditions = [segment.conditions for segment in design.segments]
     if compiled.counterbalance is not None and all(c.gas_k == REFERENCE_K for c in conditions):
-        reading = ideal_reading(compiled, trace[:1])
-        plain = {f.name: getattr(reading, f.name) for f in fields(reading)}
-        thermometer = WithGasTemperature(**{**plain, "gas_temperature": np.array([REFERENCE_K])})
+        thermometer = ideal_reading(compiled, trace[:1])
 
         def gas_k(world: World) -> float:
-            shown: Reading = thermometer
+            shown = thermometer
             for acting in world.acting:
                 shown = acting.effect.distort(acting.place, acting.values, shown, trace[:1], conditions[0])
-            assert isinstance(shown, WithGasTemperature)
             return float(shown.gas_temperature[0])
 
         expectations = _expectations(design, scale, fits, gas_k, THERMOMETER_K)

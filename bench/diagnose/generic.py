@@ -5,13 +5,15 @@ cannot, the cause is unlisted, and the block says where it acts, on what it depe
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from bench.diagnose.design import Design
 from bench.diagnose.replay import NOMINAL
+from bench.effects.learned_readings import in_room, in_time, powers
 from bench.record.campaign import Array
+from bench.simulate.instruments import HOUR
 from bench.simulate.plant import Trace
 
 ANGLE_NODES = 9
@@ -36,6 +38,8 @@ class Block:
         nodes: Shape (k,), where each coefficient sits, in the unit of what it depends on; empty: polynomial.
         prior: Standard deviation of a coefficient as plausible, in `unit`.
         columns: Shape (m, k), whitened.
+        functions: Shape (k,), which of the functions that a polynomial may have each coefficient belongs to.
+        origin, size: What it depends on is counted from `origin`, in units of `size`.
     """
 
     place: str
@@ -46,6 +50,9 @@ class Block:
     nodes: Array
     prior: float
     columns: Array
+    functions: tuple[int, ...]
+    origin: Array
+    size: float
 
     def __str__(self) -> str:
         return f"{self.kind} at {self.place}, depending on {self.depends_on}"
@@ -61,30 +68,44 @@ class _Draft:
     nodes: Array
     prior: float
     raw: Array  # (T, c, k)
+    origin: Array = field(default_factory=lambda: np.zeros(1))
+    size: float = 1.0
 
 
 def blocks_of(design: Design) -> tuple[Block, ...]:
     """Return the blocks that a campaign can say something about."""
-    found = []
-    for draft in _drafts(design):
-        columns = design.whiten(draft.raw)
-        size = np.linalg.norm(columns, axis=0)
-        seen = size > 1e-9 * max(float(np.max(size)), 1e-300)
-        if np.any(seen):
-            nodes = draft.nodes[seen] if len(draft.nodes) else draft.nodes
-            found.append(
-                Block(
-                    draft.place,
-                    draft.kind,
-                    draft.depends_on,
-                    draft.drive,
-                    draft.unit,
-                    nodes,
-                    draft.prior,
-                    columns[:, seen],
-                )
-            )
-    return tuple(found)
+    blocks = (_block(design, draft) for draft in _drafts(design, ANGLE_NODES))
+    return tuple(block for block in blocks if block is not None)
+
+
+def anew(design: Design, block: Block, angle_nodes: int = ANGLE_NODES) -> Block:
+    """Return a block as another design whitens it, and with another number of nodes if it depends on the angle."""
+    what = (block.place, block.kind, block.depends_on)
+    alike = (d for d in _drafts(design, angle_nodes) if (d.place, d.kind, d.depends_on) == what)
+    found = _block(design, next(alike))
+    assert found
+    return found
+
+
+def _block(design: Design, draft: _Draft) -> Block | None:
+    columns = design.whiten(draft.raw)
+    size = np.linalg.norm(columns, axis=0)
+    seen = size > 1e-9 * max(float(np.max(size)), 1e-300)
+    if not np.any(seen):
+        return None
+    return Block(
+        place=draft.place,
+        kind=draft.kind,
+        depends_on=draft.depends_on,
+        drive=draft.drive,
+        unit=draft.unit,
+        nodes=draft.nodes[seen] if len(draft.nodes) else draft.nodes,
+        prior=draft.prior,
+        columns=columns[:, seen],
+        functions=tuple(np.flatnonzero(seen).tolist()),
+        origin=draft.origin,
+        size=draft.size,
+    )
 
 
 def hats(values: Array, nodes: Array) -> Array:
@@ -92,7 +113,7 @@ def hats(values: Array, nodes: Array) -> Array:
     return np.stack([np.interp(values, nodes, row) for row in np.eye(len(nodes))], axis=1)
 
 
-def _drafts(design: Design) -> Iterator[_Draft]:
+def _drafts(design: Design, angle_nodes: int) -> Iterator[_Draft]:
     segments = design.segments
     trace = Trace.concatenate(design.replay.traces(NOMINAL))
     link = np.concatenate([response.link for response in design.responses])
@@ -120,7 +141,7 @@ def _drafts(design: Design) -> Iterator[_Draft]:
             if not np.any(response):
                 continue
             if np.ptp(angle) > LEAST_RANGE:
-                nodes = np.linspace(np.min(angle), np.max(angle), ANGLE_NODES)
+                nodes = np.linspace(np.min(angle), np.max(angle), angle_nodes)
                 table = hats(angle, nodes)
                 yield _Draft(place, kind, "angle", j, unit, nodes, prior, response[:, :, None] * table[:, None, :])
                 if kind != "gear angle" and np.any(way > 0) and np.any(way < 0):
@@ -161,14 +182,11 @@ def _drafts(design: Design) -> Iterator[_Draft]:
 def _sensors(design: Design, trace: Trace) -> Iterator[_Draft]:
     quantities = design.quantities
     nominal = design.replay.predict(NOMINAL)
-    hours = (trace.time - trace.time[0]) / 3600.0
     for c, quantity in enumerate(quantities):
         if quantity.is_drive:
             size = max(float(np.max(np.abs(nominal[:, c]))), 1e-12)
-            values = nominal[:, c] / size
-            powers = np.stack([values**2, values**3, np.abs(values) * values], axis=1)
             raw = np.zeros((*nominal.shape, 3))
-            raw[:, c] = powers
+            raw[:, c] = powers(nominal[:, c] / size)
             yield _Draft(
                 f"drive {quantity.index + 1}",
                 "reading",
@@ -178,21 +196,17 @@ def _sensors(design: Design, trace: Trace) -> Iterator[_Draft]:
                 np.empty(0),
                 READING_SHARE * size,
                 raw,
+                size=size,
             )
     axes = [c for c, quantity in enumerate(quantities) if quantity.kind == "reflector"]
     if axes:
+        of_axis = [quantities[c].axis for c in axes]
         place = trace.reflectors.mean(axis=1)
-        centred = (place - place.mean(axis=0)) / max(float(np.ptp(place)), 1e-9)
+        centre, size = place.mean(axis=0), max(float(np.ptp(place)), 1e-9)
         raw = np.zeros((*nominal.shape, 12))
-        for c in axes:
-            axis = quantities[c].axis
-            for k in range(3):
-                raw[:, c, 3 * axis + k] = centred[:, k] ** 2
-            raw[:, c, 9 + axis] = centred[:, axis]
-        yield _Draft("tracker", "reading", "place", -1, "m", np.empty(0), TRACKER_ERROR, raw)
-        if np.ptp(hours) > 0:
+        raw[:, axes] = in_room((place - centre) / size)[:, of_axis]
+        yield _Draft("tracker", "reading", "place", -1, "m", np.empty(0), TRACKER_ERROR, raw, centre, size)
+        if np.ptp(trace.time) > 0:
             raw = np.zeros((*nominal.shape, 6))
-            for c in axes:
-                axis = quantities[c].axis
-                raw[:, c, axis], raw[:, c, 3 + axis] = hours, hours**2
-            yield _Draft("tracker", "reading", "time", -1, "m", np.empty(0), TRACKER_ERROR, raw)
+            raw[:, axes] = in_time((trace.time - trace.time[0]) / HOUR)[:, of_axis]
+            yield _Draft("tracker", "reading", "time", -1, "m", np.empty(0), TRACKER_ERROR, raw, trace.time[:1], HOUR)

@@ -18,38 +18,51 @@ SHARE_OF_MISSES = 0.5  # of what the present model misses, below which no standa
 FEW = 10  # readings that say nothing of their own scatter
 
 
-def lack_of_fit(design: Design, white: Array, columns: Array, prior: Array) -> Array:
-    """Return by what the standard errors of every quantity have to be multiplied, shape (2, c): at rest, in motion.
+def unexplained(design: Design, white: Array, columns: Array, prior: Array) -> Array:
+    """Return what not even the richest model explains, in standard errors of every quantity, shape (2, c).
 
-    They never become smaller than what the instruments explain.
+    The first row holds rests, the second motion; neighbours that err alike count once.
 
     Args:
-        design: The campaign.
+        design: The campaign, with the standard errors of the instruments.
         white: Shape (m,), residual of the model so far, nuisances at zero.
         columns: Shape (m, q), whitened, of everything that could be added to it.
         prior: Shape (q,), standard deviations of the columns' sizes.
     """
     rich = np.concatenate([design.slopes, columns * prior], axis=1)
-    normal = rich.T @ rich
-    explained = np.linalg.solve(normal + RIDGE * np.eye(len(normal)), rich.T @ white)
-    left = white - rich @ explained
+    normal = rich.T @ rich + RIDGE * np.eye(rich.shape[1])
+    left = white - rich @ np.linalg.solve(normal, rich.T @ white)
     # what each reading's own fit took away from its scatter
+    leverage = np.clip(np.einsum("ij,jk,ik->i", rich, np.linalg.inv(normal), rich, optimize=True), 0.0, 0.9)
+    return np.sqrt(_by_quantity(design, left, 1 - leverage))
+
+
+def missed(design: Design, white: Array, *, is_last: bool = False) -> Array:
+    """Return the share of what a model misses below which no standard error should go, in standard errors as they are.
+
+    Args:
+        design: The campaign.
+        white: Shape (m,), residual of the model, nuisances at zero.
+        is_last: Nothing will be added any more: all that it misses is noise, and neighbours that err alike count once.
+    """
     own = design.slopes
-    missed = white - own @ np.linalg.solve(own.T @ own + RIDGE * np.eye(own.shape[1]), own.T @ white)
-    inverse = np.linalg.inv(normal + RIDGE * np.eye(len(normal)))
-    leverage = np.clip(np.einsum("ij,jk,ik->i", rich, inverse, rich, optimize=True), 0.0, 0.9)
+    left = white - own @ np.linalg.solve(own.T @ own + RIDGE * np.eye(own.shape[1]), own.T @ white)
+    if is_last:
+        return np.sqrt(_by_quantity(design, left, np.ones(len(left))))
+    return SHARE_OF_MISSES * np.sqrt(_by_quantity(design, left, np.ones(len(left)), counts_alike=False))
+
+
+def _by_quantity(design: Design, left: Array, freedom: Array, *, counts_alike: bool = True) -> Array:
+    """Return the variance of residuals, shape (m,), of every quantity at rest and in motion, shape (2, c)."""
     still = np.array([segment.is_static for segment in design.segments])
     at_rest = np.concatenate([np.full(int(w.rows.sum()), one) for w, one in zip(design.whitenings, still, strict=True)])
-    factors = np.ones((2, len(design.quantities)))
+    found = np.ones((2, len(design.quantities)))
     for c in range(len(design.quantities)):
         for kind, rows in enumerate((at_rest & (design.column_of == c), ~at_rest & (design.column_of == c))):
-            if np.count_nonzero(rows) < FEW:
-                continue
-            variance = float(np.sum(left[rows] ** 2) / np.sum(1 - leverage[rows]))
-            alike = 1.0 if kind == 0 else _alike(left[rows], design.run_of[rows])
-            misses = SHARE_OF_MISSES * np.sqrt(np.mean(missed[rows] ** 2))
-            factors[kind, c] = max(np.sqrt(variance * alike), misses)
-    return np.maximum(factors * design.excess, 1.0) / design.excess
+            if np.count_nonzero(rows) >= FEW:
+                alike = _alike(left[rows], design.run_of[rows]) if kind == 1 and counts_alike else 1.0
+                found[kind, c] = alike * float(np.sum(left[rows] ** 2) / np.sum(freedom[rows]))
+    return found
 
 
 def _alike(left: Array, run_of: Array) -> float:

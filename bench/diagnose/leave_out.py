@@ -23,6 +23,7 @@ from bench.diagnose.refit import Fit
 from bench.record.campaign import Array
 
 REACH = 4.0  # standard deviations by which a figure may be off before it makes another model; one in 16000 is
+ABSURD = 10.0  # standard deviations, beyond which it does not matter by how much a stated figure is wrong
 UNTOUCHED = 1e-9  # relative fall of a variance, below which the data say nothing about a figure
 
 
@@ -77,12 +78,12 @@ def log_probability_of_figures(fit: Fit, tangent: Tangent) -> float:
 
     A stated figure is a measurement too: someone weighed, somebody calibrated. Without it, nuisance i is normal with
     mean x_i / (1 - v_i) and variance v_i / (1 - v_i), if x_i and v_i are its value and variance with it; what was
-    stated is 0 with a standard deviation of 1. One that is off by more than `REACH` counts as off by that: beyond, it
+    stated is 0 with a standard deviation of 1. One that is off by more than `ABSURD` counts as off by that: beyond, it
     says that something is wrong, not what.
     """
     p = len(fit.nuisances)
     rest = np.maximum(1 - np.diag(np.linalg.inv(tangent.precision))[:p], UNTOUCHED)
-    return float(0.5 * np.sum(np.log(rest) - np.minimum(fit.nuisances**2 / rest, REACH**2)))
+    return float(0.5 * np.sum(np.log(rest) - np.minimum(fit.nuisances**2 / rest, ABSURD**2)))
 
 
 def errors_of_folds(design: Design, fit: Fit, tangent: Tangent, folds: Folds, reach: float = REACH) -> Array:

@@ -8,7 +8,7 @@ against the model that has it. At the end every cause has to stand against its o
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -18,24 +18,35 @@ from bench.diagnose.generic import Block
 from bench.diagnose.measure import HeldOut, held_out
 from bench.diagnose.refit import Fit, Key, fit_without, polished, pseudo_residual, refit
 from bench.diagnose.screening import Entry, Screening, rescreen
+from bench.effects.own import EffectError
 from bench.errors import BenchError
 from bench.record.campaign import Array
 
 Kind = Literal["nothing found", "cause", "several causes", "unlisted cause"]
-Renew = Callable[[Design, Fit, Screening], tuple[Design, Screening]]
+
+
+class Renew(Protocol):
+    """Returns the linear picture about a fit with everything that can be tried there, weighed anew."""
+
+    def __call__(
+        self, design: Design, fit: Fit, known: Screening, *, is_last: bool = False
+    ) -> tuple[Design, Screening]:
+        """Return design and screening; `is_last`: nothing will be added, what is missed now is noise."""
+
 
 FINALISTS = 6  # causes that are fitted by simulation
+RIVALS = 4  # causes that are tried in the place of each
 PAIRED = 40  # causes whose pairs are all tried in the linear picture
 PAIR_FINALISTS = 3
 MOST_CAUSES = 30
 MOST_REFUSED = 8
 IN_REACH = 12.0  # log evidence behind the best, from where on a cause is not worth a simulation
-IMPRECISE = 0.2  # of its evidence, by which the linear picture may be wrong about a strong effect
+IMPRECISE = 0.15  # of its evidence, by which the linear picture may be wrong about a strong effect
 IN_SET = 6.0  # log evidence behind the best, up to where a cause is not told apart from it (odds of 400)
-NEARLY = 4.0  # beyond the set, up to where derivatives are taken anew before it is decided
+NEARLY = 3.0  # beyond the set, up to where derivatives are taken anew before it is decided
 PROMISING = 0.5  # of the evidence that is asked for, in the linear picture
 # What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.
-UNEXPLAINED = 0.002
+UNEXPLAINED = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +156,7 @@ def name_cause(
     Args:
         design: The campaign.
         screening: Everything that was tried in the linear picture.
-        renew: Returns the linear picture about a fit with everything that can be tried there.
+        renew: Weighs everything anew about an extended model.
         progress: Called with what is done next.
     """
     null = refit(design, (), {})
@@ -176,14 +187,16 @@ def name_cause(
             continue
         others = tuple(h for h in fits if h is not found and len(h.causes) == len(found.causes))
         stage = _climbed(stage, found, others, renew, progress)
+        refused.clear()  # what did not pay before may pay beside this
         if len(stage.best.causes) > 1 and _explains_more(stage):
             break
+    block, is_alone = _unlisted(stage, threshold)
+    stage = _settled(stage, renew)
     hypotheses = _among_rivals(stage, progress) if stage.best.causes else ()
     if hypotheses and hypotheses[0].keys != stage.best.keys:
         stage = _weighed(stage.design, stage.screening, hypotheses[0])
-    block = _unlisted(stage, threshold)
     if block is not None:
-        kept = () if _explains_more(stage) else hypotheses
+        kept = () if is_alone else hypotheses
         return Naming("unlisted cause", kept, block, null, screening, stage.screening, tuple(rungs), stage.design)
     if not hypotheses:  # what the linear picture promised, the simulation did not keep
         return Naming("nothing found", (), None, null, screening, screening, tuple(rungs), design)
@@ -206,6 +219,18 @@ def _climbed(
     if about is design:
         return _weighed(design, screening, Hypothesis(fit, value), others)
     return _weighed(about, screening, Hypothesis(refit(about, fit.causes, fit.start, fit.nuisances), value))
+
+
+def _settled(stage: _Stage, renew: Renew) -> _Stage:
+    """Return the stage with all that its model misses taken for noise: intervals and sets are to be honest."""
+    if not stage.best.causes:
+        return stage
+    design, screening = renew(stage.design, stage.fit, stage.screening, is_last=True)
+    if design is stage.design:
+        return stage
+    fit = refit(design, stage.fit.causes, stage.fit.start, stage.fit.nuisances)
+    null = refit(design, (), {})
+    return _weighed(design, screening, Hypothesis(fit, fit.log_evidence - null.log_evidence))
 
 
 def _weighed(design: Design, screening: Screening, best: Hypothesis, tried: tuple[Hypothesis, ...] = ()) -> _Stage:
@@ -254,7 +279,9 @@ class _Trial:
             start |= stage.screening.sizes_of(entry)
         promise = stage.best.log_evidence + (entries[0].log_evidence if evidence is None else evidence)
         added = tuple(entry.cause for entry in entries if entry.cause)
-        return cls((*stage.best.causes, *added), start, stage.fit.nuisances, promise)
+        # the nominal model's figures are bent by what is missing: no place to start from
+        nuisances = stage.fit.nuisances if stage.best.causes else None
+        return cls((*stage.best.causes, *added), start, nuisances, promise)
 
 
 def _hiding(stage: _Stage, open_: Sequence[Entry], least: float) -> list[_Trial]:
@@ -293,6 +320,8 @@ def _fitted(stage: _Stage, trials: Sequence[_Trial]) -> list[Hypothesis]:
     for trial in trials:
         try:
             fit = refit(stage.design, trial.causes, trial.start, trial.nuisances)
+        except EffectError:
+            raise  # an effect of the user's own that fails must not lose in silence
         except BenchError:
             continue  # this model finds no balance along the measured motion
         found.append(Hypothesis(fit, stage.best.log_evidence + fit.log_evidence - stage.fit.log_evidence))
@@ -300,7 +329,10 @@ def _fitted(stage: _Stage, trials: Sequence[_Trial]) -> list[Hypothesis]:
 
 
 def _among_rivals(stage: _Stage, progress: Callable[[str], None]) -> tuple[Hypothesis, ...]:
-    """Return the best explanation and those in which one of its causes is another, by falling evidence."""
+    """Return the best explanation and those in which one of its causes is another, by falling evidence.
+
+    A rival that fits better but predicts what was held out worse is none.
+    """
     progress("rivals")
     known = {h.keys for h in stage.tried}
     fits = [stage.best, *stage.tried, *_fitted(stage, [trial for trial in _swaps(stage) if trial.keys not in known])]
@@ -312,6 +344,12 @@ def _among_rivals(stage: _Stage, progress: Callable[[str], None]) -> tuple[Hypot
             value = hypothesis.log_evidence + fit.log_evidence - hypothesis.fit.log_evidence
             hypothesis = Hypothesis(fit, value)
         settled.append(hypothesis)
+    best = stage.best
+    settled = [
+        h
+        for h in settled
+        if h is best or h.log_evidence <= best.log_evidence or held_out(stage.design, 1.0, best.fit, h.fit).nats > 0
+    ]
     weights = np.exp(np.array([h.log_evidence for h in settled]) - max(h.log_evidence for h in settled))
     shares = weights / weights.sum()
     ranked = [replace(h, probability=float(p)) for h, p in zip(settled, shares, strict=True)]
@@ -329,6 +367,8 @@ def _swaps(stage: _Stage) -> list[_Trial]:
         others = tuple(other for other in fit.causes if other is not cause)
         try:
             white = pseudo_residual(design, fit_without(design, fit, cause))
+        except EffectError:
+            raise  # an effect of the user's own that fails must not lose in silence
         except BenchError:
             continue  # without it the model finds no balance along the measured motion
         taken = frozenset(other.key for other in others)
@@ -336,7 +376,7 @@ def _swaps(stage: _Stage) -> list[_Trial]:
         own = [e.log_evidence for e in against.listed if e.cause and e.cause.key == cause.key]
         top = max([*own, against.listed[0].log_evidence]) if against.listed else 0.0
         start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
-        for entry in against.listed[:FINALISTS]:
+        for entry in against.listed[:RIVALS]:
             if entry.cause and entry.cause.key != cause.key and entry.log_evidence > top - _reach(top):
                 promise = stage.best.log_evidence + entry.log_evidence - top
                 causes = (*others, entry.cause)
@@ -360,20 +400,20 @@ def _alone(stage: _Stage) -> tuple[Entry, ...]:
     return rescreen(design, stage.screening, design.white, nothing, np.zeros(0)).free
 
 
-def _unlisted(stage: _Stage, threshold: float) -> Block | None:
-    """Return the free shape that is needed, or None where listed causes are enough.
+def _unlisted(stage: _Stage, threshold: float) -> tuple[Block | None, bool]:
+    """Return the free shape that is needed, or None where listed causes are enough; and whether it stands alone.
 
     One that explains alone more than several listed causes together is preferred to them.
     """
     left = stage.screening.free
     needed = left and left[0].log_evidence > max(threshold, UNEXPLAINED * stage.best.log_evidence)
     if not needed and len(stage.best.causes) == 1:
-        return None
+        return None, False
     if _explains_more(stage):
-        what = _alone(stage)[0].what
+        what, is_alone = _alone(stage)[0].what, True
     elif needed:
-        what = left[0].what
+        what, is_alone = left[0].what, False
     else:
-        return None
+        return None, False
     assert isinstance(what, Block)
-    return what
+    return what, is_alone

@@ -12,6 +12,7 @@ from bench.robot.figures import Figures, TorqueSensor, Tracker
 NORMAL_MAD = 1.4826  # standard deviation of a normal distribution by its median absolute deviation
 FEWEST = 8  # samples in a group, in which a scatter about a parabola can be seen
 MOST_ALIKE = 0.8  # correlation of neighbours that is believed; beyond it samples are a slow signal, not noise
+GAS_DRIFT_K = 1.0  # [K]; by which gas and the wall around it drift with the air of a workshop over hours, assumed
 UNIFORM = 1 / np.sqrt(12)  # standard deviation of rounding to 1
 
 
@@ -64,6 +65,8 @@ class Noise:
 
     def lasting(self, quantity: Quantity) -> float:
         """Return what does not average out because it is the same in neighbouring samples."""
+        if quantity.kind == "gas_temperature":
+            return GAS_DRIFT_K
         fitted = self._instruments.link_encoder
         return fitted.accuracy_rad if quantity.kind == "q_link" and fitted else 0.0
 

@@ -14,6 +14,8 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
 
+# [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold; assumed
+THERMOMETER_K = 2.0
 UNKNOWN_ZERO = 1e-3  # [rad] or [m], how well secondary encoders are zeroed where the figures do not say, assumed
 
 OnReading = Callable[[float, Reading], Reading]
@@ -50,6 +52,8 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))
     found.append(Nuisance("weights bolted on", "", load, scales_payload=True))
     found += _drives(compiled, kinds) + _tracker(compiled, quantities) + _force(compiled, kinds)
+    if "gas_temperature" in kinds:
+        found.append(Nuisance("thermometer of the gas", "K", THERMOMETER_K, on_reading=_thermometer))
     if "q_link" in kinds:
         fitted = compiled.robot.figures.instruments.link_encoder
         sigma = fitted.offset_sigma_rad if fitted else UNKNOWN_ZERO
@@ -132,6 +136,10 @@ def _torque_offset(j: int) -> OnReading:
 
 def _link_zero(j: int) -> OnReading:
     return lambda x, reading: replace(reading, q_link=_column(reading.q_link, j, lambda c: c + x))
+
+
+def _thermometer(x: float, reading: Reading) -> Reading:
+    return replace(reading, gas_temperature=reading.gas_temperature + x)
 
 
 def _shift(direction: Array) -> OnReading:

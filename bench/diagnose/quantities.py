@@ -7,7 +7,6 @@ import numpy as np
 from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Trace
 
 AXES = ("x", "y", "z")
 
@@ -40,7 +39,7 @@ class Quantity:
         """Whether it belongs to one joint; `index` is its drive."""
         return self.is_drive or self.kind == "q_link"
 
-    def of(self, reading: Reading, trace: Trace) -> Array:
+    def of(self, reading: Reading) -> Array:
         """Return its predicted values, shape (T,)."""
         values: Array
         match self.kind:
@@ -58,6 +57,8 @@ class Quantity:
                 values = reading.moment[:, self.axis]
             case "gas_pressure":
                 values = reading.gas_pressure
+            case "gas_temperature":
+                values = reading.gas_temperature
             case _:
                 raise AssertionError(self.kind)
         return values
@@ -83,14 +84,16 @@ def quantities_of(runs: tuple[Run, ...], compiled: CompiledRobot) -> tuple[Quant
     found += [Quantity(f"moment_{a}_nm", "moment", "Nm", axis=i) for i, a in enumerate(AXES)]
     if compiled.counterbalance is not None and instruments.pressure is not None:
         found.append(Quantity("gas_pressure_pa", "gas_pressure", "Pa"))
+    if compiled.counterbalance is not None:
+        found.append(Quantity("gas_temperature_k", "gas_temperature", "K"))
     kept = [quantity for quantity in found if quantity.column in measured]
     # a drive that reports both is compared by its current, which is what it measures
     currents = {quantity.index for quantity in kept if quantity.kind == "current"}
     return tuple(q for q in kept if not (q.kind == "tau_motor" and q.index in currents))
 
 
-def predicted(quantities: tuple[Quantity, ...], reading: Reading, trace: Trace) -> Array:
+def predicted(quantities: tuple[Quantity, ...], reading: Reading) -> Array:
     """Return the predicted columns side by side, shape (T, c)."""
     if not quantities:
-        return np.empty((len(trace), 0))
-    return np.stack([quantity.of(reading, trace) for quantity in quantities], axis=1)
+        return np.empty((len(reading.time), 0))
+    return np.stack([quantity.of(reading) for quantity in quantities], axis=1)

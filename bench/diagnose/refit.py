@@ -10,6 +10,7 @@ from bench.diagnose.design import Design, relinearised
 from bench.diagnose.nuisances import Nuisance
 from bench.diagnose.replay import World
 from bench.effects.effect import Parameter
+from bench.effects.own import EffectError
 from bench.errors import BenchError
 from bench.record.campaign import Array
 
@@ -17,10 +18,10 @@ MOST_ITERATIONS = 6
 ENOUGH = 0.2  # fall of the objective below which a fit has converged
 STEP = 0.05  # of a parameter's plausible size, for its derivative
 STEP_OF_NUISANCE = 0.5  # of its standard deviation, for its derivative about an extension
-MOST_AKIN = 8  # nuisances for each cause whose derivatives are taken anew
-AKIN = 0.15  # cosine of their slopes
+MOST_AKIN = 5  # nuisances for each cause whose derivatives are taken anew
+AKIN = 0.3  # cosine of their slopes
 TINY = 1e-300
-HALVINGS = 3
+HALVINGS = 5
 FAITHFUL = 0.7  # of the promised fall; derivatives that keep less are taken anew
 
 
@@ -142,7 +143,7 @@ def refit(
         penalty = float(np.sum(((values - origin) / sigma) ** 2)) if len(values) else 0.0
         return float(white @ white) + float(x @ x) + penalty
 
-    residual = left(values, x)
+    values, residual = _first(left, values, x, origin)
     best = objective(residual, values, x)
     curvature: Array = np.eye(len(x) + len(values))
     slopes, is_stale = np.zeros((*residual.shape, len(values))), True
@@ -162,6 +163,8 @@ def refit(
             new_x, new_values = x + part[: len(x)], np.clip(values + part[len(x) :], low, high)
             try:
                 new_residual = left(new_values, new_x)
+            except EffectError:
+                raise
             except BenchError:
                 continue
             new = objective(new_residual, new_values, new_x)
@@ -203,6 +206,16 @@ def _bounded_step(curvature: Array, gradient: Array, p: int, low: Array, high: A
         step[free] = np.linalg.solve(curvature[np.ix_(free, free)], rest)
     step[p:] = np.clip(step[p:], low, high)
     return step
+
+
+def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
+    """Return first values that can be simulated, and what they leave; the linear picture may promise too much."""
+    for halving in range(HALVINGS):
+        try:
+            return values, left(values, x)
+        except BenchError:
+            values = origin + (values - origin) / 2 if halving < HALVINGS - 1 else values
+    return values, left(values, x)
 
 
 def _slopes(left, residual, values, x, unknowns, high) -> Array:  # type: ignore[no-untyped-def]

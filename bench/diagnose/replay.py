@@ -12,7 +12,7 @@ import numpy as np
 from bench.diagnose.nuisances import Nuisance
 from bench.diagnose.quantities import Quantity, predicted
 from bench.diagnose.segments import Segment
-from bench.effects.effect import Acting, Conditions, Effect
+from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec, read_spec
 from bench.simulate.bare import bare
@@ -78,11 +78,12 @@ class Replay:
             reading = ideal_reading(self.compiled, trace)
             for acting in world.acting:
                 reading = acting.effect.distort(acting.place, acting.values, reading, trace, segment.conditions)
-            for nuisance, value in world.deviations.items():
-                if nuisance.on_reading:
-                    reading = nuisance.on_reading(value, reading)
-            parts.append(predicted(self.quantities, reading, trace))
-        return np.concatenate(parts)
+            parts.append(reading)
+        reading = Reading.concatenate(parts)
+        for nuisance, value in world.deviations.items():
+            if nuisance.on_reading:
+                reading = nuisance.on_reading(value, reading)
+        return predicted(self.quantities, reading)
 
     def traces(self, world: World) -> list[Trace]:
         """Return the true motion in a world, segment by segment."""
@@ -136,6 +137,7 @@ def ideal_reading(compiled: CompiledRobot, trace: Trace) -> Reading:
         moment=trace.wrench[:, 3:],
         reflectors=trace.reflectors,
         gas_pressure=trace.counterbalance_force / area,
+        gas_temperature=np.full(len(trace), REFERENCE_K),
     )
 
 

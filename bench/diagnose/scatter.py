@@ -45,11 +45,16 @@ class Whitening:
     def __call__(self, values: Array) -> Array:
         """Return whitened values, shape (m, ...), of values of shape (T, c, ...); entries not measured are dropped."""
         shape = values.shape
-        flat = np.nan_to_num(values.reshape(shape[0], shape[1], -1))
-        white = (self.factors @ flat).reshape(shape[0] * shape[1], -1)[self.rows]
-        white = white - self.modes @ (self.shrink[:, None] * (self.modes.T @ white))
-        whitened: Array = white.reshape(len(white), *shape[2:])
-        return whitened
+        white = (self.factors @ np.nan_to_num(values.reshape(*shape[:2], -1))).reshape(shape[0] * shape[1], -1)
+        whitened: Array = self.settled(white[self.rows])
+        return whitened.reshape(-1, *shape[2:])
+
+    def settled(self, white: Array) -> Array:
+        """Return values, shape (m, k), that were whitened instant by instant, without what is common to the segment."""
+        if not len(self.shrink):
+            return white
+        settled: Array = white - self.modes @ (self.shrink[:, None] * (self.modes.T @ white))
+        return settled
 
 
 def whitening_of(

@@ -19,7 +19,7 @@ from bench.record.campaign import Array, Campaign, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
-MOST_BINS = 1400  # over all motion of a campaign: what a minute of diagnosis can replay some hundred times
+MOST_BINS = 700  # over all motion of a campaign: what half a minute of diagnosis can replay some hundred times
 
 
 Index = NDArray[np.int64]

@@ -15,6 +15,7 @@ from bench.diagnose.quantities import Quantity
 from bench.diagnose.replay import NOMINAL, Replay, World
 from bench.diagnose.segments import Segment
 from bench.diagnose.simulations import simulate_all
+from bench.effects.own import EffectError
 from bench.errors import BenchError
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
@@ -116,7 +117,7 @@ class Signatures:
         found = []
         for i, result in enumerate(simulate_all(replay, worlds, progress)):
             if isinstance(result, BenchError):
-                if i < len(self.nuisances):
+                if i < len(self.nuisances) or isinstance(result, EffectError):
                     raise result
                 found.append(np.full_like(nominal, np.nan))
             else:
@@ -131,4 +132,5 @@ def _instants(segment: Segment) -> Array:
     """Return when a segment was read; rests have no time of their own but their order, shape (T,)."""
     if segment.is_static:
         return np.arange(len(segment), dtype=np.float64)
-    return segment.motion.time[segment.motion.read]
+    times: Array = segment.motion.time[segment.motion.read]
+    return times

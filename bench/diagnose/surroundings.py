@@ -7,7 +7,7 @@ import numpy as np
 from bench.diagnose.candidates import Candidate, Cause, candidates_of, causes_of
 from bench.diagnose.design import Design, raised, relinearised
 from bench.diagnose.generic import Block, blocks_of
-from bench.diagnose.lack_of_fit import lack_of_fit
+from bench.diagnose.lack_of_fit import missed, unexplained
 from bench.diagnose.refit import Fit, is_simulated, pseudo_residual
 from bench.diagnose.replay import World, edits_in
 from bench.diagnose.screening import Screening, screen
@@ -40,6 +40,7 @@ class Surroundings:
         self.rate = rate
         self._causes: tuple[Cause, ...] = ()
         self._changes = Changes(np.empty(0), ())
+        self._unexplained: Array = np.ones(0)
 
     def weighed(self, design: Design, causes: Sequence[Cause], changes: Changes) -> tuple[Design, Screening]:
         """Return the nominal model with everything weighed against it.
@@ -50,9 +51,10 @@ class Surroundings:
             changes: What they change.
         """
         self._causes, self._changes = tuple(causes), changes
+        self._look_around(design, lambda nominal: nominal.white)
         return self._screened(design, lambda nominal: nominal.white)
 
-    def about(self, design: Design, fit: Fit, known: Screening) -> tuple[Design, Screening]:
+    def about(self, design: Design, fit: Fit, known: Screening, *, is_last: bool = False) -> tuple[Design, Screening]:
         """Return the linear picture about an extended model, with everything that can be tried there.
 
         Signatures are simulated anew where effects find places that they did not find before.
@@ -61,7 +63,12 @@ class Surroundings:
             design: About the model before.
             fit: Of the extended model.
             known: Everything as it was weighed before; returned as it is where nothing has to be weighed anew.
+            is_last: Nothing will be added any more.
         """
+
+        def white_of(about: Design) -> Array:
+            return pseudo_residual(about, fit)
+
         world = fit.world(design)
         edits = edits_in(World(acting=world.acting), Conditions.reference(self.compiled.n_joints))
         extended = compile_spec(read_spec(self.compiled.robot), self.compiled.robot, edits)
@@ -74,27 +81,43 @@ class Surroundings:
             signatures = Signatures(self.compiled, design.quantities, nuisances, self._causes, world)
             self._changes = signatures.changes(design.segments)
             design = relinearised(design, which, self._changes.nuisances)
-        elif _is_settled(_factors(design, pseudo_residual(design, fit), [entry.what for entry in known.entries])):
+            self._look_around(design, white_of)
+        elif _is_settled(self._factors(design, white_of(design), is_last=is_last)):
             return design, known
-        return self._screened(design, lambda about: pseudo_residual(about, fit))
+        return self._screened(design, white_of, is_last=is_last)
 
-    def _screened(self, design: Design, white_of: Callable[[Design], Array]) -> tuple[Design, Screening]:
+    def _look_around(self, design: Design, white_of: Callable[[Design], Array]) -> None:
+        """See what not even everything together explains, with the standard errors of the instruments."""
+        plain = raised(design, 1 / design.excess)
+        tried: tuple[Candidate | Block, ...] = (
+            *candidates_of(plain, self._causes, self._changes.causes),
+            *blocks_of(plain),
+        )
+        if not tried:
+            raise InputError(
+                "nothing of the catalogue would leave a trace in this campaign: log motor currents or torques, a "
+                "reflector, a link encoder, or the gas pressure, beside the motor angles."
+            )
+        columns = np.concatenate([what.columns for what in tried], axis=1)
+        prior = np.concatenate([np.broadcast_to(what.prior, what.columns.shape[1]) for what in tried])
+        self._unexplained = unexplained(plain, white_of(plain), columns, prior)
+
+    def _factors(self, design: Design, white: Array, *, is_last: bool) -> Array:
+        """Return by what the standard errors have to be raised, shape (2, c)."""
+        least = np.maximum(self._unexplained, 1.0)
+        return np.maximum(missed(design, white, is_last=is_last) * design.excess, least) / design.excess
+
+    def _screened(
+        self, design: Design, white_of: Callable[[Design], Array], *, is_last: bool = False
+    ) -> tuple[Design, Screening]:
         for _ in range(ROUNDS):
-            candidates, blocks = candidates_of(design, self._causes, self._changes.causes), blocks_of(design)
-            if not (candidates or blocks):
-                raise InputError("nothing of the catalogue would leave a trace in this campaign; see bench effects.")
-            factors = _factors(design, white_of(design), (*candidates, *blocks))
+            factors = self._factors(design, white_of(design), is_last=is_last)
             if _is_settled(factors):
                 break
             design = raised(design, factors)
+        candidates, blocks = candidates_of(design, self._causes, self._changes.causes), blocks_of(design)
         screening = screen(design, white_of(design), candidates, blocks, self.rate, np.random.default_rng(0))
         return design, screening
-
-
-def _factors(design: Design, white: Array, tried: Sequence[Candidate | Block]) -> Array:
-    columns = np.concatenate([what.columns for what in tried], axis=1)
-    prior = np.concatenate([np.broadcast_to(what.prior, what.columns.shape[1]) for what in tried])
-    return lack_of_fit(design, white, columns, prior)
 
 
 def _is_settled(factors: Array) -> bool:

@@ -3,7 +3,8 @@
 Schema of `verdict.json` (format 1): `kind` is "nothing found", "cause", "several causes" or "unlisted cause";
 `explanations` holds the explanations that the data cannot tell apart, the likeliest first, each with its causes,
 parameters, units and 95 % intervals; `rivals` the ones that were fitted and fell behind; `unlisted` the place and the
-dependence of what no listed effect explains; `missing` the channels that were not there.
+dependence of what no listed effect explains; `missing` the channels that were not there; `blind` what the campaign
+could not have shown, and what would.
 """
 
 from collections.abc import Mapping
@@ -12,7 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from bench.diagnose.blind_spots import BlindSpot as BlindSpot  # part of the verdict
 from bench.diagnose.candidates import Cause
+from bench.diagnose.generic import Block
+from bench.diagnose.learn import Lesson
 from bench.diagnose.limits import DetectionLimit as DetectionLimit  # part of the verdict
 from bench.diagnose.limits import detection_limits
 from bench.diagnose.measure import ChannelGain as ChannelGain  # part of the verdict
@@ -64,11 +68,21 @@ class Explanation:
 
 @dataclass(frozen=True)
 class Unlisted:
-    """What no listed effect explains: where it acts and on what it depends."""
+    """What no listed effect explains: where it acts, on what it depends, and its shape as fitted by simulation.
+
+    Attributes:
+        place, kind, depends_on: As in `generic.Block`.
+        parameters: Of the learned shape; empty where it cannot run.
+        runs: Whether the model with it runs and is kept.
+        words: The same for people.
+    """
 
     place: str
     kind: str
     depends_on: str
+    parameters: tuple[ParameterValue, ...] = ()
+    runs: bool = False
+    words: str = ""
 
 
 @dataclass(frozen=True)
@@ -132,6 +146,7 @@ class Verdict:
         steps: Of the climb, in order, the refused ones too.
         next: Experiments that would tell more, the best first.
         detectable: What would have been found, had it been there.
+        blind: What would not have been found at any plausible size, and what would show it.
     """
 
     kind: str
@@ -148,6 +163,7 @@ class Verdict:
     steps: tuple[Step, ...] = ()
     next: tuple[Proposal, ...] = ()
     detectable: tuple[DetectionLimit, ...] = ()
+    blind: tuple[BlindSpot, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of `verdict.json`."""
@@ -161,6 +177,7 @@ def verdict_of(
     not_simulated: tuple[str, ...],
     worth: HeldOut | None = None,
     proposals: tuple[Proposal, ...] = (),
+    lesson: Lesson | None = None,
 ) -> Verdict:
     """Return the verdict.
 
@@ -171,17 +188,21 @@ def verdict_of(
         not_simulated: Causes whose model found no balance.
         worth: What the best explanation is worth on what was held out.
         proposals: Next experiments.
+        lesson: What became of the free shape that is called unlisted.
     """
     near = naming.alternatives
-    block = naming.unlisted
+    fits = [h.fit for h in near]
+    design = naming.design
+    if lesson and lesson.fit and lesson.pays:
+        fits[:1], design = [lesson.fit] if near else [], lesson.design
     return Verdict(
         kind=naming.kind,
         false_alarm_rate=rate,
         threshold=naming.screening.threshold,
-        noise_scale=float(np.mean(naming.design.excess**2)),
-        explanations=tuple(_explanation(h) for h in near),
-        rivals=tuple(_explanation(h) for h in naming.hypotheses if h not in near),
-        unlisted=Unlisted(block.place, block.kind, block.depends_on) if block else None,
+        noise_scale=float(np.mean(design.excess**2)),
+        explanations=tuple(_explanation(h, fit) for h, fit in zip(near, fits, strict=True)),
+        rivals=tuple(_explanation(h, h.fit) for h in naming.hypotheses if h not in near),
+        unlisted=_unlisted(naming.unlisted, lesson) if naming.unlisted else None,
         missing=missing,
         not_simulated=not_simulated,
         gain=worth.channels if worth else (),
@@ -201,8 +222,15 @@ def _step(rung: Rung) -> Step:
     return Step(named, rung.log_evidence, worth.nats, worth.low, worth.high, rung.is_taken, reason)
 
 
-def _explanation(hypothesis: Hypothesis) -> Explanation:
-    causes = tuple(_named(cause, hypothesis.fit) for cause in hypothesis.causes)
+def _unlisted(block: Block, lesson: Lesson | None) -> Unlisted:
+    if lesson is None:
+        return Unlisted(block.place, block.kind, block.depends_on)
+    parameters = _named(lesson.cause, lesson.fit).parameters if lesson.cause and lesson.fit else ()
+    return Unlisted(block.place, block.kind, block.depends_on, parameters, lesson.pays, lesson.words)
+
+
+def _explanation(hypothesis: Hypothesis, fit: Fit) -> Explanation:
+    causes = tuple(_named(cause, fit) for cause in hypothesis.causes)
     return Explanation(causes, hypothesis.probability, hypothesis.log_evidence)
 
 

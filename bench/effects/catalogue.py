@@ -36,6 +36,7 @@ from bench.effects.masses import (
     TorqueOffset,
     UnstatedPayload,
 )
+from bench.effects.own import faults_of, guarded, line_in
 from bench.effects.sensing_bench import ForceGain, ForceTilt, TrackerDrift, TrackerFrame
 from bench.effects.sensing_drive import (
     CurrentOffset,
@@ -108,7 +109,6 @@ BUILT_IN: tuple[type[Effect], ...] = (
     LinkEncoderDelay,
     EncoderEccentricity,
 )
-_REQUIRED = ("name", "family", "title", "physics", "source", "parameters")
 
 
 def catalogue(files: Iterable[Path] = ()) -> Mapping[str, Effect]:
@@ -124,16 +124,12 @@ def catalogue(files: Iterable[Path] = ()) -> Mapping[str, Effect]:
     problems: list[str] = []
     for file in files:
         for kind in _defined_in(file):
-            place = f"{file}: class {kind.__name__}"
-            missing = [name for name in _REQUIRED if not hasattr(kind, name)]
-            if missing:
-                problems.append(f"{place}: set {', '.join(missing)}.")
-            elif kind.name in found:
-                problems.append(f"{place}: there is an effect {kind.name!r} already; choose another name.")
-            elif not kind.parameters:
-                problems.append(f"{place}: parameters is empty; give one at least.")
-            else:
-                found[kind.name] = kind()
+            faults = faults_of(kind)
+            if not faults and kind.name in found:
+                faults = [f"there is an effect {kind.name!r} already; choose another name."]
+            problems += [f"{file}: class {kind.__name__}: {fault}" for fault in faults]
+            if not faults:
+                found[kind.name] = guarded(kind, file)
     if problems:
         raise InputError(problems)
     return found
@@ -163,6 +159,6 @@ def _run(file: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
-        raise InputError(f"{file}: does not run: {type(error).__name__}: {error}") from error
+    except Exception as error:  # a user's file may raise anything; none of it is worth a traceback through the bench
+        raise InputError(f"{line_in(file, error)}: does not run: {type(error).__name__}: {error}") from error
     return module

@@ -129,7 +129,7 @@ class Effect(ABC):
     title: ClassVar[str]
     physics: ClassVar[str]
     source: ClassVar[str]
-    parameters: ClassVar[tuple[Parameter, ...]]
+    parameters: tuple[Parameter, ...]  # of the class; of an effect that is made from data, of the instance
     needs: ClassVar[tuple[str, ...]] = ()
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:

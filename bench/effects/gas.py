@@ -1,6 +1,6 @@
 """What the gas of a hydropneumatic counterbalance does besides F = C / (l_c - l)."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import mujoco
 
@@ -74,10 +74,7 @@ class GasTemperature(_OfGas):
         return _amount_scaled(1 + values["offset"] / REFERENCE_K)
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
-        seen = getattr(reading, "gas_temperature", None)
-        if seen is None or "gas_temperature" not in {field.name for field in fields(reading)}:
-            return reading
-        return replace(reading, **{"gas_temperature": seen + values["offset"]})
+        return replace(reading, gas_temperature=reading.gas_temperature + values["offset"])
 
 
 class ThermalRelaxation(_OfGas):

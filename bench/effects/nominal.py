@@ -14,6 +14,9 @@ from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
 
+# Of a figure, to which it may shrink: a search that goes far beyond stated uncertainty still meets a robot.
+LEAST = 0.02
+
 
 @dataclass(frozen=True)
 class NominalParameter:
@@ -112,12 +115,17 @@ def _across(compiled: CompiledRobot) -> int:
     return int(np.argmax(np.abs(compiled.model.jnt_axis[compiled.at.joint[balance.joint]])))
 
 
+def _factor(deviation: float) -> float:
+    """Return 1 + deviation, but never so little that a mass, an inertia or a stiffness would vanish."""
+    return max(1 + deviation, LEAST)
+
+
 def _coulomb(actuator: str) -> Callable[[float], SpecEdit]:
     return _scaled(actuator, "coulomb")
 
 
 def _scaled(actuator: str, key: str) -> Callable[[float], SpecEdit]:
-    return lambda x: lambda spec, robot: configure(spec, actuator, **{key: (1 + x) * number_of(spec, actuator, key)})
+    return lambda x: lambda spec, robot: configure(spec, actuator, **{key: _factor(x) * number_of(spec, actuator, key)})
 
 
 def _shifted(actuator: str, key: str) -> Callable[[float], SpecEdit]:
@@ -128,7 +136,7 @@ def _joint_scaled(joint: str, attribute: str) -> Callable[[float], SpecEdit]:
     def change(x: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             found = spec.joint(joint)
-            setattr(found, attribute, getattr(found, attribute) * (1 + x))
+            setattr(found, attribute, getattr(found, attribute) * _factor(x))
 
         return edit
 
@@ -139,7 +147,7 @@ def _stiffness(element: str) -> Callable[[float], SpecEdit]:
     def change(x: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             tendon = spec.tendon(element)
-            tendon.stiffness = np.asarray(tendon.stiffness) * (1 + x)
+            tendon.stiffness = np.asarray(tendon.stiffness) * _factor(x)
 
         return edit
 
@@ -150,9 +158,9 @@ def _mass(body: str) -> Callable[[float], SpecEdit]:
     def change(x: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             link = spec.body(body)
-            link.mass = link.mass * (1 + x)
-            link.inertia = np.asarray(link.inertia) * (1 + x)
-            link.fullinertia = np.asarray(link.fullinertia) * (1 + x)
+            link.mass = link.mass * _factor(x)
+            link.inertia = np.asarray(link.inertia) * _factor(x)
+            link.fullinertia = np.asarray(link.fullinertia) * _factor(x)
 
         return edit
 

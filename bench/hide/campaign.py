@@ -168,8 +168,10 @@ def _measure(
     for during, rows in stay.read():
         if len(rows):
             here = slice(int(rows[0]), int(rows[-1]) + 1)
-            readings.append(read(instruments, acting, stay.course.steps[here], trace[here], during))
-            kelvin.append(temperatures(during, len(rows), thermometers, rng))
+            reading = read(instruments, acting, stay.course.steps[here], trace[here], during)
+            readings.append(reading)
+            felt = replace(during, gas_k=float(reading.gas_temperature[0]))
+            kelvin.append(temperatures(felt, len(rows), thermometers, rng))
             conditions += [during] * len(rows)
     columns = {name: np.concatenate([part[name] for part in kelvin]) for name in kelvin[0]}
     return _Seen(trace, Reading.concatenate(readings), columns, tuple(conditions))

@@ -84,6 +84,7 @@ def read(
     error = encoder_errors(acting, trace.q, trace.q_velocity)
     seen = trace if error is None else replace(trace, q=trace.q + error)
     reading = read_steps(instruments, steps, seen)
+    reading = replace(reading, gas_temperature=np.full(len(steps), conditions.gas_k))
     for one in acting:
         reading = one.effect.distort(one.place, one.values, reading, trace, conditions)
     return reading

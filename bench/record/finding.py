@@ -8,7 +8,7 @@ from typing import Literal
 from bench.errors import CampaignError
 from bench.record.campaign import Campaign
 
-Level = Literal["error", "warning"]
+Level = Literal["error", "doubt", "warning"]
 
 MAX_RANGES = 12  # stretches of rows that a message spells out; a table that is wrong throughout would fill the screen
 
@@ -18,7 +18,8 @@ class Finding:
     """One fault or doubt.
 
     Attributes:
-        level: "error": the campaign cannot be used. "warning": it is used, but somebody should look.
+        level: "error": the campaign cannot be used. "doubt": it can be read, but a channel is hardly what its name
+            says, and what follows from it would be wrong. "warning": it is used, but somebody should look.
         file: Path relative to the campaign folder.
         row: First data row that it concerns, counted from 1 without the header; None: no single row.
         column: Column of a table, or key of the manifest ("runs[2].kind"); empty: the whole file.
@@ -53,7 +54,7 @@ class Report:
 
     Attributes:
         folder: What was checked.
-        findings: In the order of the files; errors and warnings mixed.
+        findings: In the order of the files; all levels mixed.
         campaign: What was read; None if there is an error.
     """
 
@@ -65,6 +66,11 @@ class Report:
     def errors(self) -> tuple[Finding, ...]:
         """Findings that keep the campaign from being used."""
         return tuple(finding for finding in self.findings if finding.level == "error")
+
+    @property
+    def doubts(self) -> tuple[Finding, ...]:
+        """Findings that a diagnosis does not go past unless it is told to."""
+        return tuple(finding for finding in self.findings if finding.level == "doubt")
 
     @property
     def warnings(self) -> tuple[Finding, ...]:

@@ -1,5 +1,6 @@
 """Folders that appear complete or not at all."""
 
+import errno
 import secrets
 import shutil
 from collections.abc import Iterator
@@ -7,6 +8,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from bench.errors import InputError
+
+UNWRITABLE = (
+    *(errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO),  # full or broken
+    *(errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.ENAMETOOLONG),  # not allowed here
+)
 
 
 @contextmanager
@@ -21,8 +27,21 @@ def new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
         replace: Whether to replace a folder that is not empty.
 
     Raises:
-        InputError: `folder` is a file, or not empty and not to be replaced.
+        InputError: `folder` is a file, or not empty and not to be replaced; or the disk is full, or not to be written.
     """
+    try:
+        with _new_folder(folder, mark, replace) as partial:
+            yield partial
+    except OSError as error:
+        if error.errno not in UNWRITABLE:
+            raise
+        raise InputError(
+            f"{folder}: cannot be written ({error.strerror}); free some space or choose another"
+        ) from error
+
+
+@contextmanager
+def _new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
     folder = folder.resolve()
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is a file; choose another name")

@@ -107,4 +107,5 @@ def stacked(observations: Sequence[Observation], instants: Sequence[Trace]) -> R
         moment=stack("moment", first.wrench[0, 3:]),
         reflectors=stack("reflectors", first.reflectors[0]),
         gas_pressure=stack("gas_pressure", first.time)[:, 0],
+        gas_temperature=np.full(len(observations), np.nan),
     )

@@ -35,6 +35,7 @@ class Reading:
         moment: Shape (T, 3) [Nm], world axes, about the load point.
         reflectors: Shape (T, r, 3) [m], tracker readings in the base frame.
         gas_pressure: Shape (T,) [Pa], above ambient.
+        gas_temperature: Shape (T,) [K], in the counterbalance.
     """
 
     time: Array
@@ -46,6 +47,7 @@ class Reading:
     moment: Array
     reflectors: Array
     gas_pressure: Array
+    gas_temperature: Array
 
     def __getitem__(self, rows: slice | Sequence[int]) -> Self:
         return type(self)(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
@@ -136,6 +138,7 @@ class Instruments:
             moment=moment,
             reflectors=np.full_like(trace.reflectors, np.nan) if f.tracker is None else self._tracker(trace),
             gas_pressure=missing[:, 0] if f.pressure is None else self._pressure(trace.counterbalance_force),
+            gas_temperature=missing[:, 0],  # thermometers belong to the lab
         )
 
     def _noise(self, sigma: float, shape: tuple[int, ...]) -> Array | float:

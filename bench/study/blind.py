@@ -8,7 +8,7 @@ from bench.diagnose.signatures import Signatures
 from bench.effects.effect import Effect
 from bench.record.campaign import Campaign
 
-BINS = 500  # over all motion of a campaign: a replay takes a thirtieth of a second
+BINS = 400  # over all motion of a campaign: a replay takes a thirtieth of a second
 
 
 def diagnose_with(

@@ -72,14 +72,14 @@ def test_honest_recordings_raise_no_doubt(arm: Campaign, kr300: CompiledRobot) -
 @pytest.mark.parametrize(
     ("change", "column", "words"),
     [
-        (scale(-1, "tau_motor_1_nm"), "tau_motor_1_nm", "would give energy"),
-        (scale(-1, "tau_motor_6_nm"), "tau_motor_6_nm", "would give energy"),
-        (scale(-1, *angles_of(3)), "tau_motor_3_nm", "would give energy"),
+        (scale(-1, "tau_motor_1_nm"), "tau_motor_1_nm", "has the wrong sign"),
+        (scale(-1, "tau_motor_6_nm"), "tau_motor_6_nm", "has the wrong sign"),
+        (scale(-1, *angles_of(3)), "q_motor_3", "against the model's sense of turning;"),
         (scale(-1, "tau_motor_5_nm", *angles_of(5)), "tau_motor_5_nm", "torque and angle alike"),
         (scale(1 / 257, "tau_motor_2_nm"), "tau_motor_2_nm", "motor side of the gear"),
         (scale(1e3, "tau_motor_4_nm"), "tau_motor_4_nm", "mNm"),
         (scale(180 / np.pi, *angles_of(1)), "q_motor_1", "degrees"),
-        (swap("tau_motor_2_nm", "tau_motor_3_nm"), "tau_motor_2_nm", "motion of joint 3"),
+        (swap("tau_motor_2_nm", "tau_motor_3_nm"), "tau_motor_2_nm", "tau_motor_3_nm are exchanged"),
     ],
 )
 def test_wrong_channel_is_named(arm: Campaign, kr300: CompiledRobot, change: Change, column: str, words: str) -> None:
@@ -93,7 +93,7 @@ def test_known_columns_are_not_told_twice(arm: Campaign, kr300: CompiledRobot) -
     assert doubts_of(turned, kr300, doubts_of(turned, kr300)) == ()
 
 
-@pytest.mark.parametrize(("factor", "words"), [(1.0, ""), (-1.0, "would give energy"), (1e3, "mNm")])
+@pytest.mark.parametrize(("factor", "words"), [(1.0, ""), (-1.0, "has the wrong sign"), (1e3, "mNm")])
 def test_one_axis(tmp_path: Path, factor: float, words: str) -> None:
     write_emps(tmp_path / "log.csv", np.random.default_rng(2))
     campaign = changed(read(tmp_path / "log.csv", "emps"), scale(factor, "tau_motor_1_n"))

@@ -42,5 +42,5 @@ def is_regular(sheet: Sheet) -> Iterator[Finding]:
         fastest = np.max(np.abs(np.diff(values)) / step)
         if sheet.moves(column.name) and fastest < SLOWEST[column.unit]:
             message = f"makes {column.name} creep at {fastest:.2g} {column.unit}/s at most"
-            yield sheet.warning("time_s", message, "milliseconds? multiply by 0.001")
+            yield sheet.doubt("time_s", message, "milliseconds? multiply by 0.001")
             return

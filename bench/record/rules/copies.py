@@ -21,13 +21,13 @@ def identical(sheet: Sheet) -> Iterator[Finding]:
         for place, (column, values) in enumerate(rich):
             for other, others in rich[:place]:
                 if np.array_equal(values, others) and not _commanded_alike(sheet, column.index, other.index):
-                    yield sheet.warning(column.name, f"is a copy of {other.name}", "look which of them was recorded")
+                    yield sheet.doubt(column.name, f"is a copy of {other.name}", "look which of them was recorded")
                     break
     for quantity, source in (("q_motor", "q_cmd"), ("q_link", "q_cmd"), ("q_link", "q_motor")):
         for column, values in sheet.columns(quantity) if sheet.run.kind == "motion" else ():
             own = sheet.joint(column.index, source)
             if own and len(np.unique(values)) >= DIFFERENT and np.array_equal(values, own[1]):
-                yield sheet.warning(column.name, f"is a copy of {own[0].name}", "record the encoder")
+                yield sheet.doubt(column.name, f"is a copy of {own[0].name}", "record the encoder")
 
 
 def _commanded_alike(sheet: Sheet, first: int, second: int) -> bool:

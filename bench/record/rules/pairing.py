@@ -47,7 +47,7 @@ def encoders_follow(sheet: Sheet) -> Iterator[Finding]:
         if own_misfit > WRONG * np.std(values) and misfit < CLEAR * own_misfit:
             message = f"follows {'minus ' if sign < 0 else ''}{best}, not {own[0].name}"
             remedy = "look at the order of the joints" if best != own[0].name else "turn the sign of one of them"
-            yield sheet.warning(column.name, message, remedy)
+            yield sheet.doubt(column.name, message, remedy)
         else:
             yield from _in_one_unit(sheet, column.name, own[0].name, ANGLES[column.unit])
 
@@ -65,12 +65,12 @@ def sensors_agree(sheet: Sheet) -> Iterator[Finding]:
     load_force = sheet.run.load_wrench()[:, :3]
     is_vertical = bool(np.all(load_force[:, :2] == 0))
     if is_vertical and load_force.min(initial=0) >= 0 and load_force.max(initial=0) > LOAD_N:
-        yield sheet.warning("load_z_n", "all loads pull straight up", "a weight is negative: z points up")
+        yield sheet.doubt("load_z_n", "all loads pull straight up", "a weight is negative: z points up")
 
 
 def _in_one_direction(sheet: Sheet, name: str, reference: str) -> Iterator[Finding]:
     if _correlation(sheet.run.columns[name], sheet.run.columns[reference]) < -CORRELATED:
-        yield sheet.warning(name, f"runs against {reference}", "turn the sign of one of them")
+        yield sheet.doubt(name, f"runs against {reference}", "turn the sign of one of them")
 
 
 def _in_one_unit(sheet: Sheet, name: str, reference: str, factors: Mapping[float, str]) -> Iterator[Finding]:

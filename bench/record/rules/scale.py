@@ -33,7 +33,7 @@ def angles(sheet: Sheet) -> Iterator[Finding]:
             yield sheet.error(column.name, message, guess, rows)
         elif rows := rows_where((values < lower - beside) | (values > upper + beside)):
             message = f"leaves the joint's limits, {lower:g} to {upper:g} {column.unit}"
-            yield sheet.warning(column.name, message, "look at zero position, sign and order of the joints", rows)
+            yield sheet.doubt(column.name, message, "look at zero position, sign and order of the joints", rows)
 
 
 def magnitudes(sheet: Sheet) -> Iterator[Finding]:
@@ -51,4 +51,4 @@ def magnitudes(sheet: Sheet) -> Iterator[Finding]:
     for column, values in sheet.columns("gas_pressure"):
         if 0 < np.max(np.abs(values), initial=0.0) < MIN_PRESSURE:
             message = f"never reaches {MIN_PRESSURE:g} Pa, an empty cylinder"
-            yield sheet.warning(column.name, message, "bar? multiply by 100000; MPa? by 1000000")
+            yield sheet.doubt(column.name, message, "bar? multiply by 100000; MPa? by 1000000")

@@ -41,6 +41,10 @@ class Sheet:
         """Make a finding that keeps the campaign from being used; `rows`, counted from 1, are added to the message."""
         return self._finding("error", column, message, remedy, rows)
 
+    def doubt(self, column: str, message: str, remedy: str, rows: Sequence[int] = ()) -> Finding:
+        """Make a finding that a channel is hardly what its name says; `rows`, from 1, are added to the message."""
+        return self._finding("doubt", column, message, remedy, rows)
+
     def warning(self, column: str, message: str, remedy: str, rows: Sequence[int] = ()) -> Finding:
         """Make a finding that somebody should look at; `rows`, counted from 1, are added to the message."""
         return self._finding("warning", column, message, remedy, rows)

@@ -44,7 +44,7 @@ def frozen_or_saturated(sheet: Sheet) -> Iterator[Finding]:
                 yield from _resting(sheet, column.name, values, cause)
         elif np.ptp(cause.values) > cause.enough:
             what = f"is {values[0]:g} in every row while {cause.name} changes"
-            yield sheet.warning(column.name, what, "look whether it is connected, or remove it")
+            yield sheet.doubt(column.name, what, "look whether it is connected, or remove it")
 
 
 def _cause(sheet: Sheet, column: Column) -> Cause | None:
@@ -80,11 +80,11 @@ def _resting(sheet: Sheet, name: str, values: Array, cause: Cause) -> Iterator[F
         at = (length >= AT_EXTREME) & (level == extreme)
         if travel[at].sum() > cause.enough:
             message = f"rests at its {word} value {extreme:g} while {cause.name} goes on"
-            yield sheet.warning(name, message, "saturated? widen the range", _rows(starts[at], ends[at]))
+            yield sheet.doubt(name, message, "saturated? widen the range", _rows(starts[at], ends[at]))
     inside = (length >= ANYWHERE) & (travel > cause.enough) & (level > values.min()) & (level < values.max())
     if inside.any():
         message = f"does not change while {cause.name} goes on"
-        yield sheet.warning(name, message, "frozen? look for lost packets", _rows(starts[inside], ends[inside]))
+        yield sheet.doubt(name, message, "frozen? look for lost packets", _rows(starts[inside], ends[inside]))
 
 
 def _rows(starts: NDArray[np.intp], ends: NDArray[np.intp]) -> list[int]:

@@ -21,4 +21,4 @@ def sees_reflectors(sheet: Sheet) -> Iterator[Finding]:
             yield sheet.error(name, f"reflector {index} stands in the origin", "beam lost? remove rows", lost.tolist())
         elif len(sheet.run) > FEW and np.ptp(coordinates, axis=1).max() == 0 and any(map(sheet.moves, joints)):
             message = f"reflector {index} is the same in every row while the arm moves"
-            yield sheet.warning(name, message, "look whether the tracker follows it")
+            yield sheet.doubt(name, message, "look whether the tracker follows it")

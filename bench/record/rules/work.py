@@ -30,4 +30,4 @@ def friction_takes(sheet: Sheet) -> Iterator[Finding]:
             work = (values[1:] + values[:-1]) / 2 * np.diff(angle)
             if work.sum() < -GAINED * np.abs(work).sum():
                 message = f"gives the motor energy while {column.name} goes there and back"
-                yield sheet.warning(effort.name, message, "turn the sign of one of them")
+                yield sheet.doubt(effort.name, message, "turn the sign of one of them")

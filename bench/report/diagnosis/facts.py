@@ -90,7 +90,7 @@ def facts_of(diagnosis: Diagnosis, readings: Readings, campaign: Campaign | None
         campaign: That was diagnosed, if it is at hand.
         command: That made it.
     """
-    learned = learned_of(diagnosis.naming)
+    learned = learned_of(diagnosis.naming, diagnosis.lesson)
     return Facts(
         data=_data(diagnosis, campaign, len(readings.before)),
         channels=readings.channels,

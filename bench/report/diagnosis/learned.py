@@ -1,13 +1,16 @@
 """The shape that was learned where nothing listed explains the data: curves over what it depends on, with a band."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bench.diagnose.design import Design
-from bench.diagnose.generic import READING_SHARE, Block
+from bench.diagnose.generic import Block
+from bench.diagnose.learn import Lesson
 from bench.diagnose.naming import Naming
+from bench.diagnose.refit import Fit
 from bench.diagnose.verdict import NORMAL_95
+from bench.effects.learned_readings import in_time, powers
 from bench.record.campaign import Array
 
 POINTS = 41  # of a curve that is no table
@@ -61,14 +64,30 @@ class LearnedCurve:
     high: tuple[float, ...]
 
 
-def learned_of(naming: Naming) -> Learned | None:
-    """Return the shape that a naming calls unlisted, or None where it calls nothing so."""
+def learned_of(naming: Naming, lesson: Lesson | None = None) -> Learned | None:
+    """Return the shape that a naming calls unlisted, or None where it calls nothing so.
+
+    Args:
+        naming: What the data say.
+        lesson: The shape as fitted by simulation; without it, or where no model has it, the linear picture says it.
+    """
     block = naming.unlisted
     if block is None:
         return None
+    if lesson and lesson.fit and lesson.pays:
+        return _simulated(lesson, lesson.fit, block)
     both = (naming.leftover, naming.screening) if naming.hypotheses else (naming.screening, naming.leftover)
     screening, entry = next((s, entry) for s in both for entry in s.entries if entry.what is block)
     return Learned(block, *screening.marginal.sizes(entry.columns, entry.prior))
+
+
+def _simulated(lesson: Lesson, fit: Fit, block: Block) -> Learned:
+    cause = fit.causes[-1]
+    mine = [i for i, unknown in enumerate(fit.unknowns) if unknown.cause is cause]
+    columns = lesson.design.whiten(fit.slopes)[:, mine]
+    nodes = getattr(cause.effect, "nodes", block.nodes)
+    shape = replace(block, nodes=nodes, columns=columns)
+    return Learned(shape, fit.values[mine], fit.covariance[np.ix_(mine, mine)])
 
 
 def curves_of(learned: Learned, design: Design) -> tuple[LearnedCurve, ...]:
@@ -79,18 +98,17 @@ def curves_of(learned: Learned, design: Design) -> tuple[LearnedCurve, ...]:
         if design.replay.compiled.is_slide[block.drive]:
             unit = unit.replace("rad", "m").replace("Nm", "N")
         return (_curve(learned, "", block.depends_on, unit, block.nodes, np.eye(len(block.nodes))),)
-    if block.depends_on == "load" and len(learned.value) == 3:
+    if block.depends_on == "load":
         share = np.linspace(-1, 1, POINTS)
-        powers = np.stack([share**2, share**3, np.abs(share) * share], axis=1)
-        return (_curve(learned, "", "reading", block.unit, share * block.prior / READING_SHARE, powers),)
-    if block.depends_on == "time" and len(learned.value) == 6:
+        basis = powers(share)[:, list(block.functions)]
+        return (_curve(learned, "", "reading", block.unit, share * block.size, basis),)
+    if block.depends_on == "time":
         ends = [segment.motion.time for segment in (design.segments[0], design.segments[-1])]
         hours = np.linspace(0.0, float(ends[1][-1] - ends[0][0]) / 3600, POINTS)
         found = []
         for axis, name in enumerate("xyz"):
-            powers = np.zeros((POINTS, 6))
-            powers[:, axis], powers[:, 3 + axis] = hours, hours**2
-            found.append(_curve(learned, name, "time", "h", hours, powers))
+            basis = in_time(hours)[:, axis, list(block.functions)]
+            found.append(_curve(learned, name, "time", "h", hours, basis))
         return tuple(found)
     return ()
 

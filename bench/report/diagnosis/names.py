@@ -14,6 +14,7 @@ KINDS = {
     "force": "force",
     "moment": "moment",
     "gas_pressure": "gas pressure",
+    "gas_temperature": "gas temperature",
 }
 # SI -> what a workshop reads, and how many of it make one
 WORKSHOP = {"m": ("mm", 1e3), "rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi), "Pa": ("bar", 1e-5)}

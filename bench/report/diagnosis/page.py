@@ -8,6 +8,7 @@ from importlib.resources import files
 import numpy as np
 
 from bench.diagnose.verdict import ChannelGain, Verdict
+from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.facts import Facts
 from bench.report.diagnosis.learned import LearnedCurve
 from bench.report.diagnosis.names import (
@@ -125,6 +126,7 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
         cause_title=_cause_title(verdict),
         held_out_words=HELD_OUT.get(verdict.held_out_by, ""),
         missing=_by_channels(verdict.missing),
+        blind=blind_sentences(replace(verdict, missing={})),
         has_after=any(channel.after is not None for channel in facts.channels),
         channels=_channels(facts.channels),
         gains=[_gain_row(gain) for gain in verdict.gain],

@@ -53,7 +53,7 @@ class Readings:
         after: Shape (m,), residual with it; None where nothing was found.
         measured: Shape (T, c); nan where not measured.
         simulated: Shape (T, c), without what was found.
-        extended: Shape (T, c), with it; None where no listed cause was found.
+        extended: Shape (T, c), with it; None where no model has it.
         instant: Shape (m,), index into the T instants.
         column: Shape (m,), index into the quantities.
         run: Shape (T,), index of the run among those that were compared.
@@ -128,8 +128,8 @@ def readings_of(diagnosis: Diagnosis) -> Readings:
 
 def _comparison(diagnosis: Diagnosis, measured: Array) -> _Comparison:
     design, naming = diagnosis.design, diagnosis.naming
-    learned = learned_of(naming)
-    fit = naming.hypotheses[0].fit if naming.hypotheses else naming.null
+    fit = diagnosis.extension or naming.null
+    learned = None if diagnosis.lesson and diagnosis.lesson.pays else learned_of(naming)  # else the fit has it
     change = np.zeros_like(measured)  # by the listed causes
     if fit.causes:
         world = fit.world(design)

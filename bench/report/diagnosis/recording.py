@@ -71,7 +71,7 @@ def write_diagnosis_recording(path: Path, diagnosis: Diagnosis, readings: Readin
 def _poses(diagnosis: Diagnosis, time: ReelTime) -> tuple[Trace, Poses, Poses]:
     """Return the motion as found, and the poses of the robot and of what it is compared with, frame by frame."""
     design, naming = diagnosis.design, diagnosis.naming
-    fit = naming.hypotheses[0].fit if naming.hypotheses else naming.null
+    fit = diagnosis.extension or naming.null
     world = fit.world(design)
     trace = Trace.concatenate(design.replay.traces(world))[time.frame]
     robot = elastic_poses(design.replay.compiled, trace, MAGNIFICATION)

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.diagnose.verdict import Explanation, Verdict
+from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT
 from bench.report.diagnosis.names import cause_name, explanation_name, limit_text, parameter_text, percent
 from bench.report.diagnosis.sentences import (
@@ -44,8 +45,7 @@ def words_of(verdict: Verdict) -> Iterator[str]:
         yield f"      {proposal_text(proposal)}"
     if verdict.noise_scale > 1:
         yield scatter_sentence(verdict)
-    for effect, channels in verdict.missing.items():
-        yield f"Not looked for: {effect}, which needs {', '.join(channels)}."
+    yield from blind_sentences(verdict)
     for effect in verdict.not_simulated:
         yield f"Not looked for: {effect}, whose model found no balance."
 

@@ -40,7 +40,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path, campaign: Campaign | Non
     _write(folder / VERDICT, json.dumps(plain(content), indent=2) + "\n")
     difference = _write_extended(diagnosis, folder)
     write_diagnosis_recording(folder / RECORDING, diagnosis, readings)
-    learned = learned_of(diagnosis.naming)
+    learned = learned_of(diagnosis.naming, diagnosis.lesson)
     pictures = Pictures(
         worst=pictures_of(readings),
         learned=tuple(learned_picture(curve, learned.block.kind) for curve in facts.learned) if learned else (),
@@ -52,9 +52,10 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path, campaign: Campaign | Non
 
 def _write_extended(diagnosis: Diagnosis, folder: Path) -> str:
     """Write the extended model and its difference, which is returned; "" where there is none."""
-    if not diagnosis.naming.hypotheses:
+    extension = diagnosis.extension
+    if extension is None:
         return ""
-    acting = diagnosis.naming.hypotheses[0].fit.world(diagnosis.design).acting
+    acting = extension.world(diagnosis.design).acting
     compiled = diagnosis.design.replay.compiled
     edits = edits_in(World(acting=acting), Conditions.reference(compiled.n_joints))
     if not edits:

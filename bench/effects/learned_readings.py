@@ -1,0 +1,158 @@
+"""Learned errors of readings: of what drives report, and of the tracker. They do not stand in the model."""
+
+from dataclasses import replace
+from itertools import product
+from typing import Literal
+
+import numpy as np
+
+from bench.effects.effect import Array, Conditions, Parameter, Place, Values
+from bench.effects.learned import Learned
+from bench.simulate.instruments import HOUR, Reading
+from bench.simulate.plant import Trace
+
+AXES = "xyz"
+POWERS = ("square", "cube", "signed_square")
+IN_ROOM = tuple(f"{axis}_from_{other}_squared" for axis, other in product(AXES, AXES)) + tuple(
+    f"{axis}_from_{axis}" for axis in AXES
+)
+IN_TIME = tuple(f"{axis}_{term}" for term in ("rate", "bend") for axis in AXES)
+
+
+class LearnedScale(Learned):
+    """What one drive reports, by its size.
+
+    Args:
+        parameters: Some of `POWERS` by name.
+        channel: Which channel of the drive is wrong.
+        largest: Reading at which the powers are 1.
+    """
+
+    name = "learned_scale"
+    title = "scale of what a drive reports, as learned"
+    physics = "The drive reports x + a u^2 + b u^3 + c u |u| with u = x/x_max."
+
+    def __init__(
+        self, parameters: tuple[Parameter, ...], channel: Literal["current", "torque"], largest: float
+    ) -> None:
+        super().__init__(parameters)
+        self.channel = channel
+        self.largest = largest
+
+    def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
+        seen = getattr(reading, self.channel)[:, place.index]
+        error = powers(seen / self.largest)[:, _chosen(POWERS, self)] @ self.sizes(values)
+        return _reported(reading, self.channel, place.index, error)
+
+
+class LearnedLoss(Learned):
+    """What a motor pays, over the load of its gear, with the direction.
+
+    No friction element knows the load in that way, so it stands in what the drive reports and not in the model. A motor
+    that follows its encoder moves the same.
+
+    Args:
+        parameters: One for each node.
+        nodes: Shape (k,) [Nm], transmitted torque, rising.
+        stiffness: Of the elastic element [Nm/rad].
+        torque_constant: Of the drive [Nm/A].
+    """
+
+    name = "learned_loss"
+    title = "loss of the gear over its load, as learned"
+    physics = "In motion the motor pays -T(load) sign(v) more, T the torque in motion towards +, linear between nodes."
+
+    def __init__(
+        self, parameters: tuple[Parameter, ...], nodes: Array, stiffness: float, torque_constant: float
+    ) -> None:
+        super().__init__(parameters)
+        self.nodes = nodes
+        self.stiffness = stiffness
+        self.torque_constant = torque_constant
+
+    def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
+        j = place.index
+        load = self.stiffness * (trace.q[:, j] - trace.theta[:, j])
+        paid = -np.interp(load, self.nodes, self.sizes(values)) * np.sign(trace.q_velocity[:, j])
+        return _reported(
+            _reported(reading, "torque", j, paid),
+            "current",
+            j,
+            paid / self.torque_constant,
+        )
+
+
+class LearnedRoom(Learned):
+    """The tracker, by the place in the room that it looks at.
+
+    Args:
+        parameters: Some of `IN_ROOM` by name.
+        centre: Shape (3,) [m], of the room.
+        size: Of the room [m].
+    """
+
+    name = "learned_room"
+    title = "error of the tracker over the room, as learned"
+    physics = "The tracker reads a polynomial of second degree of the place, in units of the room's size, too much."
+
+    def __init__(self, parameters: tuple[Parameter, ...], centre: Array, size: float) -> None:
+        super().__init__(parameters)
+        self.centre = centre
+        self.size = size
+
+    def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
+        functions = in_room((trace.reflectors.mean(axis=1) - self.centre) / self.size)[:, :, _chosen(IN_ROOM, self)]
+        return replace(reading, reflectors=reading.reflectors + (functions @ self.sizes(values))[:, None, :])
+
+
+class LearnedDrift(Learned):
+    """The tracker, over time.
+
+    Args:
+        parameters: Some of `IN_TIME` by name.
+        start: Time of the campaign from which it is counted [s].
+    """
+
+    name = "learned_drift"
+    title = "drift of the tracker, as learned"
+    physics = "The tracker drifts by a t + b t^2, t in hours from the first instant that was compared."
+
+    def __init__(self, parameters: tuple[Parameter, ...], start: float) -> None:
+        super().__init__(parameters)
+        self.start = start
+
+    def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
+        functions = in_time((trace.time - self.start) / HOUR)[:, :, _chosen(IN_TIME, self)]
+        return replace(reading, reflectors=reading.reflectors + (functions @ self.sizes(values))[:, None, :])
+
+
+def powers(share: Array) -> Array:
+    """Return `POWERS` of relative readings, shape (T,): shape (T, 3)."""
+    return np.stack([share**2, share**3, np.abs(share) * share], axis=1)
+
+
+def in_room(place: Array) -> Array:
+    """Return what `IN_ROOM` adds to each axis at places, shape (T, 3): shape (T, 3, 12)."""
+    found = np.zeros((len(place), 3, len(IN_ROOM)))
+    for axis in range(3):
+        found[:, axis, 3 * axis : 3 * axis + 3] = place**2
+        found[:, axis, 9 + axis] = place[:, axis]
+    return found
+
+
+def in_time(hours: Array) -> Array:
+    """Return what `IN_TIME` adds to each axis at times, shape (T,) [h]: shape (T, 3, 6)."""
+    found = np.zeros((len(hours), 3, len(IN_TIME)))
+    for axis in range(3):
+        found[:, axis, axis], found[:, axis, 3 + axis] = hours, hours**2
+    return found
+
+
+def _chosen(names: tuple[str, ...], effect: Learned) -> list[int]:
+    return [names.index(parameter.name) for parameter in effect.parameters]
+
+
+def _reported(reading: Reading, channel: str, drive: int, error: Array) -> Reading:
+    values = getattr(reading, channel).copy()
+    values[:, drive] += error
+    return replace(reading, **{channel: values})

@@ -1,0 +1,104 @@
+"""A user's own effects: what goes wrong in them is said with file, line and the name of the effect."""
+
+import traceback
+from collections.abc import Callable
+from dataclasses import fields
+from functools import wraps
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+
+from bench.effects.effect import Effect, Family, Parameter
+from bench.errors import BenchError, InputError
+from bench.simulate.instruments import Reading
+
+REQUIRED = ("name", "family", "title", "physics", "source", "parameters")
+METHODS = ("places", "parameters_at", "edit", "encoder_error", "distort")
+
+
+class EffectError(InputError):
+    """A user's own effect failed at work; other causes must not be named without it."""
+
+
+def faults_of(kind: type[Effect]) -> list[str]:
+    """Return what is wrong with the class attributes of an effect, as sentences."""
+    if missing := [name for name in REQUIRED if not hasattr(kind, name)]:
+        return [f"set {', '.join(missing)}."]
+    found = [f"{name} must be text." for name in REQUIRED[:-1] if not isinstance(getattr(kind, name), str)]
+    if kind.family not in get_args(Family):
+        found.append(f"family {kind.family!r} is unknown; choose one of {', '.join(get_args(Family))}.")
+    parameters = kind.parameters
+    if not isinstance(parameters, tuple) or not all(isinstance(one, Parameter) for one in parameters):
+        found.append("parameters must be a tuple of Parameter; a tuple of one ends with a comma.")
+    elif not parameters:
+        found.append("parameters is empty; give one at least.")
+    else:
+        found += [f"parameter {one.name!r}: low is above high." for one in parameters if not one.low <= one.high]
+    if not isinstance(kind.needs, tuple):
+        found.append("needs must be a tuple of text; a tuple of one ends with a comma.")
+    return found
+
+
+def guarded(kind: type[Effect], file: Path) -> Effect:
+    """Return a user's effect whose methods say where they failed.
+
+    Args:
+        kind: The class.
+        file: That defines it.
+
+    Raises:
+        InputError: It cannot be made.
+    """
+    own = {name: getattr(kind, name) for name in METHODS if getattr(kind, name) is not getattr(Effect, name)}
+    methods = {name: _guard(method, file, kind.name, name) for name, method in own.items()}
+    effect: Effect = _guard(type(kind.__name__, (kind,), methods), file, kind.name, "__init__")()
+    return effect
+
+
+def line_in(file: Path, error: BaseException) -> str:
+    """Return the file with the line in which an error arose, "file:12"; without the line where it is elsewhere."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
+    line = error.lineno if isinstance(error, SyntaxError) and error.filename == str(file) else (lines or [None])[-1]
+    return f"{file}:{line}" if line else str(file)
+
+
+def _guard(call: Callable[..., Any], file: Path, effect: str, method: str) -> Callable[..., Any]:
+    """Return a callable that raises `EffectError` whatever goes wrong in it."""
+
+    @wraps(call)
+    def guarded_call(*args: Any) -> Any:
+        try:
+            found = call(*args)
+        except BenchError:
+            raise  # knows what it says
+        except Exception as error:  # a user's code may raise anything
+            said = f"{type(error).__name__}: {error}"
+            raise EffectError(f"{line_in(file, error)}: effect {effect!r}: {method} raised {said}") from error
+        if wrong := _wrong_result(method, args, found):
+            raise EffectError(f"{file}: effect {effect!r}: {method} {wrong}")
+        return _guard(found, file, effect, "the change from edit") if method == "edit" and found else found
+
+    return guarded_call
+
+
+def _wrong_result(method: str, args: tuple[Any, ...], found: Any) -> str:
+    """Return what is wrong with what a method returned, or nothing."""
+    if method == "edit" and found is not None and not callable(found):
+        return "must return a function of spec and robot, or None."
+    if method == "encoder_error" and found is not None:
+        shape = np.shape(args[3])
+        if np.shape(found) != shape:
+            return f"returned shape {np.shape(found)}, expected {shape}."
+        if not np.all(np.isfinite(found)):
+            return "returned values that are not finite."
+    if method == "distort":
+        if not isinstance(found, Reading):
+            return "must return a Reading; use dataclasses.replace(reading, ...)."
+        for field in fields(Reading):
+            before, after = getattr(args[3], field.name), getattr(found, field.name)
+            if np.shape(after) != np.shape(before):
+                return f"returned {field.name} of shape {np.shape(after)}, expected {np.shape(before)}."
+            if np.any(np.isnan(after) & ~np.isnan(before)):
+                return f"returned {field.name} with values that are not finite."
+    return ""

@@ -1,0 +1,55 @@
+"""What a campaign could not show, in sentences: the missing instruments with what each would show."""
+
+from bench.diagnose.verdict import BlindSpot, Verdict
+from bench.report.diagnosis.names import listed
+
+INSTRUMENTS = {
+    "current": "motor currents or torques (current_i_a, tau_motor_i_nm)",
+    "reflector": "a laser tracker (reflector_k_x_m, _y_m, _z_m)",
+    "q_link": "link encoders (q_link_i_rad)",
+    "force": "a force sensor (force_x_n, _y_n, _z_n)",
+    "moment": "a moment sensor (moment_x_nm, _y_nm, _z_nm)",
+    "gas_pressure": "a gauge of the gas (gas_pressure_pa)",
+    "gear_temperature": "gear temperatures (gear_temperature_i_k)",
+    "motor_temperature": "motor temperatures (motor_temperature_i_k)",
+}
+MOST = 10  # effects in a sentence; verdict.json has all
+
+
+def blind_sentences(verdict: Verdict) -> list[str]:
+    """Return what this campaign could not have shown even at the largest plausible size, and what would have."""
+    found = []
+    needed: dict[tuple[str, ...], list[str]] = {}
+    for effect, channels in verdict.missing.items():
+        needed.setdefault(tuple(channels), []).append(effect.replace("_", " "))
+    for channels, effects in needed.items():
+        found.append(f"Not looked for without {_instruments(channels, 'and')}: {', '.join(effects)}.")
+    for kind in dict.fromkeys(kind for spot in verdict.blind for kind in spot.shown_by):
+        shown = [spot for spot in verdict.blind if kind in spot.shown_by]
+        found.append(
+            f"Not to be seen here; these runs with {_instruments((kind,), 'and')} would show: {_named(shown)}."
+        )
+    if other := [spot for spot in verdict.blind if not spot.shown_by]:
+        found.append(f"Not to be seen here; other joints, speeds, loads or hours may show: {_named(other)}.")
+    return found
+
+
+def _instruments(kinds: tuple[str, ...], last: str) -> str:
+    return listed([INSTRUMENTS.get(kind, kind.replace("_", " ")) for kind in kinds], last)
+
+
+def _named(spots: list[BlindSpot]) -> str:
+    """Return "Coulomb level (joints 1, 3), gas loss", each effect once."""
+    places: dict[str, list[str]] = {}
+    for spot in spots:
+        places.setdefault(spot.effect.replace("_", " "), []).extend(spot.places)
+    named = [f"{effect}{_where(where)}" for effect, where in places.items()]
+    more = [f"{len(named) - MOST} more (blind in verdict.json)"] if len(named) > MOST else []
+    return ", ".join([*named[:MOST], *more])
+
+
+def _where(places: list[str]) -> str:
+    joints = sorted(place.removeprefix("joint ") for place in places if place.startswith("joint "))
+    others = [place.replace("_", " ") for place in places if not place.startswith("joint ") and place != "robot"]
+    words = ([f"joint{'s' * (len(joints) > 1)} {', '.join(joints)}"] if joints else []) + others
+    return f" ({', '.join(words)})" if words else ""

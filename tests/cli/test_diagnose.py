@@ -1,0 +1,207 @@
+"""`bench diagnose` with what a lab gets wrong: each ends in one named error and its exit code, and leaves nothing."""
+
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from bench.cli import main
+from bench.record.write import write_campaign
+from tests.diagnose.sweeps import SWEEPS, made
+
+OWN = """
+from bench.effects.effect import Parameter, Effect
+
+
+class Own(Effect):
+    name = "own"
+    family = "own"
+    title = "own"
+    physics = "own"
+    source = "own"
+    parameters = (Parameter("size", "", 0.0, 0.1, 1.0, "how much"),)
+
+    def edit(self, place, values, conditions):
+        return BODY
+"""
+STARTED_S = 60.0  # within which a run is under way on a busy machine
+
+
+@pytest.fixture(scope="module")
+def healthy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("campaigns") / "healthy"
+    write_campaign(made(SWEEPS, seed=5), folder)
+    return folder
+
+
+@pytest.fixture
+def campaign(healthy: Path, tmp_path: Path) -> Path:
+    """Return a copy to spoil."""
+    return Path(shutil.copytree(healthy, tmp_path / "campaign"))
+
+
+def spoil(campaign: Path, column: str, factor: float) -> None:
+    for table in (campaign / "runs").iterdir():
+        head, *rows = [line.split(",") for line in table.read_text().splitlines()]
+        at = head.index(column)
+        for row in rows:
+            row[at] = str(factor * float(row[at]))
+        table.write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n")
+
+
+def refused(campaign: Path, out: Path, *more: str) -> tuple[int, list[str]]:
+    """Diagnose; return the exit code and what is left beside the campaign."""
+    code = main(["diagnose", str(campaign), "-o", str(out), *more])
+    return code, sorted(entry.name for entry in out.parent.iterdir() if entry.name.startswith((".", out.name)))
+
+
+@pytest.mark.parametrize(
+    ("column", "factor", "said"),
+    [
+        ("current_2_a", -1.0, "current_2_a: has the wrong sign"),
+        ("current_2_a", 1e3, "milliamperes? multiply by 0.001"),
+        ("current_2_a", float("nan"), r"row 1 \(line 2\): current_2_a: no value"),
+        ("q_motor_2_rad", 57.29578, r"q_motor_2_rad: .*degrees\?"),
+        ("current_2_a", 0.0, "is 0 in every row while q_motor_2_rad changes"),
+        ("time_s", -1.0, "time_s: runs backwards, rows 2 to"),
+    ],
+)
+def test_poisoned_column_ends_in_a_named_error(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], column: str, factor: float, said: str
+) -> None:
+    spoil(campaign, column, factor)
+    assert main(["check", str(campaign)]) == 3
+    assert re.search(said, capsys.readouterr().out)
+    assert refused(campaign, tmp_path / "out") == (3, [])
+    assert re.search(said, capsys.readouterr().err)
+
+
+def test_campaign_of_another_robot(campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    manifest = campaign / "campaign.yaml"
+    manifest.write_text(manifest.read_text().replace("hh150", "emps"))
+    assert refused(campaign, tmp_path / "out") == (3, [])
+    assert "has 1 drive" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("content", "said"), [("", "runs/.*: .*empty"), ("time_s,pose\n0\n", "row 1")])
+def test_broken_table(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], content: str, said: str
+) -> None:
+    next((campaign / "runs").iterdir()).write_text(content)
+    assert refused(campaign, tmp_path / "out") == (3, [])
+    assert re.search(said, capsys.readouterr().err)
+
+
+def test_results_that_stand_there_are_not_touched(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "mine.txt").write_text("precious")
+    assert refused(campaign, out) == (2, ["out"])
+    assert "not empty" in capsys.readouterr().err
+    assert [entry.name for entry in out.iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (OWN.replace("return BODY", "return )"), r"own\.py:14: does not run: SyntaxError"),
+        (OWN.replace("BODY", "1 / 0"), r"own\.py:14: effect 'own': edit raised ZeroDivisionError"),
+        (OWN.replace("BODY", "lambda spec, robot: spec.nothing"), r"own\.py:14: effect 'own': the change from edit"),
+        (OWN.replace("BODY", "3"), r"effect 'own': edit must return a function"),
+        (OWN.replace('family = "own"', 'family = "mine"'), r"class Own: family 'mine' is unknown"),
+        (OWN.replace("),)\n", "))\n"), "must be a tuple of Parameter"),
+    ],
+)
+def test_own_effect_that_fails_is_named_with_its_line(
+    healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, said: str
+) -> None:
+    file = tmp_path / "own.py"
+    file.write_text(text)
+    assert refused(healthy, tmp_path / "out", "--file", str(file)) == (2, [])
+    assert re.search(said, capsys.readouterr().err)
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "said"),
+    [
+        ("figures.yaml", "rotor: rotor2", "rotor: rotor9", "rotor9"),
+        ("figures.yaml", "joint: joint2", "joint: elbow", "elbow"),
+        ("hh150.xml", 'mass="', 'mass="-', "mass"),
+    ],
+)
+def test_robot_with_a_mistake(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], file: str, old: str, new: str, said: str
+) -> None:
+    robot = Path(shutil.copytree("models/hh150", campaign / "robot"))
+    text = (robot / file).read_text()
+    assert old in text
+    (robot / file).write_text(text.replace(old, new, 1))
+    manifest = campaign / "campaign.yaml"
+    manifest.write_text(manifest.read_text().replace("robot: hh150", "robot: robot"))
+    assert refused(campaign, tmp_path / "out") == (4, [])
+    assert said in capsys.readouterr().err
+
+
+def started(*arguments: str, **more: object) -> "subprocess.Popen[str]":
+    command = [sys.executable, "-c", "from bench.cli import main; import sys; sys.exit(main())", *arguments]
+    return subprocess.Popen(
+        command,
+        start_new_session=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **more,  # type: ignore[call-overload]
+    )
+
+
+def members(group: int) -> list[int]:
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, _, of = stat.read_text().rpartition(")")[2].split()[:3]
+        except OSError:
+            continue
+        if int(of) == group and state != "Z":
+            found.append(int(stat.parent.name))
+    return found
+
+
+@pytest.mark.parametrize("command", ["diagnose", "hide"])
+def test_interrupted_run_leaves_neither_files_nor_processes(command: str, healthy: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    what = {"diagnose": [str(healthy)], "hide": ["--none"]}[command]
+    process = started(command, *what, "-o", str(out))
+    until = time.monotonic() + STARTED_S
+    while not list(tmp_path.glob(".out*")):
+        assert time.monotonic() < until
+        assert process.poll() is None
+        time.sleep(0.05)
+    time.sleep(0.5)  # workers are under way
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    _, said = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "interrupted" in said
+    assert "Traceback" not in said
+    assert list(tmp_path.iterdir()) == []
+    assert members(process.pid) == []
+
+
+def test_full_disk_is_named(tmp_path: Path) -> None:
+    """Files beyond a size cannot be written, as on a disk that is full."""
+    process = started(
+        *("hide", "--none", "--scenario", "loading", "-o", str(tmp_path / "out")),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)),
+    )
+    _, said = process.communicate(timeout=120)
+    assert process.returncode == 2
+    assert re.search(r"out: cannot be written \(.*\); free some space", said)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,108 @@
+"""A campaign that lacks something is diagnosed as far as it goes, and the verdict says what was missing."""
+
+from dataclasses import replace
+
+import pytest
+
+from bench.diagnose.diagnose import diagnose
+from bench.diagnose.verdict import Verdict
+from bench.effects.catalogue import catalogue
+from bench.errors import InputError
+from bench.record.campaign import Campaign
+from bench.report.diagnosis.words import words_of
+from bench.robot.compiled import CompiledRobot
+from tests.diagnose.sweeps import LOADS, SWEEPS, changed, made, nominal
+
+CHOICE = ("coulomb_level", "viscous_level", "gas_loss", "friction_temperature", "tracker_frame", "force_gain")
+HIDDEN = {"coulomb_level": 0.6}
+TEMPERATURES = ("gear_temperature", "motor_temperature", "ambient_temperature")
+
+
+@pytest.fixture(scope="module")
+def robot() -> CompiledRobot:
+    return nominal()
+
+
+@pytest.fixture(scope="module")
+def sweeps() -> Campaign:
+    return made(SWEEPS, seed=3, hidden=HIDDEN)
+
+
+def verdict_on(campaign: Campaign, robot: CompiledRobot) -> Verdict:
+    effects = catalogue()
+    return diagnose(campaign, robot, {name: effects[name] for name in CHOICE}).verdict
+
+
+def lacking(campaign: Campaign, *beginnings: str) -> Campaign:
+    def drop(columns: dict[str, object]) -> None:
+        for name in [name for name in columns if name.startswith(beginnings)]:
+            del columns[name]
+
+    return changed(campaign, drop)
+
+
+def named(verdict: Verdict) -> list[str]:
+    return [cause.effect for explanation in verdict.explanations for cause in explanation.causes]
+
+
+def shown_by(verdict: Verdict, effect: str, place: str) -> tuple[str, ...] | None:
+    """Return what would show an effect that is not to be seen; None if it is."""
+    found = [spot.shown_by for spot in verdict.blind if spot.effect == effect and place in spot.places]
+    return found[0] if found else None
+
+
+@pytest.mark.parametrize(
+    ("without", "effect"),
+    [
+        (("tracker", "link_encoder"), "tracker_frame"),
+        (("force",), "force_gain"),
+        (TEMPERATURES, "friction_temperature"),
+    ],
+)
+def test_what_is_there_is_enough_and_what_is_not_is_said(
+    without: tuple[str, ...], effect: str, robot: CompiledRobot
+) -> None:
+    verdict = verdict_on(made(SWEEPS, seed=3, hidden=HIDDEN, without=without), robot)
+    assert "coulomb_level" in named(verdict)
+    assert effect in verdict.missing or effect in {spot.effect for spot in verdict.blind}
+    assert any(effect.replace("_", " ") in line for line in words_of(verdict) if line.startswith("Not "))
+
+
+def test_without_currents_friction_is_not_to_be_seen_and_currents_would_show_it(
+    sweeps: Campaign, robot: CompiledRobot
+) -> None:
+    blind = verdict_on(lacking(sweeps, "current", "reflector"), robot)
+    assert "coulomb_level" not in named(blind)
+    assert "current" in (shown_by(blind, "coulomb_level", "joint 2") or ())
+    assert "current" in (shown_by(blind, "viscous_level", "joint 2") or ())
+    assert any("motor currents or torques (current_i_a" in line for line in words_of(blind))
+    assert shown_by(verdict_on(sweeps, robot), "coulomb_level", "joint 2") is None
+
+
+def test_one_run_is_enough_for_a_cause(sweeps: Campaign, robot: CompiledRobot) -> None:
+    verdict = verdict_on(replace(sweeps, runs=sweeps.runs[:1]), robot)
+    assert named(verdict) == ["coulomb_level"]
+    assert verdict.held_out_by == "block", "no whole run can be left out"
+
+
+@pytest.mark.parametrize("runs", [1, 4])
+def test_rests_alone_say_that_friction_takes_motion(runs: int, robot: CompiledRobot) -> None:
+    loads = made(LOADS, seed=6)
+    verdict = verdict_on(replace(loads, runs=loads.runs[:runs]), robot)
+    assert verdict.kind == "nothing found"
+    assert shown_by(verdict, "viscous_level", "joint 2") == ()
+    assert any("other joints, speeds" in line for line in words_of(verdict))
+
+
+def test_motor_angles_are_not_needed_where_commands_are(sweeps: Campaign, robot: CompiledRobot) -> None:
+    assert "coulomb_level" in named(verdict_on(lacking(sweeps, "q_motor"), robot))
+
+
+@pytest.mark.parametrize("left", [("force", "moment"), ()])
+def test_nothing_to_go_by_is_an_error_that_says_what_to_log(
+    left: tuple[str, ...], sweeps: Campaign, robot: CompiledRobot
+) -> None:
+    kinds = {"current", "reflector", "gas", "force", "moment"} - set(left)
+    effects = catalogue()
+    with pytest.raises(InputError, match="log motor currents or torques"):
+        diagnose(lacking(sweeps, *kinds), robot, {name: effects[name] for name in ("coulomb_level", "gas_loss")})

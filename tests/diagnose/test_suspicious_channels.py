@@ -1,0 +1,97 @@
+"""Channels that a lab got wrong are named by column; healthy ones are not, whatever is hidden in the robot."""
+
+import numpy as np
+import pytest
+
+from bench.diagnose.channels import doubts_of
+from bench.record.campaign import Campaign
+from bench.record.finding import Finding
+from bench.robot.compiled import CompiledRobot
+from tests.diagnose.sweeps import LOADS, SWEEPS, Change, changed, freeze, made, nominal, scale, swap
+
+CURRENTS = tuple(f"current_{i}_a" for i in range(1, 7))
+TRACKER = tuple(f"reflector_1_{axis}_m" for axis in "xyz")
+IN_SWEEPS: dict[str, tuple[Change, str, str]] = {
+    "sign": (scale(-1, "current_2_a"), "current_2_a", "wrong sign"),
+    "sign of a drive that stands": (scale(-1, "current_3_a"), "current_3_a", "wrong sign"),
+    "all signs": (scale(-1, *CURRENTS), "current_2_a", "wrong sign"),
+    "kiloamperes": (scale(1e-3, "current_2_a"), "current_2_a", "1e+03 times smaller"),
+    "ten times": (scale(10, "current_2_a"), "current_2_a", "10 times larger"),
+    "swapped": (swap("current_2_a", "current_3_a"), "current_2_a", "current_2_a and current_3_a are exchanged"),
+    "not connected": (scale(0, "current_3_a"), "current_3_a", "is 0 all along"),
+    "tracker in inches": (scale(39.37, *TRACKER), "reflector_1_x_m", "inches?"),
+    "tracker turned": (scale(-1, "reflector_1_x_m"), "reflector_1_x_m", "read as -x, y, z"),
+    "tracker's axes": (swap("reflector_1_x_m", "reflector_1_z_m"), "reflector_1_x_m", "read as z, y, x"),
+    "one axis frozen": (freeze("reflector_1_x_m"), "reflector_1_x_m", "frozen?"),
+    "gauge frozen": (freeze("gas_pressure_pa"), "gas_pressure_pa", "frozen?"),
+    "gauge in kPa": (scale(1e-3, "gas_pressure_pa"), "gas_pressure_pa", "kPa?"),
+}
+IN_LOADS: dict[str, tuple[Change, str, str]] = {
+    "sign": (scale(-1, "current_2_a"), "current_2_a", "wrong sign"),
+    "load in kN": (scale(1e-3, "load_z_n"), "load_z_n", "kilonewtons?"),
+    "axis turned": (scale(-1, "q_cmd_2_rad", "q_motor_2_rad", "current_2_a"), "current_2_a", "sense of turning"),
+}
+# at the largest plausible size, or beyond what is usual
+HIDDEN = {
+    "gas_loss": 0.3,
+    "torque_constant": 0.1,
+    "coulomb_level": 0.6,
+    "payload_mass": 0.1,
+    "torque_offset": 300.0,
+    "current_offset": 0.3,
+    "polytropic_exponent": 1.6,
+    "dress_pack": 169.0,
+}
+
+
+@pytest.fixture(scope="module")
+def robot() -> CompiledRobot:
+    return nominal()
+
+
+@pytest.fixture(scope="module")
+def sweeps() -> Campaign:
+    return made(SWEEPS, seed=5)
+
+
+@pytest.fixture(scope="module")
+def loads() -> Campaign:
+    return made(LOADS, seed=6)
+
+
+def test_healthy_campaigns_raise_no_doubt(sweeps: Campaign, loads: Campaign, robot: CompiledRobot) -> None:
+    assert doubts_of(sweeps, robot) == ()
+    assert doubts_of(loads, robot) == ()
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_a_hidden_effect_is_no_mistake_of_the_lab(name: str, robot: CompiledRobot) -> None:
+    assert doubts_of(made(SWEEPS, seed=7, hidden={name: HIDDEN[name]}), robot) == ()
+
+
+@pytest.mark.parametrize("name", IN_SWEEPS)
+def test_mistake_in_sweeps_is_named(name: str, sweeps: Campaign, robot: CompiledRobot) -> None:
+    change, column, words = IN_SWEEPS[name]
+    first = doubts_of(changed(sweeps, change), robot)[0]
+    assert (first.level, first.column) == ("doubt", column)
+    assert words in str(first)
+
+
+@pytest.mark.parametrize("name", IN_LOADS)
+def test_mistake_at_rest_is_named(name: str, loads: Campaign, robot: CompiledRobot) -> None:
+    change, column, words = IN_LOADS[name]
+    first = doubts_of(changed(loads, change), robot)[0]
+    assert first.column == column
+    assert words in str(first)
+
+
+def test_two_mistakes_are_both_named(sweeps: Campaign, robot: CompiledRobot) -> None:
+    two = changed(changed(sweeps, scale(-1, "current_2_a")), scale(1e-3, "gas_pressure_pa"))
+    assert {doubt.column for doubt in doubts_of(two, robot)} == {"current_2_a", "gas_pressure_pa"}
+
+
+def test_nothing_is_made_of_angles_that_are_doubted_already(sweeps: Campaign, robot: CompiledRobot) -> None:
+    known = (Finding("doubt", "a.csv", None, "q_motor_2_rad", "is a copy", "look"),)
+    frozen = changed(sweeps, lambda columns: columns.update(q_motor_2_rad=np.zeros_like(columns["q_motor_2_rad"])))
+    assert doubts_of(frozen, robot)
+    assert doubts_of(frozen, robot, known) == ()

@@ -1,0 +1,151 @@
+"""Learned shapes as effects: what the simulated robot does with them, against the shape itself."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from bench.effects.effect import Conditions, Place
+from bench.effects.friction_elements import Side
+from bench.effects.learned import Learned, values_at, values_of
+from bench.effects.learned_readings import LearnedDrift, LearnedLoss, LearnedRoom, LearnedScale
+from bench.effects.learned_torques import (
+    LearnedDrag,
+    LearnedFriction,
+    LearnedGearError,
+    LearnedTorque,
+    LearnedTorsion,
+)
+from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.folder import Robot
+from tests.effects.rest import perfect_reading, rest, some_trace, sweep
+
+SECOND = Place("joint", 1, "joint_2")
+NODES = np.array([-0.4, 0.0, 0.4])
+SAG = 0.3  # [Nm]; links sag a little more, and gravity with them
+TAIL = slice(1500, None)  # steps after which all elements slide
+SIDES: tuple[Side, Side] = ("link", "motor")
+
+
+def edit_of(effect: Learned, sizes: Sequence[float]) -> SpecEdit:
+    values = {parameter.name: size for parameter, size in zip(effect.parameters, sizes, strict=True)}
+    edit = effect.edit(SECOND, values, Conditions.reference(2))
+    assert edit
+    return edit
+
+
+def nodes(unit: str = "Nm", at: np.ndarray = NODES) -> tuple:
+    return values_at(at, "rad", unit, 10.0), at
+
+
+def paid(robot: Robot, edits: list, speed: float, start: float = -0.2, periods: int = 500) -> np.ndarray:
+    """Return what the second motor pays in sliding, and where, shape (2, T)."""
+    trace = sweep(robot, edits, np.array([0.1, start]), np.array([0.0, speed]), periods)
+    return np.stack([trace.motor_torque[TAIL, 1], trace.theta[TAIL, 1]])
+
+
+def test_null_changes_nothing() -> None:
+    for kind in (LearnedTorque, LearnedFriction, LearnedDrag, LearnedGearError, LearnedTorsion):
+        effect = kind(*nodes())
+        assert effect.edit(SECOND, effect.complete({}), Conditions.reference(2)) is None
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_torque_is_linear_between_nodes_and_constant_beyond(small: Robot, side: Side) -> None:
+    edit = edit_of(LearnedTorque(*nodes(), side), (30.0, -10.0, 20.0))
+    for angle, torque in ((-0.2, 10.0), (0.1, -2.5), (0.4, 20.0), (0.9, 20.0), (-0.9, 30.0)):
+        q = np.array([0.1, angle])
+        extra = rest(small, [edit], q).torque - rest(small, [], q).torque
+        np.testing.assert_allclose(extra, [0.0, -torque], atol=SAG)
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_friction_grows_here_and_falls_there(
+    small: Robot, small_compiled: CompiledRobot, side: Side, sign: int
+) -> None:
+    level = getattr(small_compiled, f"{side}_coulomb")[1]
+    sizes = np.array([0.5, -0.3, -0.3]) * level  # half the friction at -0.4 rad, more from 0 on
+    edit = edit_of(LearnedFriction(*nodes(), side), sizes)
+    (with_it, angle), (without, _) = (paid(small, e, 0.2 * sign, -0.2 * sign) for e in ([edit], []))
+    np.testing.assert_allclose(with_it - without, -sign * np.interp(angle, NODES, sizes), atol=SAG)
+
+
+def test_friction_never_drives(small: Robot, small_compiled: CompiledRobot) -> None:
+    level = small_compiled.motor_coulomb[1]
+    edit = edit_of(LearnedFriction(*nodes(), "motor"), (3 * level,) * 3)
+    (with_it, _), (without, _) = (paid(small, e, 0.2) for e in ([edit], []))
+    np.testing.assert_allclose(with_it - without, -level, atol=SAG)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_drag_goes_through_its_nodes(small: Robot, sign: int) -> None:
+    speeds = np.array([0.05, 0.1, 0.2, 0.4])
+    sizes = (4.0, 1.0, -3.0, -20.0)
+    edit = edit_of(LearnedDrag(*nodes(at=speeds), "motor"), sizes)
+    for speed, size in zip(speeds[1:], sizes[1:], strict=True):
+        (with_it, _), (without, _) = (paid(small, e, sign * float(speed)) for e in ([edit], []))
+        np.testing.assert_allclose(with_it[-1] - without[-1], -sign * size, rtol=0.02)
+
+
+def test_speeds_of_a_polynomial_lie_apart() -> None:
+    np.testing.assert_array_equal(LearnedDrag.speeds(np.array([0.1, 0.101, 0.2, 0.399, 0.4])), [0.101, 0.2, 0.4])
+    np.testing.assert_array_equal(LearnedDrag.speeds(np.array([0.3])), [0.3])
+    assert len(LearnedDrag.speeds(np.linspace(0.1, 1.0, 7))) == 4
+
+
+def test_gear_error_turns_the_link_alone(small: Robot, small_compiled: CompiledRobot) -> None:
+    edit = edit_of(LearnedGearError(*nodes("rad")), (1e-4, -2e-4, 0.0))
+    for angle in (-0.4, -0.2, 0.0, 0.2):
+        q = np.array([0.1, angle])
+        with_it, without = rest(small, [edit], q), rest(small, [], q)
+        turned = np.interp(angle, NODES, (1e-4, -2e-4, 0.0))
+        np.testing.assert_allclose(with_it.theta - without.theta, [0.0, turned], atol=2e-6)
+        np.testing.assert_allclose(with_it.torque, without.torque, atol=SAG)
+
+
+def test_torsion_turns_the_link_by_the_load(small: Robot, small_compiled: CompiledRobot) -> None:
+    q = np.array([0.1, 0.3])
+    load = float(rest(small, [], q).torque[1])
+    at = load + np.array([-400.0, 0.0, 400.0])
+    for sizes in ((1e-4, 1e-4, 1e-4), (0.0, -5e-5, 0.0), (-2e-4, 0.0, 3e-4)):
+        edit = edit_of(LearnedTorsion(*nodes("rad", at)), sizes)
+        turned = rest(small, [edit], q).theta - rest(small, [], q).theta
+        np.testing.assert_allclose(turned, [0.0, sizes[1]], atol=2e-6)
+
+
+def test_readings(small: Robot, small_compiled: CompiledRobot, rng: np.random.Generator) -> None:
+    plant, trace = some_trace(small, rng)
+    reading = perfect_reading(plant.compiled, trace)
+    conditions = Conditions.reference(2)
+
+    def error(effect: Learned, sizes: Sequence[float], channel: str, place: Place = SECOND) -> np.ndarray:
+        values = {parameter.name: size for parameter, size in zip(effect.parameters, sizes, strict=True)}
+        seen = effect.distort(place, values, reading, trace, conditions)
+        found: np.ndarray = getattr(seen, channel) - getattr(reading, channel)
+        return found
+
+    # what leaves no trace has no parameter, and the others keep their meaning
+    scale = LearnedScale(values_of(("cube", "signed_square"), ("", ""), "A", 1.0), "current", 2.0)
+    share = reading.current[:, 1] / 2.0
+    expected = np.stack([0 * share, 0.3 * share**3 + 0.1 * share * np.abs(share)], axis=1)
+    np.testing.assert_allclose(error(scale, (0.3, 0.1), "current"), expected, atol=1e-12)
+
+    stiffness, constant = float(small_compiled.stiffness[1]), float(small_compiled.torque_constant[1])
+    load = stiffness * (trace.q[:, 1] - trace.theta[:, 1])
+    loss = LearnedLoss(*nodes(at=np.array([-1e4, 1e4])), stiffness, constant)
+    expected = -np.interp(load, [-1e4, 1e4], [5.0, -7.0]) * np.sign(trace.q_velocity[:, 1])
+    assert np.any(expected)
+    np.testing.assert_allclose(error(loss, (5.0, -7.0), "current")[:, 1], expected / constant, atol=1e-9)
+
+    drift = LearnedDrift(values_of(("y_rate", "z_bend"), ("", ""), "m", 1e-4), 1800.0)
+    hours = (trace.time - 1800.0) / 3600.0
+    moved = error(drift, (1e-4, 2e-4), "reflectors")
+    np.testing.assert_allclose(moved[:, 0], np.stack([0 * hours, 1e-4 * hours, 2e-4 * hours**2], axis=1), atol=1e-12)
+
+    room = LearnedRoom(values_of(("x_from_z_squared", "y_from_y"), ("", ""), "m", 1e-4), np.array([0.1, 0.2, 0.3]), 2.0)
+    place = (trace.reflectors.mean(axis=1) - [0.1, 0.2, 0.3]) / 2.0
+    moved = error(room, (1e-4, -2e-4), "reflectors")
+    np.testing.assert_allclose(
+        moved[:, -1], np.stack([1e-4 * place[:, 2] ** 2, -2e-4 * place[:, 1], 0 * hours], 1), atol=1e-12
+    )
