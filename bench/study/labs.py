@@ -11,6 +11,7 @@ from bench.effects.effect import Acting, Effect
 from bench.errors import InputError
 from bench.hide.campaign import Hidden, hide_campaign
 from bench.hide.plan import legs_of
+from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.figures import LinkEncoder
 from bench.robot.folder import Robot, load_robot
@@ -93,6 +94,7 @@ class Ground:
         signatures: Of nuisances and causes.
         design: The linear picture of the null campaign, for detection limits.
         threshold: Log evidence that chance exceeds at the declared rate.
+        listed: Whitened signatures of all causes, shape (m, k) each.
     """
 
     lab: Lab
@@ -101,6 +103,7 @@ class Ground:
     signatures: Signatures
     design: Design
     threshold: float
+    listed: tuple[Array, ...]
 
 
 def prepare(
@@ -122,7 +125,8 @@ def prepare(
     campaign = lab.hide((), rng).campaign
     signatures = signatures_of(campaign, compiled, catalogue)
     diagnosis = diagnose_with(campaign, signatures, catalogue, progress=progress)
-    return Ground(lab, compiled, catalogue, signatures, diagnosis.design, diagnosis.verdict.threshold)
+    listed = tuple(entry.what.columns for entry in diagnosis.naming.screening.entries if entry.cause)
+    return Ground(lab, compiled, catalogue, signatures, diagnosis.design, diagnosis.verdict.threshold, listed)
 
 
 def _brief(part: RotationPart) -> RotationPart:

@@ -1,5 +1,6 @@
 """How large an effect must be to be seen: its detection limit in a session, from instruments and what may be off."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,8 +9,10 @@ from bench.diagnose.design import Design
 from bench.diagnose.marginal import Nuisances
 from bench.diagnose.replay import NOMINAL, World
 from bench.effects.effect import Acting, Effect, Parameter, Place
+from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
+TINY = 1e-9
 PRIOR = 1 / np.sqrt(3)  # standard deviation of a size, as a share of the largest plausible; that of the diagnosis
 
 
@@ -55,7 +58,7 @@ class Way:
         return max(p.low / p.high for p in sizes)
 
 
-def detection_limit(way: Way, design: Design, threshold: float) -> float:
+def detection_limit(way: Way, design: Design, threshold: float, rivals: Sequence[Array] = ()) -> float:
     """Return the size at which the expected evidence reaches a threshold, as a share of the largest plausible size.
 
     With the information I on the size, all nuisances integrated out, and its prior p, the log evidence that noise-free
@@ -66,6 +69,7 @@ def detection_limit(way: Way, design: Design, threshold: float) -> float:
         way: The effect.
         design: A null campaign of the session.
         threshold: Log evidence.
+        rivals: Whitened signatures of listed causes, shape (m, k) each; only what none of them can imitate counts.
 
     Raises:
         ConvergenceError: The model with the effect finds no balance.
@@ -74,7 +78,15 @@ def detection_limit(way: Way, design: Design, threshold: float) -> float:
     size = float(np.sqrt(way.smallest(compiled)))
     change = design.replay.predict(World(acting=(way.at(size, compiled),))) - design.replay.predict(NOMINAL)
     column = design.whiten(change[:, :, None]) / size
-    information = float(Nuisances(design.slopes).products(design.white, column).information[0, 0])
+    columns = np.concatenate([column, *rivals], axis=1)
+    products = Nuisances(design.slopes).products(design.white, columns).information
+    information, start = float(products[0, 0]), 1
+    for rival in rivals:
+        own = np.arange(start, start + rival.shape[1])
+        start += rival.shape[1]
+        cross = products[own, 0]
+        square = products[np.ix_(own, own)] + TINY * np.eye(len(own))
+        information = min(information, float(products[0, 0] - cross @ np.linalg.solve(square, cross)))
     if information <= 0:
         return float("inf")
     weighed = information * PRIOR**2

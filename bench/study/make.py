@@ -85,7 +85,8 @@ def sized(effect: Effect, trial: Trial, ground: Ground, rng: np.random.Generator
     for i in range(TRIES):
         way = Way.draw(effect, places[(trial.number + i) % len(places)], ground.compiled, rng)
         try:
-            limit = detection_limit(way, ground.design, ground.threshold)
+            rivals = ground.listed if trial.kind == "unlisted" else ()
+            limit = detection_limit(way, ground.design, ground.threshold, rivals)
         except BenchError:
             continue
         if LIMITS * limit <= 1:
