@@ -35,6 +35,7 @@ class Diagnose:
         from bench.diagnose.channels import doubts_of
         from bench.diagnose.diagnose import diagnose
         from bench.effects.catalogue import catalogue
+        from bench.effects.own import try_out
         from bench.errors import CampaignError
         from bench.record.folder import new_folder
         from bench.report.campaigns import open_campaign
@@ -46,6 +47,7 @@ class Diagnose:
         report, compiled = open_campaign(self.campaign)
         campaign = report.usable()
         assert compiled
+        try_out([effect for name, effect in effects.items() if name not in catalogue()], compiled)
         doubts = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
         if doubts and not self.despite_doubts:
             raise CampaignError([*(f"{self.campaign}: {doubt}" for doubt in doubts), WAYS_OUT])

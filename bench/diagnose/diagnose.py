@@ -1,6 +1,7 @@
 """From a campaign to a naming: replay, screen, refit. Extension files are written by `bench.report.diagnosis`."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from bench.diagnose.ask import ask
@@ -8,7 +9,7 @@ from bench.diagnose.blind_spots import blind_spots
 from bench.diagnose.candidates import causes_of, unseen_of
 from bench.diagnose.design import Design, design_of
 from bench.diagnose.learn import Lesson, lesson_of
-from bench.diagnose.measure import HeldOut, held_out
+from bench.diagnose.measure import HeldOut, held_out, predicted_error
 from bench.diagnose.naming import Naming, name_cause
 from bench.diagnose.nuisances import nuisances_of
 from bench.diagnose.quantities import quantities_of
@@ -19,7 +20,7 @@ from bench.diagnose.signatures import Signatures
 from bench.diagnose.surroundings import Surroundings
 from bench.diagnose.verdict import Proposal, Verdict, verdict_of
 from bench.effects.effect import Effect
-from bench.errors import InputError
+from bench.errors import BenchError, InputError
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
 
@@ -102,11 +103,13 @@ def diagnose(
         worth = held_out(about, 1.0, null, extension)
     if naming.hypotheses and asks:
         progress("the next experiment")
-        proposals = ask(naming.design, 1.0, [hypothesis.fit for hypothesis in naming.alternatives])
+        with suppress(BenchError):  # an explanation that finds no balance elsewhere proposes nothing
+            proposals = ask(naming.design, 1.0, [hypothesis.fit for hypothesis in naming.alternatives])
+    predicted = predicted_error(about, 1.0, extension or naming.null) if asks else ()
     blind = blind_spots(compiled, segments, quantities, screening, signatures.causes) if asks else ()
     missing = unseen_of(catalogue.values(), around.measured)
     verdict = verdict_of(naming, rate, missing, signatures.unbalanced, worth, proposals, lesson)
-    return Diagnosis(about, naming, replace(verdict, blind=blind), lesson)
+    return Diagnosis(about, naming, replace(verdict, blind=blind, predicted=predicted), lesson)
 
 
 def signatures_of(campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect]) -> Signatures:

@@ -20,7 +20,7 @@ from bench.diagnose.learn import Lesson
 from bench.diagnose.limits import DetectionLimit as DetectionLimit  # part of the verdict
 from bench.diagnose.limits import detection_limits
 from bench.diagnose.measure import ChannelGain as ChannelGain  # part of the verdict
-from bench.diagnose.measure import HeldOut
+from bench.diagnose.measure import HeldOut, PredictedError
 from bench.diagnose.naming import Hypothesis, Naming, Rung
 from bench.diagnose.refit import Fit
 
@@ -145,6 +145,7 @@ class Verdict:
         held_out_by: "run" or "block": what was left out as a whole to measure the gain.
         steps: Of the climb, in order, the refused ones too.
         next: Experiments that would tell more, the best first.
+        predicted: What the model will leave of a recording that nobody has made yet, by channel.
         detectable: What would have been found, had it been there.
         blind: What would not have been found at any plausible size, and what would show it.
     """
@@ -163,6 +164,7 @@ class Verdict:
     steps: tuple[Step, ...] = ()
     next: tuple[Proposal, ...] = ()
     detectable: tuple[DetectionLimit, ...] = ()
+    predicted: tuple[PredictedError, ...] = ()
     blind: tuple[BlindSpot, ...] = ()
 
     def as_json(self) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """A user's own effects: what goes wrong in them is said with file, line and the name of the effect."""
 
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import fields
 from functools import wraps
 from pathlib import Path
@@ -9,8 +9,9 @@ from typing import Any, get_args
 
 import numpy as np
 
-from bench.effects.effect import Effect, Family, Parameter
+from bench.effects.effect import Conditions, Effect, Family, Parameter
 from bench.errors import BenchError, InputError
+from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.simulate.instruments import Reading
 
 REQUIRED = ("name", "family", "title", "physics", "source", "parameters")
@@ -54,6 +55,21 @@ def guarded(kind: type[Effect], file: Path) -> Effect:
     methods = {name: _guard(method, file, kind.name, name) for name, method in own.items()}
     effect: Effect = _guard(type(kind.__name__, (kind,), methods), file, kind.name, "__init__")()
     return effect
+
+
+def try_out(effects: Iterable[Effect], compiled: CompiledRobot) -> None:
+    """Put effects into the robot once, at a typical size in each place, so that one that fails does so at once.
+
+    Raises:
+        EffectError: A method failed.
+        RobotError: The changed model does not compile.
+    """
+    for effect in effects:
+        for place in effect.places(compiled):
+            values = {one.name: one.typical for one in effect.parameters_at(compiled, place)}
+            edit = effect.edit(place, effect.complete(values), Conditions.reference(compiled.n_joints))
+            if edit:
+                compile_robot(compiled.robot, [edit])
 
 
 def line_in(file: Path, error: BaseException) -> str:

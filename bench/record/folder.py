@@ -1,6 +1,7 @@
 """Folders that appear complete or not at all."""
 
 import errno
+import re
 import secrets
 import shutil
 from collections.abc import Iterator
@@ -35,9 +36,9 @@ def new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
     except OSError as error:
         if error.errno not in UNWRITABLE:
             raise
-        raise InputError(
-            f"{folder}: cannot be written ({error.strerror}); free some space or choose another"
-        ) from error
+        seen = re.sub(r"\.([^/]+)\.[0-9a-f]{8}\.partial", r"\1", str(folder))  # inside of one that is being filled
+        message = f"{seen}: cannot be written ({error.strerror}); free some space or choose another"
+        raise InputError(message) from error
 
 
 @contextmanager

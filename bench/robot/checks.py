@@ -9,6 +9,14 @@ from bench.robot.folder import Robot
 JOINT_KINDS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
+def negative_masses(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
+    """Yield a sentence for every body with a negative mass; MuJoCo would take it for zero and say nothing."""
+    for body in spec.bodies:
+        if body.explicitinertial and body.mass < 0:
+            place = f"{robot.mjcf.name}: body {body.name!r}"
+            yield f"{place}: mass is {body.mass:g} kg; give the body positive mass and inertia."
+
+
 def faulty_roles(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
     """Yield a sentence for every drive whose parts do not fit together, with its place and what to do.
 

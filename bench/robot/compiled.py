@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import RobotError, unknown_name
-from bench.robot.checks import faulty_roles
+from bench.robot.checks import faulty_roles, negative_masses
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.folder import Robot
 from bench.robot.plain_words import plain_words
@@ -137,6 +137,8 @@ def compile_spec(
         edit(spec, robot)
     if timestep is not None:
         spec.option.timestep = timestep
+    if negative := tuple(negative_masses(robot, spec)):
+        raise RobotError(negative)
     try:
         model = spec.compile()
     except ValueError as error:

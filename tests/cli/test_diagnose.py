@@ -66,7 +66,7 @@ def refused(campaign: Path, out: Path, *more: str) -> tuple[int, list[str]]:
     ("column", "factor", "said"),
     [
         ("current_2_a", -1.0, "current_2_a: has the wrong sign"),
-        ("current_2_a", 1e3, "milliamperes? multiply by 0.001"),
+        ("current_2_a", 1e3, r"milliamperes\? multiply by 0\.001"),
         ("current_2_a", float("nan"), r"row 1 \(line 2\): current_2_a: no value"),
         ("q_motor_2_rad", 57.29578, r"q_motor_2_rad: .*degrees\?"),
         ("current_2_a", 0.0, "is 0 in every row while q_motor_2_rad changes"),
@@ -135,7 +135,7 @@ def test_own_effect_that_fails_is_named_with_its_line(
     [
         ("figures.yaml", "rotor: rotor2", "rotor: rotor9", "rotor9"),
         ("figures.yaml", "joint: joint2", "joint: elbow", "elbow"),
-        ("hh150.xml", 'mass="', 'mass="-', "mass"),
+        ("hh150.xml", 'mass="270"', 'mass="-270"', "mass"),
     ],
 )
 def test_robot_with_a_mistake(
@@ -153,13 +153,13 @@ def test_robot_with_a_mistake(
 
 def started(*arguments: str, **more: object) -> "subprocess.Popen[str]":
     command = [sys.executable, "-c", "from bench.cli import main; import sys; sys.exit(main())", *arguments]
-    return subprocess.Popen(
+    return subprocess.Popen(  # type: ignore[call-overload, no-any-return]
         command,
         start_new_session=True,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        **more,  # type: ignore[call-overload]
+        **more,
     )
 
 
@@ -203,5 +203,5 @@ def test_full_disk_is_named(tmp_path: Path) -> None:
     )
     _, said = process.communicate(timeout=120)
     assert process.returncode == 2
-    assert re.search(r"out: cannot be written \(.*\); free some space", said)
+    assert re.search(r"out.*: cannot be written \(.*\); free some space", said)
     assert list(tmp_path.iterdir()) == []

@@ -12,28 +12,32 @@ from bench.record.campaign import Array, Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.scenario.files import Experiment
-from bench.scenario.loading import LoadedPose, Loading
+from bench.scenario.loading import Loading
 from bench.scenario.rotation import Rotation
 
 Change = Callable[[dict[str, Array]], object]
-SWEEPS = Rotation(
-    experiment="rotation",
-    robot="hh150",
-    joint=2,
-    start_deg=(0, -20, 0, 0, 90, 0),
-    end_deg=70,
-    speeds_deg_per_s=(10, 20),
-    ramp_s=1.0,
-    sample_period_s=0.04,
+SWEEPS = Rotation.model_validate(
+    {
+        "experiment": "rotation",
+        "robot": "hh150",
+        "joint": 2,
+        "start_deg": (0, -20, 0, 0, 90, 0),
+        "end_deg": 70,
+        "speeds_deg_per_s": (10, 20),
+        "ramp_s": 1.0,
+        "sample_period_s": 0.04,
+    }
 )
-LOADS = Loading(
-    experiment="loading",
-    robot="hh150",
-    poses=(
-        LoadedPose(q_deg=(0, 0, 0, 0, 60, 0), force_n=(700, 1400)),
-        LoadedPose(q_deg=(20, 30, -30, 40, 60, 10), force_n=(700, 1400)),
-    ),
-    repeats=3,
+LOADS = Loading.model_validate(
+    {
+        "experiment": "loading",
+        "robot": "hh150",
+        "poses": [
+            {"q_deg": (0, 0, 0, 0, 60, 0), "force_n": (700, 1400)},
+            {"q_deg": (20, 30, -30, 40, 60, 10), "force_n": (700, 1400)},
+        ],
+        "repeats": 3,
+    }
 )
 
 

@@ -8,7 +8,7 @@ from bench.diagnose.diagnose import diagnose
 from bench.diagnose.verdict import Verdict
 from bench.effects.catalogue import catalogue
 from bench.errors import InputError
-from bench.record.campaign import Campaign
+from bench.record.campaign import Array, Campaign
 from bench.report.diagnosis.words import words_of
 from bench.robot.compiled import CompiledRobot
 from tests.diagnose.sweeps import LOADS, SWEEPS, changed, made, nominal
@@ -28,13 +28,19 @@ def sweeps() -> Campaign:
     return made(SWEEPS, seed=3, hidden=HIDDEN)
 
 
+@pytest.fixture(autouse=True)
+def without_proposals(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the next experiment, which takes most of the time."""
+    monkeypatch.setattr("bench.diagnose.diagnose.ask", lambda *given: ())
+
+
 def verdict_on(campaign: Campaign, robot: CompiledRobot) -> Verdict:
     effects = catalogue()
     return diagnose(campaign, robot, {name: effects[name] for name in CHOICE}).verdict
 
 
 def lacking(campaign: Campaign, *beginnings: str) -> Campaign:
-    def drop(columns: dict[str, object]) -> None:
+    def drop(columns: dict[str, Array]) -> None:
         for name in [name for name in columns if name.startswith(beginnings)]:
             del columns[name]
 

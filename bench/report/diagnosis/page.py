@@ -130,6 +130,7 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
         has_after=any(channel.after is not None for channel in facts.channels),
         channels=_channels(facts.channels),
         gains=[_gain_row(gain) for gain in verdict.gain],
+        expected=[one for one in verdict.predicted if one.kind == "motion"],
         files=made,
         difference=_lines(difference),
     )

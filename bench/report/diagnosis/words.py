@@ -37,6 +37,7 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     if verdict.rivals and not verdict.unlisted:
         yield "Fitted, and ruled out: " + ", ".join(explanation_name(rival) for rival in verdict.rivals) + "."
     yield from _gain(verdict)
+    yield from _predicted(verdict)
     for step in verdict.steps:
         if not step.accepted:
             yield f"Refused: {' with '.join(cause_name(cause) for cause in step.added)}: {step.reason.rstrip('.')}."
@@ -64,6 +65,15 @@ def _gain(verdict: Verdict) -> Iterator[str]:
         known = [gain for gain in verdict.gain if np.isfinite(gain.gain)]
         for gain in sorted(known, key=lambda gain: -gain.gain)[:BEST_CHANNELS]:
             yield f"  {gain_text(gain)}"
+
+
+def _predicted(verdict: Verdict) -> Iterator[str]:
+    drives = [p for p in verdict.predicted if p.kind == "motion" and p.channel.startswith(("current", "tau_motor"))]
+    if drives:
+        yield "Expected of the next recording in motion, root mean square of what the model leaves (90 % interval):"
+    for one in drives:
+        interval = f"[{one.low:.3g}, {one.high:.3g}] " if np.isfinite(one.low) else ""
+        yield f"  {one.channel}: {one.rms:.3g} {interval}{one.unit}"
 
 
 def _limits(verdict: Verdict) -> Iterator[str]:
