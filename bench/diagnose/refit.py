@@ -107,9 +107,7 @@ def world_of(
     return World(deviations, tuple(acting))
 
 
-def refit(
-    design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float], nuisances: Array | None = None
-) -> Fit:
+def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float], nuisances: Array | None = None) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
 
     Nuisances are simulated too; their derivatives are those of the design.
