@@ -89,7 +89,7 @@ def diagnose(
     progress("naming")
     around = Surroundings(compiled, catalogue, measured_by(campaign), rate)
     design, screening = around.weighed(design, signatures.causes, changes)
-    naming = name_cause(design, screening, around.about, around.is_adequate, progress)
+    naming = name_cause(design, screening, around.about, progress)
     worth: HeldOut | None = None
     proposals: tuple[Proposal, ...] = ()
     if naming.unlisted:

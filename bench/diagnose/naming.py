@@ -149,7 +149,6 @@ def name_cause(
     design: Design,
     screening: Screening,
     renew: Renew,
-    is_adequate: Callable[[Design, Fit], bool],
     progress: Callable[[str], None] = lambda words: None,
 ) -> Naming:
     """Name what is wrong with the nominal model.
@@ -158,7 +157,6 @@ def name_cause(
         design: The campaign.
         screening: Everything that was tried in the linear picture.
         renew: Weighs everything anew about an extended model.
-        is_adequate: Says whether a model leaves little more than what nothing explains.
         progress: Called with what is done next.
     """
     null = refit(design, (), {})
@@ -192,7 +190,7 @@ def name_cause(
         refused.clear()  # what did not pay before may pay beside this
         if len(stage.best.causes) > 1 and _explains_more(stage):
             break
-    block, is_alone = _unlisted(stage, threshold, is_adequate)
+    block, is_alone = _unlisted(stage, threshold)
     stage = _settled(stage, renew)
     hypotheses = _among_rivals(stage, progress) if stage.best.causes else ()
     if hypotheses and hypotheses[0].keys != stage.best.keys:
@@ -402,18 +400,13 @@ def _alone(stage: _Stage) -> tuple[Entry, ...]:
     return rescreen(design, stage.screening, design.white, nothing, np.zeros(0)).free
 
 
-def _unlisted(stage: _Stage, threshold: float, is_adequate: Callable[[Design, Fit], bool]) -> tuple[Block | None, bool]:
+def _unlisted(stage: _Stage, threshold: float) -> tuple[Block | None, bool]:
     """Return the free shape that is needed, or None where listed causes are enough; and whether it stands alone.
 
-    One that explains alone more than several listed causes together is preferred to them. Where no shape is needed by
-    evidence but the best explanation leaves far more than what nothing explains, the best shape is named.
+    One that explains alone more than several listed causes together is preferred to them.
     """
     left = stage.screening.free
-    if not left:
-        return None, False
-    needed = left[0].log_evidence > max(threshold, UNEXPLAINED * stage.best.log_evidence)
-    if stage.best.causes and not needed:
-        needed = left[0].log_evidence > 0 and not is_adequate(stage.design, stage.fit)
+    needed = left and left[0].log_evidence > max(threshold, UNEXPLAINED * stage.best.log_evidence)
     if not needed and len(stage.best.causes) == 1:
         return None, False
     if _explains_more(stage):

@@ -12,8 +12,6 @@ from bench.diagnose.marginal import Marginal, Nuisances
 from bench.diagnose.threshold import family_threshold
 from bench.record.campaign import Array
 
-WIDTHS = (1.0, 3.0, 10.0)  # times the prior of a free shape
-
 
 @dataclass(frozen=True, eq=False)
 class Entry:
@@ -148,14 +146,8 @@ def _ranked(marginal: Marginal, entries: Sequence[Entry]) -> tuple[Entry, ...]:
 
 
 def _log_evidence(marginal: Marginal, entry: Entry) -> float:
-    """Return the evidence for an entry; a single size that has only one sign is not credited with the other.
-
-    Nobody knows how large an unlisted shape is plausible, so several widths of its prior count, a third each.
-    """
+    """Return the evidence for an entry; a single size that has only one sign is not credited with the other."""
     cause = entry.cause
-    if cause is None:
-        widths = [marginal.log_evidence(entry.columns, width * entry.prior) for width in WIDTHS]
-        return max(widths) - float(np.log(len(WIDTHS)))
     if cause and len(cause.sizes) == 1 and not cause.sizes[0].signed:
         assert isinstance(entry.what, Candidate)
         if marginal.scores[entry.columns[0]] * np.sign(entry.what.step[0]) < 0:

@@ -19,7 +19,6 @@ from bench.robot.compiled import CompiledRobot, compile_spec, read_spec
 
 ENOUGH = 1.2  # times; standard errors that have to be raised by less are settled
 ROUNDS = 6
-ADEQUATE = 2.5  # times what nothing explains, up to where a model is not called wrong for what it leaves
 
 
 class Surroundings:
@@ -102,16 +101,6 @@ class Surroundings:
         columns = np.concatenate([what.columns for what in tried], axis=1)
         prior = np.concatenate([np.broadcast_to(what.prior, what.columns.shape[1]) for what in tried])
         self._unexplained = unexplained(plain, white_of(plain), columns, prior)
-
-    def is_adequate(self, design: Design, fit: Fit) -> bool:
-        """Whether a model leaves little more of every quantity than what nothing at all explains.
-
-        Args:
-            design: About the model.
-            fit: Of it.
-        """
-        left = missed(design, pseudo_residual(design, fit), is_last=True) * design.excess
-        return bool(np.all(left <= ADEQUATE * np.maximum(self._unexplained, 1.0)))
 
     def _factors(self, design: Design, white: Array, *, is_last: bool) -> Array:
         """Return by what the standard errors have to be raised, shape (2, c)."""
