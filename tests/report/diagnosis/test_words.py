@@ -37,7 +37,7 @@ def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
         "Refused: mass of a link (upper arm): held-out runs do not become more probable.",
         "Next: the sweeps again, slower",
         "variance is 1.7 times",
-        "Not looked for: friction_temperature, which needs gear_temperature.",
+        "Not looked for without gear temperatures (gear_temperature_i_k): friction temperature.",
     ):
         assert words in text
 
