@@ -47,6 +47,7 @@ NEARLY = 3.0  # beyond the set, up to where derivatives are taken anew before it
 PROMISING = 0.5  # of the evidence that is asked for, in the linear picture
 # What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.
 UNEXPLAINED = 0.02
+CERTAIN = 4.6  # log evidence beyond the threshold (100 to 1) that is asked for a free shape alone
 
 
 @dataclass(frozen=True, eq=False)
@@ -407,7 +408,9 @@ def _unlisted(stage: _Stage, threshold: float) -> tuple[Block | None, bool]:
     """
     left = stage.screening.free
     needed = left and left[0].log_evidence > max(threshold, UNEXPLAINED * stage.best.log_evidence)
-    if not needed and len(stage.best.causes) == 1:
+    if not stage.best.causes:  # nothing but its evidence speaks for it: no rival that was ruled out, no held-out run
+        needed = left and left[0].log_evidence > threshold + CERTAIN
+    if not needed and len(stage.best.causes) <= 1:
         return None, False
     if _explains_more(stage):
         what, is_alone = _alone(stage)[0].what, True
