@@ -37,7 +37,7 @@ class Rated:
     worth: tuple[float, float]
 
 
-def ask(design: Design, scale: float, fits: Sequence[Fit]) -> tuple[Proposal, ...]:
+def ask(design: Design, fits: Sequence[Fit]) -> tuple[Proposal, ...]:
     """Return at most five experiments, the best first, each of another kind; none where nothing tried would help.
 
     With several explanations, an experiment is worth what it tells apart; with one, by how much it narrows its first
@@ -45,7 +45,6 @@ def ask(design: Design, scale: float, fits: Sequence[Fit]) -> tuple[Proposal, ..
 
     Args:
         design: Today's campaign.
-        scale: Variance of the noise against what the instruments explain.
         fits: The explanations that today's data cannot tell apart, the best first.
 
     Raises:
@@ -57,13 +56,13 @@ def ask(design: Design, scale: float, fits: Sequence[Fit]) -> tuple[Proposal, ..
     quantities = quantities_with_more(design)
     is_thermal = any(cause.effect.needs for fit in fits for cause in fit.causes)
     experiments = experiments_for(design, is_thermal)
-    quick = Outlook(design, scale, fits, experiments, quantities, is_quick=True)
+    quick = Outlook(design, fits, experiments, quantities, is_quick=True)
     first = [_rate(e.words, e.family, fits, quick.expect(e)) for e in experiments]
     best = sorted(range(len(experiments)), key=lambda i: first[i].worth, reverse=True)[:SIMULATED]
     chosen = [experiments[i] for i in best]
-    full = Outlook(design, scale, fits, chosen, quantities, is_quick=False)
+    full = Outlook(design, fits, chosen, quantities, is_quick=False)
     rated = [_rate(e.words, e.family, fits, full.expect(e)) for e in chosen]
-    direct = direct_measurements(design, scale, fits, quick.trace)
+    direct = direct_measurements(design, fits, quick.trace)
     rated += [_rate(d.words, d.family, fits, d.expectations) for d in direct]
     return _best_of_each(rated, LEAST if len(fits) > 1 else -np.log(LEAST_NARROWING))
 

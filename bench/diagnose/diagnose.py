@@ -74,8 +74,12 @@ def diagnose(
     Raises:
         InputError: The campaign has nothing that a replay predicts.
         ConvergenceError: The nominal model finds no balance along the measured motion.
+        ValueError: Signatures of another kind of session.
     """
-    signatures = signatures or signatures_of(campaign, compiled, catalogue)
+    own = signatures_of(campaign, compiled, catalogue)
+    signatures = own if signatures is None else signatures
+    if signatures.asked != own.asked:
+        raise ValueError("these signatures are of other channels or other causes than this campaign and catalogue have")
     quantities = signatures.quantities
     segments = segments_of(campaign, compiled, quantities, most_bins)
     if not segments or not quantities:
@@ -100,12 +104,12 @@ def diagnose(
     if extension:
         progress("gain on what was held out")
         null = naming.null if about is naming.design else refit(about, (), {})
-        worth = held_out(about, 1.0, null, extension)
+        worth = held_out(about, null, extension)
     if naming.hypotheses and asks:
         progress("the next experiment")
         with suppress(BenchError):  # an explanation that finds no balance elsewhere proposes nothing
-            proposals = ask(naming.design, 1.0, [hypothesis.fit for hypothesis in naming.alternatives])
-    predicted = predicted_error(about, 1.0, extension or naming.null) if asks else ()
+            proposals = ask(naming.design, [hypothesis.fit for hypothesis in naming.alternatives])
+    predicted = predicted_error(about, extension or naming.null) if asks else ()
     blind = blind_spots(compiled, segments, quantities, screening, signatures.causes) if asks else ()
     missing = unseen_of(catalogue.values(), around.measured)
     verdict = verdict_of(naming, rate, missing, signatures.unbalanced, worth, proposals, lesson)

@@ -33,12 +33,11 @@ class Direct:
     expectations: tuple[Expectation, ...]
 
 
-def direct_measurements(design: Design, scale: float, fits: Sequence[Fit], trace: Trace) -> tuple[Direct, ...]:
+def direct_measurements(design: Design, fits: Sequence[Fit], trace: Trace) -> tuple[Direct, ...]:
     """Return what a gas thermometer and a scale would show; each only where there is something to measure.
 
     Args:
         design: Today's campaign.
-        scale: Variance of the noise against what the instruments explain.
         fits: Explanations.
         trace: Any motion of the nominal robot; its first instant is read.
     """
@@ -54,7 +53,7 @@ def direct_measurements(design: Design, scale: float, fits: Sequence[Fit], trace
                 shown = acting.effect.distort(acting.place, acting.values, shown, trace[:1], conditions[0])
             return float(shown.gas_temperature[0])
 
-        expectations = _expectations(design, scale, fits, gas_k, THERMOMETER_K)
+        expectations = _expectations(design, fits, gas_k, THERMOMETER_K)
         found.append(Direct("a thermometer on the gas of the counterbalance", "gas thermometer", expectations))
     payload = max(c.payload_kg for c in conditions)
     if payload > 0:
@@ -65,19 +64,18 @@ def direct_measurements(design: Design, scale: float, fits: Sequence[Fit], trace
             return float(model.body_subtreemass[compiled.at.load_body])
 
         sigma = payload * max(compiled.robot.figures.uncertainty.load, LEAST_SCALE)
-        expectations = _expectations(design, scale, fits, mass_kg, sigma)
+        expectations = _expectations(design, fits, mass_kg, sigma)
         found.append(Direct(f"the payload of {payload:g} kg on a scale", "scale", expectations))
     return tuple(found)
 
 
 def _expectations(
-    design: Design, scale: float, fits: Sequence[Fit], read: Callable[[World], float], sigma: float
+    design: Design, fits: Sequence[Fit], read: Callable[[World], float], sigma: float
 ) -> tuple[Expectation, ...]:
     """Return what each fit expects of one number, in standard deviations of its reading.
 
     Args:
         design: Today's campaign.
-        scale: Variance of the noise against what the instruments explain.
         fits: Explanations.
         read: The number in a world.
         sigma: Standard deviation of its reading.
@@ -95,6 +93,6 @@ def _expectations(
             world = world_of(design, fit.causes, fit.unknowns, moved, fit.nuisances)
             own.append((read(world) - mean) / step)
         slopes = np.concatenate([changes, own]) / sigma
-        covariance = np.asarray(np.linalg.inv(tangent_of(design, scale, fit).precision), dtype=np.float64)
-        found.append(Expectation(np.array([mean / sigma]), slopes[None], covariance, 1.0))
+        covariance = np.asarray(np.linalg.inv(tangent_of(design, fit).precision), dtype=np.float64)
+        found.append(Expectation(np.array([mean / sigma]), slopes[None], covariance))
     return tuple(found)

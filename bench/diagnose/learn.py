@@ -107,7 +107,7 @@ def learn(design: Design, block: Block, beside: Fit) -> Lesson:
         if not left or np.all((factors < SETTLED) & (factors > 1 / SETTLED)):
             break
         design = raised(design, factors)
-    worth = held_out(design, 1.0, without, fit)
+    worth = held_out(design, without, fit)
     # what was stated of the robot is no reason to believe a free shape: some channel that was poor has to get better
     is_better = any(gain.low > 0 and gain.before > gain.floor for gain in worth.channels)
     if gained <= 0 or not worth.pays or not is_better:

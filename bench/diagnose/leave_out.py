@@ -1,12 +1,11 @@
 """Leave out: every fold predicted by a model that was fitted to the others, without simulating anything again.
 
 A fit is taken as converged, and its slopes as good over the small step that leaving out a run makes. In whitened
-space, with residual r, slopes T (nuisances, then unknowns), precision P of the priors and variance s of the noise, that
-step is
+space, with residual r, slopes T (nuisances, then unknowns) and precision P of the priors, that step is
 
-    d = -H^-1 b / s,   H = P + T^T T / s over the runs that stay,   b = T^T r over those that are left out,
+    d = -H^-1 b,   H = P + T^T T over the runs that stay,   b = T^T r over those that are left out,
 
-and what is left out is normal around its prediction, with covariance s I + T H^-1 T^T.
+and what is left out is normal around its prediction, with covariance I + T H^-1 T^T.
 """
 
 from dataclasses import dataclass
@@ -35,26 +34,23 @@ class Tangent:
         slopes: Shape (m, p + k), whitened.
         white: Shape (m,), whitened residual.
         precision: Shape (p + k, p + k), of all parameters given all data.
-        scale: Variance of the noise against what the instruments explain.
     """
 
     slopes: Array
     white: Array
     precision: Array
-    scale: float
 
 
-def tangent_of(design: Design, scale: float, fit: Fit) -> Tangent:
+def tangent_of(design: Design, fit: Fit) -> Tangent:
     """Return a fit in the linear picture.
 
     Args:
         design: The campaign.
-        scale: Variance of the noise against what the instruments explain.
         fit: To all of it.
     """
     slopes = np.concatenate([design.slopes, design.whiten(fit.slopes)], axis=1)
     prior = np.concatenate([np.ones(len(fit.nuisances)), [1 / unknown.sigma**2 for unknown in fit.unknowns]])
-    return Tangent(slopes, design.whiten(fit.residual), slopes.T @ slopes / scale + np.diag(prior), scale)
+    return Tangent(slopes, design.whiten(fit.residual), slopes.T @ slopes + np.diag(prior))
 
 
 def log_probability_of_folds(design: Design, tangent: Tangent, folds: Folds) -> Array:
@@ -69,7 +65,7 @@ def log_probability_of_folds(design: Design, tangent: Tangent, folds: Folds) -> 
         mine = row_fold == f
         step, rest = _step(tangent, tangent.white, mine | row_gap[:, f], free)
         own = tangent.slopes[mine]
-        found[f] = _log_density(tangent.white[mine] - own @ step, own, rest, tangent.scale)
+        found[f] = _log_density(tangent.white[mine] - own @ step, own, rest)
     return found
 
 
@@ -121,8 +117,8 @@ def _step(tangent: Tangent, white: Array, absent: NDArray[np.bool_], free: NDArr
         free: Shape (q,), parameters that may move.
     """
     gone = tangent.slopes[absent][:, free]
-    rest = tangent.precision[np.ix_(free, free)] - gone.T @ gone / tangent.scale
-    step = -cho_solve(cho_factor(rest), gone.T @ white[absent] / tangent.scale)
+    rest = tangent.precision[np.ix_(free, free)] - gone.T @ gone
+    step = -cho_solve(cho_factor(rest), gone.T @ white[absent])
     return step, rest
 
 
@@ -138,17 +134,16 @@ def _clamped(fit: Fit, tangent: Tangent, reach: float) -> tuple[Array, NDArray[n
     return np.asarray(found.x, dtype=np.float64), np.flatnonzero(found.active_mask == 0)
 
 
-def _log_density(error: Array, slopes: Array, precision: Array, scale: float) -> float:
-    """Return the log density of an error that is normal with covariance scale I + slopes precision^-1 slopes^T.
+def _log_density(error: Array, slopes: Array, precision: Array) -> float:
+    """Return the log density of an error that is normal with covariance I + slopes precision^-1 slopes^T.
 
     Args:
         error: Shape (m,).
         slopes: Shape (m, q).
         precision: Shape (q, q).
-        scale: Variance.
     """
-    both = precision + slopes.T @ slopes / scale
-    pull = slopes.T @ error / scale
-    square = float(error @ error) / scale - float(pull @ cho_solve(cho_factor(both), pull))
+    both = precision + slopes.T @ slopes
+    pull = slopes.T @ error
+    square = float(error @ error) - float(pull @ cho_solve(cho_factor(both), pull))
     determinant = float(np.linalg.slogdet(both)[1] - np.linalg.slogdet(precision)[1])
-    return -0.5 * (square + determinant + len(error) * float(np.log(2 * np.pi * scale)))
+    return -0.5 * (square + determinant + len(error) * float(np.log(2 * np.pi)))

@@ -27,12 +27,20 @@ class DetectionLimit:
     unit: str
 
 
-def detection_limits(screening: Screening) -> tuple[DetectionLimit, ...]:
-    """Return the limits of everything that was tried; for a cause of several shapes, that of the one seen best.
+def smallest_found(information: float, prior: float, threshold: float) -> float:
+    """Return the smallest size whose expected evidence reaches a threshold; inf where the data say nothing of it.
 
-    With the information I on a size, nuisances integrated out, and its prior p, the log evidence expected of size s is
-    s^2 I p^2 I / (1 + p^2 I) / 2 - log(1 + p^2 I) / 2; the limit is where it reaches the threshold.
+    With the information I on a size, nuisances integrated out, and its prior p, noise-free data of size s give a log
+    evidence of s^2 I w / 2 - log(1 + p^2 I) / 2 with w = p^2 I / (1 + p^2 I).
     """
+    known = prior**2 * information
+    if known <= 0:
+        return float("inf")
+    return float(np.sqrt((2 * threshold + np.log1p(known)) * (1 + known) / known / information))
+
+
+def detection_limits(screening: Screening) -> tuple[DetectionLimit, ...]:
+    """Return the limits of everything that was tried; for a cause of several shapes, that of the one seen best."""
     found: dict[tuple[str, str, str], DetectionLimit] = {}
     for entry in screening.entries:
         what = entry.what
@@ -40,12 +48,8 @@ def detection_limits(screening: Screening) -> tuple[DetectionLimit, ...]:
             continue
         for size, column, prior, step in zip(what.cause.sizes, entry.columns, entry.prior, what.step, strict=True):
             information = float(screening.marginal.information[column, column])
-            known = prior**2 * information
-            if known <= 0:
-                continue
-            square = (2 * screening.threshold + np.log1p(known)) * (1 + known) / known / information
-            limit = float(np.sqrt(square) * abs(step))
+            limit = smallest_found(information, float(prior), screening.threshold) * abs(float(step))
             key = (*what.cause.key, size.name)
-            if key not in found or limit < found[key].limit:
+            if np.isfinite(limit) and (key not in found or limit < found[key].limit):
                 found[key] = DetectionLimit(*what.cause.key, size.name, limit, size.unit)
     return tuple(found.values())

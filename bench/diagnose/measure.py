@@ -87,7 +87,7 @@ class HeldOut:
         return self.low > NOTICEABLE
 
 
-def held_out(design: Design, scale: float, before: Fit, after: Fit) -> HeldOut:
+def held_out(design: Design, before: Fit, after: Fit) -> HeldOut:
     """Return what `after` is worth against `before`.
 
     Intervals are a Bayesian bootstrap over the folds (Dirichlet weights), so an effect that two runs of twenty show is
@@ -95,13 +95,12 @@ def held_out(design: Design, scale: float, before: Fit, after: Fit) -> HeldOut:
 
     Args:
         design: The campaign.
-        scale: Variance of the noise against what the instruments explain.
         before: Fit of the model without the extension.
         after: Fit with it.
     """
     folds = folds_of(design, design.whiten(before.residual - after.residual))
     weights = np.random.default_rng(SEED).dirichlet(np.ones(len(folds)), DRAWS)
-    tangents = [tangent_of(design, scale, fit) for fit in (before, after)]
+    tangents = [tangent_of(design, fit) for fit in (before, after)]
     one, two = (log_probability_of_folds(design, tangent, folds) for tangent in tangents)
     figures = log_probability_of_figures(after, tangents[1]) - log_probability_of_figures(before, tangents[0])
     low, high = np.quantile(figures + len(folds) * weights @ (two - one), (LOW, HIGH))
@@ -185,7 +184,7 @@ class PredictedError:
     high: float
 
 
-def predicted_error(design: Design, scale: float, fit: Fit) -> tuple[PredictedError, ...]:
+def predicted_error(design: Design, fit: Fit) -> tuple[PredictedError, ...]:
     """Return what a fitted model will leave of an unseen recording of the same robot, for static runs and for motion.
 
     Each run of the campaign is predicted by the model as fitted to the others. The logarithms of their root mean
@@ -195,11 +194,10 @@ def predicted_error(design: Design, scale: float, fit: Fit) -> tuple[PredictedEr
 
     Args:
         design: The campaign.
-        scale: Variance of the noise against what the instruments explain.
         fit: The model.
     """
     folds = folds_of(design)
-    error = errors_of_folds(design, fit, tangent_of(design, scale, fit), folds)
+    error = errors_of_folds(design, fit, tangent_of(design, fit), folds)
     is_static = np.repeat([s.is_static for s in design.segments], [len(s) for s in design.segments])
     kinds: tuple[tuple[Literal["static", "motion"], Array], ...] = (("static", is_static), ("motion", ~is_static))
     found = []

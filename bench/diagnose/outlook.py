@@ -38,19 +38,17 @@ class Expectation:
         mean: Shape (m,).
         slopes: Shape (m, z).
         covariance: Shape (z, z), of the parameters today.
-        scale: Variance of the noise.
     """
 
     mean: Array
     slopes: Array
     covariance: Array
-    scale: float
 
     @property
     def predictive(self) -> Array:
         """Covariance of the readings, shape (m, m)."""
         blurred = self.covariance + SLOPE_ERROR**2 * np.diag(np.diag(self.covariance))
-        predictive: Array = self.scale * np.eye(len(self.mean)) + self.slopes @ blurred @ self.slopes.T
+        predictive: Array = np.eye(len(self.mean)) + self.slopes @ blurred @ self.slopes.T
         return predictive
 
 
@@ -84,7 +82,6 @@ class Outlook:
 
     Args:
         design: Today's campaign.
-        scale: Variance of the noise against what the instruments explain.
         fits: Explanations.
         experiments: To be simulated.
         quantities: Of the experiments.
@@ -98,13 +95,11 @@ class Outlook:
     def __init__(
         self,
         design: Design,
-        scale: float,
         fits: Sequence[Fit],
         experiments: Sequence[Experiment],
         quantities: tuple[Quantity, ...],
         is_quick: bool,
     ) -> None:
-        self.scale = scale
         self.fits = fits
         self._index: dict[int, int] = {}
         unique: list[Segment] = []
@@ -143,7 +138,7 @@ class Outlook:
             self._means.append(np.split(mean + linear, self._split))
             slopes = np.concatenate([changes, np.stack(own, axis=2)], axis=2) if own else changes
             self._slopes.append(np.split(slopes, self._split))
-            self._covariances.append(_covariance(design, scale, fit, len(fresh)))
+            self._covariances.append(_covariance(design, fit, len(fresh)))
 
     def expect(self, experiment: Experiment) -> list[Expectation]:
         """Return what each explanation expects of an experiment; parameters are nuisances, then sizes."""
@@ -157,7 +152,7 @@ class Outlook:
         for means, slopes, covariance in zip(self._means, self._slopes, self._covariances, strict=True):
             mean = np.concatenate([w(means[i]) for w, i in zip(maps, where, strict=True)])
             slope = np.concatenate([w(slopes[i]) for w, i in zip(maps, where, strict=True)])
-            found.append(Expectation(mean, slope, covariance, self.scale))
+            found.append(Expectation(mean, slope, covariance))
         return found
 
 
@@ -181,9 +176,9 @@ def _unknown_worlds(design: Design, fits: Sequence[Fit]) -> tuple[list[World], l
     return worlds, steps
 
 
-def _covariance(design: Design, scale: float, fit: Fit, fresh: int) -> Array:
+def _covariance(design: Design, fit: Fit, fresh: int) -> Array:
     """Return the covariance of nuisances of today, fresh ones (prior one), and unknowns."""
-    today = np.linalg.inv(tangent_of(design, scale, fit).precision)
+    today = np.linalg.inv(tangent_of(design, fit).precision)
     p, k = len(fit.nuisances), len(fit.unknowns)
     covariance = np.eye(p + fresh + k)
     old = np.concatenate([np.arange(p), p + fresh + np.arange(k)])

@@ -66,9 +66,11 @@ class Signatures:
         self._times: dict[str, Array] = {}
         self._changes: dict[str, Array] = {}  # shape (T of the stretch, c, p + causes), nan where there is no balance
 
-    def fits(self, quantities: tuple[Quantity, ...], causes: Sequence[Cause]) -> bool:
-        """Whether a campaign with these quantities and causes may be looked up here."""
-        return quantities == self.quantities and [c.key for c in causes] == [c.key for c in self.causes]
+    @property
+    def asked(self) -> tuple[tuple[Quantity, ...], tuple[str, ...], tuple[tuple[str, str], ...]]:
+        """What it is about: quantities, names of nuisances, causes."""
+        names = tuple(nuisance.name for nuisance in self.nuisances)
+        return self.quantities, names, tuple(cause.key for cause in self.causes)
 
     @property
     def unbalanced(self) -> tuple[str, ...]:

@@ -21,8 +21,9 @@ from bench.diagnose.limits import DetectionLimit as DetectionLimit  # part of th
 from bench.diagnose.limits import detection_limits
 from bench.diagnose.measure import ChannelGain as ChannelGain  # part of the verdict
 from bench.diagnose.measure import HeldOut, PredictedError
-from bench.diagnose.naming import Hypothesis, Naming, Rung
+from bench.diagnose.naming import Naming, Rung
 from bench.diagnose.refit import Fit
+from bench.diagnose.trials import Hypothesis
 
 NORMAL_95 = 1.959964
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.diagnose.design import Design
+from bench.diagnose.limits import smallest_found
 from bench.diagnose.marginal import Nuisances
 from bench.diagnose.replay import NOMINAL, World
 from bench.effects.effect import Acting, Effect, Parameter, Place
@@ -61,9 +62,7 @@ class Way:
 def detection_limit(way: Way, design: Design, threshold: float, rivals: Sequence[Array] = ()) -> float:
     """Return the size at which the expected evidence reaches a threshold, as a share of the largest plausible size.
 
-    With the information I on the size, all nuisances integrated out, and its prior p, the log evidence that noise-free
-    data give is s^2 I w/2 - ln(1 + I p^2)/2 with w = I p^2/(1 + I p^2). The effect is taken as linear below its typical
-    size.
+    The effect is taken as linear below its typical size.
 
     Args:
         way: The effect.
@@ -87,11 +86,7 @@ def detection_limit(way: Way, design: Design, threshold: float, rivals: Sequence
         cross = products[own, 0]
         square = products[np.ix_(own, own)] + TINY * np.eye(len(own))
         information = min(information, float(products[0, 0] - cross @ np.linalg.solve(square, cross)))
-    if information <= 0:
-        return float("inf")
-    weighed = information * PRIOR**2
-    needed = 2 * threshold + float(np.log1p(weighed))
-    return float(np.sqrt(needed * (1 + weighed) / (information * weighed)))
+    return smallest_found(information, PRIOR, threshold)
 
 
 def _drawn(parameter: Parameter, rng: np.random.Generator) -> float:

@@ -28,6 +28,7 @@ SWEEPS = Rotation.model_validate(
         "sample_period_s": 0.04,
     }
 )
+SWEEP = SWEEPS.model_copy(update={"speeds_deg_per_s": (20.0,)})
 LOADS = Loading.model_validate(
     {
         "experiment": "loading",

@@ -20,20 +20,10 @@ from bench.effects.effect import WHOLE, Acting
 from bench.hide.campaign import hide_campaign
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
-from bench.scenario.rotation import Rotation
+from tests.diagnose.sweeps import SWEEP
 
 BINS = 60
 BLUR = 5e-3  # what the error of slopes (2 %) takes off
-SWEEPS = Rotation(
-    experiment="rotation",
-    robot="hh150",
-    joint=2,
-    start_deg=(0, -20, 0, 0, 90, 0),
-    end_deg=70,
-    speeds_deg_per_s=(20,),
-    ramp_s=1.0,
-    sample_period_s=0.04,
-)
 
 
 @dataclass(frozen=True)
@@ -51,7 +41,7 @@ def twins() -> Twins:
     robot, effects = load_robot("hh150"), catalogue()
     compiled = compile_robot(robot)
     acting = Acting(effects["gas_loss"], WHOLE, {"lost": 0.12})
-    campaign = hide_campaign(robot, SWEEPS, [acting], np.random.default_rng(5)).campaign
+    campaign = hide_campaign(robot, SWEEP, [acting], np.random.default_rng(5)).campaign
     quantities = quantities_of(campaign.runs, compiled)
     segments = segments_of(campaign, compiled, quantities, BINS)
     design = design_of(Replay(compiled, segments, quantities), nuisances_of(compiled, quantities))
@@ -62,8 +52,8 @@ def twins() -> Twins:
     return Twins(design, fitted("gas_loss"), fitted("gas_temperature"), fitted("polytropic_exponent"))
 
 
-def expectation(mean: float, sigma: float, scale: float = 1.0) -> Expectation:
-    return Expectation(np.array([mean]), np.array([[1.0]]), np.array([[sigma**2]]), scale)
+def expectation(mean: float, sigma: float) -> Expectation:
+    return Expectation(np.array([mean]), np.array([[1.0]]), np.array([[sigma**2]]))
 
 
 def test_alike_explanations_differ_by_half_the_squared_distance() -> None:
@@ -89,13 +79,13 @@ def test_expected_log_bayes_factor_is_that_of_many_draws(rng: np.random.Generato
 
 
 def test_a_measurement_narrows_by_the_sum_of_precisions() -> None:
-    assert narrowing(expectation(0.0, 2.0, 1.0), 0) == pytest.approx(1 / np.sqrt(1 + 4.0), rel=BLUR)
-    blind = Expectation(np.zeros(1), np.zeros((1, 1)), np.eye(1), 1.0)
+    assert narrowing(expectation(0.0, 2.0), 0) == pytest.approx(1 / np.sqrt(1 + 4.0), rel=BLUR)
+    blind = Expectation(np.zeros(1), np.zeros((1, 1)), np.eye(1))
     assert narrowing(blind, 0) == pytest.approx(1.0)
 
 
 def test_a_gas_thermometer_splits_loss_and_temperature(twins: Twins) -> None:
-    found = ask(twins.design, 1.0, [twins.loss, twins.warmth])
+    found = ask(twins.design, [twins.loss, twins.warmth])
     assert 1 <= len(found) <= MOST_PROPOSALS
     best = found[0]
     assert "thermometer" in best.experiment
@@ -107,7 +97,7 @@ def test_a_gas_thermometer_splits_loss_and_temperature(twins: Twins) -> None:
 
 
 def test_one_explanation_asks_for_what_narrows_it(twins: Twins) -> None:
-    found = ask(twins.design, 1.0, [twins.bend])
+    found = ask(twins.design, [twins.bend])
     assert 1 <= len(found) <= MOST_PROPOSALS
     assert all(p.splits == ("polytropic exponent of the gas", "") and p.narrows for p in found)
     worth = [p.separation for p in found]
@@ -117,12 +107,12 @@ def test_one_explanation_asks_for_what_narrows_it(twins: Twins) -> None:
 
 def test_what_a_stated_figure_blurs_no_run_narrows(twins: Twins) -> None:
     # a gas constant known to 1 % and a loss of gas are one number in every run
-    assert ask(twins.design, 1.0, [twins.loss]) == ()
+    assert ask(twins.design, [twins.loss]) == ()
 
 
 def test_nothing_found_asks_for_nothing(twins: Twins) -> None:
-    assert ask(twins.design, 1.0, []) == ()
-    assert ask(twins.design, 1.0, [refit(twins.design, (), {})]) == ()
+    assert ask(twins.design, []) == ()
+    assert ask(twins.design, [refit(twins.design, (), {})]) == ()
 
 
 def test_experiments_stay_within_the_robot(twins: Twins) -> None:

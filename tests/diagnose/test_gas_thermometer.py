@@ -10,26 +10,16 @@ from bench.effects.effect import WHOLE, Acting
 from bench.hide.campaign import hide_campaign
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
-from bench.scenario.rotation import Rotation
+from tests.diagnose.sweeps import SWEEP
 
 CHOICE = ("coulomb_level", "gas_loss", "gas_temperature")
 BINS = 60
-SWEEPS = Rotation(
-    experiment="rotation",
-    robot="hh150",
-    joint=2,
-    start_deg=(0, -20, 0, 0, 90, 0),
-    end_deg=70,
-    speeds_deg_per_s=(20,),
-    ramp_s=1.0,
-    sample_period_s=0.04,
-)
 
 
 def verdict(hidden: dict[str, dict[str, float]], channels: tuple[str, ...]) -> Verdict:
     robot, effects = load_robot("hh150"), catalogue()
     acting = [Acting(effects[name], WHOLE, effects[name].complete(values)) for name, values in hidden.items()]
-    data = hide_campaign(robot, SWEEPS, acting, np.random.default_rng(3), channels=channels)
+    data = hide_campaign(robot, SWEEP, acting, np.random.default_rng(3), channels=channels)
     choice = {name: effects[name] for name in CHOICE}
     return diagnose(data.campaign, compile_robot(robot), choice, most_bins=BINS, asks=False).verdict
 

@@ -22,20 +22,10 @@ from bench.report.diagnosis.learned import curves_of, learned_of
 from bench.report.diagnosis.write import write_diagnosis
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
-from bench.scenario.rotation import Rotation
+from tests.diagnose.sweeps import SWEEPS
 
 CHOICE = ("coulomb_level", "viscous_level", "torque_constant", "gas_loss", "current_offset")
 BINS = 100
-SWEEPS = Rotation(
-    experiment="rotation",
-    robot="hh150",
-    joint=2,
-    start_deg=(0, -20, 0, 0, 90, 0),
-    end_deg=70,
-    speeds_deg_per_s=(10, 20),
-    ramp_s=1.0,
-    sample_period_s=0.04,
-)
 NEAR_FLOOR = 1.3  # DESIGN 6 asks for 1.2 of listed effects; a table is linear between nodes
 SIGMAS = 3.5  # the largest of 33 values that go together
 HIDDEN = {

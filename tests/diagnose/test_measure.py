@@ -98,7 +98,7 @@ def test_held_out_runs_have_their_conditional_normal_density(rng: np.random.Gene
     design = design_with(noise(rng, runs), changes(rng, runs), runs)
     column = rng.standard_normal(runs * LENGTH)
     fit = fit_of(design, column)
-    tangent = tangent_of(design, 1.0, fit)
+    tangent = tangent_of(design, fit)
     found = log_probability_of_folds(design, tangent, folds_of(design))
     prior = np.diag([1.0, 1.0, 1.0, UNKNOWN.sigma**2])
     covariance = np.eye(len(design.white)) + tangent.slopes @ prior @ tangent.slopes.T
@@ -123,7 +123,7 @@ def test_a_held_out_figure_has_its_conditional_normal_density(rng: np.random.Gen
         mean = np.linalg.solve(precision, slopes[rest].T @ seen[rest])[i]
         variance = 1 + np.linalg.inv(precision)[i, i]
         expected += -0.5 * (mean**2 / variance + np.log(variance))
-    assert log_probability_of_figures(fit, tangent_of(design, 1.0, fit)) == pytest.approx(expected)
+    assert log_probability_of_figures(fit, tangent_of(design, fit)) == pytest.approx(expected)
 
 
 def test_held_out_error_is_that_of_a_fit_without_the_run(rng: np.random.Generator) -> None:
@@ -132,7 +132,7 @@ def test_held_out_error_is_that_of_a_fit_without_the_run(rng: np.random.Generato
     residual = noise(rng, runs) + slopes @ np.array([1.0, -1.0, 0.5])
     design = design_with(residual, slopes, runs)
     fit = fit_of(design, column)
-    found = errors_of_folds(design, fit, tangent_of(design, 1.0, fit), folds_of(design))
+    found = errors_of_folds(design, fit, tangent_of(design, fit), folds_of(design))
     for f in range(runs):
         stays = np.repeat(np.arange(runs), LENGTH) != f
         without = design_with(residual[stays], slopes[stays], runs - 1)
@@ -146,7 +146,7 @@ def test_figures_stay_within_reach(rng: np.random.Generator) -> None:
     design = design_with(noise(rng, 4) + 10 * slopes[:, 0], slopes, 4)
     fit = fit_of(design)
     assert abs(fit.nuisances[0]) > 8  # else the test says nothing
-    found = errors_of_folds(design, fit, tangent_of(design, 1.0, fit), folds_of(design), reach=4.0)
+    found = errors_of_folds(design, fit, tangent_of(design, fit), folds_of(design), reach=4.0)
     np.testing.assert_allclose(found[:, 0], design.residual[:, 0] - 4 * slopes[:, 0], atol=1e-9)
 
 
@@ -156,9 +156,9 @@ def test_a_true_extension_pays_and_an_invented_one_does_not() -> None:
         rng = np.random.default_rng(seed)
         slopes, column = changes(rng, runs), rng.standard_normal(runs * LENGTH)
         true = design_with(noise(rng, runs) + 0.15 * column, slopes, runs)
-        assert held_out(true, 1.0, fit_of(true), fit_of(true, column)).pays
+        assert held_out(true, fit_of(true), fit_of(true, column)).pays
         null = design_with(noise(rng, runs), slopes, runs)
-        refused += not held_out(null, 1.0, fit_of(null), fit_of(null, column)).pays
+        refused += not held_out(null, fit_of(null), fit_of(null, column)).pays
     assert refused >= 17  # an interval of 90 % lets one in twenty pass on each side
 
 
@@ -171,7 +171,7 @@ def test_what_one_run_shows_and_the_others_deny_is_refused(rng: np.random.Genera
     before, after = fit_of(design), fit_of(design, column)
     fell = np.sum(design.whiten(before.residual) ** 2) - np.sum(design.whiten(after.residual) ** 2)
     assert fell > 20  # the fit alone would take it: log evidence above 4.6 after the price of one parameter
-    found = held_out(design, 1.0, before, after)
+    found = held_out(design, before, after)
     assert found.by == "run"
     assert not found.pays
 
@@ -181,7 +181,7 @@ def test_two_runs_of_twenty_are_enough(rng: np.random.Generator) -> None:
     column = np.zeros(runs * LENGTH)
     column[: 2 * LENGTH] = rng.standard_normal(2 * LENGTH)
     design = design_with(noise(rng, runs) + 0.5 * column, changes(rng, runs), runs)
-    found = held_out(design, 1.0, fit_of(design), fit_of(design, column))
+    found = held_out(design, fit_of(design), fit_of(design, column))
     assert found.by == "run"
     assert found.pays
 
@@ -191,17 +191,17 @@ def test_an_absurd_figure_does_not_stand_in_for_a_cause(rng: np.random.Generator
     slopes = changes(rng, runs)
     column = slopes[:, 0] * 10 / UNKNOWN.sigma  # it acts exactly as the first nuisance
     design = design_with(noise(rng, runs) + 10 * slopes[:, 0], slopes, runs)
-    found = held_out(design, 1.0, fit_of(design), fit_of(design, column))
+    found = held_out(design, fit_of(design), fit_of(design, column))
     assert abs(found.nats - found.figures) < 2  # runs alone cannot tell
     assert found.pays
     assert found.channels[0].gain > 0.4
     within = design_with(noise(rng, runs) + 0.5 * slopes[:, 0], slopes, runs)
-    assert not held_out(within, 1.0, fit_of(within), fit_of(within, column)).pays
+    assert not held_out(within, fit_of(within), fit_of(within, column)).pays
 
 
 def test_what_changes_nothing_does_not_pay(rng: np.random.Generator) -> None:
     design = design_with(noise(rng, 4), changes(rng, 4), 4)
-    found = held_out(design, 1.0, fit_of(design), fit_of(design, np.zeros(4 * LENGTH)))
+    found = held_out(design, fit_of(design), fit_of(design, np.zeros(4 * LENGTH)))
     assert found.nats == pytest.approx(0.0, abs=1e-9)
     assert not found.pays
 
@@ -241,7 +241,7 @@ def test_a_perfect_model_is_as_good_as_its_floor() -> None:
     design = design_with(noise(rng, runs) + shared, 1e-9 * changes(rng, runs), runs, modes)
     expected = np.tile(SIGMA**2 + modes[:, 0] ** 2, runs)
     np.testing.assert_allclose(floor_variance(design)[:, 0], expected)
-    channel = held_out(design, 1.0, fit_of(design), fit_of(design)).channels[0]
+    channel = held_out(design, fit_of(design), fit_of(design)).channels[0]
     assert channel.after / channel.floor == pytest.approx(1.0, abs=0.12)  # 40 draws of a mode: 3 % to 5 % each way
     assert channel.gain == pytest.approx(0.0, abs=1e-9)
 
@@ -265,7 +265,7 @@ def test_predicted_error_covers_one_more_run() -> None:
         slopes = changes(rng, runs, p=1)
         sizes = np.repeat(np.exp(0.5 * rng.standard_normal(runs)), LENGTH)
         design = design_with(sizes * noise(rng, runs), slopes, runs)
-        (found,) = predicted_error(design, 1.0, fit_of(design))
+        (found,) = predicted_error(design, fit_of(design))
         assert (found.channel, found.kind, found.runs) == ("current_1_a", "motion", runs)
         assert found.low < found.high
         fresh = np.exp(0.5 * rng.standard_normal()) * SIGMA * rng.standard_normal(LENGTH)
