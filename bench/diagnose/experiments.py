@@ -162,7 +162,6 @@ class _Lab:
             conditions=conditions,
             observed=np.where(columns, np.zeros(shape), np.nan),
             sigma=np.where(columns, np.broadcast_to(self.sigma[is_static], shape), np.nan),
-            pure_error=np.full(shape, np.nan),
             standing=np.all(motion.velocity == 0, axis=0),
             acceleration_error=np.zeros((length, self.n)),
         )

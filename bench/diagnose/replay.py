@@ -99,7 +99,7 @@ class Replay:
                 robots[key] = Prescribed(self._robot(world, conditions))
             motion = _moved(segment.motion, world)
             trace, found = robots[key].follow(motion, self._found[i])
-            if found.shape[1] == self.compiled.n_joints:
+            if found.shape[2] == self.compiled.n_joints:
                 self._found[i] = found  # the next world is similar
             traces.append(trace)
         return traces

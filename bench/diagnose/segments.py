@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from bench.diagnose.noise import UNIFORM, Noise
 from bench.diagnose.piece import Piece, centre_weights
@@ -19,6 +20,7 @@ from bench.record.campaign import Array, Campaign, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
+BY_CHANCE = 1e-4  # probability up to which the scatter of repeats is taken for their instrument's
 MOST_BINS = 700  # over all motion of a campaign: what half a minute of diagnosis can replay some hundred times
 
 
@@ -37,8 +39,7 @@ class Segment:
             marks the T instants.
         conditions: Temperatures and payload.
         observed: Shape (T, c); nan where not measured.
-        sigma: Shape (T, c), standard error from the instruments' noise alone.
-        pure_error: Shape (T, c), variance of the mean as the scatter of the repeats gives it, nan where there is none.
+        sigma: Shape (T, c), standard error by the instruments' noise, or by the scatter of repeats where an arm swayed.
         standing: Shape (n,) bool, drives that did not move.
         acceleration_error: Shape (T, n), standard deviation of the motors' accelerations, as differentiated.
     """
@@ -50,7 +51,6 @@ class Segment:
     conditions: Conditions
     observed: Array
     sigma: Array
-    pure_error: Array
     standing: Array
     acceleration_error: Array
 
@@ -75,7 +75,7 @@ def segments_of(
     found: list[Segment] = []
     for run in campaign.runs:
         for piece in visits_of(run, compiled) if run.kind == "static" else stretches_of(run, compiled, width):
-            observed, sigma, pure = _means(run, piece, quantities, noise)
+            observed, sigma = _means(run, piece, quantities, noise)
             motion = piece.motion
             if not np.any(np.isfinite(observed)):
                 continue
@@ -89,7 +89,6 @@ def segments_of(
                     conditions_of(run, piece.rows, compiled.n_joints),
                     observed,
                     sigma,
-                    pure,
                     speed == 0.0,
                     piece.acceleration_error,
                 )
@@ -132,18 +131,15 @@ def conditions_of(run: Run, rows: Index, n: int) -> Conditions:
     )
 
 
-# label, rows of the run, motion, first row of each group within `rows`, error of the accelerations
-
-
-def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Noise) -> tuple[Array, Array, Array]:
-    """Return mean, standard error and pure error of every instant, shape (T, c) each.
+def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Noise) -> tuple[Array, Array]:
+    """Return mean and standard error of every instant, shape (T, c) each.
 
     Readings that feel a joint which starts or turns round are left out: friction is between its levels there.
     """
     is_static = run.kind == "static"
     groups = piece.groups
     shape = (len(groups), len(quantities))
-    mean, sigma, pure = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
+    mean, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
     sizes = np.array([len(group) for group in groups])
     for c, quantity in enumerate(quantities):
         if quantity.column not in run.columns:
@@ -154,10 +150,24 @@ def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Nois
         one = noise.of(quantity, mean[:, c], run)
         if not is_static:
             one = np.maximum(one, max(noise.of_samples(values), noise.of_groups(values, groups)))
-        sigma[:, c] = np.hypot(one * [np.linalg.norm(w) for w in weights], noise.lasting(quantity))
+        error = one * [np.linalg.norm(w) for w in weights]
         if is_static:
-            many = sizes > 1
-            pure[many, c] = [values[group].var(ddof=1) / len(group) for group in groups if len(group) > 1]
+            error = np.maximum(error, _swayed(values, groups, np.hypot(one, noise.rounding(quantity))))
+        sigma[:, c] = np.hypot(error, noise.lasting(quantity))
         turning = piece.turning[:, quantity.index] if quantity.is_of_drive else np.any(piece.turning, axis=1)
         mean[turning, c] = np.nan
-    return mean, sigma, pure
+    return mean, sigma
+
+
+def _swayed(values: Array, groups: tuple[Index, ...], one: Array) -> Array:
+    """Return the scatter of repeats where they scatter more than chance lets their instrument, else 0; one per group.
+
+    An arm that was read before it had settled sways; neighbours err alike then, so their mean is no better than one.
+    """
+    found = np.zeros(len(groups))
+    for i, group in enumerate(groups):
+        if len(group) > 1:
+            variance, freedom = values[group].var(ddof=1), len(group) - 1
+            if variance > one[i] ** 2 * chi2.isf(BY_CHANCE, freedom) / freedom:
+                found[i] = np.sqrt(variance)
+    return found

@@ -53,14 +53,15 @@ def configure(spec: mujoco.MjSpec, actuator: str, **values: float | str) -> None
 
 def _place(spec: mujoco.MjSpec, actuator: str) -> tuple[dict[str, str], int, int]:
     """Return the configuration that an actuator uses, its place among those that share it, and how many they are."""
-    plugins = [other for other in spec.actuators if other.plugin.active]
     found = spec.actuator(actuator)
     if found is None or not found.plugin.active:
-        raise RobotError(unknown_name("plugin actuator", actuator, (other.name for other in plugins)))
+        raise RobotError(
+            unknown_name("plugin actuator", actuator, (one.name for one in spec.actuators if one.plugin.active))
+        )
     instance = found.plugin.name
     if not instance:
         return dict(found.plugin.config), 0, 1
-    sharing = [other.name for other in plugins if other.plugin.name == instance]
+    sharing = [one.name for one in spec.actuators if one.plugin.active and one.plugin.name == instance]
     return dict(_instance(spec, instance).config), sharing.index(actuator), len(sharing)
 
 

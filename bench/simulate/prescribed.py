@@ -16,7 +16,7 @@ from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.plant import Array, Trace
 
-TOLERANCE = 1e-6  # of the largest torque on any link, where a balance counts as found
+TOLERANCE = 1e-5  # of the torques on the links, where a balance counts as found
 MAX_ITERATIONS = 100
 PATIENCE = 6  # iterations after which steps are kept within brackets
 CLOSED = 1e-3  # of a step; a bracket narrower than that was closed by another unknown's change
@@ -70,15 +70,16 @@ class Prescribed:
         self._sticking = stiffness.copy()
         self._sticking[: compiled.n_joints] += compiled.link_presliding
         self._stiffest = np.where(_is_linear(compiled, len(passive)) > 0, 1.0, MOST_SLOPE) * self._sticking
-        self._wrenched = np.zeros(model.nv)
+        self._wrench: Array | None = None
         self._bias = np.zeros(model.nv)
 
     def follow(self, motion: Motion, guess: Array | None = None) -> tuple[Trace, Array]:
-        """Return the truth at the instants that are read, and the unknown positions at all of them.
+        """Return the truth at the instants that are read, and for all of them the unknown positions and stiffnesses.
 
         Args:
             motion: What the motors do.
-            guess: Shape (T, u), where a similar robot found its links along the same motion.
+            guess: Shape (T, 2, u), what a similar robot found along the same motion: positions [rad], and torques
+                over angles [Nm/rad].
 
         Raises:
             ConvergenceError: No balance at some instant.
@@ -86,7 +87,7 @@ class Prescribed:
         model, data, at = self.compiled.model, self._data, self.compiled.at
         mujoco.mj_resetData(model, data)
         n = self.compiled.n_joints
-        found = np.empty((len(motion), len(self._dofs)))
+        found = np.empty((len(motion), 2, len(self._dofs)))
         rows = np.flatnonzero(motion.read)
         kept = {name: np.empty((len(rows), n)) for name in ("theta", "torque", "motor", "link")}
         points = np.empty((len(rows), len(at.reflectors) + 1, 3))
@@ -96,20 +97,21 @@ class Prescribed:
         unknown[:n] = motion.q[0]
         row = 0
         own_step = model.opt.timestep
+        accelerated, pushed = np.any(motion.acceleration, axis=1).tolist(), np.any(motion.wrench, axis=1).tolist()
         for i in range(len(motion)):
             # gas relaxes over what the plugin takes for one step
             model.opt.timestep = own_step if i == 0 else max(motion.time[i] - motion.time[i - 1], own_step)
-            if guess is not None and guess.shape[1] == len(unknown):
-                unknown = guess[i]
+            slope = None
+            if guess is not None and guess.shape[2] == len(unknown):
+                unknown, slope = guess[i]
             elif i:
-                unknown = found[i - 1].copy()
+                unknown = found[i - 1, 0].copy()
                 unknown[:n] += motion.q[i] - motion.q[i - 1]
             data.qpos[at.q] = motion.q[i]
             data.qvel[at.q_dof] = data.qvel[at.theta_dof] = motion.velocity[i]
             data.qacc[at.q_dof] = data.qacc[at.theta_dof] = motion.acceleration[i]
-            accelerates = bool(np.any(motion.acceleration[i]))
-            self._push(motion.wrench[i])
-            found[i] = self._balance(np.array(unknown), accelerates, motion.time[i])
+            self._wrench = motion.wrench[i] if pushed[i] else None
+            found[i] = self._balance(np.array(unknown), slope, accelerated[i], motion.time[i])
             if motion.read[i]:
                 kept["theta"][row] = data.qpos[at.theta]
                 kept["torque"][row] = self._motor_torque(motion.acceleration[i])
@@ -138,18 +140,21 @@ class Prescribed:
         )
         return trace, found
 
-    def _push(self, wrench: Array) -> None:
-        self._wrench = wrench if np.any(wrench) else None
-
-    def _balance(self, unknown: Array, accelerates: bool, time: float) -> Array:
+    def _balance(self, unknown: Array, slope: Array | None, accelerates: bool, time: float) -> tuple[Array, Array]:
         data = self._data
-        slope = self._sliding if data.qvel.any() else self._sticking
+        if slope is None:
+            slope = self._sliding if data.qvel.any() else self._sticking
         data.qpos[self._positions] = unknown
-        residual, scale = self._residual(accelerates)
+        residual, limit = self._residual(accelerates)
+        before = step = residual
         bracket = None
         for iteration in range(MAX_ITERATIONS):
-            if np.abs(residual).max() < TOLERANCE * scale:
-                return unknown
+            if residual @ residual < limit:
+                return unknown, slope
+            if iteration:
+                moved = np.abs(step) > STEP_RESOLUTION
+                secant = (before - residual) / np.where(moved, step, 1.0)
+                slope = np.where(moved, np.minimum(np.maximum(secant, self._softest), self._stiffest), slope)
             step = residual / slope
             if iteration >= PATIENCE:
                 if bracket is None:
@@ -158,16 +163,13 @@ class Prescribed:
             unknown = unknown + step
             data.qpos[self._positions] = unknown
             before = residual
-            residual, scale = self._residual(accelerates)
-            moved = np.abs(step) > STEP_RESOLUTION
-            secant = (before - residual) / np.where(moved, step, 1.0)
-            slope = np.where(moved, np.minimum(np.maximum(secant, self._softest), self._stiffest), slope)
+            residual, limit = self._residual(accelerates)
         raise ConvergenceError(
             f"no balance at {time:.3f} s within {MAX_ITERATIONS} iterations: {np.max(np.abs(residual)):.3g} Nm left."
         )
 
     def _residual(self, accelerates: bool) -> tuple[Array, float]:
-        """Return the torque left on every unknown, shape (u,) [Nm], and the largest torque there is [Nm]."""
+        """Return the torque left on every unknown, shape (u,) [Nm], and the square of what may be left [Nm^2]."""
         model, data, at = self.compiled.model, self._data, self.compiled.at
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -186,7 +188,8 @@ class Prescribed:
             mujoco.mj_applyFT(
                 model, data, self._wrench[:3], self._wrench[3:], data.xipos[at.load_body], at.load_body, forces
             )
-        return forces[self._dofs], float(np.abs(passive[self._dofs]).max()) + 1.0
+        sprung = passive[self._dofs]
+        return forces[self._dofs], TOLERANCE**2 * (1.0 + float(sprung @ sprung))
 
     def _motor_torque(self, acceleration: Array) -> Array:
         """Return what the motors put out, shape (n,) [Nm]: inertia, viscous and Coulomb friction, and the element."""
