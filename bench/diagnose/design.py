@@ -38,6 +38,7 @@ class Design:
         whitenings: Of every segment.
         weighed: The segments with the standard errors that count here.
         excess: Shape (2, c), by what the standard errors were raised for lack of fit, at rest and in motion.
+        unexplained: Shape (2, c), by what they had to be raised in any case: not even everything together explains it.
         changes: Shape (T, c, p), change of every reading with one standard deviation of each nuisance.
         residual: Shape (T, c), measured less nominal; nan where not measured.
         slopes: Shape (m, p), `changes` whitened.
@@ -53,6 +54,7 @@ class Design:
     whitenings: tuple[Whitening, ...]
     weighed: tuple[Segment, ...]
     excess: Array
+    unexplained: Array
     changes: Array
     residual: Array
     slopes: Array
@@ -150,7 +152,7 @@ def raised(design: Design, factors: Array) -> Design:
         replace(segment, sigma=segment.sigma * factors[0 if segment.is_static else 1]) for segment in design.weighed
     )
     heavier = _assemble(design.replay, design.nuisances, design.responses, segments, design.changes, design.residual)
-    return replace(heavier, excess=design.excess * factors)
+    return replace(heavier, excess=design.excess * factors, unexplained=design.unexplained)
 
 
 def held_friction(
@@ -212,8 +214,8 @@ def _assemble(
         [np.tile(np.arange(c), len(segment))[w.rows] for segment, w in zip(segments, whitenings, strict=True)]
     )
     empty = np.empty(0)
-    excess = np.ones((2, c))
-    known = (replay, nuisances, responses, whitenings, segments, excess, changes, residual)
+    ones = np.ones((2, c))
+    known = (replay, nuisances, responses, whitenings, segments, ones, ones, changes, residual)
     draft = Design(*known, empty, empty, run_of, runs, column_of)
     both = draft.whiten(np.concatenate([changes, residual[:, :, None]], axis=2))
     return replace(draft, slopes=both[:, :-1], white=both[:, -1])

@@ -12,11 +12,12 @@ from typing import Literal, Protocol
 import numpy as np
 
 from bench.diagnose.candidates import Cause
-from bench.diagnose.design import Design
-from bench.diagnose.generic import Block
+from bench.diagnose.design import Design, raised
+from bench.diagnose.generic import Block, blocks_of
+from bench.diagnose.lack_of_fit import is_adequate
 from bench.diagnose.measure import HeldOut, held_out
 from bench.diagnose.refit import Fit, polished, pseudo_residual, refit
-from bench.diagnose.screening import Entry, Screening, rescreen
+from bench.diagnose.screening import Entry, Screening, entries_of, rescreen
 from bench.diagnose.trials import Hypothesis, Stage, fitted, one_more, swaps
 from bench.record.campaign import Array
 
@@ -114,8 +115,6 @@ def name_cause(
     stage = Stage(design, screening, Hypothesis(null, 0.0))
     rungs: list[Rung] = []
     refused: set[tuple[str, str]] = set()
-    if screening.top <= threshold:
-        return Naming("nothing found", (), None, null, screening, screening, (), design)
     while len(stage.best.causes) < MOST_CAUSES and len(refused) < MOST_REFUSED:
         limit = max(threshold, UNEXPLAINED * stage.best.log_evidence)
         if stage.screening.top <= limit:
@@ -142,12 +141,11 @@ def name_cause(
             break
     block, is_alone = _unlisted(stage, threshold)
     stage = _settled(stage, renew)
-    hypotheses = _among_rivals(stage, progress) if stage.best.causes else ()
+    hypotheses = _among_rivals(stage, progress) if stage.best.causes and not is_alone else ()
     if hypotheses and hypotheses[0].keys != stage.best.keys:
         stage = _weighed(stage.design, stage.screening, hypotheses[0])
     if block is not None:
-        kept = () if is_alone else hypotheses
-        return Naming("unlisted cause", kept, block, null, screening, stage.screening, tuple(rungs), stage.design)
+        return Naming("unlisted cause", hypotheses, block, null, screening, stage.screening, tuple(rungs), stage.design)
     if not hypotheses:  # what the linear picture promised, the simulation did not keep
         return Naming("nothing found", (), None, null, screening, screening, tuple(rungs), design)
     kind: Kind = "cause" if len(stage.best.causes) == 1 else "several causes"
@@ -184,10 +182,14 @@ def _settled(stage: Stage, renew: Renew) -> Stage:
 
 
 def _weighed(design: Design, screening: Screening, best: Hypothesis, tried: tuple[Hypothesis, ...] = ()) -> Stage:
+    return Stage(design, _about(design, screening, best), best, tried)
+
+
+def _about(design: Design, screening: Screening, best: Hypothesis) -> Screening:
+    """Return everything of a screening, weighed against an explanation."""
     sigma = np.array([unknown.sigma for unknown in best.fit.unknowns])
     pseudo, slopes = pseudo_residual(design, best.fit), design.whiten(best.fit.slopes)
-    against = rescreen(design, screening, pseudo, slopes, sigma, best.keys)
-    return Stage(design, against, best, tried)
+    return rescreen(design, screening, pseudo, slopes, sigma, best.keys)
 
 
 def _among_rivals(stage: Stage, progress: Callable[[str], None]) -> tuple[Hypothesis, ...]:
@@ -237,12 +239,15 @@ def _alone(stage: Stage) -> tuple[Entry, ...]:
 def _unlisted(stage: Stage, threshold: float) -> tuple[Block | None, bool]:
     """Return the free shape that is needed, or None where listed causes are enough; and whether it stands alone.
 
-    One that explains alone more than several listed causes together is preferred to them.
+    One that explains alone more than several listed causes together is preferred to them. Where no shape is needed by
+    its evidence, but the model leaves far more than what nothing explains, the shape that is nearest to that is named.
     """
     left = stage.screening.free
     needed = left and left[0].log_evidence > max(threshold, UNEXPLAINED * stage.best.log_evidence)
     if not stage.best.causes:  # nothing but its evidence speaks for it: no rival that was ruled out, no held-out run
         needed = left and left[0].log_evidence > threshold + CERTAIN
+    if not needed and not is_adequate(stage.design, pseudo_residual(stage.design, stage.fit)):
+        needed, left = bool(left), _nearest(stage)
     if not needed and len(stage.best.causes) <= 1:
         return None, False
     if _explains_more(stage):
@@ -253,3 +258,10 @@ def _unlisted(stage: Stage, threshold: float) -> tuple[Block | None, bool]:
         return None, False
     assert isinstance(what, Block)
     return what, is_alone
+
+
+def _nearest(stage: Stage) -> tuple[Entry, ...]:
+    """Return the free shapes beside a model by what each explains, errors as small as what nothing explains."""
+    design = raised(stage.design, stage.design.unexplained / stage.design.excess)
+    everything = replace(stage.screening, entries=entries_of(blocks_of(design)))
+    return _about(design, everything, stage.best).free

@@ -12,6 +12,8 @@ from bench.diagnose.marginal import Marginal, Nuisances
 from bench.diagnose.threshold import family_threshold
 from bench.record.campaign import Array
 
+WIDTHS = (1.0, 3.0, 10.0)  # times the prior of a free shape
+
 
 @dataclass(frozen=True, eq=False)
 class Entry:
@@ -101,17 +103,22 @@ def screen(
         rate: Declared false-alarm rate of the whole.
         rng: For the threshold.
     """
+    entries = entries_of([*candidates, *blocks])
+    columns = np.concatenate([entry.what.columns for entry in entries], axis=1)
+    marginal = Nuisances(design.slopes).products(white, columns)
+    threshold = family_threshold(marginal, [(e.columns, e.prior) for e in entries], rate, rng)
+    return Screening(marginal, _ranked(marginal, entries), threshold)
+
+
+def entries_of(tried: Sequence[Candidate | Block]) -> tuple[Entry, ...]:
+    """Return things to try with the places of their columns among those of all, in the order given."""
     entries, start = [], 0
-    tried: list[Candidate | Block] = [*candidates, *blocks]
     for what in tried:
         k = what.columns.shape[1]
         prior = what.prior if isinstance(what, Candidate) else np.full(k, what.prior)
         entries.append(Entry(what, np.arange(start, start + k), prior))
         start += k
-    columns = np.concatenate([entry.what.columns for entry in entries], axis=1)
-    marginal = Nuisances(design.slopes).products(white, columns)
-    threshold = family_threshold(marginal, [(e.columns, e.prior) for e in entries], rate, rng)
-    return Screening(marginal, _ranked(marginal, entries), threshold)
+    return tuple(entries)
 
 
 def rescreen(
@@ -146,9 +153,15 @@ def _ranked(marginal: Marginal, entries: Sequence[Entry]) -> tuple[Entry, ...]:
 
 
 def _log_evidence(marginal: Marginal, entry: Entry) -> float:
-    """Return the evidence for an entry; a single size that has only one sign is not credited with the other."""
+    """Return the evidence for an entry; a single size that has only one sign is not credited with the other.
+
+    Nobody knows how large an unlisted shape is plausible: several widths of its prior count, with equal shares.
+    """
     cause = entry.cause
-    if cause and len(cause.sizes) == 1 and not cause.sizes[0].signed:
+    if cause is None:
+        widths = [marginal.log_evidence(entry.columns, width * entry.prior) for width in WIDTHS]
+        return max(widths) - float(np.log(len(WIDTHS)))
+    if len(cause.sizes) == 1 and not cause.sizes[0].signed:
         assert isinstance(entry.what, Candidate)
         if marginal.scores[entry.columns[0]] * np.sign(entry.what.step[0]) < 0:
             return marginal.log_evidence(entry.columns, entry.prior) - 0.5 * marginal.gain(entry.columns, entry.prior)

@@ -1,6 +1,7 @@
 """What can be tried about an extended model: a robot that has friction may have more of it at low speed, and so on."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -40,7 +41,6 @@ class Surroundings:
         self.rate = rate
         self._causes: tuple[Cause, ...] = ()
         self._changes = Changes(np.empty(0), ())
-        self._unexplained: Array = np.ones(0)
 
     def weighed(self, design: Design, causes: Sequence[Cause], changes: Changes) -> tuple[Design, Screening]:
         """Return the nominal model with everything weighed against it.
@@ -51,7 +51,7 @@ class Surroundings:
             changes: What they change.
         """
         self._causes, self._changes = tuple(causes), changes
-        self._look_around(design, lambda nominal: nominal.white)
+        design = self._looked_around(design, lambda nominal: nominal.white)
         return self._screened(design, lambda nominal: nominal.white)
 
     def about(self, design: Design, fit: Fit, known: Screening, *, is_last: bool = False) -> tuple[Design, Screening]:
@@ -81,13 +81,13 @@ class Surroundings:
             signatures = Signatures(self.compiled, design.quantities, nuisances, self._causes, world)
             self._changes = signatures.changes(design.segments)
             design = relinearised(design, which, self._changes.nuisances)
-            self._look_around(design, white_of)
-        elif _is_settled(self._factors(design, white_of(design), is_last=is_last)):
+            design = self._looked_around(design, white_of)
+        elif _is_settled(_factors(design, white_of(design), is_last=is_last)):
             return design, known
         return self._screened(design, white_of, is_last=is_last)
 
-    def _look_around(self, design: Design, white_of: Callable[[Design], Array]) -> None:
-        """See what not even everything together explains, with the standard errors of the instruments."""
+    def _looked_around(self, design: Design, white_of: Callable[[Design], Array]) -> Design:
+        """Return the design with what not even everything together explains, by the instruments' standard errors."""
         plain = raised(design, 1 / design.excess)
         tried: tuple[Candidate | Block, ...] = (
             *candidates_of(plain, self._causes, self._changes.causes),
@@ -100,24 +100,25 @@ class Surroundings:
             )
         columns = np.concatenate([what.columns for what in tried], axis=1)
         prior = np.concatenate([np.broadcast_to(what.prior, what.columns.shape[1]) for what in tried])
-        self._unexplained = unexplained(plain, white_of(plain), columns, prior)
-
-    def _factors(self, design: Design, white: Array, *, is_last: bool) -> Array:
-        """Return by what the standard errors have to be raised, shape (2, c)."""
-        least = np.maximum(self._unexplained, 1.0)
-        return np.maximum(missed(design, white, is_last=is_last) * design.excess, least) / design.excess
+        least = np.maximum(unexplained(plain, white_of(plain), columns, prior), 1.0)
+        return replace(design, unexplained=least)
 
     def _screened(
         self, design: Design, white_of: Callable[[Design], Array], *, is_last: bool = False
     ) -> tuple[Design, Screening]:
         for _ in range(ROUNDS):
-            factors = self._factors(design, white_of(design), is_last=is_last)
+            factors = _factors(design, white_of(design), is_last=is_last)
             if _is_settled(factors):
                 break
             design = raised(design, factors)
         candidates, blocks = candidates_of(design, self._causes, self._changes.causes), blocks_of(design)
         screening = screen(design, white_of(design), candidates, blocks, self.rate, np.random.default_rng(0))
         return design, screening
+
+
+def _factors(design: Design, white: Array, *, is_last: bool) -> Array:
+    """Return by what the standard errors have to be raised, shape (2, c)."""
+    return np.maximum(missed(design, white, is_last=is_last) * design.excess, design.unexplained) / design.excess
 
 
 def _is_settled(factors: Array) -> bool:
