@@ -11,7 +11,8 @@ from bench.effects.effect import Acting, Effect, Parameter, Place
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-SHAPES = 3  # values of a shape parameter that are tried at first
+FEWEST_SHAPES = 3  # values of a shape parameter that are tried at first
+WIDEST = 2.5  # ratio of neighbours among them
 INVISIBLE = 1e-3  # norm of a whitened signature at its largest plausible size, below which nobody can see an effect
 
 
@@ -94,8 +95,10 @@ def shape_grid(cause: Cause) -> list[dict[str, float]]:
     """Return the shapes that are tried at first: a few values of each shape parameter, on a logarithmic scale."""
     axes = []
     for parameter in cause.shapes:
-        positive = parameter.low > 0
-        values = (np.geomspace if positive else np.linspace)(parameter.low, parameter.high, SHAPES)
+        low, high, count = parameter.low, parameter.high, FEWEST_SHAPES
+        if low > 0:
+            count = max(count, 1 + int(np.ceil(np.log(high / low) / np.log(WIDEST))))
+        values = (np.geomspace if low > 0 else np.linspace)(low, high, count)
         axes.append([(parameter.name, float(value)) for value in values])
     return [dict(point) for point in product(*axes)]
 

@@ -25,7 +25,7 @@ from bench.effects.gas import (
     ThermalRelaxation,
 )
 from bench.effects.gear_kinematics import TransmissionError, WristCoupling
-from bench.effects.geometry import DressPack, JointZero, LinkLength, ThermalGrowth
+from bench.effects.geometry import DressPack, FloorTilt, JointZero, LinkLength, ThermalGrowth
 from bench.effects.masses import (
     LinkCom,
     LinkInertia,
@@ -37,7 +37,7 @@ from bench.effects.masses import (
     UnstatedPayload,
 )
 from bench.effects.own import faults_of, guarded, line_in
-from bench.effects.sensing_bench import ForceGain, ForceTilt, TrackerDrift, TrackerFrame
+from bench.effects.sensing_bench import ForceGain, ForceTilt, TrackerDrift, TrackerFrame, TrackerScale
 from bench.effects.sensing_drive import (
     CurrentOffset,
     EncoderDelay,
@@ -96,6 +96,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     DressPack,
     TorqueOffset,
     ThermalGrowth,
+    FloorTilt,
     # sensing
     TorqueConstant,
     TorqueSaturation,
@@ -103,6 +104,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     CurrentOffset,
     TrackerFrame,
     TrackerDrift,
+    TrackerScale,
     ForceGain,
     ForceTilt,
     EncoderDelay,

@@ -125,3 +125,29 @@ class DressPack(OnDrive):
 
 def _body_of(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsBody:
     return spec.joint(joint).parent
+
+
+class FloorTilt(Effect):
+    """The robot does not stand level."""
+
+    name = "floor_tilt"
+    family = "geometry and mass"
+    title = "floor out of level"
+    physics = "The base frame, in which the tracker measures, leans: in it, gravity points aside by (x, y) rad."
+    source = "ISO 9283 asks for a base as the maker says, commonly level to 0.1 to 0.5 deg; range: assumed"
+    parameters = (
+        Parameter("x", "rad", 0.0, 1e-3, 1e-2, "lean towards x", signed=True),
+        Parameter("y", "rad", 0.0, 1e-3, 1e-2, "lean towards y", signed=True),
+    )
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        lean = np.array([values["x"], values["y"]])
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            gravity = np.array(spec.option.gravity)
+            size = float(np.linalg.norm(gravity))
+            if size:
+                direction = gravity / size + np.array([*lean, 0.0])
+                spec.option.gravity = size * direction / np.linalg.norm(direction)
+
+        return change if np.any(lean) else None

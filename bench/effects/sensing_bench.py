@@ -48,6 +48,22 @@ class TrackerDrift(_OfTracker):
         return replace(reading, reflectors=reading.reflectors + drift)
 
 
+class TrackerScale(_OfTracker):
+    """The tracker's weather station is wrong."""
+
+    name = "tracker_scale"
+    title = "scale of the laser tracker"
+    physics = (
+        "With a wrong refractive index all distances read (1 + s) of the truth; taken about the origin of the base, the"
+        " rest is a shift."
+    )
+    source = "Ciddor, Refractive index of air, 1996: 1 ppm/K, 0.27 ppm/hPa; range: assumed"
+    parameters = (Parameter("scale", "", 0.0, 3e-5, 5e-4, "s", signed=True),)
+
+    def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
+        return replace(reading, reflectors=(1 + values["scale"]) * reading.reflectors)
+
+
 class _OfForce(Effect):
     family = "sensing"
 

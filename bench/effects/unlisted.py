@@ -99,52 +99,6 @@ class QuadraticDrag(OnDrive):
         return change if coefficient else None
 
 
-class TiltedFloor(Effect):
-    """The robot does not stand level."""
-
-    name = "tilted_floor"
-    family = "own"
-    title = "floor out of level"
-    physics = "The base frame, in which the tracker measures, leans: in it, gravity points aside by (x, y) rad."
-    source = ASSUMED
-    parameters = (
-        Parameter("x", "rad", 0.0, 2e-3, 2e-2, "lean towards x", signed=True),
-        Parameter("y", "rad", 0.0, 2e-3, 2e-2, "lean towards y", signed=True),
-    )
-
-    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
-        lean = np.array([values["x"], values["y"]])
-
-        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
-            gravity = np.array(spec.option.gravity)
-            size = float(np.linalg.norm(gravity))
-            direction = gravity / size + np.array([*lean, 0.0])
-            spec.option.gravity = size * direction / np.linalg.norm(direction)
-
-        return change if np.any(lean) else None
-
-
-class TrackerScale(Effect):
-    """The tracker's weather station is wrong."""
-
-    name = "tracker_scale"
-    family = "own"
-    title = "scale of the tracker"
-    physics = (
-        "With a wrong refractive index all distances read (1 + s) of the truth; taken about the origin, the rest is"
-        " a shift."
-    )
-    source = "Ciddor, Refractive index of air, 1996: 1 ppm/K; range: " + ASSUMED
-    parameters = (Parameter("scale", "", 0.0, 3e-5, 5e-4, "s", signed=True),)
-
-    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        """Return the robot if a tracker looks at it."""
-        return (WHOLE,) if compiled.robot.figures.instruments.tracker else ()
-
-    def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
-        return replace(reading, reflectors=(1 + values["scale"]) * reading.reflectors)
-
-
 class CreepingBracket(Effect):
     """The bracket of a reflector settles under the load."""
 
@@ -212,8 +166,6 @@ UNLISTED: tuple[type[Effect], ...] = (
     Detent,
     SnappingCable,
     QuadraticDrag,
-    TiltedFloor,
-    TrackerScale,
     CreepingBracket,
     CubicCurrent,
     CurrentDeadBand,

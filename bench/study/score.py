@@ -7,7 +7,7 @@ from bench.study.outcome import Named, Outcome
 
 NORMAL_90 = 1.644854
 NOTHING = "nothing found"
-AT_TRACKER = ("tracker_scale", "creeping_bracket")  # unlisted effects that lie between robot and tracker
+AT_TRACKER = ("creeping_bracket",)  # unlisted effects that lie between robot and tracker
 
 
 @dataclass(frozen=True)

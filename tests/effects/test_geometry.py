@@ -120,3 +120,9 @@ def test_inertia_in_motion(small: Robot, small_compiled: CompiledRobot) -> None:
     heavy, plain = sweep(small, [edit], start, speed, 100), sweep(small, [], start, speed, 100)
     impulse = np.sum(heavy.motor_torque[:, 0] - plain.motor_torque[:, 0]) * 1e-3
     np.testing.assert_allclose(impulse, 0.5 * 40 * 0.2, rtol=0.05)  # the servo overshoots a little
+
+
+def test_floor_tilt(small: Robot, small_compiled: CompiledRobot) -> None:
+    model = compile_robot(small, [edit_of("floor_tilt", small_compiled, {"x": 0.01})]).model
+    np.testing.assert_allclose(model.opt.gravity, 9.81 * np.array([0.01, 0, -1]), atol=1e-3)
+    np.testing.assert_allclose(np.linalg.norm(model.opt.gravity), 9.81)

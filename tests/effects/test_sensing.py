@@ -81,6 +81,11 @@ def test_tracker_drift(seen: tuple) -> None:
     np.testing.assert_allclose((after.reflectors - before.reflectors)[0], np.tile([0, 2e-5, 0], (3, 1)), atol=EXACT)
 
 
+def test_tracker_scale(seen: tuple) -> None:
+    after, before, _ = distorted("tracker_scale", seen, {"scale": 3e-4})
+    np.testing.assert_allclose(after.reflectors, before.reflectors * (1 + 3e-4), rtol=EXACT)
+
+
 def test_force_gain(seen: tuple) -> None:
     after, _, trace = distorted("force_gain", seen, {"gain": 0.02})
     np.testing.assert_allclose(np.hstack([after.force, after.moment]), 1.02 * trace.wrench, rtol=EXACT)

@@ -1,11 +1,10 @@
 """Unlisted effects: sign and size of some, so that tests of the verdict hide what they say."""
 
-import mujoco
 import numpy as np
 
 from bench.effects.effect import Conditions, Effect
 from bench.effects.unlisted import unlisted
-from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
+from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from tests.effects.rest import rest, sweep
 
@@ -44,11 +43,3 @@ def test_drag_grows_with_the_square_of_speed(small: Robot, small_compiled: Compi
         motion = np.zeros(2), np.array([0.0, speed])
         paid = sweep(small, [edit], *motion).motor_torque[-1, 1] - sweep(small, [], *motion).motor_torque[-1, 1]
         np.testing.assert_allclose(paid, 500 * speed * abs(speed), rtol=0.01)
-
-
-def test_floor(small: Robot, small_compiled: CompiledRobot) -> None:
-    model: mujoco.MjModel = compile_robot(
-        small, [edit_of(unlisted()["tilted_floor"], small_compiled, {"x": 0.01})]
-    ).model
-    np.testing.assert_allclose(model.opt.gravity, 9.81 * np.array([0.01, 0, -1]), atol=1e-3)
-    np.testing.assert_allclose(np.linalg.norm(model.opt.gravity), 9.81)

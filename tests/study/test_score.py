@@ -87,9 +87,8 @@ def test_failure_finds_nothing() -> None:
         ("detent", "joint 3", "joint 3", True),
         ("cubic_current", "joint 3", "drive 3", True),
         ("detent", "joint 3", "joint 2", False),
-        ("tracker_scale", "robot", "tracker", True),
-        ("tracker_scale", "robot", "joint 2", False),
-        ("tilted_floor", "robot", "joint 2", None),
+        ("creeping_bracket", "robot", "tracker", True),
+        ("creeping_bracket", "robot", "joint 2", False),
     ],
 )
 def test_place_of_what_is_not_listed(effect: str, place: str, said: str, is_right: bool | None) -> None:
