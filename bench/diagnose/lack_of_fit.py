@@ -8,6 +8,7 @@ quantity counts as known better than half of that. As the climb goes on, standar
 """
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from bench.diagnose.design import Design
 from bench.record.campaign import Array
@@ -31,10 +32,10 @@ def unexplained(design: Design, white: Array, columns: Array, prior: Array) -> A
         prior: Shape (q,), standard deviations of the columns' sizes.
     """
     rich = np.concatenate([design.slopes, columns * prior], axis=1)
-    normal = rich.T @ rich + RIDGE * np.eye(rich.shape[1])
-    left = white - rich @ np.linalg.solve(normal, rich.T @ white)
-    # what each reading's own fit took away from its scatter
-    leverage = np.clip(np.einsum("ij,jk,ik->i", rich, np.linalg.inv(normal), rich, optimize=True), 0.0, 0.9)
+    root = np.linalg.cholesky(rich.T @ rich + RIDGE * np.eye(rich.shape[1]))
+    own = solve_triangular(root, rich.T, lower=True)
+    left = white - own.T @ (own @ white)
+    leverage = np.clip(np.sum(own**2, axis=0), 0.0, 0.9)  # what each reading's own fit took away from its scatter
     return np.sqrt(_by_quantity(design, left, 1 - leverage))
 
 

@@ -5,6 +5,7 @@ mean with its standard error. A motion is cut into bins of constant direction, s
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -167,7 +168,13 @@ def _swayed(values: Array, groups: tuple[Index, ...], one: Array) -> Array:
     found = np.zeros(len(groups))
     for i, group in enumerate(groups):
         if len(group) > 1:
-            variance, freedom = values[group].var(ddof=1), len(group) - 1
-            if variance > one[i] ** 2 * chi2.isf(BY_CHANCE, freedom) / freedom:
+            variance = values[group].var(ddof=1)
+            if variance > one[i] ** 2 * _most_by_chance(len(group)):
                 found[i] = np.sqrt(variance)
     return found
+
+
+@lru_cache
+def _most_by_chance(n: int) -> float:
+    """Return up to what the variance of n readings comes by chance, as a share of the true one."""
+    return float(chi2.isf(BY_CHANCE, n - 1)) / (n - 1)

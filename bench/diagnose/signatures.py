@@ -64,6 +64,7 @@ class Signatures:
             cause.acting({**shape, size.name: size.typical}) for cause, shape in plan_of(causes) for size in cause.sizes
         )
         self._times: dict[str, Array] = {}
+        self._lost: set[int] = set()
         self._changes: dict[str, Array] = {}  # shape (T of the stretch, c, p + causes), nan where there is no balance
 
     @property
@@ -75,11 +76,8 @@ class Signatures:
     @property
     def unbalanced(self) -> tuple[str, ...]:
         """Causes whose model found no balance along some motion."""
-        p = len(self.nuisances)
-        lost = {
-            i for known in self._changes.values() for i in range(len(self._plan)) if np.any(np.isnan(known[..., p + i]))
-        }
-        return tuple(dict.fromkeys(f"{self._plan[i].effect.name} {self._plan[i].place}" for i in sorted(lost)))
+        lost = sorted(self._lost)
+        return tuple(dict.fromkeys(f"{self._plan[i].effect.name} {self._plan[i].place}" for i in lost))
 
     def changes(self, segments: Sequence[Segment], progress: Callable[[float], None] = lambda share: None) -> Changes:
         """Return the changes of a campaign's readings; stretches that were never seen are simulated first.
@@ -121,6 +119,7 @@ class Signatures:
             if isinstance(result, BenchError):
                 if i < len(self.nuisances) or isinstance(result, EffectError):
                     raise result
+                self._lost.add(i - len(self.nuisances))
                 found.append(np.full_like(nominal, np.nan))
             else:
                 found.append(result - nominal)

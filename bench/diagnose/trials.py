@@ -4,7 +4,7 @@ Trials are chosen in the linear picture, where they are cheap, and fitted by sim
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 
 import numpy as np
@@ -55,13 +55,15 @@ class Hypothesis:
 class Stage:
     """Where the climb stands: the linear picture about a model, everything weighed against it, and the model.
 
-    `tried` are the explanations with as many causes that were fitted on the way.
+    `tried` are the explanations with as many causes that were fitted on the way; `fits` remembers what was fitted at
+    this stage, None where a model finds no balance.
     """
 
     design: Design
     screening: Screening
     best: Hypothesis
     tried: tuple[Hypothesis, ...] = ()
+    fits: dict[frozenset[tuple[str, str]], Hypothesis | None] = field(default_factory=dict)
 
     @property
     def fit(self) -> Fit:
@@ -144,16 +146,21 @@ def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:
     Raises:
         EffectError: An effect of the user's own fails.
     """
-    found = []
     for trial in trials:
-        try:
-            fit = refit(stage.design, trial.causes, trial.start, trial.nuisances)
-        except EffectError:
-            raise  # an effect of the user's own that fails must not lose in silence
-        except BenchError:
-            continue  # this model finds no balance along the measured motion
-        found.append(Hypothesis(fit, stage.best.log_evidence + fit.log_evidence - stage.fit.log_evidence))
-    return found
+        if trial.keys not in stage.fits:
+            stage.fits[trial.keys] = _fitted(stage, trial)
+    found = (stage.fits[trial.keys] for trial in trials)
+    return [hypothesis for hypothesis in found if hypothesis is not None]
+
+
+def _fitted(stage: Stage, trial: Trial) -> Hypothesis | None:
+    try:
+        fit = refit(stage.design, trial.causes, trial.start, trial.nuisances)
+    except EffectError:
+        raise  # an effect of the user's own that fails must not lose in silence
+    except BenchError:
+        return None  # this model finds no balance along the measured motion
+    return Hypothesis(fit, stage.best.log_evidence + fit.log_evidence - stage.fit.log_evidence)
 
 
 def _hiding(stage: Stage, open_: Sequence[Entry], least: float) -> list[Trial]:

@@ -12,9 +12,10 @@ from bench.robot.checks import faulty_roles, negative_masses
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.folder import Robot
 from bench.robot.plain_words import plain_words
-from bench.robot.plugins import attributes_of, number_of
+from bench.robot.plugins import attributes_of, number_of, numbers_of
 
 Index = NDArray[np.int64]
+FRICTION = ("coulomb", "presliding_stiffness")  # attributes of a friction element
 SAME_PLACE = 1e-9  # [m]
 IN_PLANE = 2e-3  # [m]; anchors this far out of one plane change the counterbalance's length by less than 1e-5 of it
 SpecEdit = Callable[[mujoco.MjSpec, Robot], None]
@@ -146,21 +147,22 @@ def compile_spec(
     at = _addresses(robot, model)
     if problems := tuple(faulty_roles(robot, model)):
         raise RobotError(problems)
-    _check_load_body(robot, model, at)
-    drives = robot.figures.drives
-
-    def configured(part: str, key: str) -> NDArray[np.float64]:
-        return np.array([number_of(spec, getattr(drive, part), key) for drive in drives])
-
+    drawn = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, drawn)
+    _check_load_body(robot, drawn, at)
+    motor, link = (
+        np.array([numbers_of(spec, getattr(drive, part), FRICTION) for drive in robot.figures.drives]).T
+        for part in ("motor_friction", "link_friction")
+    )
     return CompiledRobot(
         robot=robot,
         model=model,
         at=at,
-        motor_coulomb=configured("motor_friction", "coulomb"),
-        link_coulomb=configured("link_friction", "coulomb"),
-        motor_presliding=configured("motor_friction", "presliding_stiffness"),
-        link_presliding=configured("link_friction", "presliding_stiffness"),
-        counterbalance=_counterbalance(robot, spec, model, at),
+        motor_coulomb=motor[0],
+        link_coulomb=link[0],
+        motor_presliding=motor[1],
+        link_presliding=link[1],
+        counterbalance=_counterbalance(robot, spec, model, drawn, at),
     )
 
 
@@ -215,10 +217,8 @@ def _addresses(robot: Robot, model: mujoco.MjModel) -> Addresses:
     )
 
 
-def _check_load_body(robot: Robot, model: mujoco.MjModel, at: Addresses) -> None:
+def _check_load_body(robot: Robot, data: mujoco.MjData, at: Addresses) -> None:
     """Wrenches act at the centre of mass of the load body; that must be the load point."""
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
     if np.linalg.norm(data.xipos[at.load_body] - data.site_xpos[at.load_point]) > SAME_PLACE:
         name, site = robot.figures.load_body, robot.figures.load_point
         raise RobotError(
@@ -227,7 +227,9 @@ def _check_load_body(robot: Robot, model: mujoco.MjModel, at: Addresses) -> None
         )
 
 
-def _counterbalance(robot: Robot, spec: mujoco.MjSpec, model: mujoco.MjModel, at: Addresses) -> Counterbalance | None:
+def _counterbalance(
+    robot: Robot, spec: mujoco.MjSpec, model: mujoco.MjModel, data: mujoco.MjData, at: Addresses
+) -> Counterbalance | None:
     """Return the closed form of the counterbalance: anchors from the tendon, gas figures from the actuator."""
     named = robot.figures.counterbalance
     if named is None:
@@ -239,8 +241,6 @@ def _counterbalance(robot: Robot, spec: mujoco.MjSpec, model: mujoco.MjModel, at
         raise RobotError(f"{robot.mjcf}: tendon {named.tendon!r} must run straight between two sites.")
     index = joints.index(named.joint)
     joint = at.joint[index]
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
     axis, pivot = data.xaxis[joint], data.xanchor[joint]
     start = model.tendon_adr[at.counterbalance_tendon]
     arms = data.site_xpos[model.wrap_objid[start : start + 2]] - pivot

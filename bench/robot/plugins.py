@@ -1,6 +1,6 @@
 """Attributes of plugin actuators in an `MjSpec`, whether an actuator has an instance of its own or shares one."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import mujoco
 
@@ -23,13 +23,25 @@ def number_of(spec: mujoco.MjSpec, actuator: str, attribute: str) -> float:
     Raises:
         RobotError: The actuator has not that attribute, or it is not a number.
     """
-    attributes = attributes_of(spec, actuator)
-    if attribute not in attributes:
-        raise RobotError(f"actuator {actuator!r}: {unknown_name('attribute', attribute, attributes)}")
-    try:
-        return float(attributes[attribute])
-    except ValueError as error:
-        raise RobotError(f"actuator {actuator!r}: {attribute}: {attributes[attribute]!r} is not a number.") from error
+    return numbers_of(spec, actuator, (attribute,))[0]
+
+
+def numbers_of(spec: mujoco.MjSpec, actuator: str, attributes: Sequence[str]) -> list[float]:
+    """Return some attributes as numbers.
+
+    Raises:
+        RobotError: The actuator has not one of them, or it is not a number.
+    """
+    known = attributes_of(spec, actuator)
+    found = []
+    for attribute in attributes:
+        if attribute not in known:
+            raise RobotError(f"actuator {actuator!r}: {unknown_name('attribute', attribute, known)}")
+        try:
+            found.append(float(known[attribute]))
+        except ValueError as error:
+            raise RobotError(f"actuator {actuator!r}: {attribute}: {known[attribute]!r} is not a number.") from error
+    return found
 
 
 def configure(spec: mujoco.MjSpec, actuator: str, **values: float | str) -> None:
@@ -61,7 +73,7 @@ def _place(spec: mujoco.MjSpec, actuator: str) -> tuple[dict[str, str], int, int
     instance = found.plugin.name
     if not instance:
         return dict(found.plugin.config), 0, 1
-    sharing = [one.name for one in spec.actuators if one.plugin.active and one.plugin.name == instance]
+    sharing = [one.name for one in spec.actuators if one.plugin.name == instance]  # of other kinds: ""
     return dict(_instance(spec, instance).config), sharing.index(actuator), len(sharing)
 
 

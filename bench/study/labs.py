@@ -19,6 +19,7 @@ from bench.scenario.files import read_scenario
 from bench.scenario.rotation import RotationPart
 from bench.scenario.session import SessionScenario
 from bench.study.blind import diagnose_with, signatures_of
+from bench.study.limits import Blur
 
 SESSION = "session-study"
 BRIEF = 15.0  # [deg]
@@ -93,6 +94,7 @@ class Ground:
         catalogue: Effects to look for.
         signatures: Of nuisances and causes.
         design: The linear picture of the null campaign, for detection limits.
+        blur: The same campaign, as narrow effects blur in it.
         threshold: Log evidence that chance exceeds at the declared rate.
         listed: Whitened signatures of all causes, shape (m, k) each.
     """
@@ -102,6 +104,7 @@ class Ground:
     catalogue: Mapping[str, Effect]
     signatures: Signatures
     design: Design
+    blur: Blur
     threshold: float
     listed: tuple[Array, ...]
 
@@ -126,7 +129,8 @@ def prepare(
     signatures = signatures_of(campaign, compiled, catalogue)
     diagnosis = diagnose_with(campaign, signatures, catalogue, progress=progress)
     listed = tuple(entry.what.columns for entry in diagnosis.naming.screening.entries if entry.cause)
-    return Ground(lab, compiled, catalogue, signatures, diagnosis.design, diagnosis.verdict.threshold, listed)
+    design, threshold = diagnosis.design, diagnosis.verdict.threshold
+    return Ground(lab, compiled, catalogue, signatures, design, Blur(design.replay), threshold, listed)
 
 
 def _brief(part: RotationPart) -> RotationPart:

@@ -1,19 +1,21 @@
 """How large an effect must be to be seen: its detection limit in a session, from instruments and what may be off."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bench.diagnose.design import Design
 from bench.diagnose.limits import smallest_found
 from bench.diagnose.marginal import Nuisances
-from bench.diagnose.replay import NOMINAL, World
+from bench.diagnose.replay import NOMINAL, Replay, World
+from bench.diagnose.segments import Segment
 from bench.effects.effect import Acting, Effect, Parameter, Place
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
 TINY = 1e-9
+WITHIN = 6  # steps within a bin
 PRIOR = 1 / np.sqrt(3)  # standard deviation of a size, as a share of the largest plausible; that of the diagnosis
 
 
@@ -59,7 +61,57 @@ class Way:
         return max(p.low / p.high for p in sizes)
 
 
-def detection_limit(way: Way, design: Design, threshold: float, rivals: Sequence[Array] = ()) -> float:
+class Blur:
+    """A campaign replayed several times within each of its bins, so that what is narrower than a bin blurs as in data.
+
+    Args:
+        replay: A null campaign of the session.
+    """
+
+    def __init__(self, replay: Replay) -> None:
+        self.replay = Replay(replay.compiled, tuple(_finer(segment) for segment in replay.segments), replay.quantities)
+        self._counts = [1 if segment.is_static else WITHIN for segment in replay.segments for _ in range(len(segment))]
+        self._nominal = self._means(NOMINAL)
+
+    def change(self, world: World) -> Array:
+        """Return what a world changes in the readings of the campaign, shape (T, c).
+
+        Raises:
+            ConvergenceError: The model finds no balance.
+        """
+        change: Array = self._means(world) - self._nominal
+        return change
+
+    def _means(self, world: World) -> Array:
+        starts = np.concatenate([[0], np.cumsum(self._counts)[:-1]])
+        sums: Array = np.add.reduceat(self.replay.predict(world), starts, axis=0)
+        means: Array = sums / np.array(self._counts)[:, None]
+        return means
+
+
+def _finer(segment: Segment) -> Segment:
+    """Return a segment in which each bin of motion is passed in several steps."""
+    if segment.is_static:
+        return segment
+    motion = segment.motion
+    width = float(np.median(np.diff(motion.time[motion.read]))) if len(segment) > 1 else 0.0
+    steps = np.where(motion.read, WITHIN, 1)
+    row = np.repeat(np.arange(len(motion)), steps)
+    part = np.concatenate([(np.arange(n) + 0.5) / n - 0.5 for n in steps])[:, None] * width
+    velocity, acceleration = motion.velocity[row], motion.acceleration[row]
+    finer = replace(
+        motion,
+        time=motion.time[row] + part[:, 0],
+        q=motion.q[row] + part * velocity + part**2 / 2 * acceleration,
+        velocity=velocity + part * acceleration,
+        wrench=motion.wrench[row],
+        acceleration=acceleration,
+        read=motion.read[row],
+    )
+    return replace(segment, motion=finer)
+
+
+def detection_limit(way: Way, design: Design, blur: Blur, threshold: float, rivals: Sequence[Array] = ()) -> float:
     """Return the size at which the expected evidence reaches a threshold, as a share of the largest plausible size.
 
     The effect is taken as linear below its typical size.
@@ -67,6 +119,7 @@ def detection_limit(way: Way, design: Design, threshold: float, rivals: Sequence
     Args:
         way: The effect.
         design: A null campaign of the session.
+        blur: The same campaign.
         threshold: Log evidence.
         rivals: Whitened signatures of listed causes, shape (m, k) each; only what none of them can imitate counts.
 
@@ -75,7 +128,7 @@ def detection_limit(way: Way, design: Design, threshold: float, rivals: Sequence
     """
     compiled = design.replay.compiled
     size = float(np.sqrt(way.smallest(compiled)))
-    change = design.replay.predict(World(acting=(way.at(size, compiled),))) - design.replay.predict(NOMINAL)
+    change = blur.change(World(acting=(way.at(size, compiled),)))
     column = design.whiten(change[:, :, None]) / size
     columns = np.concatenate([column, *rivals], axis=1)
     products = Nuisances(design.slopes).products(design.white, columns).information

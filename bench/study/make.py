@@ -86,7 +86,7 @@ def sized(effect: Effect, trial: Trial, ground: Ground, rng: np.random.Generator
         way = Way.draw(effect, places[(trial.number + i) % len(places)], ground.compiled, rng)
         try:
             rivals = ground.listed if trial.kind == "unlisted" else ()
-            limit = detection_limit(way, ground.design, ground.threshold, rivals)
+            limit = detection_limit(way, ground.design, ground.blur, ground.threshold, rivals)
         except BenchError:
             continue
         if LIMITS * limit <= 1:

@@ -133,7 +133,7 @@ def test_detection_limit_is_where_evidence_reaches_the_threshold(ground: Ground,
 
     effect = ground.catalogue["current_offset"]
     way = Way.draw(effect, effect.places(ground.compiled)[1], ground.compiled, rng)
-    limit = detection_limit(way, ground.design, ground.threshold)
+    limit = detection_limit(way, ground.design, ground.blur, ground.threshold)
     replay = ground.design.replay
     at_limit = replay.predict(World(acting=(way.at(limit, ground.compiled),))) - replay.predict(World())
     column = ground.design.whiten(at_limit[:, :, None])
