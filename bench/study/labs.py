@@ -34,7 +34,7 @@ class Lab:
         session: Name or file of the session.
         without: Instruments, channels and parts of the session that are missing, as in `hide_campaign`.
         channels: Further channels.
-        is_brief: Rotations are run over their first 15 degrees, with the heaviest payload only.
+        is_brief: Rotations are run over 15 degrees in the middle, with the heaviest payload only.
         link_encoder: The first joint has an encoder on its link too.
     """
 
@@ -134,6 +134,11 @@ def prepare(
 
 
 def _brief(part: RotationPart) -> RotationPart:
-    start = part.start_deg[part.joint - 1]
-    end = start + float(np.clip(part.end_deg - start, -BRIEF, BRIEF))
-    return part.model_copy(update={"end_deg": end, "payloads_kg": (max(part.payloads_kg),)})
+    """Return a sweep of 15 degrees in the middle, where levers change least."""
+    first, last = part.start_deg[part.joint - 1], part.end_deg
+    half = float(np.clip((last - first) / 2, -BRIEF / 2, BRIEF / 2))
+    middle = (first + last) / 2
+    start = tuple(middle - half if i == part.joint - 1 else angle for i, angle in enumerate(part.start_deg))
+    return part.model_copy(
+        update={"start_deg": start, "end_deg": middle + half, "payloads_kg": (max(part.payloads_kg),)}
+    )

@@ -141,7 +141,7 @@ def twins_of(compiled: CompiledRobot) -> tuple[Twin, ...]:
         found += [
             Twin(loss, warmer, 0.6, Lab(), thermometer, "a thermometer on the gas"),
             Twin(seal, coulomb, 0.6, brief, Lab(), longer + "and a gauge on the gas"),
-            Twin(payload, constant, 1.0, brief, Lab(), longer + "a second payload, and the tracker"),
+            Twin(constant, payload, 1.0, brief, Lab(), longer + "a second payload, and the tracker"),
         ]
     gear, foot = ("joint_compliance", "joint 1"), ("base_torsion", "robot")
     found.append(Twin(gear, foot, 0.3, Lab(), Lab(link_encoder=True), "an encoder on the link of joint 1"))
