@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from threadpoolctl import threadpool_limits
+
 from bench.diagnose.ask import ask
 from bench.diagnose.blind_spots import blind_spots
 from bench.diagnose.candidates import causes_of, unseen_of
@@ -49,6 +51,7 @@ def extension_of(naming: Naming, lesson: Lesson | None) -> Fit | None:
     return naming.hypotheses[0].fit if naming.hypotheses else None
 
 
+@threadpool_limits.wrap(1, "blas")  # the matrices are small: threads take more than twice the time
 def diagnose(
     campaign: Campaign,
     compiled: CompiledRobot,
