@@ -51,7 +51,6 @@ def extension_of(naming: Naming, lesson: Lesson | None) -> Fit | None:
     return naming.hypotheses[0].fit if naming.hypotheses else None
 
 
-@threadpool_limits.wrap(1, "blas")  # the matrices are small: threads take more than twice the time
 def diagnose(
     campaign: Campaign,
     compiled: CompiledRobot,
@@ -79,6 +78,20 @@ def diagnose(
         ConvergenceError: The nominal model finds no balance along the measured motion.
         ValueError: Signatures of another kind of session.
     """
+    with threadpool_limits(1, "blas"):  # the matrices are small: threads take more than twice the time
+        return _diagnose(campaign, compiled, catalogue, rate, progress, signatures, most_bins, asks)
+
+
+def _diagnose(
+    campaign: Campaign,
+    compiled: CompiledRobot,
+    catalogue: Mapping[str, Effect],
+    rate: float,
+    progress: Callable[[str], None],
+    signatures: Signatures | None,
+    most_bins: int,
+    asks: bool,
+) -> Diagnosis:
     own = signatures_of(campaign, compiled, catalogue)
     signatures = own if signatures is None else signatures
     if signatures.asked != own.asked:
