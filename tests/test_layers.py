@@ -32,6 +32,7 @@ MAY_IMPORT = {
     "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study"},
     "cli": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "report"},
 }
+STEPS_OF_DIAGNOSIS = ("replay", "picture", "extend", "measure", "name", "ask")  # each may import those before it
 ENGINES_OF = {"identify": {"mujoco", "gymnasium"}, "record": {"mujoco", "pinocchio", "gymnasium"}}
 TRUTH_READERS = {"report/scoring.py"}
 
@@ -63,6 +64,18 @@ def test_imports_point_down(file: Path) -> None:
         if words[0] == "bench" and len(words) > 1 and (PACKAGE / words[1]).exists():
             assert words[1] in allowed, f"{part} may not import bench.{words[1]}"
         assert words[0] not in ENGINES_OF.get(part, set()), f"{part} may not import {words[0]}"
+
+
+@pytest.mark.parametrize("step", [*STEPS_OF_DIAGNOSIS, "doubt"])
+def test_steps_of_a_diagnosis_rest_on_those_before(step: str) -> None:
+    before = STEPS_OF_DIAGNOSIS[: 1 if step == "doubt" else STEPS_OF_DIAGNOSIS.index(step)]
+    files = sorted((PACKAGE / "diagnose" / step).glob("*.py"))
+    assert len(files) > 1
+    for file in files:
+        for name in imports_of(file):
+            words = name.split(".")
+            if words[:2] == ["bench", "diagnose"] and len(words) > 2:
+                assert words[2] in (*before, step), f"{file.name} may not import {name}"
 
 
 @pytest.mark.parametrize("file", SOURCES, ids=lambda file: str(file.relative_to(PACKAGE)))

@@ -17,7 +17,7 @@ class Check:
         """Check and print; return the exit code: 0, or 3 with errors or doubts."""
         from typing import get_args
 
-        from bench.diagnose.channels import doubts_of
+        from bench.diagnose.doubt.channels import doubts_of
         from bench.errors import CampaignError
         from bench.record.finding import Level
         from bench.report.campaigns import open_campaign

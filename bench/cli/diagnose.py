@@ -32,8 +32,8 @@ class Diagnose:
         """Diagnose, print and write; return the exit code."""
         import sys
 
-        from bench.diagnose.channels import doubts_of
         from bench.diagnose.diagnose import diagnose
+        from bench.diagnose.doubt.channels import doubts_of
         from bench.effects.catalogue import catalogue
         from bench.effects.own import try_out
         from bench.errors import CampaignError

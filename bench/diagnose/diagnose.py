@@ -6,20 +6,20 @@ from dataclasses import dataclass, replace
 
 from threadpoolctl import threadpool_limits
 
-from bench.diagnose.ask import ask
-from bench.diagnose.blind_spots import blind_spots
-from bench.diagnose.candidates import causes_of, unseen_of
-from bench.diagnose.design import Design, design_of
-from bench.diagnose.learn import Lesson, lesson_of
-from bench.diagnose.measure import HeldOut, held_out, predicted_error
-from bench.diagnose.naming import Naming, name_cause
-from bench.diagnose.nuisances import nuisances_of
-from bench.diagnose.quantities import quantities_of
-from bench.diagnose.refit import Fit, refit
-from bench.diagnose.replay import Replay
-from bench.diagnose.segments import MOST_BINS, segments_of
-from bench.diagnose.signatures import Signatures
-from bench.diagnose.surroundings import Surroundings
+from bench.diagnose.ask.ask import ask
+from bench.diagnose.ask.blind_spots import blind_spots
+from bench.diagnose.extend.refit import Fit, refit
+from bench.diagnose.measure.measure import HeldOut, held_out, predicted_error
+from bench.diagnose.name.learn import Lesson, lesson_of
+from bench.diagnose.name.naming import Naming, name_cause
+from bench.diagnose.name.surroundings import Surroundings
+from bench.diagnose.picture.candidates import causes_of, unseen_of
+from bench.diagnose.picture.design import Design, design_of
+from bench.diagnose.picture.signatures import Signatures
+from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import MOST_BINS, segments_of
 from bench.diagnose.verdict import Proposal, Verdict, verdict_of
 from bench.effects.effect import Effect
 from bench.errors import BenchError, InputError

@@ -13,17 +13,18 @@ from typing import Any
 
 import numpy as np
 
-from bench.diagnose.blind_spots import BlindSpot as BlindSpot  # part of the verdict
-from bench.diagnose.candidates import Cause
-from bench.diagnose.generic import Block
-from bench.diagnose.learn import Lesson
-from bench.diagnose.limits import DetectionLimit as DetectionLimit  # part of the verdict
-from bench.diagnose.limits import detection_limits
-from bench.diagnose.measure import ChannelGain as ChannelGain  # part of the verdict
-from bench.diagnose.measure import HeldOut, PredictedError
-from bench.diagnose.naming import Naming, Rung
-from bench.diagnose.refit import Fit
-from bench.diagnose.trials import Hypothesis
+from bench.diagnose.ask.ask import Proposal as Proposal  # part of the verdict
+from bench.diagnose.ask.blind_spots import BlindSpot as BlindSpot  # part of the verdict
+from bench.diagnose.extend.refit import Fit
+from bench.diagnose.measure.measure import ChannelGain as ChannelGain  # part of the verdict
+from bench.diagnose.measure.measure import HeldOut, PredictedError
+from bench.diagnose.name.learn import Lesson
+from bench.diagnose.name.naming import Naming, Rung
+from bench.diagnose.name.trials import Hypothesis
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.generic import Block
+from bench.diagnose.picture.limits import DetectionLimit as DetectionLimit  # part of the verdict
+from bench.diagnose.picture.limits import detection_limits
 
 NORMAL_95 = 1.959964
 
@@ -106,26 +107,6 @@ class Step:
     high: float
     accepted: bool
     reason: str
-
-
-@dataclass(frozen=True)
-class Proposal:
-    """An experiment that would tell explanations apart, or show what these data cannot.
-
-    Attributes:
-        experiment: In words: pose, speed, load, dwell, or an instrument.
-        splits: Names of the two explanations that it tells apart best; of one that stands alone, its name and "".
-        separation: Expected log Bayes factor between the two, if the one that it favours less is true. Of one alone,
-            the logarithm of the factor by which the standard deviation of its first parameter shrinks.
-        today: The same with the data at hand; 0 for one alone.
-        narrows: Of one alone, what it does to that parameter, in words; else "".
-    """
-
-    experiment: str
-    splits: tuple[str, str]
-    separation: float
-    today: float
-    narrows: str = ""
 
 
 @dataclass(frozen=True)

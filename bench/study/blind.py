@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 from bench.diagnose.diagnose import FALSE_ALARM_RATE, Diagnosis, diagnose
 from bench.diagnose.diagnose import signatures_of as signatures_of  # of a session, for every campaign of it
-from bench.diagnose.signatures import Signatures
+from bench.diagnose.picture.signatures import Signatures
 from bench.effects.effect import Effect
 from bench.record.campaign import Campaign
 

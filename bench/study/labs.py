@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.design import Design
-from bench.diagnose.signatures import Signatures
+from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.signatures import Signatures
 from bench.effects.effect import Acting, Effect
 from bench.errors import InputError
 from bench.hide.campaign import Hidden, hide_campaign

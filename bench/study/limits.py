@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.design import Design
-from bench.diagnose.limits import smallest_found
-from bench.diagnose.marginal import Nuisances
-from bench.diagnose.replay import NOMINAL, Replay, World
-from bench.diagnose.segments import Segment
+from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.limits import smallest_found
+from bench.diagnose.picture.marginal import Nuisances
+from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.diagnose.replay.segments import Segment
 from bench.effects.effect import Acting, Effect, Parameter, Place
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from bench.diagnose import threshold as threshold_module
-from bench.diagnose.marginal import Marginal, Nuisances
-from bench.diagnose.piece import centre_weights
-from bench.diagnose.threshold import family_threshold
+from bench.diagnose.picture import threshold as threshold_module
+from bench.diagnose.picture.marginal import Marginal, Nuisances
+from bench.diagnose.picture.threshold import family_threshold
+from bench.diagnose.replay.piece import centre_weights
 
 M, P, K = 60, 5, 4
 

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bench.diagnose.ask import MOST_PROPOSALS, ask
-from bench.diagnose.candidates import Cause
-from bench.diagnose.design import Design, design_of
-from bench.diagnose.experiments import experiments_for
-from bench.diagnose.nuisances import nuisances_of
-from bench.diagnose.outlook import Expectation, expected_log_bayes_factor, narrowing
-from bench.diagnose.quantities import quantities_of
-from bench.diagnose.refit import Fit, refit
-from bench.diagnose.replay import Replay
-from bench.diagnose.segments import segments_of
+from bench.diagnose.ask.ask import MOST_PROPOSALS, ask
+from bench.diagnose.ask.experiments import experiments_for
+from bench.diagnose.ask.outlook import Expectation, expected_log_bayes_factor, narrowing
+from bench.diagnose.extend.refit import Fit, refit
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design, design_of
+from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import segments_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Acting
 from bench.hide.campaign import hide_campaign

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.diagnose.channels import doubts_of
+from bench.diagnose.doubt.channels import doubts_of
 from bench.record.campaign import Campaign
 from bench.record.convert import convert
 from bench.robot.compiled import CompiledRobot, compile_robot

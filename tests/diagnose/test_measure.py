@@ -7,21 +7,21 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from bench.diagnose.candidates import Cause
-from bench.diagnose.design import Design
-from bench.diagnose.floor import floor_variance
-from bench.diagnose.folds import BLOCKS, folds_of
-from bench.diagnose.leave_out import (
+from bench.diagnose.extend.refit import Fit, Unknown
+from bench.diagnose.measure.floor import floor_variance
+from bench.diagnose.measure.folds import BLOCKS, folds_of
+from bench.diagnose.measure.leave_out import (
     errors_of_folds,
     log_probability_of_figures,
     log_probability_of_folds,
     tangent_of,
 )
-from bench.diagnose.measure import held_out, predicted_error
-from bench.diagnose.quantities import Quantity
-from bench.diagnose.refit import Fit, Unknown
-from bench.diagnose.scatter import Whitening
-from bench.diagnose.segments import Segment
+from bench.diagnose.measure.measure import held_out, predicted_error
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.scatter import Whitening
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.segments import Segment
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Conditions
 from bench.simulate.prescribed import Motion

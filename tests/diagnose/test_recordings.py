@@ -7,8 +7,8 @@ import pytest
 from scipy import signal
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
-from bench.diagnose.quantities import quantities_of
-from bench.diagnose.segments import segments_of
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.segments import segments_of
 from bench.effects.catalogue import catalogue
 from bench.identify.rigid_motion_fit import Filtering, axis_columns, smooth_motion
 from bench.record.campaign import Campaign

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.diagnose.replay import World
+from bench.diagnose.replay.replay import World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Effect
 from bench.errors import InputError
@@ -129,7 +129,7 @@ def test_diagnosis_is_given_the_campaign_alone(ground: Ground, monkeypatch: pyte
 
 def test_detection_limit_is_where_evidence_reaches_the_threshold(ground: Ground, rng: np.random.Generator) -> None:
     """Data of the nominal model with a current offset of that size, which acts linearly, and without noise."""
-    from bench.diagnose.marginal import Nuisances
+    from bench.diagnose.picture.marginal import Nuisances
 
     effect = ground.catalogue["current_offset"]
     way = Way.draw(effect, effect.places(ground.compiled)[1], ground.compiled, rng)

@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.design import Design
-from bench.diagnose.generic import Block
-from bench.diagnose.learn import Lesson
-from bench.diagnose.naming import Naming
-from bench.diagnose.refit import Fit
+from bench.diagnose.extend.refit import Fit
+from bench.diagnose.name.learn import Lesson
+from bench.diagnose.name.naming import Naming
+from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.generic import Block
 from bench.diagnose.verdict import NORMAL_95
 from bench.effects.learned_readings import in_time, powers
 from bench.record.campaign import Array

@@ -6,13 +6,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.design import Design
 from bench.diagnose.diagnose import Diagnosis
-from bench.diagnose.folds import instant_of
-from bench.diagnose.quantities import Quantity
-from bench.diagnose.refit import pseudo_residual
-from bench.diagnose.replay import World
-from bench.diagnose.segments import Segment
+from bench.diagnose.extend.refit import pseudo_residual
+from bench.diagnose.measure.folds import instant_of
+from bench.diagnose.picture.design import Design
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.replay import World
+from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 from bench.report.diagnosis.learned import learned_of
 

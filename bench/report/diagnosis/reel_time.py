@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.design import Design
+from bench.diagnose.picture.design import Design
 from bench.record.campaign import Array
 
 LONGEST_STEP = 2.0  # [s], between instants of one segment: dwells and rests need no more to be looked at

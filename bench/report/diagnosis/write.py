@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 
 from bench.diagnose.diagnose import Diagnosis
-from bench.diagnose.replay import World, edits_in
+from bench.diagnose.replay.replay import World, edits_in
 from bench.effects.effect import Conditions
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.facts import facts_of

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.diagnose.quantities import Quantity
+from bench.diagnose.replay.quantities import Quantity
 from bench.report.diagnosis.pictures import pictures_of, telling_joint
 from bench.report.diagnosis.readings import Readings
 

@@ -9,8 +9,8 @@ import pytest
 from rerun.chunk import RrdReader
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
-from bench.diagnose.generic import Block
-from bench.diagnose.naming import Naming
+from bench.diagnose.name.naming import Naming
+from bench.diagnose.picture.generic import Block
 from bench.diagnose.verdict import Unlisted
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting

@@ -1,0 +1,1 @@
+"""Ask: the next experiment, and what this campaign could not show."""

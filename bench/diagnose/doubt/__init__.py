@@ -1,0 +1,1 @@
+"""Doubt: channels that are hardly what their names say."""

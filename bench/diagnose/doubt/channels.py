@@ -1,0 +1,166 @@
+"""Channels that are not what their name says: sign, unit or joint, against what the nominal model needs.
+
+The nominal model may lack friction, payload and gas. What is told rests on laws that no such lack can break (friction
+takes energy, a drive stays within its limits, a joint's torque follows that joint's motion), or on a model that fits
+well once a channel is read in another way (`mistaken.py`), or on distances far beyond any defect (`displaced.py`).
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.doubt.displaced import displaced
+from bench.diagnose.doubt.drive_picture import DrivePicture, drive_picture
+from bench.diagnose.doubt.mistaken import doubt, mistakes_in, turned
+from bench.diagnose.doubt.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
+from bench.diagnose.doubt.physical_fit import misfit
+from bench.diagnose.replay.quantities import Quantity, quantities_of
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import segments_of
+from bench.effects.places import speed_limit, torque_limit
+from bench.errors import ConvergenceError
+from bench.record.campaign import Array, Campaign
+from bench.record.finding import Finding
+from bench.robot.compiled import CompiledRobot
+
+BINS = 400  # of all motion; enough to tell a sign
+BLOCKS = 6  # of the readings; what is said has to hold with any of them left out
+LEAST = 30  # readings of a drive in motion
+GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
+BEYOND = 2.0  # times the limits of a drive
+TURNED = 0.5  # part of the misfit that is left with the sign turned, before friction is believed to give energy
+FEEBLE = 0.1  # of the torque that the model needs; friction only adds to it, no counterbalance takes so much away
+ANOTHERS, FAR_BETTER = 0.8, 0.3  # variance explained by another joint's motion; part of the own misfit that this leaves
+
+
+def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = ()) -> tuple[Finding, ...]:
+    """Return a doubt for each channel that can hardly be what its name says.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot, nominal.
+        known: What was found before; a column is not reported twice, and where angles or loads are doubted already,
+            nothing is made of them.
+    """
+    if any(finding.level == "doubt" and finding.column.startswith(("q_", "load_")) for finding in known):
+        return ()
+    told = {finding.column for finding in known}
+    every = quantities_of(campaign.runs, compiled)
+    try:
+        found = list(_of_drives(campaign, compiled, tuple(q for q in every if q.is_drive), told))
+        others = tuple(q for q in every if not q.is_drive)
+        if segments := segments_of(campaign, compiled, others, BINS):
+            found += displaced(Replay(compiled, segments, others))
+    except ConvergenceError as error:
+        return (doubt("", f"the nominal model cannot follow the motion ({error})", "look at angles and their units"),)
+    return tuple(finding for finding in found if finding.column not in told)
+
+
+def _of_drives(
+    campaign: Campaign, compiled: CompiledRobot, quantities: tuple[Quantity, ...], told: set[str]
+) -> Iterator[Finding]:
+    segments = segments_of(campaign, compiled, quantities, BINS)
+    if not segments:
+        return
+    picture = drive_picture(Replay(compiled, segments, quantities))
+    if too_fast := tuple(_beyond_speed(picture, compiled)):
+        yield from too_fast
+        return
+    dead = tuple(_dead(picture))
+    yield from dead
+
+    recording = Recording(segments, quantities, compiled)
+    of_loads = mistaken_loads(picture, recording)
+    mistaken = [
+        finding
+        for finding in mistakes_in(picture, of_loads, lambda: mistaken_joints(picture, recording))
+        if finding.column not in told
+    ]
+    yield from mistaken
+    for j, name in enumerate(picture.names if not mistaken else ()):
+        if not name or name in told:
+            continue
+        rows = np.isfinite(picture.observed[:, j]) & ~picture.standing[:, j]
+        if rows.sum() >= LEAST:
+            yield from list(_of_drive(picture, compiled, j, rows))[:1]
+
+
+def _beyond_speed(picture: DrivePicture, compiled: CompiledRobot) -> Iterator[Finding]:
+    for j, top in enumerate(np.max(np.abs(picture.velocity), axis=0)):
+        drive, limit = compiled.robot.figures.drives[j].joint, speed_limit(compiled, j)
+        if top > BEYOND * limit:
+            message = f"{drive} moves at {top:.3g} per s, its limit is {limit:.3g}"
+            yield doubt(f"q_motor_{j + 1}", message, "degrees or millimetres? give SI units")
+
+
+def _dead(picture: DrivePicture) -> Iterator[Finding]:
+    """Yield drives that read one number all along though the model needs more than friction can hold."""
+    for j, name in enumerate(picture.names):
+        seen = np.isfinite(picture.observed[:, j])
+        if name and np.any(seen) and np.ptp(picture.observed[seen, j]) == 0:
+            value, needed = picture.observed[seen, j][0], picture.model[seen, j]
+            if np.max(np.abs(needed - value)) > picture.slack[j]:
+                message = (
+                    f"is {value / picture.unit[j]:g} all along, the model needs up to {np.max(np.abs(needed)):.3g} Nm"
+                )
+                yield doubt(name, message, "look whether it is connected, or remove it")
+
+
+def _of_drive(picture: DrivePicture, compiled: CompiledRobot, j: int, rows: NDArray[np.bool_]) -> Iterator[Finding]:
+    """Yield what is wrong with one drive's channel, the surest first."""
+    name, drive = picture.names[j], compiled.robot.figures.drives[j].joint
+    values, model, velocity = picture.observed[rows, j], picture.model[rows, j], picture.velocity[rows, j]
+    columns = picture.columns(j)[rows]
+    largest, limit = float(np.max(np.abs(values))), torque_limit(compiled, j)
+    if largest > BEYOND * limit:
+        yield doubt(
+            name, f"reaches {largest / limit:.3g} times the limit of {drive}", "mNm, or divided twice? give SI units"
+        )
+    own, other = _misfit(columns, values), _best_other(picture, j, rows)
+    if other is not None and other[1] < min(FAR_BETTER * own, (1 - ANOTHERS) * float(np.var(values))):
+        yield doubt(
+            name, f"follows the motion of joint {other[0] + 1}, not of {j + 1}", "look at the order of the joints"
+        )
+    ratio = float(np.sqrt(np.mean(values**2) / np.mean(model**2))) if np.any(model) else np.inf
+    if ratio < FEEBLE:
+        yield doubt(
+            name,
+            f"is {1 / ratio:.3g} times smaller than what {drive} needs",
+            "on the motor side of the gear, or in kNm? multiply by the gear ratio, give SI units",
+        )
+    gains = [_energy(columns[kept], values[kept], velocity[kept]) for kept in _leaving_out(len(values))]
+    if max(gains) < -GAINED and misfit(turned(picture, (j,)))[j] < TURNED * misfit(picture)[j]:
+        yield doubt(name, f"friction of {drive} would give energy", "turn the sign of this channel, or of the angle")
+
+
+def _fit(columns: Array, values: Array) -> Array:
+    size = np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
+    found: Array = np.linalg.lstsq(columns / size, values)[0] / size
+    return found
+
+
+def _misfit(columns: Array, values: Array) -> float:
+    """Return the variance that columns leave."""
+    return float(np.mean((values - columns @ _fit(columns, values)) ** 2))
+
+
+def _best_other(picture: DrivePicture, j: int, rows: NDArray[np.bool_]) -> tuple[int, float] | None:
+    """Return the other joint whose motion explains a channel best, and the variance that it leaves."""
+    others = [k for k in range(len(picture.names)) if k != j and np.ptp(picture.velocity[rows, k]) > 0]
+    misfits = [(k, _misfit(picture.columns(k)[rows], picture.observed[rows, j])) for k in others]
+    return min(misfits, key=lambda found: found[1]) if misfits else None
+
+
+def _leaving_out(n: int) -> Iterator[NDArray[np.bool_]]:
+    """Yield masks over n readings, each with one block of them left out."""
+    block = np.arange(n) * BLOCKS // n
+    for b in range(BLOCKS):
+        yield block != b
+
+
+def _energy(columns: Array, values: Array, velocity: Array) -> float:
+    """Return what friction takes, as a part of all power exchanged."""
+    found = _fit(columns, values)
+    taken = columns[:, 1:3] @ found[1:3] * velocity
+    return float(taken.sum() / np.abs(values * velocity).sum())

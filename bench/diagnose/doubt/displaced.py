@@ -1,0 +1,87 @@
+"""Trackers and gauges that are not where the nominal model has them, by far more than any defect of a robot."""
+
+from collections.abc import Iterator, Mapping
+from itertools import permutations, product
+
+import numpy as np
+
+from bench.diagnose.doubt.mistaken import doubt
+from bench.diagnose.replay.quantities import AXES
+from bench.diagnose.replay.replay import NOMINAL, Replay
+from bench.record.campaign import Array
+from bench.record.finding import Finding
+
+FAR = 0.1  # [m]; a calibrated arm errs by millimetres, a nominal one by a centimetre
+FAR_BETTER = 0.2  # part of the distance that the right unit or the right axes leave
+TRAVEL = 0.01  # [m] that no tracker misses
+LENGTHS: Mapping[float, str] = {1e3: "millimetres", 100.0: "centimetres", 39.37: "inches", 3.281: "feet", 1e-3: "km"}
+PRESSURES: Mapping[float, str] = {1e-6: "MPa", 1e-5: "bar", 1e-3: "kPa"}
+LEAST, MOST = 0.3, 3.0  # of the nominal pressure; gas lost, warmed, or overfilled
+STEPS = 5.0  # of a gauge's resolution, that the pressure has to change by
+
+
+def displaced(replay: Replay) -> Iterator[Finding]:
+    """Yield a doubt for each reflector and for the gauge that reads what the nominal model cannot make of it."""
+    nominal = replay.predict(NOMINAL)
+    observed = np.concatenate([segment.observed for segment in replay.segments])
+    stopped = _stopped(replay, observed, nominal)
+    for name, run in stopped.items():
+        yield doubt(name, f"does not change in run {run!r} while the model's does", "frozen? look at its recording")
+    for k in sorted({q.index for q in replay.quantities if q.kind == "reflector"}):
+        columns = [c for c, q in enumerate(replay.quantities) if q.kind == "reflector" and q.index == k]
+        names, axes = [replay.quantities[c].column for c in columns], [replay.quantities[c].axis for c in columns]
+        rows = np.all(np.isfinite(observed[:, columns]), axis=1)
+        if np.any(rows) and not stopped.keys() & set(names):
+            yield from _reflector(names[0], axes, observed[rows][:, columns], nominal[rows][:, columns])
+    for c, quantity in enumerate(replay.quantities):
+        rows = np.isfinite(observed[:, c])
+        if quantity.kind == "gas_pressure" and np.any(rows) and quantity.column not in stopped:
+            yield from _pressure(observed[rows, c], nominal[rows, c])
+
+
+def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
+    """Return columns that repeat one number through a run in which the model's goes far -> that run."""
+    gauge = replay.compiled.robot.figures.instruments.pressure
+    far = {"reflector": TRAVEL, "gas_pressure": STEPS * gauge.resolution_pa if gauge else np.inf}
+    run_of = np.repeat([segment.run for segment in replay.segments], [len(segment) for segment in replay.segments])
+    found: dict[str, str] = {}
+    for run in dict.fromkeys(segment.run for segment in replay.segments):
+        for c, quantity in enumerate(replay.quantities):
+            rows = (run_of == run) & np.isfinite(observed[:, c])
+            goes_far = np.any(rows) and np.ptp(nominal[rows, c]) > far.get(quantity.kind, np.inf)
+            if goes_far and np.ptp(observed[rows, c]) == 0:
+                found.setdefault(quantity.column, run)
+    return found
+
+
+def _reflector(name: str, axes: list[int], observed: Array, nominal: Array) -> Iterator[Finding]:
+    off = _off(observed, nominal)
+    if off < FAR:
+        return
+    factor = min(LENGTHS, key=lambda factor: _off(observed / factor, nominal))
+    if _off(observed / factor, nominal) < FAR_BETTER * min(off, _off(nominal, np.zeros(3))):
+        message = f"is {factor:g} times as far out as the model has it"
+        yield doubt(name, message, f"{LENGTHS[factor]}? give metres")
+        return
+    for order, signs in product(permutations(range(len(axes))), product((1.0, -1.0), repeat=len(axes))):
+        if _off(observed[:, order] * signs, nominal) < FAR_BETTER * off:
+            right = ", ".join(f"{'-' if s < 0 else ''}{AXES[axes[i]]}" for i, s in zip(order, signs, strict=True))
+            there = ", ".join(AXES[axis] for axis in axes)
+            yield doubt(name, f"the model's {there} are read as {right}", "look at the axes of the base frame")
+            return
+    advice = "is it in the base frame? else look at zero, sign and order of the joints"
+    yield doubt(name, f"lies {off:.2g} m from where the model has it", advice)
+
+
+def _off(observed: Array, nominal: Array) -> float:
+    """Return the median distance [m]."""
+    return float(np.median(np.linalg.norm(observed - nominal, axis=1)))
+
+
+def _pressure(observed: Array, nominal: Array) -> Iterator[Finding]:
+    ratio = float(np.median(observed) / np.median(nominal))
+    if not LEAST < ratio < MOST:
+        unit = next((word for factor, word in PRESSURES.items() if factor / 2 < ratio < 2 * factor), "other unit")
+        yield doubt(
+            "gas_pressure_pa", f"is {ratio:.2g} times what the model has", f"{unit}? give pascals above ambient"
+        )

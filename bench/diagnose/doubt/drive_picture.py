@@ -1,0 +1,77 @@
+"""What every drive paid in a campaign, beside what the nominal model needs for the same motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.effects.effect import Acting
+from bench.effects.gas import CounterbalanceGas
+from bench.effects.masses import UnstatedPayload
+from bench.effects.places import torque_limit
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+from bench.simulate.plant import Trace
+
+HELD = 0.1  # of a drive's torque limit, that friction may hold at rest; Coulomb levels are 1 to 6 % of it
+
+
+@dataclass(frozen=True, eq=False)
+class DrivePicture:
+    """What drives did and what the model makes of it; T instants, n drives, e things that may be missing.
+
+    Attributes:
+        observed, model: Shape (T, n) [Nm]; observed is nan where a drive was not measured, and while it turns round.
+        velocity: Shape (T, n) [rad/s].
+        standing: Shape (T, n) bool, while a drive did not move.
+        slack: Shape (n,) [Nm], what friction may hold at rest.
+        unit: Shape (n,), from what was read to Nm.
+        missing: Shape (T, n, e) [Nm], torque of a payload and of gas that the nominal model leaves out.
+        names: Columns of the drives; empty where there is none.
+    """
+
+    observed: Array
+    model: Array
+    velocity: Array
+    standing: NDArray[np.bool_]
+    slack: Array
+    unit: Array
+    missing: Array
+    names: tuple[str, ...]
+
+    def columns(self, j: int) -> Array:
+        """Return what the torque of drive j is made of: model, Coulomb, viscous, offset, missing; shape (T, 4 + e)."""
+        v = self.velocity[:, j]
+        plain = np.stack([self.model[:, j], np.sign(v), v, np.ones(len(v))], axis=1)
+        return np.concatenate([plain, self.missing[:, j]], axis=1)
+
+
+def drive_picture(replay: Replay) -> DrivePicture:
+    """Return what drives did in a campaign, and what its nominal model makes of it."""
+    trace = Trace.concatenate(replay.traces(NOMINAL))
+    nominal = replay.predict(NOMINAL)
+    missing = []
+    for effect in (UnstatedPayload(), CounterbalanceGas()):
+        for place in effect.places(replay.compiled):
+            size = effect.parameters_at(replay.compiled, place)[0]
+            world = World(acting=(Acting(effect, place, effect.complete({size.name: size.typical})),))
+            missing.append(replay.predict(world) - nominal)
+    shape = trace.q.shape
+    seen = np.concatenate([segment.observed for segment in replay.segments])
+    standing = np.repeat([s.standing for s in replay.segments], [len(s) for s in replay.segments], axis=0)
+    observed, model = np.full(shape, np.nan), np.zeros(shape)
+    extra, names, units = np.zeros((*shape, len(missing))), [""] * shape[1], np.ones(shape[1])
+    for c, quantity in enumerate(replay.quantities):
+        j, unit = quantity.index, _in_nm(quantity, replay.compiled)
+        observed[:, j], units[j] = unit * seen[:, c], unit
+        model[:, j] = unit * nominal[:, c]
+        extra[:, j] = unit * np.stack([change[:, c] for change in missing], axis=1) if missing else extra[:, j]
+        names[j] = quantity.column
+    slack = np.array([HELD * torque_limit(replay.compiled, j) for j in range(shape[1])])
+    return DrivePicture(observed, model, trace.q_velocity, standing, slack, units, extra, tuple(names))
+
+
+def _in_nm(quantity: Quantity, compiled: CompiledRobot) -> float:
+    return float(compiled.torque_constant[quantity.index]) if quantity.kind == "current" else 1.0

@@ -1,0 +1,143 @@
+"""Drive channels taken for something else: turned in sign, in another unit, of another joint.
+
+Each is tried, and told where the nominal model with friction, payload and gas then fits by far better, and well. A
+model that fits badly either way says nothing, and no effect of the catalogue makes one fit by far better upside down.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from bench.diagnose.doubt.drive_picture import DrivePicture
+from bench.diagnose.doubt.physical_fit import misfit
+from bench.record.campaign import Array
+from bench.record.finding import Finding
+
+BAD = 0.05  # of the mean square of a drive's torque; most defects and poor models leave less
+FAR_BETTER = 0.1  # part of it that the right reading leaves
+GOOD = 0.1  # of the mean square; what the right reading leaves at most
+FACTORS = np.geomspace(1e-4, 1e4, 65)
+PLAIN = 8.0  # a factor nearer to 1 than this is no unit and no gear; the least is 9.81
+ALIKE = 1e-3  # of the mean square; factors that leave the same within this are as good
+NEAR = 0.3  # of a factor, by which friction and payload may blur it
+UNITS: Mapping[float, str] = {
+    1e3: "milliamperes or mNm?",
+    1e-3: "kiloamperes or kNm?",
+    10.0: "tenths?",
+    9.81: "kilogram-force metres?",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Mistake:
+    """One way to misread.
+
+    Attributes:
+        drives: Whose channels fit better without it.
+        columns: That it is about.
+        message, remedy: Of the finding.
+        picture: The readings as they would be without it.
+    """
+
+    drives: tuple[int, ...]
+    columns: tuple[str, ...]
+    message: str
+    remedy: str
+    picture: DrivePicture
+
+
+def mistakes_in(
+    picture: DrivePicture, of_loads: Iterable[Mistake] = (), of_joints: Callable[[], Iterable[Mistake]] = lambda: ()
+) -> Iterator[Finding]:
+    """Yield what the drives' channels are taken for, the mistake that explains most first.
+
+    Args:
+        picture: What drives did.
+        of_loads: Mistakes about loads, tried once.
+        of_joints: Mistakes about angles too, tried once, where nothing else leaves all drives well.
+    """
+    for i, _ in enumerate(picture.names):
+        before = misfit(picture)
+        if np.max(before) < BAD:
+            return
+        likely = _likely((*_mistakes(picture, before), *(of_loads if i == 0 else ())), before)
+        if i == 0 and not any(np.max(after) < BAD for after, _ in likely):
+            likely += _likely(of_joints(), before)
+        if not likely:
+            return
+        _, found = min(likely, key=lambda one: float(one[0].sum()))
+        for column in found.columns:
+            yield doubt(column, found.message, found.remedy)
+        picture = found.picture
+
+
+def _likely(mistakes: Iterable[Mistake], before: Array) -> list[tuple[Array, Mistake]]:
+    """Return the mistakes without which the model fits by far better, with the misfit then."""
+    tried = [(misfit(mistake.picture), mistake) for mistake in mistakes]
+    return [(after, mistake) for after, mistake in tried if _explains(before, after, mistake.drives)]
+
+
+def _explains(before: Array, after: Array, drives: tuple[int, ...]) -> bool:
+    own = list(drives)
+    is_better = after[own].sum() < FAR_BETTER * before[own].sum() and after.sum() < before.sum()
+    return bool(is_better and np.all(after[own] < np.maximum(GOOD, before[own])))
+
+
+def doubt(column: str, message: str, remedy: str) -> Finding:
+    """Return a doubt about a channel of a whole campaign."""
+    return Finding("doubt", "all runs", None, column, message, remedy)
+
+
+def _mistakes(picture: DrivePicture, before: Array) -> Iterator[Mistake]:
+    there = [j for j in range(len(picture.names)) if np.any(np.isfinite(picture.observed[:, j]))]
+    bad = [j for j in there if before[j] > BAD]
+    for drives in [*((j,) for j in bad), tuple(bad)]:
+        columns = tuple(picture.names[j] for j in drives)
+        yield Mistake(
+            drives,
+            columns,
+            "has the wrong sign",
+            "turn the sign of this channel, or of the angle",
+            turned(picture, drives),
+        )
+        yield from _other_unit(picture, drives)
+    for i, j in combinations(there, 2):
+        if before[i] > BAD or before[j] > BAD:
+            one, other = picture.names[i], picture.names[j]
+            message = f"{one} and {other} are exchanged"
+            yield Mistake((i, j), (one,), message, "look at the order of the joints", _swapped(picture, i, j))
+
+
+def _other_unit(picture: DrivePicture, drives: tuple[int, ...]) -> Iterator[Mistake]:
+    """Yield the factor with which these channels fit best, if no lack of the model makes it."""
+    left = np.array([misfit(_scaled(picture, drives, 1 / factor))[list(drives)].sum() for factor in FACTORS])
+    factor = float(np.exp(np.mean(np.log(FACTORS[left < left.min() + ALIKE]))))
+    if 1 / PLAIN < factor < PLAIN:
+        return
+    guess = next((word for unit, word in UNITS.items() if abs(np.log(factor / unit)) < NEAR), "another unit?")
+    if factor < 1:
+        guess = "on the motor side of the gear? multiply by the gear ratio; or " + guess
+    size = f"{factor:.2g} times larger" if factor > 1 else f"{1 / factor:.2g} times smaller"
+    message = f"is about {size} than the model needs"
+    columns = tuple(picture.names[j] for j in drives)
+    yield Mistake(drives, columns, message, f"{guess} give SI units", _scaled(picture, drives, 1 / factor))
+
+
+def turned(picture: DrivePicture, drives: tuple[int, ...]) -> DrivePicture:
+    """Return the picture with the sign of some drives' readings turned."""
+    return _scaled(picture, drives, -1.0)
+
+
+def _scaled(picture: DrivePicture, drives: tuple[int, ...], factor: float) -> DrivePicture:
+    observed = picture.observed.copy()
+    observed[:, list(drives)] *= factor
+    return replace(picture, observed=observed)
+
+
+def _swapped(picture: DrivePicture, i: int, j: int) -> DrivePicture:
+    """Return the picture with two channels exchanged, as they were read."""
+    observed = picture.observed.copy()
+    observed[:, [i, j]] = picture.observed[:, [j, i]] / picture.unit[[j, i]] * picture.unit[[i, j]]
+    return replace(picture, observed=observed)

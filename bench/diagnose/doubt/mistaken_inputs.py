@@ -1,0 +1,130 @@
+"""Inputs of a replay taken for something else: a joint that is turned, two joints exchanged, loads in another unit.
+
+What drives paid tells, through gravity and the inertia of other joints; friction takes energy either way.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from bench.diagnose.doubt.drive_picture import DrivePicture, drive_picture
+from bench.diagnose.doubt.mistaken import Mistake
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import Index, Segment
+from bench.errors import ConvergenceError
+from bench.record.campaign import Array
+from bench.record.units import STANDARD_GRAVITY
+from bench.robot.compiled import CompiledRobot
+
+LOADS: Mapping[float, tuple[str, str]] = {
+    -1.0: ("have the wrong sign", "a weight is negative in z"),
+    1e3: ("are about 1000 times too small", "kilonewtons? multiply by 1000"),
+    STANDARD_GRAVITY: ("are about 10 times too small", f"kilograms? multiply by {STANDARD_GRAVITY:g}"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """How inputs and readings would be without a mistake; n drives.
+
+    Attributes:
+        order: Shape (n,), whose angle and torque joint i really has.
+        angle, torque: Shape (n,), signs of both.
+        load: Factor of the loads.
+    """
+
+    order: Index
+    angle: Array
+    torque: Array
+    load: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What is replayed.
+
+    Attributes:
+        segments: With readings of drives.
+        quantities: Of drives.
+        compiled: The nominal robot.
+    """
+
+    segments: Sequence[Segment]
+    quantities: tuple[Quantity, ...]
+    compiled: CompiledRobot
+
+    @property
+    def plain(self) -> Change:
+        """What changes nothing."""
+        n = self.compiled.n_joints
+        return Change(np.arange(n), np.ones(n), np.ones(n))
+
+
+def mistaken_loads(picture: DrivePicture, recording: Recording) -> Iterator[Mistake]:
+    """Yield loads misread, with what the model makes of the right ones; simulated."""
+    if any(np.any(segment.motion.wrench) for segment in recording.segments):
+        for load, (message, remedy) in LOADS.items():
+            change = replace(recording.plain, load=load)
+            yield from _mistake(picture, recording, "load_z_n", f"loads {message}", remedy, change)
+
+
+def mistaken_joints(picture: DrivePicture, recording: Recording) -> Iterator[Mistake]:
+    """Yield each joint turned and every two exchanged, with what the model makes of it; simulated."""
+    names = [name or f"q_motor_{j + 1}" for j, name in enumerate(picture.names)]
+    plain, compiled = recording.plain, recording.compiled
+    drives = [drive.joint for drive in compiled.robot.figures.drives]
+    for j, drive in enumerate(drives):
+        signs = np.where(plain.order == j, -1.0, 1.0)
+        message = f"{drive} moves against the model's sense of turning"
+        alone, both = replace(plain, angle=signs), replace(plain, angle=signs, torque=signs)
+        remedy = "turn the sign of both, or the axis in the MJCF"
+        yield from _mistake(picture, recording, names[j], f"{message}, torque and angle alike", remedy, both)
+        yield from _mistake(picture, recording, f"q_motor_{j + 1}", message, "turn the sign of its angles", alone)
+    for i, j in combinations(range(len(drives)), 2):
+        if compiled.is_slide[i] == compiled.is_slide[j]:
+            order = plain.order.copy()
+            order[[i, j]] = j, i
+            message, remedy = f"{drives[i]} and {drives[j]} are exchanged", "look at the order of the joints"
+            change = replace(plain, order=order)
+            yield from _mistake(picture, recording, names[i], f"{message}, torque and angle alike", remedy, change)
+
+
+def _mistake(
+    picture: DrivePicture, recording: Recording, column: str, message: str, remedy: str, change: Change
+) -> Iterator[Mistake]:
+    again = _again(recording, change)
+    if again:
+        there = tuple(j for j, name in enumerate(picture.names) if name)
+        yield Mistake(there, (column,), message, remedy, again)
+
+
+def _again(recording: Recording, change: Change) -> DrivePicture | None:
+    """Return the picture with a change; None where the model finds no balance."""
+    quantities, order = recording.quantities, change.order
+    source = [_index_of(quantities, quantity, int(order[quantity.index])) for quantity in quantities]
+    found = []
+    for segment in recording.segments:
+        motion = replace(
+            segment.motion,
+            q=change.angle * segment.motion.q[:, order],
+            velocity=change.angle * segment.motion.velocity[:, order],
+            acceleration=change.angle * segment.motion.acceleration[:, order],
+            wrench=change.load * segment.motion.wrench,
+        )
+        readings = np.full_like(segment.observed, np.nan)
+        for c, other in enumerate(source):
+            if other is not None:
+                readings[:, c] = change.torque[quantities[c].index] * segment.observed[:, other]
+        found.append(replace(segment, motion=motion, observed=readings, standing=segment.standing[order]))
+    try:
+        return drive_picture(Replay(recording.compiled, tuple(found), quantities))
+    except ConvergenceError:
+        return None
+
+
+def _index_of(quantities: tuple[Quantity, ...], like: Quantity, drive: int) -> int | None:
+    """Return the place of another drive's quantity of the same kind, None if there is none."""
+    return next((c for c, q in enumerate(quantities) if q.kind == like.kind and q.index == drive), None)

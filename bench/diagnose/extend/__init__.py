@@ -1,0 +1,1 @@
+"""Extend: the model with causes in it, fitted by simulation."""

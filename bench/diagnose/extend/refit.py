@@ -1,0 +1,293 @@
+"""The last word on an extension: its parameters and all nuisances together, fitted by simulating the extended model."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design, relinearised
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.replay import World
+from bench.effects.effect import Parameter
+from bench.effects.own import EffectError
+from bench.errors import BenchError
+from bench.record.campaign import Array
+
+MOST_ITERATIONS = 6
+ENOUGH = 0.2  # fall of the objective below which a fit has converged
+STEP = 0.05  # of a parameter's plausible size, for its derivative
+STEP_OF_NUISANCE = 0.5  # of its standard deviation, for its derivative about an extension
+MOST_AKIN = 5  # nuisances for each cause whose derivatives are taken anew
+AKIN = 0.3  # cosine of their slopes
+TINY = 1e-300
+HALVINGS = 5
+FAITHFUL = 0.7  # of the promised fall; derivatives that keep less are taken anew
+
+
+Key = tuple[str, str, str]  # effect, place, parameter
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """One parameter of one cause."""
+
+    cause: Cause
+    parameter: Parameter
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of its prior."""
+        p = self.parameter
+        return float((p.high - p.low if p.is_shape else p.high) / np.sqrt(3))
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Values beyond which it makes no sense: a little more than plausible."""
+        p = self.parameter
+        if p.is_shape:
+            return p.low / 2 if p.low > 0 else p.low, 2 * p.high if p.high > 0 else p.high
+        return (p.null - 4 * p.high if p.signed else p.null, p.null + 4 * p.high)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted extension; p nuisances, k unknowns, m whitened readings.
+
+    Attributes:
+        causes: What was added to the nominal model; empty: nothing.
+        unknowns: Their parameters, in order.
+        values: Shape (k,).
+        covariance: Shape (k, k), nuisances integrated out.
+        nuisances: Shape (p,), in standard deviations of their priors.
+        objective: Chi-square plus penalties of the priors.
+        log_evidence: Logarithm of the marginal likelihood, up to a constant that all fits of a campaign share.
+        residual: Shape (T, c), measured less simulated; nan where not measured.
+        slopes: Shape (T, c, k), change of the readings with each unknown.
+    """
+
+    causes: tuple[Cause, ...]
+    unknowns: tuple[Unknown, ...]
+    values: Array
+    covariance: Array
+    nuisances: Array
+    objective: float
+    log_evidence: float
+    residual: Array
+    slopes: Array
+
+    @property
+    def sigma(self) -> Array:
+        """Shape (k,), standard deviations of the values."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    @property
+    def start(self) -> dict[Key, float]:
+        """Its values, for another fit to start from."""
+        return {(*u.cause.key, u.parameter.name): float(v) for u, v in zip(self.unknowns, self.values, strict=True)}
+
+    def world(self, design: Design) -> World:
+        """Return the world that was fitted."""
+        return world_of(design, self.causes, self.unknowns, self.values, self.nuisances)
+
+
+def world_of(
+    design: Design, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array, nuisances: Array
+) -> World:
+    """Return the world with these values."""
+    deviations = {
+        nuisance: float(x) * nuisance.sigma
+        for nuisance, x in zip(design.nuisances, nuisances, strict=True)
+        if is_simulated(nuisance)
+    }
+    acting = []
+    for cause in causes:
+        mine = {u.parameter.name: float(v) for u, v in zip(unknowns, values, strict=True) if u.cause is cause}
+        acting.append(cause.acting(mine))
+    return World(deviations, tuple(acting))
+
+
+def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float], nuisances: Array | None = None) -> Fit:
+    """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
+
+    Nuisances are simulated too; their derivatives are those of the design.
+
+    Args:
+        design: The campaign.
+        causes: What to add to the nominal model.
+        start: (effect, place, parameter) -> first value; null where nothing is given.
+        nuisances: Shape (p,), first values; None: zeros.
+
+    Raises:
+        ConvergenceError, RobotError: The extended model cannot be simulated at all.
+    """
+    unknowns = tuple(Unknown(cause, p) for cause in causes for p in (*cause.sizes, *cause.shapes))
+    sigma = np.array([u.sigma for u in unknowns])
+    origin = np.array([u.parameter.null for u in unknowns])
+    values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
+    low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
+    values = np.clip(values, low, high)
+    x = np.zeros(len(design.nuisances)) if nuisances is None else nuisances.copy()
+    linear = [i for i, nuisance in enumerate(design.nuisances) if not is_simulated(nuisance)]
+    observed = np.concatenate([segment.observed for segment in design.segments])
+
+    def left(values: Array, x: Array) -> Array:
+        simulated = design.replay.predict(world_of(design, causes, unknowns, values, x))
+        residual: Array = observed - simulated - design.changes[:, :, linear] @ x[linear]
+        return residual
+
+    def objective(residual: Array, values: Array, x: Array) -> float:
+        white = design.whiten(residual)
+        penalty = float(np.sum(((values - origin) / sigma) ** 2)) if len(values) else 0.0
+        return float(white @ white) + float(x @ x) + penalty
+
+    values, residual = _first(left, values, x, origin)
+    best = objective(residual, values, x)
+    curvature: Array = np.eye(len(x) + len(values))
+    slopes, is_stale = np.zeros((*residual.shape, len(values))), True
+    for _ in range(MOST_ITERATIONS):
+        if is_stale:
+            slopes = _slopes(left, residual, values, x, unknowns, high)
+        tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
+        prior = np.concatenate([np.ones(len(x)), 1 / sigma**2])
+        curvature = tangent.T @ tangent + np.diag(prior)
+        pull = np.concatenate([x, (values - origin) / sigma**2])
+        gradient = tangent.T @ design.whiten(residual) - pull
+        step = _bounded_step(curvature, gradient, len(x), low - values, high - values)
+        promised = float(step @ (curvature @ step))
+        fell = 0.0
+        for halving in range(HALVINGS):
+            part = 0.5**halving * step
+            new_x, new_values = x + part[: len(x)], np.clip(values + part[len(x) :], low, high)
+            try:
+                new_residual = left(new_values, new_x)
+            except EffectError:
+                raise
+            except BenchError:
+                continue
+            new = objective(new_residual, new_values, new_x)
+            if new < best:
+                fell = best - new
+                x, values, residual, best = new_x, new_values, new_residual, new
+                break
+        if fell < ENOUGH:
+            break
+        is_stale = fell < FAITHFUL * promised
+    covariance = np.asarray(np.linalg.inv(curvature)[len(x) :, len(x) :], dtype=np.float64)
+    _, determinant = np.linalg.slogdet(curvature)
+    evidence = -0.5 * best - 0.5 * float(determinant) - float(np.sum(np.log(sigma)))
+    return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, slopes)
+
+
+def _bounded_step(curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Array:
+    """Return the Newton step; unknowns that would leave their bounds stop there, and the rest is solved again.
+
+    Args:
+        curvature: Shape (p + k, p + k).
+        gradient: Shape (p + k,).
+        p: Number of nuisances, which come first and have no bounds.
+        low: Shape (k,), least steps of the unknowns.
+        high: Shape (k,), largest steps of the unknowns.
+    """
+    step = np.asarray(np.linalg.solve(curvature, gradient), dtype=np.float64)
+    stopped = np.zeros(len(step), dtype=bool)
+    for _ in range(len(low)):
+        inside = np.clip(step[p:], low, high)
+        out = np.zeros_like(stopped)
+        out[p:] = inside != step[p:]
+        if not np.any(out):
+            break
+        step[p:] = inside
+        stopped |= out
+        free = ~stopped
+        rest = gradient[free] - curvature[np.ix_(free, stopped)] @ step[stopped]
+        step[free] = np.linalg.solve(curvature[np.ix_(free, free)], rest)
+    step[p:] = np.clip(step[p:], low, high)
+    return step
+
+
+def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
+    """Return first values that can be simulated, and what they leave; the linear picture may promise too much."""
+    for halving in range(HALVINGS):
+        try:
+            return values, left(values, x)
+        except BenchError:
+            values = origin + (values - origin) / 2 if halving < HALVINGS - 1 else values
+    return values, left(values, x)
+
+
+def _slopes(left, residual, values, x, unknowns, high) -> Array:  # type: ignore[no-untyped-def]
+    """Return the change of the readings with each unknown, shape (T, c, k), by differences of simulations."""
+    columns = []
+    for i, unknown in enumerate(unknowns):
+        p = unknown.parameter
+        step = STEP * (p.high - p.low if p.is_shape else p.high)
+        if values[i] + step > high[i]:
+            step = -step
+        moved = values.copy()
+        moved[i] += step
+        columns.append((residual - left(moved, x)) / step)
+    return np.stack(columns, axis=2) if columns else np.zeros((*residual.shape, 0))
+
+
+def polished(design: Design, fit: Fit) -> tuple[Design, Fit]:
+    """Return a fit again, with new derivatives of the nuisances that act as its causes do; and the design with them.
+
+    Where friction has become half as large again, so has what its uncertainty does.
+    """
+    which = _akin(design, fit)
+    if not which:
+        return design, fit
+    world = fit.world(design)
+    here = design.replay.predict(world)
+    changes = []
+    for i in which:
+        nuisance = design.nuisances[i]
+        deviations = {**world.deviations, nuisance: world.deviations[nuisance] + STEP_OF_NUISANCE * nuisance.sigma}
+        changes.append((design.replay.predict(World(deviations, world.acting)) - here) / STEP_OF_NUISANCE)
+    about = relinearised(design, which, np.stack(changes, axis=2))
+    return about, refit(about, fit.causes, fit.start, fit.nuisances)
+
+
+def _akin(design: Design, fit: Fit) -> list[int]:
+    """Return the nuisances whose slopes point where those of the unknowns do, the nearest first."""
+    if not fit.unknowns:
+        return []
+    unknowns = design.whiten(fit.slopes)
+    unknowns = unknowns / np.maximum(np.linalg.norm(unknowns, axis=0), TINY)
+    size = np.linalg.norm(design.slopes, axis=0)
+    cosine = np.max(np.abs(unknowns.T @ design.slopes), axis=0) / np.maximum(size, TINY)
+    order = np.argsort(-cosine)[: MOST_AKIN * len(fit.causes)]
+    return [int(i) for i in order if cosine[i] > AKIN and size[i] > 1 and is_simulated(design.nuisances[i])]
+
+
+def is_simulated(nuisance: Nuisance) -> bool:
+    """Whether a nuisance changes model or readings; if not, it acts by its changes alone."""
+    return bool(nuisance.edit or nuisance.on_reading or nuisance.scales_wrench or nuisance.scales_payload)
+
+
+def fit_without(design: Design, fit: Fit, cause: Cause) -> Fit:
+    """Return a fit with one of its causes taken away and nothing fitted anew.
+
+    Raises:
+        ConvergenceError, RobotError: What is left cannot be simulated.
+    """
+    kept = [i for i, unknown in enumerate(fit.unknowns) if unknown.cause is not cause]
+    causes = tuple(other for other in fit.causes if other is not cause)
+    unknowns, values = tuple(fit.unknowns[i] for i in kept), fit.values[kept]
+    here = design.replay.predict(fit.world(design))
+    without = design.replay.predict(world_of(design, causes, unknowns, values, fit.nuisances))
+    return replace(
+        fit,
+        causes=causes,
+        unknowns=unknowns,
+        values=values,
+        covariance=fit.covariance[np.ix_(kept, kept)],
+        residual=fit.residual + here - without,
+        slopes=fit.slopes[:, :, kept],
+    )
+
+
+def pseudo_residual(design: Design, fit: Fit) -> Array:
+    """Return the whitened residual of a fit as it would be with all nuisances at zero, shape (m,)."""
+    return design.whiten(fit.residual) + design.slopes @ fit.nuisances

@@ -1,0 +1,1 @@
+"""Measure: what an extension is worth on what was held out."""

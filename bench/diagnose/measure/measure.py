@@ -1,0 +1,225 @@
+"""Measure: what an extension is worth on runs that it was not fitted to.
+
+It pays if what was held out becomes more probable. Two kinds of things are held out, one at a time:
+
+- every run, predicted by the model fitted to the others;
+- every stated figure of robot and instruments, predicted by all runs and the other figures. A nominal model with
+  absurd figures predicts held-out runs as well as an extension does (a gas constant 12 sigmas off acts exactly as a
+  loss of gas does), so runs alone would refuse causes that are true; the figure tells.
+
+An effect that a single run shows nearly alone cannot be checked with other runs. That run is then cut into blocks of
+time, with a gap on both sides of the block that is held out; `HeldOut.by` says so, for it is the weaker proof.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.stats import t as student
+
+from bench.diagnose.extend.refit import Fit
+from bench.diagnose.measure.floor import floor_variance
+from bench.diagnose.measure.folds import Folds, folds_of
+from bench.diagnose.measure.leave_out import (
+    errors_of_folds,
+    log_probability_of_figures,
+    log_probability_of_folds,
+    tangent_of,
+)
+from bench.diagnose.picture.design import Design
+from bench.record.campaign import Array
+
+DRAWS = 2000  # of the Bayesian bootstrap
+SEED = 0
+LOW, HIGH = 0.05, 0.95
+NOTICEABLE = 0.1  # [nats]; what changes nothing rises by rounding
+
+
+@dataclass(frozen=True)
+class ChannelGain:
+    """How well runs that were not fitted are predicted, for one channel.
+
+    Attributes:
+        channel: Column of the campaign.
+        unit: SI.
+        before: Root mean square of what the model without the extension leaves of a run, fitted to the other runs as
+            far as the stated uncertainty of its figures allows (`leave_out.REACH`).
+        after: The same with the extension.
+        floor: What noise and friction at rest would leave of a perfect model.
+        gain: 1 - after / before.
+        low, high: 90 % interval of the gain, over the runs.
+    """
+
+    channel: str
+    unit: str
+    before: float
+    after: float
+    floor: float
+    gain: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """What an extension is worth on what it was not fitted to.
+
+    Attributes:
+        nats: Rise of the log probability of all that was held out.
+        low, high: 90 % interval of it, over the runs.
+        figures: The part of `nats` that comes from the stated figures; the rest comes from the runs.
+        by: What was held out at a time.
+        folds: Number of them.
+        channels: One entry for each column of the campaign that is compared.
+    """
+
+    nats: float
+    low: float
+    high: float
+    figures: float
+    by: Literal["run", "block"]
+    folds: int
+    channels: tuple[ChannelGain, ...]
+
+    @property
+    def pays(self) -> bool:
+        """Whether what was held out becomes more probable, whichever runs one happened to make."""
+        return self.low > NOTICEABLE
+
+
+def held_out(design: Design, before: Fit, after: Fit) -> HeldOut:
+    """Return what `after` is worth against `before`.
+
+    Intervals are a Bayesian bootstrap over the folds (Dirichlet weights), so an effect that two runs of twenty show is
+    not refused for the eighteen that say nothing.
+
+    Args:
+        design: The campaign.
+        before: Fit of the model without the extension.
+        after: Fit with it.
+    """
+    folds = folds_of(design, design.whiten(before.residual - after.residual))
+    weights = np.random.default_rng(SEED).dirichlet(np.ones(len(folds)), DRAWS)
+    tangents = [tangent_of(design, fit) for fit in (before, after)]
+    one, two = (log_probability_of_folds(design, tangent, folds) for tangent in tangents)
+    figures = log_probability_of_figures(after, tangents[1]) - log_probability_of_figures(before, tangents[0])
+    low, high = np.quantile(figures + len(folds) * weights @ (two - one), (LOW, HIGH))
+    first, second = (errors_of_folds(design, fit, t, folds) for fit, t in zip((before, after), tangents, strict=True))
+    return HeldOut(
+        nats=figures + float(np.sum(two - one)),
+        low=float(low),
+        high=float(high),
+        figures=figures,
+        by=folds.by,
+        folds=len(folds),
+        channels=_channels(design, folds, first, second, weights),
+    )
+
+
+def _channels(design: Design, folds: Folds, before: Array, after: Array, weights: Array) -> tuple[ChannelGain, ...]:
+    """Return the gain of every channel.
+
+    Root mean squares are weighted with the floor's inverse variance. Static friction blurs currents at rest by up to
+    twice the Coulomb level; plainly averaged, it would set the floor of the whole channel and hide in it any error of
+    steady motion. With these weights `after / floor` is the root mean square of every reading's error in standard
+    deviations of that reading: a perfect model gives 1, and a goal of 1.2 is a statement about all readings.
+
+    Args:
+        design: The campaign.
+        folds: What was held out at a time; K.
+        before: Shape (T, c), held-out errors without the extension.
+        after: Shape (T, c), with it.
+        weights: Shape (draws, K), of the bootstrap.
+    """
+    variance = floor_variance(design)
+    found = []
+    for c, quantity in enumerate(design.quantities):
+        seen = np.isfinite(variance[:, c])
+        precision = np.where(seen, 1 / variance[:, c], 0.0)
+        total = float(precision.sum())
+        if total == 0:
+            continue
+        one, two = (folds.sums(precision * np.where(seen, error[:, c], 0.0) ** 2) for error in (before, after))
+        low, high = np.quantile(_gain(weights @ one, weights @ two), (LOW, HIGH))
+        found.append(
+            ChannelGain(
+                channel=quantity.column,
+                unit=quantity.unit,
+                before=float(np.sqrt(one.sum() / total)),
+                after=float(np.sqrt(two.sum() / total)),
+                floor=float(np.sqrt(np.count_nonzero(seen) / total)),
+                gain=float(_gain(one.sum(keepdims=True), two.sum(keepdims=True))[0]),
+                low=float(low),
+                high=float(high),
+            )
+        )
+    return tuple(found)
+
+
+def _gain(before: Array, after: Array) -> Array:
+    """Return the gains between sums of squares, same shape; 0 where nothing was to be gained."""
+    share = np.divide(after, before, out=np.ones_like(after), where=before > 0)
+    return 1 - np.asarray(np.sqrt(share), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class PredictedError:
+    """What a model will leave of one channel in a recording that nobody has made yet.
+
+    Attributes:
+        channel: Column of the campaign.
+        unit: SI.
+        kind: Of recording.
+        runs: Runs it rests on.
+        rms: Plain root mean square over the held-out readings of all these runs.
+        low, high: 90 % prediction interval of the root mean square of one more run; nan if there are less than two.
+    """
+
+    channel: str
+    unit: str
+    kind: Literal["static", "motion"]
+    runs: int
+    rms: float
+    low: float
+    high: float
+
+
+def predicted_error(design: Design, fit: Fit) -> tuple[PredictedError, ...]:
+    """Return what a fitted model will leave of an unseen recording of the same robot, for static runs and for motion.
+
+    Each run of the campaign is predicted by the model as fitted to the others. The logarithms of their root mean
+    squares are taken as normal; one more run lies within t_(K-1) s sqrt(1 + 1/K) of their mean. Instruments that are
+    set up anew bring their own errors, which are not in it. A campaign of one run is cut into blocks that stand for
+    runs.
+
+    Args:
+        design: The campaign.
+        fit: The model.
+    """
+    folds = folds_of(design)
+    error = errors_of_folds(design, fit, tangent_of(design, fit), folds)
+    is_static = np.repeat([s.is_static for s in design.segments], [len(s) for s in design.segments])
+    kinds: tuple[tuple[Literal["static", "motion"], Array], ...] = (("static", is_static), ("motion", ~is_static))
+    found = []
+    for c, quantity in enumerate(design.quantities):
+        for kind, chosen in kinds:
+            seen = chosen & np.isfinite(error[:, c])
+            count = folds.sums(seen.astype(np.float64))
+            square = folds.sums(np.where(seen, error[:, c], 0.0) ** 2)
+            there = count > 0
+            if not np.any(there):
+                continue
+            rms = float(np.sqrt(square.sum() / count.sum()))
+            low, high = _one_more(np.sqrt(square[there] / count[there]))
+            found.append(PredictedError(quantity.column, quantity.unit, kind, int(there.sum()), rms, low, high))
+    return tuple(found)
+
+
+def _one_more(rms: Array) -> tuple[float, float]:
+    """Return the 90 % prediction interval of one more positive number, shape (K,), log-normal; nan if K < 2."""
+    k = len(rms)
+    if k < 2 or not np.all(rms > 0):
+        return np.nan, np.nan
+    logs = np.log(rms)
+    half = float(student.ppf(HIGH, k - 1)) * logs.std(ddof=1) * np.sqrt(1 + 1 / k)
+    return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))

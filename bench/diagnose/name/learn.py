@@ -1,0 +1,224 @@
+"""Learn: the free shape of an unlisted cause becomes an effect, fitted by simulation beside what is listed."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.diagnose.extend.refit import Fit, Key, pseudo_residual, refit
+from bench.diagnose.measure.measure import held_out
+from bench.diagnose.name.naming import Naming
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design, raised
+from bench.diagnose.picture.generic import Block, anew
+from bench.diagnose.picture.lack_of_fit import missed, unexplained
+from bench.diagnose.picture.marginal import Nuisances
+from bench.effects.effect import WHOLE, Effect, Place
+from bench.effects.friction_elements import Side
+from bench.effects.learned import Learned, values_at, values_of
+from bench.effects.learned_readings import (
+    IN_ROOM,
+    IN_TIME,
+    POWERS,
+    LearnedDrift,
+    LearnedLoss,
+    LearnedRoom,
+    LearnedScale,
+)
+from bench.effects.learned_torques import (
+    LearnedDrag,
+    LearnedFriction,
+    LearnedGearError,
+    LearnedTorque,
+    LearnedTorsion,
+)
+from bench.errors import BenchError
+from bench.record.campaign import Array
+
+OVER = {"angle": "rad", "angle and direction": "rad", "speed": "rad/s", "load": "Nm"}
+
+
+ANGLE_NODES = (9, 17, 33)  # tried over an angle; each has those of the one before
+WIDTHS = (1.0, 3.0, 10.0)  # of the prior, tried: a shape that is found may be larger than anyone thought plausible
+ROUNDS = 3
+SETTLED = 1.2  # times; standard errors that change by less are settled
+KEPT = 0.5  # of the evidence in the linear picture, which the simulated model has to keep
+NOT_THERE = "nothing in the simulator can act so: the shape is known, but no model runs with it"
+NO_BALANCE = "a model with it finds no balance along the measured motion"
+FALLS_SHORT = "a model with it runs, but cannot do what the data ask for (friction never drives), and is not written"
+REFUSED = "a model with it runs, but does not predict the data better that it was not fitted to, and is not written"
+IN_MODEL = "the extended model has it"
+IN_READINGS = "it runs as an error of readings, outside of the model"
+
+
+@dataclass(frozen=True, eq=False)
+class Lesson:
+    """What became of a free shape.
+
+    Attributes:
+        design: The campaign with the standard errors that count beside the shape.
+        fit: The model with it, and what is listed beside it; None where it cannot run.
+        pays: Whether the data are more probable with the shape than without it, fitted and held out alike.
+        words: The same for people.
+    """
+
+    design: Design
+    fit: Fit | None
+    pays: bool
+    words: str
+
+    @property
+    def cause(self) -> Cause | None:
+        """The shape as a cause, the last one of the fit."""
+        return self.fit.causes[-1] if self.fit else None
+
+
+def lesson_of(naming: Naming) -> Lesson | None:
+    """Return what becomes of the free shape that a naming calls unlisted; None where it calls none so."""
+    if naming.unlisted is None:
+        return None
+    return learn(naming.design, naming.unlisted, naming.hypotheses[0].fit if naming.hypotheses else naming.null)
+
+
+def learn(design: Design, block: Block, beside: Fit) -> Lesson:
+    """Fit a free shape by simulation, together with all causes beside it, from what the linear picture says of it.
+
+    The linear picture chooses the distance of nodes over an angle and the width of the prior, by evidence. Standard
+    errors that a poor model raised fall to what the better one leaves, and the shape is fitted anew.
+
+    Args:
+        design: The campaign, in which the block was found.
+        block: The free shape.
+        beside: What the model has already.
+    """
+    for left in reversed(range(ROUNDS)):
+        estimate = _best(design, block, beside)
+        effect = effect_of(design, estimate.block)
+        if effect is None:
+            return Lesson(design, None, False, NOT_THERE)
+        try:
+            fit = refit(design, *_start(effect, place_of(design, block), estimate, beside))
+            without = refit(design, beside.causes, beside.start, beside.nuisances)
+        except BenchError:
+            return Lesson(design, None, False, NO_BALANCE)
+        gained = fit.log_evidence - without.log_evidence
+        if gained < KEPT * estimate.log_evidence:
+            return Lesson(design, fit, False, FALLS_SHORT)
+        factors = _factors(design, block, fit)
+        if not left or np.all((factors < SETTLED) & (factors > 1 / SETTLED)):
+            break
+        design = raised(design, factors)
+    worth = held_out(design, without, fit)
+    # what was stated of the robot is no reason to believe a free shape: some channel that was poor has to get better
+    is_better = any(gain.low > 0 and gain.before > gain.floor for gain in worth.channels)
+    if gained <= 0 or not worth.pays or not is_better:
+        return Lesson(design, fit, False, REFUSED)
+    is_in_model = type(fit.causes[-1].effect).edit is not Effect.edit
+    return Lesson(design, fit, True, IN_MODEL if is_in_model else IN_READINGS)
+
+
+def _factors(design: Design, block: Block, fit: Fit) -> Array:
+    """Return by what standard errors change beside a learned shape, shape (2, c); its finest form is the richest."""
+    plain = raised(design, 1 / design.excess)
+    finest = anew(plain, block, ANGLE_NODES[-1])
+    prior = np.full(finest.columns.shape[1], finest.prior)
+    least = np.maximum(unexplained(plain, pseudo_residual(plain, fit), finest.columns, prior), 1.0)
+    return np.maximum(missed(design, pseudo_residual(design, fit)) * design.excess, least) / design.excess
+
+
+@dataclass(frozen=True, eq=False)
+class _Estimate:
+    """A block in the linear picture; k coefficients.
+
+    Attributes:
+        block: The free shape.
+        value: Shape (k,).
+        log_evidence: Against the model beside it.
+    """
+
+    block: Block
+    value: Array
+    log_evidence: float
+
+
+def _best(design: Design, block: Block, beside: Fit) -> _Estimate:
+    """Return a block with the nodes and the prior for which there is most evidence beside a fit."""
+    white, tangent = pseudo_residual(design, beside), design.whiten(beside.slopes)
+    nuisances, sigma = Nuisances(design.slopes), np.array([unknown.sigma for unknown in beside.unknowns])
+    found = []
+    for count in ANGLE_NODES if block.depends_on in ("angle", "angle and direction") else ANGLE_NODES[:1]:
+        tried = anew(design, block, count)
+        k = tried.columns.shape[1]
+        every: Array = np.arange(k + tangent.shape[1])
+        products = nuisances.products(white, np.concatenate([tried.columns, tangent], axis=1))
+        marginal = products.given(every[k:], sigma)
+        for width in WIDTHS:
+            wide = replace(tried, prior=width * tried.prior)
+            prior = np.full(k, wide.prior)
+            value, _ = marginal.sizes(every[:k], prior)
+            found.append(_Estimate(wide, value, marginal.log_evidence(every[:k], prior)))
+    return max(found, key=lambda one: one.log_evidence)
+
+
+def _start(
+    effect: Learned, place: Place, estimate: _Estimate, beside: Fit
+) -> tuple[tuple[Cause, ...], dict[Key, float], Array]:
+    """Return causes, first values and nuisances of a fit with an effect beside another fit."""
+    cause = Cause(effect, place, effect.parameters, ())
+    values = estimate.value
+    if isinstance(effect, LearnedDrag):
+        values = np.interp(effect.nodes, estimate.block.nodes, values)
+    start = {
+        (*cause.key, parameter.name): float(value) for parameter, value in zip(effect.parameters, values, strict=True)
+    }
+    return (*beside.causes, cause), beside.start | start, beside.nuisances
+
+
+def place_of(design: Design, block: Block) -> Place:
+    """Return where a block acts."""
+    if block.drive < 0:
+        return WHOLE
+    return Place("joint", block.drive, design.replay.compiled.robot.figures.drives[block.drive].joint)
+
+
+def effect_of(design: Design, block: Block) -> Learned | None:
+    """Return a free shape as an effect; None where nothing in the simulator can act so.
+
+    A friction of the link that depends on the load in any way is such a thing; on the motor's side it is a reading.
+    """
+    if block.kind == "reading":
+        return _of_reading(block)
+    compiled = design.replay.compiled
+    over, unit = OVER[block.depends_on], block.unit
+    if compiled.is_slide[block.drive]:
+        over, unit = (words.replace("rad", "m").replace("Nm", "N") for words in (over, unit))
+    nodes = LearnedDrag.speeds(block.nodes) if block.depends_on == "speed" else block.nodes
+    if len(nodes) < (1 if block.depends_on == "speed" else 2):
+        return None
+    values = values_at(nodes, over, unit, block.prior)
+    side: Side = "link" if block.kind == "link torque" else "motor"
+    match block.kind, block.depends_on:
+        case "gear angle", "angle":
+            return LearnedGearError(values, nodes)
+        case "gear angle", "load":
+            return LearnedTorsion(values, nodes)
+        case "motor torque", "load":
+            j = block.drive
+            return LearnedLoss(values, nodes, float(compiled.stiffness[j]), float(compiled.torque_constant[j]))
+        case _, "angle":
+            return LearnedTorque(values, nodes, side)
+        case _, "angle and direction":
+            return LearnedFriction(values, nodes, side)
+        case _, "speed":
+            return LearnedDrag(values, nodes, side)
+    return None
+
+
+def _of_reading(block: Block) -> Learned:
+    known = {"load": POWERS, "place": IN_ROOM, "time": IN_TIME}[block.depends_on]
+    names = [known[i] for i in block.functions]
+    values = values_of(names, [name.replace("_", " ") for name in names], block.unit, block.prior)
+    if block.depends_on == "load":
+        return LearnedScale(values, "current" if block.unit == "A" else "torque", block.size)
+    if block.depends_on == "place":
+        return LearnedRoom(values, block.origin, block.size)
+    return LearnedDrift(values, float(block.origin[0]))

@@ -1,0 +1,267 @@
+"""Name: from evidence to a cause, a set of causes, several causes, or the word that it is none that is listed.
+
+A climb from the nominal model: at each step the causes that promise most are fitted by simulation, the best one is
+added if its evidence passes the threshold and if it pays on what was held out, and all that was tried is weighed anew
+against the model that has it. At the end every cause has to stand against its own rivals beside the others.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal, Protocol
+
+import numpy as np
+
+from bench.diagnose.extend.refit import Fit, polished, pseudo_residual, refit
+from bench.diagnose.measure.measure import HeldOut, held_out
+from bench.diagnose.name.trials import Hypothesis, Stage, fitted, one_more, swaps
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design, raised
+from bench.diagnose.picture.generic import Block, blocks_of
+from bench.diagnose.picture.lack_of_fit import is_adequate
+from bench.diagnose.picture.screening import Entry, Screening, entries_of, rescreen
+from bench.record.campaign import Array
+
+Kind = Literal["nothing found", "cause", "several causes", "unlisted cause"]
+
+
+class Renew(Protocol):
+    """Returns the linear picture about a fit with everything that can be tried there, weighed anew."""
+
+    def __call__(
+        self, design: Design, fit: Fit, known: Screening, *, is_last: bool = False
+    ) -> tuple[Design, Screening]:
+        """Return design and screening; `is_last`: nothing will be added, what is missed now is noise."""
+
+
+MOST_CAUSES = 30
+MOST_REFUSED = 8
+IN_SET = 6.0  # log evidence behind the best, up to where a cause is not told apart from it (odds of 400)
+NEARLY = 3.0  # beyond the set, up to where derivatives are taken anew before it is decided
+# What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.
+UNEXPLAINED = 0.02
+CERTAIN = 4.6  # log evidence beyond the threshold (100 to 1) that is asked for a free shape alone
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """One step of the climb, taken or refused.
+
+    Attributes:
+        added: What was added to the model before.
+        replaced: It took the place of the model before, which has other causes.
+        fit: With it.
+        log_evidence: By how much the logarithm of the evidence rose.
+        held_out: What it is worth on what was held out.
+        is_taken: Whether the model keeps it.
+    """
+
+    added: tuple[Cause, ...]
+    replaced: bool
+    fit: Fit
+    log_evidence: float
+    held_out: HeldOut
+    is_taken: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Naming:
+    """What the data say.
+
+    Attributes:
+        kind: In a word.
+        hypotheses: Fitted explanations by falling evidence; empty for nothing found.
+        unlisted: The free shape that explains what no listed cause can, or None.
+        null: Fit of the nominal model.
+        screening: Everything that was tried against the nominal model.
+        leftover: Everything that was tried against the best explanation.
+        rungs: The climb.
+        design: The linear picture about the best explanation.
+    """
+
+    kind: Kind
+    hypotheses: tuple[Hypothesis, ...]
+    unlisted: Block | None
+    null: Fit
+    screening: Screening
+    leftover: Screening
+    rungs: tuple[Rung, ...]
+    design: Design
+
+    @property
+    def alternatives(self) -> tuple[Hypothesis, ...]:
+        """Explanations that these data cannot tell from the best, the best first."""
+        if not self.hypotheses:
+            return ()
+        best = self.hypotheses[0].log_evidence
+        return tuple(h for h in self.hypotheses if h.log_evidence > best - IN_SET)
+
+
+def name_cause(
+    design: Design,
+    screening: Screening,
+    renew: Renew,
+    progress: Callable[[str], None] = lambda words: None,
+) -> Naming:
+    """Name what is wrong with the nominal model.
+
+    Args:
+        design: The campaign.
+        screening: Everything that was tried in the linear picture.
+        renew: Weighs everything anew about an extended model.
+        progress: Called with what is done next.
+    """
+    null = refit(design, (), {})
+    threshold = screening.threshold
+    stage = Stage(design, screening, Hypothesis(null, 0.0))
+    rungs: list[Rung] = []
+    refused: set[tuple[str, str]] = set()
+    while len(stage.best.causes) < MOST_CAUSES and len(refused) < MOST_REFUSED:
+        limit = max(threshold, UNEXPLAINED * stage.best.log_evidence)
+        if stage.screening.top <= limit:
+            break
+        count = len(stage.best.causes) + 1
+        progress("single causes" if count == 1 else f"{count} causes")
+        fits = one_more(stage, screening, refused, limit)
+        found = max(fits, key=lambda h: h.log_evidence, default=None)
+        if found is None or found.log_evidence <= stage.best.log_evidence + limit:
+            break
+        before = stage.best.keys
+        is_other = not before <= found.keys
+        worth = held_out(stage.design, null if is_other else stage.fit, found.fit)
+        added = tuple(cause for cause in found.causes if is_other or cause.key not in before)
+        rise = found.log_evidence - (0.0 if is_other else stage.best.log_evidence)
+        rungs.append(Rung(added, is_other, found.fit, rise, worth, worth.pays))
+        if not worth.pays:
+            refused |= {cause.key for cause in added if cause.key not in before}
+            continue
+        others = tuple(h for h in fits if h is not found and len(h.causes) == len(found.causes))
+        stage = _climbed(stage, found, others, renew, progress)
+        refused.clear()  # what did not pay before may pay beside this
+        if len(stage.best.causes) > 1 and _explains_more(stage):
+            break
+    block, is_alone = _unlisted(stage, threshold)
+    stage = _settled(stage, renew)
+    hypotheses = _among_rivals(stage, progress) if stage.best.causes and not is_alone else ()
+    if hypotheses and hypotheses[0].keys != stage.best.keys:
+        stage = _weighed(stage.design, stage.screening, hypotheses[0])
+    if block is not None:
+        return Naming("unlisted cause", hypotheses, block, null, screening, stage.screening, tuple(rungs), stage.design)
+    if not hypotheses:  # what the linear picture promised, the simulation did not keep
+        return Naming("nothing found", (), None, null, screening, screening, tuple(rungs), design)
+    kind: Kind = "cause" if len(stage.best.causes) == 1 else "several causes"
+    return Naming(kind, hypotheses, None, null, screening, stage.screening, tuple(rungs), stage.design)
+
+
+def _climbed(
+    stage: Stage,
+    found: Hypothesis,
+    others: tuple[Hypothesis, ...],
+    renew: Renew,
+    progress: Callable[[str], None],
+) -> Stage:
+    """Return the stage with another model: derivatives about it, and everything weighed against it."""
+    progress("what the extended model makes possible")
+    design, fit = polished(stage.design, found.fit)
+    value = found.log_evidence + fit.log_evidence - found.fit.log_evidence
+    about, screening = renew(design, fit, stage.screening)
+    if about is design:
+        return _weighed(design, screening, Hypothesis(fit, value), others)
+    return _weighed(about, screening, Hypothesis(refit(about, fit.causes, fit.start, fit.nuisances), value))
+
+
+def _settled(stage: Stage, renew: Renew) -> Stage:
+    """Return the stage with all that its model misses taken for noise: intervals and sets are to be honest."""
+    if not stage.best.causes:
+        return stage
+    design, screening = renew(stage.design, stage.fit, stage.screening, is_last=True)
+    if design is stage.design:
+        return stage
+    fit = refit(design, stage.fit.causes, stage.fit.start, stage.fit.nuisances)
+    null = refit(design, (), {})
+    return _weighed(design, screening, Hypothesis(fit, fit.log_evidence - null.log_evidence))
+
+
+def _weighed(design: Design, screening: Screening, best: Hypothesis, tried: tuple[Hypothesis, ...] = ()) -> Stage:
+    return Stage(design, _about(design, screening, best), best, tried)
+
+
+def _about(design: Design, screening: Screening, best: Hypothesis) -> Screening:
+    """Return everything of a screening, weighed against an explanation."""
+    sigma = np.array([unknown.sigma for unknown in best.fit.unknowns])
+    pseudo, slopes = pseudo_residual(design, best.fit), design.whiten(best.fit.slopes)
+    return rescreen(design, screening, pseudo, slopes, sigma, best.keys)
+
+
+def _among_rivals(stage: Stage, progress: Callable[[str], None]) -> tuple[Hypothesis, ...]:
+    """Return the best explanation and those in which one of its causes is another, by falling evidence.
+
+    A rival that fits better but predicts what was held out worse is none.
+    """
+    progress("rivals")
+    known = {h.keys for h in stage.tried}
+    fits = [stage.best, *stage.tried, *fitted(stage, [trial for trial in swaps(stage) if trial.keys not in known])]
+    top = max(h.log_evidence for h in fits)
+    settled = []
+    for hypothesis in fits:
+        if hypothesis is not stage.best and hypothesis.log_evidence > top - IN_SET - NEARLY:
+            _, fit = polished(stage.design, hypothesis.fit)
+            value = hypothesis.log_evidence + fit.log_evidence - hypothesis.fit.log_evidence
+            hypothesis = Hypothesis(fit, value)
+        settled.append(hypothesis)
+    best = stage.best
+    settled = [
+        h
+        for h in settled
+        if h is best or h.log_evidence <= best.log_evidence or held_out(stage.design, best.fit, h.fit).nats > 0
+    ]
+    weights = np.exp(np.array([h.log_evidence for h in settled]) - max(h.log_evidence for h in settled))
+    shares = weights / weights.sum()
+    ranked = [replace(h, probability=float(p)) for h, p in zip(settled, shares, strict=True)]
+    return tuple(sorted(ranked, key=lambda h: -h.log_evidence))
+
+
+def _explains_more(stage: Stage) -> bool:
+    """Whether one free shape explains more than all listed causes that were found, with the same errors counted."""
+    free = _alone(stage)
+    if not free:
+        return False
+    null = refit(stage.design, (), {})
+    return free[0].log_evidence > stage.fit.log_evidence - null.log_evidence + stage.screening.threshold
+
+
+def _alone(stage: Stage) -> tuple[Entry, ...]:
+    """Return the free shapes against the nominal model, by falling evidence."""
+    design = stage.design
+    nothing: Array = np.zeros((len(design.white), 0))
+    return rescreen(design, stage.screening, design.white, nothing, np.zeros(0)).free
+
+
+def _unlisted(stage: Stage, threshold: float) -> tuple[Block | None, bool]:
+    """Return the free shape that is needed, or None where listed causes are enough; and whether it stands alone.
+
+    One that explains alone more than several listed causes together is preferred to them. Where no shape is needed by
+    its evidence, but the model leaves far more than what nothing explains, the shape that is nearest to that is named.
+    """
+    left = stage.screening.free
+    needed = left and left[0].log_evidence > max(threshold, UNEXPLAINED * stage.best.log_evidence)
+    if not stage.best.causes:  # nothing but its evidence speaks for it: no rival that was ruled out, no held-out run
+        needed = left and left[0].log_evidence > threshold + CERTAIN
+    if not needed and not is_adequate(stage.design, pseudo_residual(stage.design, stage.fit)):
+        needed, left = bool(left), _nearest(stage)
+    if not needed and len(stage.best.causes) <= 1:
+        return None, False
+    if _explains_more(stage):
+        what, is_alone = _alone(stage)[0].what, True
+    elif needed:
+        what, is_alone = left[0].what, False
+    else:
+        return None, False
+    assert isinstance(what, Block)
+    return what, is_alone
+
+
+def _nearest(stage: Stage) -> tuple[Entry, ...]:
+    """Return the free shapes beside a model by what each explains, errors as small as what nothing explains."""
+    design = raised(stage.design, stage.design.unexplained / stage.design.excess)
+    everything = replace(stage.screening, entries=entries_of(blocks_of(design)))
+    return _about(design, everything, stage.best).free

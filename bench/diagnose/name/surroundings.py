@@ -1,0 +1,125 @@
+"""What can be tried about an extended model: a robot that has friction may have more of it at low speed, and so on."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.diagnose.extend.refit import Fit, is_simulated, pseudo_residual
+from bench.diagnose.picture.candidates import Candidate, Cause, candidates_of, causes_of
+from bench.diagnose.picture.design import Design, raised, relinearised
+from bench.diagnose.picture.generic import Block, blocks_of
+from bench.diagnose.picture.lack_of_fit import missed, unexplained
+from bench.diagnose.picture.screening import Screening, screen
+from bench.diagnose.picture.signatures import Changes, Signatures
+from bench.diagnose.replay.replay import World, edits_in
+from bench.effects.effect import Conditions, Effect
+from bench.errors import InputError
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot, compile_spec, read_spec
+
+ENOUGH = 1.2  # times; standard errors that have to be raised by less are settled
+ROUNDS = 6
+
+
+class Surroundings:
+    """Weighs everything that can be tried on a model, and on each model that extends it.
+
+    Args:
+        compiled: The nominal robot.
+        catalogue: Effects.
+        measured: Quantities that the campaign has.
+        rate: Declared false-alarm rate.
+    """
+
+    def __init__(
+        self, compiled: CompiledRobot, catalogue: Mapping[str, Effect], measured: frozenset[str], rate: float
+    ) -> None:
+        self.compiled = compiled
+        self.catalogue = catalogue
+        self.measured = measured
+        self.rate = rate
+        self._causes: tuple[Cause, ...] = ()
+        self._changes = Changes(np.empty(0), ())
+
+    def weighed(self, design: Design, causes: Sequence[Cause], changes: Changes) -> tuple[Design, Screening]:
+        """Return the nominal model with everything weighed against it.
+
+        Args:
+            design: The campaign.
+            causes: What to try.
+            changes: What they change.
+        """
+        self._causes, self._changes = tuple(causes), changes
+        design = self._looked_around(design, lambda nominal: nominal.white)
+        return self._screened(design, lambda nominal: nominal.white)
+
+    def about(self, design: Design, fit: Fit, known: Screening, *, is_last: bool = False) -> tuple[Design, Screening]:
+        """Return the linear picture about an extended model, with everything that can be tried there.
+
+        Signatures are simulated anew where effects find places that they did not find before.
+
+        Args:
+            design: About the model before.
+            fit: Of the extended model.
+            known: Everything as it was weighed before; returned as it is where nothing has to be weighed anew.
+            is_last: Nothing will be added any more.
+        """
+
+        def white_of(about: Design) -> Array:
+            return pseudo_residual(about, fit)
+
+        world = fit.world(design)
+        edits = edits_in(World(acting=world.acting), Conditions.reference(self.compiled.n_joints))
+        extended = compile_spec(read_spec(self.compiled.robot), self.compiled.robot, edits)
+        causes = causes_of(self.catalogue.values(), extended, self.measured)
+        taken = {cause.key for cause in fit.causes}
+        if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
+            which = [i for i, nuisance in enumerate(design.nuisances) if is_simulated(nuisance)]
+            nuisances = tuple(design.nuisances[i] for i in which)
+            self._causes = tuple(cause for cause in causes if cause.key not in taken)
+            signatures = Signatures(self.compiled, design.quantities, nuisances, self._causes, world)
+            self._changes = signatures.changes(design.segments)
+            design = relinearised(design, which, self._changes.nuisances)
+            design = self._looked_around(design, white_of)
+        elif _is_settled(_factors(design, white_of(design), is_last=is_last)):
+            return design, known
+        return self._screened(design, white_of, is_last=is_last)
+
+    def _looked_around(self, design: Design, white_of: Callable[[Design], Array]) -> Design:
+        """Return the design with what not even everything together explains, by the instruments' standard errors."""
+        plain = raised(design, 1 / design.excess)
+        tried: tuple[Candidate | Block, ...] = (
+            *candidates_of(plain, self._causes, self._changes.causes),
+            *blocks_of(plain),
+        )
+        if not tried:
+            raise InputError(
+                "nothing of the catalogue would leave a trace in this campaign: log motor currents or torques, a "
+                "reflector, a link encoder, or the gas pressure, beside the motor angles."
+            )
+        columns = np.concatenate([what.columns for what in tried], axis=1)
+        prior = np.concatenate([np.broadcast_to(what.prior, what.columns.shape[1]) for what in tried])
+        least = np.maximum(unexplained(plain, white_of(plain), columns, prior), 1.0)
+        return replace(design, unexplained=least)
+
+    def _screened(
+        self, design: Design, white_of: Callable[[Design], Array], *, is_last: bool = False
+    ) -> tuple[Design, Screening]:
+        for _ in range(ROUNDS):
+            factors = _factors(design, white_of(design), is_last=is_last)
+            if _is_settled(factors):
+                break
+            design = raised(design, factors)
+        candidates, blocks = candidates_of(design, self._causes, self._changes.causes), blocks_of(design)
+        screening = screen(design, white_of(design), candidates, blocks, self.rate, np.random.default_rng(0))
+        return design, screening
+
+
+def _factors(design: Design, white: Array, *, is_last: bool) -> Array:
+    """Return by what the standard errors have to be raised, shape (2, c)."""
+    return np.maximum(missed(design, white, is_last=is_last) * design.excess, design.unexplained) / design.excess
+
+
+def _is_settled(factors: Array) -> bool:
+    return bool(np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)))

@@ -1,0 +1,199 @@
+"""What is tried at each step of the climb: causes beside those found so far, pairs that hide each other, and rivals.
+
+Trials are chosen in the linear picture, where they are cheap, and fitted by simulation.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from bench.diagnose.extend.refit import Fit, Key, fit_without, pseudo_residual, refit
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.screening import Entry, Screening, rescreen
+from bench.effects.own import EffectError
+from bench.errors import BenchError
+from bench.record.campaign import Array
+
+FINALISTS = 6  # causes that are fitted by simulation
+RIVALS = 4  # causes that are tried in the place of each
+PAIRED = 40  # causes whose pairs are all tried in the linear picture
+PAIR_FINALISTS = 3
+IN_REACH = 12.0  # log evidence behind the best, from where on a cause is not worth a simulation
+IMPRECISE = 0.15  # of its evidence, by which the linear picture may be wrong about a strong effect
+PROMISING = 0.5  # of the evidence that is asked for, in the linear picture
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """One explanation that was fitted by simulation.
+
+    Attributes:
+        fit: With its parameters.
+        log_evidence: Against the nominal model.
+        probability: Among all explanations that were fitted with as many causes, and nothing else.
+    """
+
+    fit: Fit
+    log_evidence: float
+    probability: float = 1.0
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """Its causes."""
+        return self.fit.causes
+
+    @property
+    def keys(self) -> frozenset[tuple[str, str]]:
+        """What tells it from others."""
+        return frozenset(cause.key for cause in self.causes)
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """Where the climb stands: the linear picture about a model, everything weighed against it, and the model.
+
+    `tried` are the explanations with as many causes that were fitted on the way; `fits` remembers what was fitted at
+    this stage, None where a model finds no balance.
+    """
+
+    design: Design
+    screening: Screening
+    best: Hypothesis
+    tried: tuple[Hypothesis, ...] = ()
+    fits: dict[frozenset[tuple[str, str]], Hypothesis | None] = field(default_factory=dict)
+
+    @property
+    def fit(self) -> Fit:
+        """The model."""
+        return self.best.fit
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Causes that are to be fitted together, where to start, and what the linear picture promises of them."""
+
+    causes: tuple[Cause, ...]
+    start: dict[Key, float]
+    nuisances: Array | None
+    promise: float
+
+    @property
+    def keys(self) -> frozenset[tuple[str, str]]:
+        """What tells it from others."""
+        return frozenset(cause.key for cause in self.causes)
+
+    @classmethod
+    def extending(cls, stage: Stage, *entries: Entry, evidence: float | None = None) -> "Trial":
+        """Return the trial that adds entries to a stage; `evidence` of them together, if not of the first."""
+        start = dict(stage.fit.start)
+        for entry in entries:
+            start |= stage.screening.sizes_of(entry)
+        promise = stage.best.log_evidence + (entries[0].log_evidence if evidence is None else evidence)
+        added = tuple(entry.cause for entry in entries if entry.cause)
+        # the nominal model's figures are bent by what is missing: no place to start from
+        nuisances = stage.fit.nuisances if stage.best.causes else None
+        return cls((*stage.best.causes, *added), start, nuisances, promise)
+
+
+def one_more(stage: Stage, first: Screening, refused: set[tuple[str, str]], limit: float) -> list[Hypothesis]:
+    """Return explanations with one cause more, or with two that hide each other; for two causes, of all pairs."""
+    open_ = [e for e in stage.screening.listed if e.cause and e.cause.key not in refused]
+    worth = [e for e in open_ if e.log_evidence > PROMISING * limit][:FINALISTS]
+    single = worth[0].log_evidence if worth else 0.0
+    trials = [Trial.extending(stage, e) for e in worth if e.log_evidence > single - _reach(single)]
+    trials += _hiding(stage, open_, single + limit)
+    if len(stage.best.causes) == 1:
+        trials += _pairs(stage, first, refused)[:PAIR_FINALISTS]
+    unique = {trial.keys: trial for trial in sorted(trials, key=lambda trial: trial.promise)}
+    ranked = sorted(unique.values(), key=lambda trial: -trial.promise)
+    return fitted(stage, ranked[: FINALISTS + PAIR_FINALISTS])
+
+
+def swaps(stage: Stage) -> list[Trial]:
+    """Return the explanations in which one cause of the best is replaced by another that may do as well."""
+    design, fit = stage.design, stage.fit
+    slopes = design.whiten(fit.slopes)
+    sigma = np.array([unknown.sigma for unknown in fit.unknowns])
+    trials: list[Trial] = []
+    for cause in fit.causes:
+        mine = np.array([unknown.cause is cause for unknown in fit.unknowns])
+        others = tuple(other for other in fit.causes if other is not cause)
+        try:
+            white = pseudo_residual(design, fit_without(design, fit, cause))
+        except EffectError:
+            raise  # an effect of the user's own that fails must not lose in silence
+        except BenchError:
+            continue  # without it the model finds no balance along the measured motion
+        taken = frozenset(other.key for other in others)
+        against = rescreen(design, stage.screening, white, slopes[:, ~mine], sigma[~mine], taken)
+        own = [e.log_evidence for e in against.listed if e.cause and e.cause.key == cause.key]
+        top = max([*own, against.listed[0].log_evidence]) if against.listed else 0.0
+        start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
+        for entry in against.listed[:RIVALS]:
+            if entry.cause and entry.cause.key != cause.key and entry.log_evidence > top - _reach(top):
+                promise = stage.best.log_evidence + entry.log_evidence - top
+                causes = (*others, entry.cause)
+                trials.append(Trial(causes, start | against.sizes_of(entry), fit.nuisances, promise))
+    return trials
+
+
+def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:
+    """Return the trials as fitted by simulation, without those whose model finds no balance.
+
+    Raises:
+        EffectError: An effect of the user's own fails.
+    """
+    for trial in trials:
+        if trial.keys not in stage.fits:
+            stage.fits[trial.keys] = _fitted(stage, trial)
+    found = (stage.fits[trial.keys] for trial in trials)
+    return [hypothesis for hypothesis in found if hypothesis is not None]
+
+
+def _fitted(stage: Stage, trial: Trial) -> Hypothesis | None:
+    try:
+        fit = refit(stage.design, trial.causes, trial.start, trial.nuisances)
+    except EffectError:
+        raise  # an effect of the user's own that fails must not lose in silence
+    except BenchError:
+        return None  # this model finds no balance along the measured motion
+    return Hypothesis(fit, stage.best.log_evidence + fit.log_evidence - stage.fit.log_evidence)
+
+
+def _hiding(stage: Stage, open_: Sequence[Entry], least: float) -> list[Trial]:
+    """Return pairs that explain together what neither does alone, as a payload and missing gas hide each other."""
+    found = []
+    for pair in combinations(open_[:PAIRED], 2):
+        alone = sum(max(entry.log_evidence, 0.0) for entry in pair)
+        evidence = _joint_evidence(stage.screening, pair)
+        if evidence > alone + least:
+            found.append(Trial.extending(stage, *pair, evidence=evidence))
+    return sorted(found, key=lambda trial: -trial.promise)[:PAIR_FINALISTS]
+
+
+def _pairs(stage: Stage, first: Screening, refused: set[tuple[str, str]]) -> list[Trial]:
+    """Return all pairs of promising causes in the linear picture about the nominal model, the most promising first."""
+    best = {entry.cause.key: entry for entry in first.listed if entry.cause}
+    beside = [e.cause.key for e in stage.screening.listed[:PAIRED] if e.cause]
+    promising = [*first.listed[:PAIRED], *(best[key] for key in beside if key in best)]
+    unique = {entry.cause.key: entry for entry in promising if entry.cause and entry.cause.key not in refused}
+    trials = []
+    for pair in combinations(unique.values(), 2):
+        causes = tuple(entry.cause for entry in pair if entry.cause)
+        start = first.sizes_of(pair[0]) | first.sizes_of(pair[1])
+        trials.append(Trial(causes, start, None, _joint_evidence(first, pair)))
+    return sorted(trials, key=lambda trial: -trial.promise)
+
+
+def _joint_evidence(screening: Screening, pair: Sequence[Entry]) -> float:
+    columns = np.concatenate([entry.columns for entry in pair])
+    prior = np.concatenate([entry.prior for entry in pair])
+    return screening.marginal.log_evidence(columns, prior)
+
+
+def _reach(evidence: float) -> float:
+    """Return how far behind the best, in the linear picture, a cause may be and still turn out the best."""
+    return max(IN_REACH, IMPRECISE * evidence)

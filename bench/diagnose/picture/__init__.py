@@ -1,0 +1,1 @@
+"""Show: the linear picture of a campaign, in which everything that could be wrong is weighed."""

@@ -1,0 +1,140 @@
+"""Which effects could act on a robot, where, and what a campaign would show of each: signatures, by simulation."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from bench.diagnose.picture.design import Design
+from bench.effects.effect import Acting, Effect, Parameter, Place
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+
+FEWEST_SHAPES = 3  # values of a shape parameter that are tried at first
+WIDEST = 2.5  # ratio of neighbours among them
+INVISIBLE = 1e-3  # norm of a whitened signature at its largest plausible size, below which nobody can see an effect
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An effect at a place.
+
+    Attributes:
+        effect: What.
+        place: Where.
+        sizes: Its parameters that are sizes there.
+        shapes: Its parameters that only shape it.
+    """
+
+    effect: Effect
+    place: Place
+    sizes: tuple[Parameter, ...]
+    shapes: tuple[Parameter, ...]
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Name of the effect and place, in words."""
+        return self.effect.name, str(self.place)
+
+    def __str__(self) -> str:
+        where = "" if self.place.kind == "robot" else f" of {self.place}"
+        return f"{self.effect.title}{where}"
+
+    def acting(self, values: Mapping[str, float]) -> Acting:
+        """Return the cause with some of its parameters given."""
+        return Acting(self.effect, self.place, self.effect.complete(values))
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A cause with its shape fixed, in the linear picture; m whitened readings, k sizes.
+
+    Attributes:
+        cause: Effect and place.
+        shape: Values of the shape parameters.
+        step: Shape (k,), size - null at which the columns were simulated.
+        prior: Shape (k,), standard deviation of the sizes as plausible, in steps.
+        columns: Shape (m, k), whitened change of the readings with one step of each size.
+    """
+
+    cause: Cause
+    shape: Mapping[str, float]
+    step: Array
+    prior: Array
+    columns: Array
+
+
+def causes_of(catalogue: Iterable[Effect], compiled: CompiledRobot, measured: frozenset[str]) -> tuple[Cause, ...]:
+    """Return every effect at every place where it may act on this robot, as far as these channels could show it.
+
+    Args:
+        catalogue: Effects.
+        compiled: The robot.
+        measured: Quantities that the campaign has.
+    """
+    found = []
+    for effect in catalogue:
+        if any(need not in measured for need in effect.needs):
+            continue
+        for place in effect.places(compiled):
+            parameters = effect.parameters_at(compiled, place)
+            sizes = tuple(parameter for parameter in parameters if not parameter.is_shape)
+            shapes = tuple(parameter for parameter in parameters if parameter.is_shape)
+            found.append(Cause(effect, place, sizes, shapes))
+    return tuple(found)
+
+
+def unseen_of(catalogue: Iterable[Effect], measured: frozenset[str]) -> dict[str, tuple[str, ...]]:
+    """Return the effects that need channels which the campaign has not: name -> those channels."""
+    missing = {effect.name: tuple(need for need in effect.needs if need not in measured) for effect in catalogue}
+    return {name: needs for name, needs in missing.items() if needs}
+
+
+def shape_grid(cause: Cause) -> list[dict[str, float]]:
+    """Return the shapes that are tried at first: a few values of each shape parameter, on a logarithmic scale."""
+    axes = []
+    for parameter in cause.shapes:
+        low, high, count = parameter.low, parameter.high, FEWEST_SHAPES
+        if low > 0:
+            count = max(count, 1 + int(np.ceil(np.log(high / low) / np.log(WIDEST))))
+        values = (np.geomspace if low > 0 else np.linspace)(low, high, count)
+        axes.append([(parameter.name, float(value)) for value in values])
+    return [dict(point) for point in product(*axes)]
+
+
+def candidates_of(design: Design, causes: Sequence[Cause], changes: Sequence[Array | None]) -> tuple[Candidate, ...]:
+    """Return the visible candidates of a campaign: every cause at every shape that leaves a trace in it.
+
+    Args:
+        design: The campaign.
+        causes: What to try.
+        changes: Of the readings, shape (T, c) each, with one size of one shape of one cause at its typical value, in
+            the order of `plan_of`; None where the model found no balance.
+    """
+    seen = [i for i, change in enumerate(changes) if change is not None]
+    if not seen:
+        return ()
+    white = design.whiten(np.stack([change for change in changes if change is not None], axis=2))
+    column_of = {i: column for column, i in enumerate(seen)}
+    found = []
+    i = 0
+    for cause, shape in plan_of(causes):
+        kept = [(size, column_of[i + k]) for k, size in enumerate(cause.sizes) if i + k in column_of]
+        i += len(cause.sizes)
+        if not kept:
+            continue
+        step = np.array([size.typical - size.null for size, _ in kept])
+        prior = np.array([size.high for size, _ in kept]) / np.sqrt(3) / np.abs(step)
+        columns = white[:, [column for _, column in kept]]
+        visible = np.linalg.norm(columns, axis=0) * prior > INVISIBLE
+        if np.any(visible):
+            sizes = tuple(size for (size, _), is_visible in zip(kept, visible, strict=True) if is_visible)
+            shown = Cause(cause.effect, cause.place, sizes, cause.shapes)
+            found.append(Candidate(shown, shape, step[visible], prior[visible], columns[:, visible]))
+    return tuple(found)
+
+
+def plan_of(causes: Sequence[Cause]) -> list[tuple[Cause, dict[str, float]]]:
+    """Return every cause with each of its shapes."""
+    return [(cause, shape) for cause in causes for shape in shape_grid(cause)]

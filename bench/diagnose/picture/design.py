@@ -1,0 +1,237 @@
+"""The linear picture of a campaign: residuals of the nominal model and its derivatives, made comparable.
+
+All in whitened space: what cannot be predicted (noise, friction at rest) is standard normal there, and every nuisance
+is scaled to a prior of one. Effects are named in this picture first, for it is cheap; the last word is always a
+simulation (`bench.diagnose.extend.refit`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from bench.diagnose.picture.scatter import Whitening, whitening_of
+from bench.diagnose.picture.torque_response import TorqueResponse, torque_response
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.simulations import simulate_all
+from bench.errors import BenchError
+from bench.record.campaign import Array
+from bench.simulate.plant import Trace
+
+ROUGHNESS_WINDOW = 9  # bins, over which the roughness of a residual is averaged
+HELD_MOTOR, HELD_LINK = 0.7, 0.5  # standard deviations of the part of its friction that a joint lets go of at rest
+ROUGH = 2.0  # times the variance that instruments explain, from where on the data's own word counts
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A campaign in the linear picture; m whitened readings, p nuisances.
+
+    Attributes:
+        replay: The campaign with the nominal robot.
+        nuisances: What may be a little wrong. One that changes neither model nor readings acts by its `changes` alone.
+        responses: Of every segment to torques.
+        whitenings: Of every segment.
+        weighed: The segments with the standard errors that count here.
+        excess: Shape (2, c), by what the standard errors were raised for lack of fit, at rest and in motion.
+        unexplained: Shape (2, c), by what they had to be raised in any case: not even everything together explains it.
+        changes: Shape (T, c, p), change of every reading with one standard deviation of each nuisance.
+        residual: Shape (T, c), measured less nominal; nan where not measured.
+        slopes: Shape (m, p), `changes` whitened.
+        white: Shape (m,), `residual` whitened.
+        run_of: Shape (m,), index into `runs`.
+        runs: Names of the runs.
+        column_of: Shape (m,), index into the quantities; whitening mixes the quantities of an instant a little.
+    """
+
+    replay: Replay
+    nuisances: tuple[Nuisance, ...]
+    responses: tuple[TorqueResponse, ...]
+    whitenings: tuple[Whitening, ...]
+    weighed: tuple[Segment, ...]
+    excess: Array
+    unexplained: Array
+    changes: Array
+    residual: Array
+    slopes: Array
+    white: Array
+    run_of: Array
+    runs: tuple[str, ...]
+    column_of: Array
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What is compared."""
+        return self.replay.quantities
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """What is replayed."""
+        return self.replay.segments
+
+    def whiten(self, values: Array) -> Array:
+        """Return whitened values, shape (m, ...), of values of shape (T, c, ...); nan counts as not measured."""
+        factors, rows = self._stacked
+        shape = values.shape
+        flat = np.nan_to_num(values.reshape(*shape[:2], -1))
+        white = (factors @ flat).reshape(shape[0] * shape[1], -1)[rows]
+        start = 0
+        for whitening in self.whitenings:
+            end = start + len(whitening.modes)
+            white[start:end] = whitening.settled(white[start:end])
+            start = end
+        whitened: Array = white.reshape(len(white), *shape[2:])
+        return whitened
+
+    @cached_property
+    def _stacked(self) -> tuple[Array, Array]:
+        """Factors, shape (T, c, c), and rows that were measured, shape (T * c,), of all segments."""
+        return (
+            np.concatenate([whitening.factors for whitening in self.whitenings]),
+            np.concatenate([whitening.rows for whitening in self.whitenings]),
+        )
+
+    def split(self, values: Array) -> list[Array]:
+        """Return values of shape (T, ...) segment by segment."""
+        return np.split(values, np.cumsum([len(segment) for segment in self.segments])[:-1])
+
+
+def design_of(replay: Replay, nuisances: tuple[Nuisance, ...], changes: Array | None = None) -> Design:
+    """Return the linear picture of a campaign.
+
+    Args:
+        replay: The campaign with the nominal robot.
+        nuisances: What may be a little wrong.
+        changes: Shape (T, c, p), if they are known from a campaign of the same design.
+    """
+    nominal = replay.predict(NOMINAL)
+    if changes is None:
+        worlds = [World({nuisance: nuisance.sigma}) for nuisance in nuisances]
+        changes = np.stack([_sound(found) - nominal for found in simulate_all(replay, worlds)], axis=2)
+    observed = np.concatenate([segment.observed for segment in replay.segments])
+    residual = observed - nominal
+    traces = replay.traces(NOMINAL)
+    responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
+    held, held_changes = held_friction(replay, traces, responses)
+    nuisances, changes = (*nuisances, *held), np.concatenate([changes, held_changes], axis=2)
+    plain = _assemble(replay, nuisances, responses, replay.segments, changes, residual)
+    # What rings after a ramp is left out of the replay: where residuals are rough, roughness is the noise.
+    left = residual - plain.changes @ fit(plain)
+    rough = tuple(
+        segment if segment.is_static else replace(segment, sigma=_roughened(part, segment.sigma))
+        for segment, part in zip(replay.segments, plain.split(left), strict=True)
+    )
+    return _assemble(replay, nuisances, responses, rough, changes, residual)
+
+
+def relinearised(design: Design, which: Sequence[int], changes: Array) -> Design:
+    """Return the design with other `changes` of some nuisances, as they are about another world.
+
+    Args:
+        design: About the world so far.
+        which: Indices of q nuisances.
+        changes: Shape (T, c, q), of theirs.
+    """
+    every, slopes = design.changes.copy(), design.slopes.copy()
+    every[:, :, which], slopes[:, which] = changes, design.whiten(changes)
+    return replace(design, changes=every, slopes=slopes)
+
+
+def raised(design: Design, factors: Array) -> Design:
+    """Return the design with larger standard errors.
+
+    Args:
+        design: The campaign.
+        factors: Shape (2, c), for every quantity at rest and in motion.
+    """
+    segments = tuple(
+        replace(segment, sigma=segment.sigma * factors[0 if segment.is_static else 1]) for segment in design.weighed
+    )
+    heavier = _assemble(design.replay, design.nuisances, design.responses, segments, design.changes, design.residual)
+    return replace(heavier, excess=design.excess * factors, unexplained=design.unexplained)
+
+
+def held_friction(
+    replay: Replay, traces: list[Trace], responses: tuple[TorqueResponse, ...]
+) -> tuple[tuple[Nuisance, ...], Array]:
+    """Return nuisances for how much of its friction a joint still holds at rest, and their changes, shape (T, c, q).
+
+    Settling and shaking let go of part of it, on each side of the gear, and more in one joint than in another.
+    """
+    found, changes = [], []
+    for j, drive in enumerate(replay.compiled.robot.figures.drives):
+        for side, sigma in (("motor", HELD_MOTOR), ("link", HELD_LINK)):
+            change = np.concatenate(
+                [
+                    (segment.is_static or segment.standing[j])
+                    * getattr(response, side)[:, :, j]
+                    * getattr(trace, f"{side}_friction")[:, [j]]
+                    for segment, trace, response in zip(replay.segments, traces, responses, strict=True)
+                ]
+            )
+            if np.any(change):
+                found.append(Nuisance(f"{side}-side friction held at rest by {drive.joint}", "", sigma))
+                changes.append(sigma * change)
+    if not found:
+        return (), np.zeros((*replay.shape, 0))
+    return tuple(found), np.stack(changes, axis=2)
+
+
+def fit(design: Design) -> Array:
+    """Return the nuisances that explain the residuals best under their priors, shape (p,), in standard deviations."""
+    normal = design.slopes.T @ design.slopes + np.eye(design.slopes.shape[1])
+    return np.asarray(np.linalg.solve(normal, design.slopes.T @ design.white), dtype=np.float64)
+
+
+def _sound(found: Array | BenchError) -> Array:
+    if isinstance(found, BenchError):
+        raise found
+    return found
+
+
+def _assemble(
+    replay: Replay,
+    nuisances: tuple[Nuisance, ...],
+    responses: tuple[TorqueResponse, ...],
+    segments: tuple[Segment, ...],
+    changes: Array,
+    residual: Array,
+) -> Design:
+    whitenings = tuple(
+        whitening_of(replay.compiled, segment, response, replay.quantities)
+        for segment, response in zip(segments, responses, strict=True)
+    )
+    runs = tuple(dict.fromkeys(segment.run for segment in segments))
+    c = len(replay.quantities)
+    run_of = np.concatenate(
+        [np.full(int(w.rows.sum()), runs.index(segment.run)) for segment, w in zip(segments, whitenings, strict=True)]
+    )
+    column_of = np.concatenate(
+        [np.tile(np.arange(c), len(segment))[w.rows] for segment, w in zip(segments, whitenings, strict=True)]
+    )
+    empty = np.empty(0)
+    ones = np.ones((2, c))
+    known = (replay, nuisances, responses, whitenings, segments, ones, ones, changes, residual)
+    draft = Design(*known, empty, empty, run_of, runs, column_of)
+    both = draft.whiten(np.concatenate([changes, residual[:, :, None]], axis=2))
+    return replace(draft, slopes=both[:, :-1], white=both[:, -1])
+
+
+def _roughened(left: Array, sigma: Array) -> Array:
+    """Return the standard errors of one motion, raised to the roughness of its residuals, both shape (T, c)."""
+    raised = sigma.copy()
+    half = ROUGHNESS_WINDOW // 2
+    for c in range(left.shape[1]):
+        values = left[:, c]
+        if len(values) < ROUGHNESS_WINDOW or not np.all(np.isfinite(values)):
+            continue
+        second = np.diff(values, 2) ** 2 / 6  # of white noise: its variance
+        local = np.convolve(
+            np.pad(second, half + 1, mode="edge"), np.ones(ROUGHNESS_WINDOW) / ROUGHNESS_WINDOW, "valid"
+        )
+        raised[:, c] = np.where(local > ROUGH * sigma[:, c] ** 2, np.sqrt(local), sigma[:, c])
+    return raised

@@ -1,0 +1,212 @@
+"""What nobody listed: torques, gear errors and sensor errors as free functions of angle, direction, speed, load.
+
+Each block is one place and one dependence with a handful of free coefficients. If a block explains what the catalogue
+cannot, the cause is unlisted, and the block says where it acts, on what it depends, and how it runs.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bench.diagnose.picture.design import Design
+from bench.diagnose.replay.replay import NOMINAL
+from bench.effects.learned_readings import in_room, in_time, powers
+from bench.record.campaign import Array
+from bench.simulate.instruments import HOUR
+from bench.simulate.plant import Trace
+
+ANGLE_NODES = 9
+SPEED_NODES = 4
+TORQUE_SHARE = 0.03  # plausible size of an unlisted torque, of the largest that the motor pays
+READING_SHARE = 0.05  # plausible size of an unlisted error of a reading, of the largest reading
+GEAR_ANGLE = 3e-4  # [rad], plausible size of an unlisted error of a gear
+TRACKER_ERROR = 3e-4  # [m], plausible size of an unlisted error of the tracker over its room, or in an hour
+LEAST_RANGE = 0.02  # [rad]; a joint that moves less shows no dependence on its angle
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """One place and one dependence.
+
+    Attributes:
+        place: "joint 2", "tracker", "current 3".
+        kind: "link torque", "motor torque", "gear angle", "reading".
+        depends_on: "angle", "angle and direction", "speed", "load", "time".
+        drive: Index of the drive, or -1.
+        unit: Of the coefficients.
+        nodes: Shape (k,), where each coefficient sits, in the unit of what it depends on; empty: polynomial.
+        prior: Standard deviation of a coefficient as plausible, in `unit`.
+        columns: Shape (m, k), whitened.
+        functions: Shape (k,), which of the functions that a polynomial may have each coefficient belongs to.
+        origin, size: What it depends on is counted from `origin`, in units of `size`.
+    """
+
+    place: str
+    kind: str
+    depends_on: str
+    drive: int
+    unit: str
+    nodes: Array
+    prior: float
+    columns: Array
+    functions: tuple[int, ...]
+    origin: Array
+    size: float
+
+    def __str__(self) -> str:
+        return f"{self.kind} at {self.place}, depending on {self.depends_on}"
+
+
+@dataclass(frozen=True, eq=False)
+class _Draft:
+    place: str
+    kind: str
+    depends_on: str
+    drive: int
+    unit: str
+    nodes: Array
+    prior: float
+    raw: Array  # (T, c, k)
+    origin: Array = field(default_factory=lambda: np.zeros(1))
+    size: float = 1.0
+
+
+def blocks_of(design: Design) -> tuple[Block, ...]:
+    """Return the blocks that a campaign can say something about."""
+    blocks = (_block(design, draft) for draft in _drafts(design, ANGLE_NODES))
+    return tuple(block for block in blocks if block is not None)
+
+
+def anew(design: Design, block: Block, angle_nodes: int = ANGLE_NODES) -> Block:
+    """Return a block as another design whitens it, and with another number of nodes if it depends on the angle."""
+    what = (block.place, block.kind, block.depends_on)
+    alike = (d for d in _drafts(design, angle_nodes) if (d.place, d.kind, d.depends_on) == what)
+    found = _block(design, next(alike))
+    assert found
+    return found
+
+
+def _block(design: Design, draft: _Draft) -> Block | None:
+    columns = design.whiten(draft.raw)
+    size = np.linalg.norm(columns, axis=0)
+    seen = size > 1e-9 * max(float(np.max(size)), 1e-300)
+    if not np.any(seen):
+        return None
+    return Block(
+        place=draft.place,
+        kind=draft.kind,
+        depends_on=draft.depends_on,
+        drive=draft.drive,
+        unit=draft.unit,
+        nodes=draft.nodes[seen] if len(draft.nodes) else draft.nodes,
+        prior=draft.prior,
+        columns=columns[:, seen],
+        functions=tuple(np.flatnonzero(seen).tolist()),
+        origin=draft.origin,
+        size=draft.size,
+    )
+
+
+def hats(values: Array, nodes: Array) -> Array:
+    """Return piecewise linear functions of `values`, shape (T,), one for each node, shape (T, k)."""
+    return np.stack([np.interp(values, nodes, row) for row in np.eye(len(nodes))], axis=1)
+
+
+def _drafts(design: Design, angle_nodes: int) -> Iterator[_Draft]:
+    segments = design.segments
+    trace = Trace.concatenate(design.replay.traces(NOMINAL))
+    link = np.concatenate([response.link for response in design.responses])
+    motor = np.concatenate([response.motor for response in design.responses])
+    stiffness = design.replay.compiled.stiffness
+    is_static = np.concatenate([np.full(len(segment), segment.is_static) for segment in segments])
+    standing = np.concatenate([np.tile(segment.standing, (len(segment), 1)) for segment in segments])
+    direction = np.where(standing | is_static[:, None], 0.0, np.sign(trace.q_velocity))
+    idle = standing & ~is_static[:, None]  # whose friction is anywhere: it says nothing of the joint
+    link, motor = np.where(idle[:, None], 0.0, link), np.where(idle[:, None], 0.0, motor)
+    names = [drive.joint for drive in design.replay.compiled.robot.figures.drives]
+    for j in range(len(names)):
+        angle, way, speed = trace.q[:, j], direction[:, j], np.abs(trace.q_velocity[:, j])
+        moves = way != 0
+        transmitted = stiffness[j] * (trace.q[:, j] - trace.theta[:, j])
+        place = f"joint {j + 1}"
+        gear = link[:, :, j] * stiffness[j]
+        gear[:, [q.is_drive for q in design.quantities]] = 0.0
+        torque = TORQUE_SHARE * float(np.max(np.abs(trace.motor_torque[:, j])))
+        for kind, unit, prior, response in (
+            ("link torque", "Nm", torque, link[:, :, j]),
+            ("motor torque", "Nm", torque, motor[:, :, j]),
+            ("gear angle", "rad", GEAR_ANGLE, gear),
+        ):
+            if not np.any(response):
+                continue
+            if np.ptp(angle) > LEAST_RANGE:
+                nodes = np.linspace(np.min(angle), np.max(angle), angle_nodes)
+                table = hats(angle, nodes)
+                yield _Draft(place, kind, "angle", j, unit, nodes, prior, response[:, :, None] * table[:, None, :])
+                if kind != "gear angle" and np.any(way > 0) and np.any(way < 0):
+                    directed = table * way[:, None]
+                    yield _Draft(
+                        place,
+                        kind,
+                        "angle and direction",
+                        j,
+                        unit,
+                        nodes,
+                        prior,
+                        response[:, :, None] * directed[:, None, :],
+                    )
+            if kind != "gear angle" and np.any(moves):
+                fast = speed[moves]
+                if np.max(fast) > 1.2 * np.min(fast):
+                    nodes = np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES))
+                    nodes = np.unique(nodes)
+                    directed = hats(speed, nodes) * way[:, None]
+                    yield _Draft(
+                        place, kind, "speed", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :]
+                    )
+            spread = np.max(np.abs(transmitted))
+            if spread > 1.0:
+                nodes = np.linspace(np.min(transmitted), np.max(transmitted), 7)
+                table = hats(transmitted, nodes)
+                if kind == "gear angle":
+                    yield _Draft(place, kind, "load", j, unit, nodes, prior, response[:, :, None] * table[:, None, :])
+                elif np.any(moves):
+                    directed = table * way[:, None]
+                    yield _Draft(
+                        place, kind, "load", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :]
+                    )
+    yield from _sensors(design, trace)
+
+
+def _sensors(design: Design, trace: Trace) -> Iterator[_Draft]:
+    quantities = design.quantities
+    nominal = design.replay.predict(NOMINAL)
+    for c, quantity in enumerate(quantities):
+        if quantity.is_drive:
+            size = max(float(np.max(np.abs(nominal[:, c]))), 1e-12)
+            raw = np.zeros((*nominal.shape, 3))
+            raw[:, c] = powers(nominal[:, c] / size)
+            yield _Draft(
+                f"drive {quantity.index + 1}",
+                "reading",
+                "load",
+                quantity.index,
+                quantity.unit,
+                np.empty(0),
+                READING_SHARE * size,
+                raw,
+                size=size,
+            )
+    axes = [c for c, quantity in enumerate(quantities) if quantity.kind == "reflector"]
+    if axes:
+        of_axis = [quantities[c].axis for c in axes]
+        place = trace.reflectors.mean(axis=1)
+        centre, size = place.mean(axis=0), max(float(np.ptp(place)), 1e-9)
+        raw = np.zeros((*nominal.shape, 12))
+        raw[:, axes] = in_room((place - centre) / size)[:, of_axis]
+        yield _Draft("tracker", "reading", "place", -1, "m", np.empty(0), TRACKER_ERROR, raw, centre, size)
+        if np.ptp(trace.time) > 0:
+            raw = np.zeros((*nominal.shape, 6))
+            raw[:, axes] = in_time((trace.time - trace.time[0]) / HOUR)[:, of_axis]
+            yield _Draft("tracker", "reading", "time", -1, "m", np.empty(0), TRACKER_ERROR, raw, trace.time[:1], HOUR)

@@ -1,0 +1,95 @@
+"""What not even the richest model explains is noise too: by how much the standard errors of quantities are too small.
+
+A real drive has cogging, a real arm rings, a clock jitters. One factor for a whole campaign would let the worst channel
+drown the others; so each quantity has its own, at rest and in motion. Neighbours that err alike count as one reading.
+
+While a model is still far from the data, signatures are those of a wrong model, good to a share of what it misses: no
+quantity counts as known better than half of that. As the climb goes on, standard errors fall to what instruments have.
+"""
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from bench.diagnose.picture.design import Design
+from bench.record.campaign import Array
+
+RIDGE = 1.0  # the richest model keeps the priors of its columns
+MOST_ALIKE = 50  # lags over which the correlation of neighbours is summed
+SHARE_OF_MISSES = 0.5  # of what the present model misses, below which no standard error goes
+ADEQUATE = 2.0  # times what nothing explains, in standard errors; up to where a model is not wrong for what it leaves
+FEW = 10  # readings that say nothing of their own scatter
+
+
+def unexplained(design: Design, white: Array, columns: Array, prior: Array) -> Array:
+    """Return what not even the richest model explains, in standard errors of every quantity, shape (2, c).
+
+    The first row holds rests, the second motion; neighbours that err alike count once.
+
+    Args:
+        design: The campaign, with the standard errors of the instruments.
+        white: Shape (m,), residual of the model so far, nuisances at zero.
+        columns: Shape (m, q), whitened, of everything that could be added to it.
+        prior: Shape (q,), standard deviations of the columns' sizes.
+    """
+    rich = np.concatenate([design.slopes, columns * prior], axis=1)
+    root = np.linalg.cholesky(rich.T @ rich + RIDGE * np.eye(rich.shape[1]))
+    own = solve_triangular(root, rich.T, lower=True)
+    left = white - own.T @ (own @ white)
+    leverage = np.clip(np.sum(own**2, axis=0), 0.0, 0.9)  # what each reading's own fit took away from its scatter
+    return np.sqrt(_by_quantity(design, left, 1 - leverage))
+
+
+def missed(design: Design, white: Array, *, is_last: bool = False) -> Array:
+    """Return the share of what a model misses below which no standard error should go, in standard errors as they are.
+
+    Args:
+        design: The campaign.
+        white: Shape (m,), residual of the model, nuisances at zero.
+        is_last: Nothing will be added any more: all that it misses is noise, and neighbours that err alike count once.
+    """
+    own = design.slopes
+    left = white - own @ np.linalg.solve(own.T @ own + RIDGE * np.eye(own.shape[1]), own.T @ white)
+    if is_last:
+        return np.sqrt(_by_quantity(design, left, np.ones(len(left))))
+    return SHARE_OF_MISSES * np.sqrt(_by_quantity(design, left, np.ones(len(left)), counts_alike=False))
+
+
+def is_adequate(design: Design, white: Array) -> bool:
+    """Whether a model leaves little more of any quantity than what nothing at all explains.
+
+    Args:
+        design: The campaign.
+        white: Shape (m,), residual of the model, nuisances at zero.
+    """
+    left = missed(design, white, is_last=True) * design.excess
+    return bool(np.all(left <= ADEQUATE * design.unexplained))
+
+
+def _by_quantity(design: Design, left: Array, freedom: Array, *, counts_alike: bool = True) -> Array:
+    """Return the variance of residuals, shape (m,), of every quantity at rest and in motion, shape (2, c)."""
+    still = np.array([segment.is_static for segment in design.segments])
+    at_rest = np.concatenate([np.full(int(w.rows.sum()), one) for w, one in zip(design.whitenings, still, strict=True)])
+    found = np.ones((2, len(design.quantities)))
+    for c in range(len(design.quantities)):
+        for kind, rows in enumerate((at_rest & (design.column_of == c), ~at_rest & (design.column_of == c))):
+            if np.count_nonzero(rows) >= FEW:
+                alike = _alike(left[rows], design.run_of[rows]) if kind == 1 and counts_alike else 1.0
+                found[kind, c] = alike * float(np.sum(left[rows] ** 2) / np.sum(freedom[rows]))
+    return found
+
+
+def _alike(left: Array, run_of: Array) -> float:
+    """Return how many neighbours err together: the integrated autocorrelation, summed until it turns negative."""
+    sequences = [left[run_of == run] for run in np.unique(run_of)]
+    power = sum(float(s @ s) for s in sequences)
+    total = 1.0
+    for lag in range(1, MOST_ALIKE):
+        pairs = sum(float(s[lag:] @ s[:-lag]) for s in sequences if len(s) > lag)
+        count = sum(len(s) - lag for s in sequences if len(s) > lag)
+        if power <= 0 or count < FEW:
+            break
+        correlation = pairs / count / (power / len(left))
+        if correlation <= 0:
+            break
+        total += 2 * correlation
+    return total

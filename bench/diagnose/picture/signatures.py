@@ -1,0 +1,137 @@
+"""Signatures: what each cause and each nuisance changes in the readings. It depends on what was done, not on readings.
+
+Two campaigns of one session repeat the same motion within microns, so the derivatives of the model are the same.
+They are simulated once for every stretch of a session; a study looks them up afterwards. Residuals are never shared.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnose.picture.candidates import Cause, plan_of
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.simulations import simulate_all
+from bench.effects.own import EffectError
+from bench.errors import BenchError
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+
+SAME_INSTANT = 1e-6  # [s]; instants come from control periods, so they agree or they do not
+
+
+@dataclass(frozen=True, eq=False)
+class Changes:
+    """What each nuisance and each cause changes; T instants, c quantities, p nuisances.
+
+    Attributes:
+        nuisances: Shape (T, c, p), of one standard deviation each.
+        causes: One for each size of each shape of each cause, in the order of `plan_of`, shape (T, c); None: fails.
+    """
+
+    nuisances: Array
+    causes: tuple[Array | None, ...]
+
+
+class Signatures:
+    """Changes of a session's readings; it learns each stretch when it first meets it.
+
+    Args:
+        compiled: The robot.
+        quantities: What is compared.
+        nuisances: What may be a little wrong.
+        causes: What is looked for.
+        around: World that is changed.
+    """
+
+    def __init__(
+        self,
+        compiled: CompiledRobot,
+        quantities: tuple[Quantity, ...],
+        nuisances: tuple[Nuisance, ...],
+        causes: Sequence[Cause],
+        around: World = NOMINAL,
+    ) -> None:
+        self.compiled = compiled
+        self.quantities = quantities
+        self.nuisances = nuisances
+        self.causes = tuple(causes)
+        self.around = around
+        self._plan = tuple(
+            cause.acting({**shape, size.name: size.typical}) for cause, shape in plan_of(causes) for size in cause.sizes
+        )
+        self._times: dict[str, Array] = {}
+        self._lost: set[int] = set()
+        self._changes: dict[str, Array] = {}  # shape (T of the stretch, c, p + causes), nan where there is no balance
+
+    @property
+    def asked(self) -> tuple[tuple[Quantity, ...], tuple[str, ...], tuple[tuple[str, str], ...]]:
+        """What it is about: quantities, names of nuisances, causes."""
+        names = tuple(nuisance.name for nuisance in self.nuisances)
+        return self.quantities, names, tuple(cause.key for cause in self.causes)
+
+    @property
+    def unbalanced(self) -> tuple[str, ...]:
+        """Causes whose model found no balance along some motion."""
+        lost = sorted(self._lost)
+        return tuple(dict.fromkeys(f"{self._plan[i].effect.name} {self._plan[i].place}" for i in lost))
+
+    def changes(self, segments: Sequence[Segment], progress: Callable[[float], None] = lambda share: None) -> Changes:
+        """Return the changes of a campaign's readings; stretches that were never seen are simulated first.
+
+        Args:
+            segments: The campaign.
+            progress: Called with the share of the simulations that is done.
+        """
+        new = tuple(segment for segment in segments if self._rows(segment) is None)
+        if new:
+            self._learn(new, progress)
+        parts = []
+        for segment in segments:
+            rows = self._rows(segment)
+            assert rows is not None
+            parts.append(self._changes[segment.label][rows])
+        found = np.concatenate(parts)
+        p = len(self.nuisances)
+        causes = (found[:, :, i] for i in range(p, found.shape[2]))
+        return Changes(found[:, :, :p], tuple(None if np.any(np.isnan(one)) else one for one in causes))
+
+    def _rows(self, segment: Segment) -> Array | None:
+        """Return which known instants are those of a segment, None if some are not known."""
+        known = self._times.get(segment.label)
+        if known is None:
+            return None
+        times = _instants(segment)
+        nearest: Array = np.argmin(np.abs(times[:, None] - known), axis=1)
+        return nearest if np.all(np.abs(known[nearest] - times) < SAME_INSTANT) else None
+
+    def _learn(self, segments: tuple[Segment, ...], progress: Callable[[float], None]) -> None:
+        replay = Replay(self.compiled, segments, self.quantities)
+        off, acting = self.around.deviations, self.around.acting
+        worlds = [World({**off, n: off.get(n, 0.0) + n.sigma}, acting) for n in self.nuisances]
+        worlds += [World(off, (*acting, one)) for one in self._plan]
+        nominal = replay.predict(self.around)
+        found = []
+        for i, result in enumerate(simulate_all(replay, worlds, progress)):
+            if isinstance(result, BenchError):
+                if i < len(self.nuisances) or isinstance(result, EffectError):
+                    raise result
+                self._lost.add(i - len(self.nuisances))
+                found.append(np.full_like(nominal, np.nan))
+            else:
+                found.append(result - nominal)
+        changes = np.stack(found, axis=2)
+        edges = np.cumsum([len(segment) for segment in segments])[:-1]
+        for segment, part in zip(segments, np.split(changes, edges), strict=True):
+            self._times[segment.label], self._changes[segment.label] = _instants(segment), part
+
+
+def _instants(segment: Segment) -> Array:
+    """Return when a segment was read; rests have no time of their own but their order, shape (T,)."""
+    if segment.is_static:
+        return np.arange(len(segment), dtype=np.float64)
+    times: Array = segment.motion.time[segment.motion.read]
+    return times

@@ -1,0 +1,36 @@
+"""How much evidence chance alone produces: the declared false-alarm rate, over everything that was tried at once."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.diagnose.picture.marginal import Marginal
+from bench.record.campaign import Array
+
+DRAWS = 4000
+LEAST = 4.6  # log Bayes factor (100 to 1) that is asked for even where chance alone would not come near it
+
+
+def family_threshold(
+    marginal: Marginal, blocks: Sequence[tuple[Array, Array]], rate: float, rng: np.random.Generator
+) -> float:
+    """Return the log evidence that the best of all blocks exceeds by chance in a share `rate` of null campaigns.
+
+    Args:
+        marginal: Products of the campaign.
+        blocks: Columns and prior of everything that is tried.
+        rate: Declared false-alarm rate.
+        rng: For the null campaigns, which are drawn in the space of the scores.
+    """
+    values, vectors = np.linalg.eigh(marginal.information)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    scores = rng.standard_normal((DRAWS, len(values))) @ root.T
+    best = np.full(DRAWS, -np.inf)
+    for columns, prior in blocks:
+        h = marginal.information[np.ix_(columns, columns)]
+        whitened = np.eye(len(columns)) + prior[:, None] * h * prior
+        factor = np.linalg.cholesky(whitened)
+        b = np.linalg.solve(factor, (scores[:, columns] * prior).T)
+        evidence = 0.5 * np.sum(b * b, axis=0) - float(np.sum(np.log(np.diag(factor))))
+        np.maximum(best, evidence, out=best)
+    return max(float(np.quantile(best, 1 - rate)), LEAST)

@@ -1,0 +1,1 @@
+"""Replay: what a campaign did, and what every instrument should have shown."""

@@ -1,0 +1,111 @@
+"""How much an instrument scatters: by the campaign's own word, by the robot's figures, and by the data themselves."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.replay.quantities import Quantity
+from bench.record.campaign import Array, Campaign, Run
+from bench.robot.figures import Figures, TorqueSensor, Tracker
+
+NORMAL_MAD = 1.4826  # standard deviation of a normal distribution by its median absolute deviation
+FEWEST = 8  # samples in a group, in which a scatter about a parabola can be seen
+MOST_ALIKE = 0.8  # correlation of neighbours that is believed; beyond it samples are a slow signal, not noise
+GAS_DRIFT_K = 1.0  # [K]; by which gas and the wall around it drift with the air of a workshop over hours, assumed
+UNIFORM = 1 / np.sqrt(12)  # standard deviation of rounding to 1
+
+
+class Noise:
+    """Standard deviations of single readings.
+
+    Args:
+        campaign: Its manifest may give noise.
+        figures: Of the robot.
+    """
+
+    def __init__(self, campaign: Campaign, figures: Figures) -> None:
+        self._given = campaign.noise
+        self._instruments = figures.instruments
+        self._constants = [drive.torque_constant_nm_per_a for drive in figures.drives]
+        self._area = figures.instruments.pressure.piston_area_m2 if figures.instruments.pressure else None
+
+    def of(self, quantity: Quantity, values: Array, run: Run) -> Array:
+        """Return the noise of one reading at each of some values of a run, same shape."""
+        if quantity.kind in self._given:
+            return np.full_like(values, self._given[quantity.kind])
+        instruments = self._instruments
+        sigma = 0.0
+        match quantity.kind:
+            case "current":
+                sigma = instruments.current.sigma_a if instruments.current else 0.02
+            case "tau_motor":
+                sigma = torque_sigma(instruments.torque, quantity.index) if instruments.torque else 0.0
+            case "reflector":
+                tracker = instruments.tracker
+                sigma = tracker.sigma_per_distance * _distance(run, quantity.index, tracker) if tracker else 30e-6
+                if quantity.index > 0 and tracker:
+                    sigma = float(np.hypot(sigma, tracker.placement_sigma_m))
+            case "q_link":
+                sigma = 1e-6
+            case "force":
+                sigma = instruments.force.sigma_n if instruments.force else 0.5
+            case "moment":
+                sigma = instruments.force.sigma_nm if instruments.force else 0.2
+            case _:
+                sigma = 0.0
+        full: Array = np.full_like(values, sigma)
+        return full
+
+    def rounding(self, quantity: Quantity) -> float:
+        """Return what does not average out because readings are rounded coarsely."""
+        if quantity.kind == "gas_pressure" and self._instruments.pressure:
+            return float(UNIFORM * self._instruments.pressure.resolution_pa)
+        return 0.0
+
+    def lasting(self, quantity: Quantity) -> float:
+        """Return what does not average out because it is the same in neighbouring samples."""
+        if quantity.kind == "gas_temperature":
+            return GAS_DRIFT_K
+        fitted = self._instruments.link_encoder
+        return fitted.accuracy_rad if quantity.kind == "q_link" and fitted else 0.0
+
+    @staticmethod
+    def of_samples(values: Array) -> float:
+        """Return the scatter of a smooth signal's samples, from their third differences; robust against jumps."""
+        if len(values) < 8:
+            return 0.0
+        third = np.diff(values, 3)
+        return float(NORMAL_MAD * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))
+
+    @staticmethod
+    def of_groups(values: Array, groups: Sequence[NDArray[np.int64]]) -> float:
+        """Return the scatter of samples about a parabola through each group of them, as of white noise.
+
+        Third differences see what changes from sample to sample; this sees all that a group averages, such as torque
+        that rings, and takes into account that neighbours ring alike.
+        """
+        sizes = np.array([len(group) for group in groups])
+        n = int(np.median(sizes)) if len(sizes) else 0
+        if n < FEWEST:
+            return 0.0
+        basis = np.vander(np.linspace(-1, 1, n), 3)
+        samples = np.stack([values[group] for group in groups if len(group) == n])
+        left = samples - samples @ np.linalg.pinv(basis).T @ basis.T
+        power = np.sum(left**2, axis=1)
+        variance = float(np.median(power)) / (n - 3)
+        alike = np.median(np.sum(left[:, 1:] * left[:, :-1], axis=1)) / max(float(np.median(power)), 1e-300)
+        alike = float(np.clip(alike, 0.0, MOST_ALIKE))
+        return float(np.sqrt(variance * (1 + alike) / (1 - alike)))
+
+
+def torque_sigma(sensor: TorqueSensor, drive: int) -> float:
+    """Return the noise of the torque that one drive reports [Nm]."""
+    values = np.atleast_1d(np.array(sensor.sigma_nm, dtype=np.float64))
+    return float(values[drive if len(values) > 1 else 0])
+
+
+def _distance(run: Run, reflector: int, tracker: Tracker) -> float:
+    """Return the mean distance of a reflector from the tracker over a run [m]."""
+    seen = run.stack(f"reflector_{reflector + 1}", "m", ("x", "y", "z"))
+    return float(np.nanmean(np.linalg.norm(seen - np.array(tracker.position_m), axis=1)))

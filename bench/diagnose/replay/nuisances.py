@@ -1,0 +1,186 @@
+"""What is allowed to be a little wrong: nominal figures of the robot and errors of its instruments, each with a prior.
+
+What these can explain within their stated uncertainty is not a discovery.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.diagnose.replay.quantities import Quantity
+from bench.effects.nominal import nominal_parameters
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
+
+# [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold; assumed
+THERMOMETER_K = 2.0
+UNKNOWN_ZERO = 1e-3  # [rad] or [m], how well secondary encoders are zeroed where the figures do not say, assumed
+
+OnReading = Callable[[float, Reading], Reading]
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """One thing that may be off; zero changes nothing.
+
+    Attributes:
+        name: For people.
+        unit: "" for a relative deviation.
+        sigma: Standard deviation of its prior.
+        edit: How it changes the model, or None.
+        on_reading: How it changes readings, or None.
+        scales_wrench: It is the relative error of what hangs at the load point.
+        scales_payload: It is the relative error of what is bolted to it.
+    """
+
+    name: str
+    unit: str
+    sigma: float
+    edit: Callable[[float], SpecEdit] | None = None
+    on_reading: OnReading | None = None
+    scales_wrench: bool = False
+    scales_payload: bool = False
+
+
+def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[Nuisance, ...]:
+    """Return everything that may be off in a robot and in the instruments that were there."""
+    kinds = {quantity.kind for quantity in quantities}
+    found = [Nuisance(p.name, p.unit, p.sigma, edit=p.edit) for p in nominal_parameters(compiled)]
+    load = compiled.robot.figures.uncertainty.load
+    found.append(Nuisance("weights that hang", "", load, scales_wrench=True))
+    found.append(Nuisance("weights bolted on", "", load, scales_payload=True))
+    found += _drives(compiled, kinds) + _tracker(compiled, quantities) + _force(compiled, kinds)
+    if "gas_temperature" in kinds:
+        found.append(Nuisance("thermometer of the gas", "K", THERMOMETER_K, on_reading=_thermometer))
+    if "q_link" in kinds:
+        fitted = compiled.robot.figures.instruments.link_encoder
+        sigma = fitted.offset_sigma_rad if fitted else UNKNOWN_ZERO
+        joints = [quantity.index for quantity in quantities if quantity.kind == "q_link"]
+        found += [Nuisance(f"zero of link encoder {j + 1}", "rad", sigma, on_reading=_link_zero(j)) for j in joints]
+    return tuple(nuisance for nuisance in found if nuisance.sigma > 0)
+
+
+def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
+    figures = compiled.robot.figures
+    found = []
+    current, torque = figures.instruments.current, figures.instruments.torque
+    for j, drive in enumerate(figures.drives):
+        if "current" in kinds:
+            gain = float(np.hypot(drive.torque_constant_error, current.gain_sigma if current else 0.0))
+            offset = current.offset_sigma_a if current else 0.0
+            found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_current_gain(j)))
+            found.append(Nuisance(f"current offset of {drive.joint}", "A", offset, on_reading=_current_offset(j)))
+        if "tau_motor" in kinds:
+            gain = torque.gain_sigma if torque else drive.torque_constant_error
+            found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_torque_gain(j)))
+            offset = torque.offset_sigma_nm if torque else 0.0
+            found.append(Nuisance(f"torque offset of {drive.joint}", "Nm", offset, on_reading=_torque_offset(j)))
+    return found
+
+
+def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[Nuisance]:
+    tracker = compiled.robot.figures.instruments.tracker
+    reflectors = sorted({quantity.index for quantity in quantities if quantity.kind == "reflector"})
+    if tracker is None or not reflectors:
+        return []
+    found = []
+    for axis, name in enumerate("xyz"):
+        direction = np.eye(3)[axis]
+        found += [
+            Nuisance(f"tracker frame, shift {name}", "m", tracker.frame_sigma_m, on_reading=_shift(direction)),
+            Nuisance(f"tracker frame, turn {name}", "rad", tracker.frame_sigma_rad, on_reading=_turn(direction)),
+            Nuisance(f"tracker drift {name}", "m/h", tracker.drift_m_per_h, on_reading=_drift(direction)),
+        ]
+        found += [
+            Nuisance(f"nest of reflector {k + 1}, {name}", "m", tracker.placement_sigma_m, on_reading=_nest(k, axis))
+            for k in reflectors
+        ]
+    return found
+
+
+def _force(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
+    force = compiled.robot.figures.instruments.force
+    if force is None or "force" not in kinds:
+        return []
+    found = [Nuisance("gain of the force sensor", "", force.gain_sigma, on_reading=_force_gain)]
+    found += [
+        Nuisance(f"tilt of the force sensor, {name}", "rad", force.direction_sigma_rad, on_reading=_tilt(np.eye(3)[i]))
+        for i, name in enumerate("xyz")
+    ]
+    return found
+
+
+def _column(values: Array, j: int, change: Callable[[Array], Array]) -> Array:
+    changed = values.copy()
+    changed[:, j] = change(values[:, j])
+    return changed
+
+
+def _current_gain(j: int) -> OnReading:
+    return lambda x, reading: replace(reading, current=_column(reading.current, j, lambda c: c * (1 + x)))
+
+
+def _current_offset(j: int) -> OnReading:
+    return lambda x, reading: replace(reading, current=_column(reading.current, j, lambda c: c + x))
+
+
+def _torque_gain(j: int) -> OnReading:
+    return lambda x, reading: replace(reading, torque=_column(reading.torque, j, lambda c: c * (1 + x)))
+
+
+def _torque_offset(j: int) -> OnReading:
+    return lambda x, reading: replace(reading, torque=_column(reading.torque, j, lambda c: c + x))
+
+
+def _link_zero(j: int) -> OnReading:
+    return lambda x, reading: replace(reading, q_link=_column(reading.q_link, j, lambda c: c + x))
+
+
+def _thermometer(x: float, reading: Reading) -> Reading:
+    return replace(reading, gas_temperature=reading.gas_temperature + x)
+
+
+def _shift(direction: Array) -> OnReading:
+    return lambda x, reading: replace(reading, reflectors=reading.reflectors + x * direction)
+
+
+def _turn(direction: Array) -> OnReading:
+    return lambda x, reading: replace(reading, reflectors=reading.reflectors @ small_rotation(x * direction).T)
+
+
+def _drift(direction: Array) -> OnReading:
+    return lambda x, reading: replace(
+        reading, reflectors=reading.reflectors + x / HOUR * reading.time[:, None, None] * direction
+    )
+
+
+def _nest(k: int, axis: int) -> OnReading:
+    def change(x: float, reading: Reading) -> Reading:
+        reflectors = reading.reflectors.copy()
+        reflectors[:, k, axis] += x
+        return replace(reading, reflectors=reflectors)
+
+    return change
+
+
+def _force_gain(x: float, reading: Reading) -> Reading:
+    return replace(reading, force=reading.force * (1 + x), moment=reading.moment * (1 + x))
+
+
+def _tilt(direction: Array) -> OnReading:
+    """Return the error of the sensor's direction; a load that hangs is known to hang, whatever the sensor says."""
+
+    def change(x: float, reading: Reading) -> Reading:
+        turn = small_rotation(x * direction).T
+        slanting = np.hypot(reading.force[:, :1], reading.force[:, 1:2]) > VERTICAL_TOLERANCE * np.abs(
+            reading.force[:, 2:]
+        )
+        return replace(
+            reading,
+            force=np.where(slanting, reading.force @ turn, reading.force),
+            moment=np.where(slanting, reading.moment @ turn, reading.moment),
+        )
+
+    return change

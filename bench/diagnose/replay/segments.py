@@ -1,0 +1,180 @@
+"""From a campaign to what a replay repeats: motor motion and loads in, with what was measured at the same instants.
+
+A static run is read visit by visit: the pose is approached from its side, then load follows load; repeats become one
+mean with its standard error. A motion is cut into bins of constant direction, short against everything that changes.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from bench.diagnose.replay.noise import UNIFORM, Noise
+from bench.diagnose.replay.piece import Piece, centre_weights
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.stretches import stretches_of
+from bench.diagnose.replay.visits import visits_of
+from bench.effects.effect import REFERENCE_K, Conditions
+from bench.record.campaign import Array, Campaign, Run
+from bench.robot.compiled import CompiledRobot
+from bench.simulate.prescribed import Motion
+
+BY_CHANCE = 1e-4  # probability up to which the scatter of repeats is taken for their instrument's
+MOST_BINS = 700  # over all motion of a campaign: what half a minute of diagnosis can replay some hundred times
+
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A stretch of one run that is replayed as a whole; T instants that are read, c quantities, n drives.
+
+    Attributes:
+        run: Name of the run.
+        label: Run, and pose and approach of a static visit.
+        is_static: Whether every instant is a rest.
+        motion: What the motors did by their encoders, with the instants before that shape friction; `motion.read`
+            marks the T instants.
+        conditions: Temperatures and payload.
+        observed: Shape (T, c); nan where not measured.
+        sigma: Shape (T, c), standard error by the instruments' noise, or by the scatter of repeats where an arm swayed.
+        standing: Shape (n,) bool, drives that did not move.
+        acceleration_error: Shape (T, n), standard deviation of the motors' accelerations, as differentiated.
+    """
+
+    run: str
+    label: str
+    is_static: bool
+    motion: Motion
+    conditions: Conditions
+    observed: Array
+    sigma: Array
+    standing: Array
+    acceleration_error: Array
+
+    def __len__(self) -> int:
+        return len(self.observed)
+
+
+def segments_of(
+    campaign: Campaign, compiled: CompiledRobot, quantities: tuple[Quantity, ...], most_bins: int = MOST_BINS
+) -> tuple[Segment, ...]:
+    """Return everything in a campaign that can be replayed, in its order.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot.
+        quantities: What to compare.
+        most_bins: How many bins all motion together may have.
+    """
+    noise = Noise(campaign, compiled.robot.figures)
+    moving = sum(float(np.ptp(run.columns["time_s"])) for run in campaign.of_kind("motion") if len(run) > 1)
+    width = moving / most_bins
+    found: list[Segment] = []
+    for run in campaign.runs:
+        for piece in visits_of(run, compiled) if run.kind == "static" else stretches_of(run, compiled, width):
+            observed, sigma = _means(run, piece, quantities, noise)
+            motion = piece.motion
+            if not np.any(np.isfinite(observed)):
+                continue
+            speed = np.max(np.abs(motion.velocity[motion.read]), axis=0)
+            found.append(
+                Segment(
+                    run.name,
+                    piece.label,
+                    run.kind == "static",
+                    motion,
+                    conditions_of(run, piece.rows, compiled.n_joints),
+                    observed,
+                    sigma,
+                    speed == 0.0,
+                    piece.acceleration_error,
+                )
+            )
+    return _rounded_alike(found, quantities, noise)
+
+
+def _rounded_alike(found: list[Segment], quantities: tuple[Quantity, ...], noise: Noise) -> tuple[Segment, ...]:
+    """Return the segments with readings that were rounded to the same number counted as one.
+
+    A gauge shows the same digit all day while its joint stands; a thousand such readings know no more than one.
+    """
+    sigma = [segment.sigma.copy() for segment in found]
+    for c, quantity in enumerate(quantities):
+        step = noise.rounding(quantity)
+        if step == 0.0:
+            continue
+        seen = np.concatenate([segment.observed[:, c] for segment in found])
+        known = np.sort(seen[np.isfinite(seen)])
+        half = step / UNIFORM / 2
+        for segment, own in zip(found, sigma, strict=True):
+            values = segment.observed[:, c]
+            alike = np.searchsorted(known, values + half) - np.searchsorted(known, values - half)
+            own[:, c] = np.hypot(own[:, c], step * np.sqrt(np.maximum(alike, 1)))
+    return tuple(replace(segment, sigma=own) for segment, own in zip(found, sigma, strict=True))
+
+
+def conditions_of(run: Run, rows: Index, n: int) -> Conditions:
+    """Return the mean temperatures over some rows; those that nobody measured are at their reference."""
+
+    def mean(column: str) -> float:
+        return float(np.mean(run.columns[column][rows])) if column in run.columns else REFERENCE_K
+
+    return Conditions(
+        gear_k=np.array([mean(f"gear_temperature_{i + 1}_k") for i in range(n)]),
+        winding_k=np.array([mean(f"motor_temperature_{i + 1}_k") for i in range(n)]),
+        gas_k=mean("gas_temperature_k"),
+        ambient_k=mean("ambient_temperature_k"),
+        payload_kg=float(np.mean(run.columns["load_mass_kg"][rows])) if "load_mass_kg" in run.columns else 0.0,
+    )
+
+
+def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Noise) -> tuple[Array, Array]:
+    """Return mean and standard error of every instant, shape (T, c) each.
+
+    Readings that feel a joint which starts or turns round are left out: friction is between its levels there.
+    """
+    is_static = run.kind == "static"
+    groups = piece.groups
+    shape = (len(groups), len(quantities))
+    mean, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
+    sizes = np.array([len(group) for group in groups])
+    for c, quantity in enumerate(quantities):
+        if quantity.column not in run.columns:
+            continue
+        values = run.columns[quantity.column]
+        weights = [np.full(n, 1 / n) if is_static else centre_weights(n) for n in sizes]
+        mean[:, c] = [w @ values[group] for w, group in zip(weights, groups, strict=True)]
+        one = noise.of(quantity, mean[:, c], run)
+        if not is_static:
+            one = np.maximum(one, max(noise.of_samples(values), noise.of_groups(values, groups)))
+        error = one * [np.linalg.norm(w) for w in weights]
+        if is_static:
+            error = np.maximum(error, _swayed(values, groups, np.hypot(one, noise.rounding(quantity))))
+        sigma[:, c] = np.hypot(error, noise.lasting(quantity))
+        turning = piece.turning[:, quantity.index] if quantity.is_of_drive else np.any(piece.turning, axis=1)
+        mean[turning, c] = np.nan
+    return mean, sigma
+
+
+def _swayed(values: Array, groups: tuple[Index, ...], one: Array) -> Array:
+    """Return the scatter of repeats where they scatter more than chance lets their instrument, else 0; one per group.
+
+    An arm that was read before it had settled sways; neighbours err alike then, so their mean is no better than one.
+    """
+    found = np.zeros(len(groups))
+    for i, group in enumerate(groups):
+        if len(group) > 1:
+            variance = values[group].var(ddof=1)
+            if variance > one[i] ** 2 * _most_by_chance(len(group)):
+                found[i] = np.sqrt(variance)
+    return found
+
+
+@lru_cache
+def _most_by_chance(n: int) -> float:
+    """Return up to what the variance of n readings comes by chance, as a share of the true one."""
+    return float(chi2.isf(BY_CHANCE, n - 1)) / (n - 1)
