@@ -10,7 +10,7 @@ import pytest
 
 from bench.diagnose.replay.replay import World
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Effect
+from bench.effects.effect import Acting, Effect
 from bench.errors import InputError
 from bench.record.campaign import Campaign
 from bench.report.study.write import PAGE, RESULTS, write_study
@@ -142,3 +142,18 @@ def test_detection_limit_is_where_evidence_reaches_the_threshold(ground: Ground,
     assert evidence == pytest.approx(ground.threshold, rel=CLOSE)
     (size,) = (p for p in effect.parameters if not p.is_shape)
     assert abs(way.at(1.0, ground.compiled).values["offset"] - size.null) == pytest.approx(size.high)
+
+
+def test_what_is_narrower_than_a_bin_is_seen_as_little_as_its_data_show_it(ground: Ground) -> None:
+    """Many periods of a ripple within a bin: they show where a bin is one instant, and blur where it is a stretch."""
+    ripple, offset = catalogue()["friction_ripple"], catalogue()["current_offset"]
+    place = ripple.places(ground.compiled)[1]
+    fine = World(acting=(Acting(ripple, place, ripple.complete({"sin": 0.3, "period": 0.011})),))
+    even = World(acting=(Acting(offset, place, offset.complete({"offset": 0.2})),))
+    replay = ground.design.replay
+    sizes = {}
+    for name, world in (("fine", fine), ("even", even)):
+        at_instants = replay.predict(world) - replay.predict(World())
+        sizes[name] = np.nanstd(ground.blur.change(world)) / np.nanstd(at_instants)
+    assert sizes["fine"] < 0.6
+    assert sizes["even"] == pytest.approx(1.0)
