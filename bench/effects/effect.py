@@ -68,6 +68,8 @@ class Parameter:
         signed: Both signs are physical.
         is_shape: It only shapes the effect; size 0 of the others makes it meaningless.
         words: What it is.
+        ratio: Of neighbouring values of a shape that are tried at first; near 1 for periods, for between two of them an
+            effect is lost.
     """
 
     name: str
@@ -78,6 +80,7 @@ class Parameter:
     words: str
     signed: bool = False
     is_shape: bool = False
+    ratio: float = 2.5
 
     @property
     def typical(self) -> float:

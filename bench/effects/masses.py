@@ -14,6 +14,7 @@ from bench.robot.folder import Robot
 
 COMPACT_M, BULKY_M = 0.05, 0.6  # [m], radii of gyration of a steel block and of a bulky workpiece, assumed
 SWEVERS = "Swevers, Verdonck and De Schutter, Dynamic model identification for industrial robots, 2007"
+LEAST_INERTIA = 0.05  # of the model's; with none at all a drive has no equation of motion
 
 
 class _GeometryAndMass(Effect):
@@ -174,7 +175,7 @@ class RotorInertia(OnDrive):
 
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             joint = spec.joint(drive_of(robot, place).rotor)
-            joint.armature = (1 + change) * joint.armature
+            joint.armature = max(1 + change, LEAST_INERTIA) * joint.armature
 
         return edit if change else None
 

@@ -15,7 +15,7 @@ from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
 
 # Of a figure, to which it may shrink: a search that goes far beyond stated uncertainty still meets a robot.
-LEAST = 0.02
+LEAST = 0.05
 
 
 @dataclass(frozen=True)

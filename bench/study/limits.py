@@ -98,14 +98,14 @@ def _finer(segment: Segment) -> Segment:
     steps = np.where(motion.read, WITHIN, 1)
     row = np.repeat(np.arange(len(motion)), steps)
     part = np.concatenate([(np.arange(n) + 0.5) / n - 0.5 for n in steps])[:, None] * width
-    velocity, acceleration = motion.velocity[row], motion.acceleration[row]
+    velocity = motion.velocity[row]  # the same all through a bin: no friction turns round in it
     finer = replace(
         motion,
         time=motion.time[row] + part[:, 0],
-        q=motion.q[row] + part * velocity + part**2 / 2 * acceleration,
-        velocity=velocity + part * acceleration,
+        q=motion.q[row] + part * velocity,
+        velocity=velocity,
+        acceleration=motion.acceleration[row],
         wrench=motion.wrench[row],
-        acceleration=acceleration,
         read=motion.read[row],
     )
     return replace(segment, motion=finer)
@@ -114,7 +114,7 @@ def _finer(segment: Segment) -> Segment:
 def detection_limit(way: Way, design: Design, blur: Blur, threshold: float, rivals: Sequence[Array] = ()) -> float:
     """Return the size at which the expected evidence reaches a threshold, as a share of the largest plausible size.
 
-    The effect is taken as linear below its typical size.
+    The effect is taken as linear below its typical size. Where a bin blurs it, the limit is that of the blurred effect.
 
     Args:
         way: The effect.
@@ -128,8 +128,15 @@ def detection_limit(way: Way, design: Design, blur: Blur, threshold: float, riva
     """
     compiled = design.replay.compiled
     size = float(np.sqrt(way.smallest(compiled)))
-    change = blur.change(World(acting=(way.at(size, compiled),)))
-    column = design.whiten(change[:, :, None]) / size
+    world = World(acting=(way.at(size, compiled),))
+    plain = design.replay.predict(world) - design.replay.predict(NOMINAL)
+    seen = [_information(design, change / size, rivals) for change in (plain, blur.change(world))]
+    return smallest_found(min(seen), PRIOR, threshold)
+
+
+def _information(design: Design, change: Array, rivals: Sequence[Array]) -> float:
+    """Return the information on a size, nuisances integrated out, that no rival can take away."""
+    column = design.whiten(change[:, :, None])
     columns = np.concatenate([column, *rivals], axis=1)
     products = Nuisances(design.slopes).products(design.white, columns).information
     information, start = float(products[0, 0]), 1
@@ -139,7 +146,7 @@ def detection_limit(way: Way, design: Design, blur: Blur, threshold: float, riva
         cross = products[own, 0]
         square = products[np.ix_(own, own)] + TINY * np.eye(len(own))
         information = min(information, float(products[0, 0] - cross @ np.linalg.solve(square, cross)))
-    return smallest_found(information, PRIOR, threshold)
+    return information
 
 
 def _drawn(parameter: Parameter, rng: np.random.Generator) -> float:

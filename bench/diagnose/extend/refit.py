@@ -224,17 +224,37 @@ def _slopes(left, residual, values, x, unknowns, high) -> Array:  # type: ignore
         step = STEP * (p.high - p.low if p.is_shape else p.high)
         if values[i] + step > high[i]:
             step = -step
-        moved = values.copy()
-        moved[i] += step
-        columns.append((residual - left(moved, x)) / step)
+        try:
+            columns.append((residual - _moved(left, values, x, i, step)) / step)
+        except EffectError:
+            raise
+        except BenchError:  # no balance there; the other side is as good
+            columns.append((_moved(left, values, x, i, -step) - residual) / step)
     return np.stack(columns, axis=2) if columns else np.zeros((*residual.shape, 0))
+
+
+def _moved(left, values, x, i, step) -> Array:  # type: ignore[no-untyped-def]
+    moved = values.copy()
+    moved[i] += step
+    residual: Array = left(moved, x)
+    return residual
 
 
 def polished(design: Design, fit: Fit) -> tuple[Design, Fit]:
     """Return a fit again, with new derivatives of the nuisances that act as its causes do; and the design with them.
 
-    Where friction has become half as large again, so has what its uncertainty does.
+    Where friction has become half as large again, so has what its uncertainty does. Where that finds no balance, the
+    fit stays as it is.
     """
+    try:
+        return _polished(design, fit)
+    except EffectError:
+        raise
+    except BenchError:
+        return design, fit
+
+
+def _polished(design: Design, fit: Fit) -> tuple[Design, Fit]:
     which = _akin(design, fit)
     if not which:
         return design, fit

@@ -17,7 +17,7 @@ def measured(design: Design) -> NDArray[np.bool_]:
 def floor_variance(design: Design) -> Array:
     """Return the variance of what no model can predict, shape (T, c); nan where not measured.
 
-    Noise of the instruments, raised to the roughness that the data showed, and static friction. What standard errors
+    Noise of the instruments, rests that swayed, and static friction. What standard errors
     were raised by because no model fits (`design.excess`) is taken out: a poor model does not raise its own floor.
     """
     c = len(design.quantities)

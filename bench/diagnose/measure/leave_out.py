@@ -22,7 +22,7 @@ from bench.diagnose.picture.design import Design
 from bench.record.campaign import Array
 
 REACH = 4.0  # standard deviations by which a figure may be off before it makes another model; one in 16000 is
-ABSURD = 10.0  # standard deviations, beyond which it does not matter by how much a stated figure is wrong
+ABSURD = 20.0  # standard deviations, beyond which it does not matter by how much a stated figure is wrong
 UNTOUCHED = 1e-9  # relative fall of a variance, below which the data say nothing about a figure
 
 

@@ -19,7 +19,6 @@ from bench.diagnose.picture.design import Design, raised
 from bench.diagnose.picture.generic import Block, blocks_of
 from bench.diagnose.picture.lack_of_fit import is_adequate
 from bench.diagnose.picture.screening import Entry, Screening, entries_of, rescreen
-from bench.record.campaign import Array
 
 Kind = Literal["nothing found", "cause", "several causes", "unlisted cause"]
 
@@ -35,6 +34,7 @@ class Renew(Protocol):
 
 MOST_CAUSES = 30
 MOST_REFUSED = 8
+MOST_CHANGES = 3  # of the model for a rival, at the end
 IN_SET = 6.0  # log evidence behind the best, up to where a cause is not told apart from it (odds of 400)
 NEARLY = 3.0  # beyond the set, up to where derivatives are taken anew before it is decided
 # What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.
@@ -137,13 +137,15 @@ def name_cause(
         others = tuple(h for h in fits if h is not found and len(h.causes) == len(found.causes))
         stage = _climbed(stage, found, others, renew, progress)
         refused.clear()  # what did not pay before may pay beside this
-        if len(stage.best.causes) > 1 and _explains_more(stage):
+        if len(stage.best.causes) > 1 and _explains_more(stage, design):
             break
-    block, is_alone = _unlisted(stage, threshold)
-    stage = _settled(stage, renew)
-    hypotheses = _among_rivals(stage, progress) if stage.best.causes and not is_alone else ()
-    if hypotheses and hypotheses[0].keys != stage.best.keys:
-        stage = _weighed(stage.design, stage.screening, hypotheses[0])
+    for _ in range(MOST_CHANGES):
+        block, is_alone = _unlisted(stage, design, threshold)
+        stage = _settled(stage, renew)
+        hypotheses = _among_rivals(stage, progress) if stage.best.causes and not is_alone else ()
+        if not hypotheses or hypotheses[0].keys == stage.best.keys:
+            break
+        stage = _changed(stage, hypotheses[0], renew)  # what the model before left may be no more
     if block is not None:
         return Naming("unlisted cause", hypotheses, block, null, screening, stage.screening, tuple(rungs), stage.design)
     if not hypotheses:  # what the linear picture promised, the simulation did not keep
@@ -179,6 +181,13 @@ def _settled(stage: Stage, renew: Renew) -> Stage:
     fit = refit(design, stage.fit.causes, stage.fit.start, stage.fit.nuisances)
     null = refit(design, (), {})
     return _weighed(design, screening, Hypothesis(fit, fit.log_evidence - null.log_evidence))
+
+
+def _changed(stage: Stage, best: Hypothesis, renew: Renew) -> Stage:
+    """Return the stage with a rival as its model; standard errors are what that one leaves."""
+    design, screening = renew(stage.design, best.fit, stage.screening)
+    fit = refit(design, best.causes, best.fit.start, best.fit.nuisances)
+    return _weighed(design, screening, Hypothesis(fit, fit.log_evidence - refit(design, (), {}).log_evidence))
 
 
 def _weighed(design: Design, screening: Screening, best: Hypothesis, tried: tuple[Hypothesis, ...] = ()) -> Stage:
@@ -220,27 +229,26 @@ def _among_rivals(stage: Stage, progress: Callable[[str], None]) -> tuple[Hypoth
     return tuple(sorted(ranked, key=lambda h: -h.log_evidence))
 
 
-def _explains_more(stage: Stage) -> bool:
-    """Whether one free shape explains more than all listed causes that were found, with the same errors counted."""
-    free = _alone(stage)
-    if not free:
-        return False
-    null = refit(stage.design, (), {})
-    return free[0].log_evidence > stage.fit.log_evidence - null.log_evidence + stage.screening.threshold
+def _explains_more(stage: Stage, nominal: Design) -> Entry | None:
+    """Return the free shape that explains alone more than listed causes and the best shape beside them, or None.
+
+    Both count with the same standard errors, the shape about the nominal model and its own derivatives: those about the
+    extended one are of other friction and other stiffness.
+    """
+    design = raised(nominal, stage.design.excess / nominal.excess)
+    null = Hypothesis(refit(design, (), {}), 0.0)
+    everything = replace(stage.screening, entries=entries_of(blocks_of(design)), taken=frozenset())
+    alone = _about(design, everything, null).free[:1]
+    beside = max([entry.log_evidence for entry in stage.screening.free[:1]], default=0.0)
+    least = (1 + UNEXPLAINED) * (stage.fit.log_evidence - null.fit.log_evidence + max(beside, 0.0))
+    return alone[0] if alone and alone[0].log_evidence > least + stage.screening.threshold else None
 
 
-def _alone(stage: Stage) -> tuple[Entry, ...]:
-    """Return the free shapes against the nominal model, by falling evidence."""
-    design = stage.design
-    nothing: Array = np.zeros((len(design.white), 0))
-    return rescreen(design, stage.screening, design.white, nothing, np.zeros(0)).free
-
-
-def _unlisted(stage: Stage, threshold: float) -> tuple[Block | None, bool]:
+def _unlisted(stage: Stage, nominal: Design, threshold: float) -> tuple[Block | None, bool]:
     """Return the free shape that is needed, or None where listed causes are enough; and whether it stands alone.
 
-    One that explains alone more than several listed causes together is preferred to them. Where no shape is needed by
-    its evidence, but the model leaves far more than what nothing explains, the shape that is nearest to that is named.
+    One that explains alone more than listed causes and the best shape beside them is preferred to them. Where no shape
+    is needed by its evidence, but the model leaves far more than what nothing explains, the nearest to that is named.
     """
     left = stage.screening.free
     needed = left and left[0].log_evidence > max(threshold, UNEXPLAINED * stage.best.log_evidence)
@@ -250,14 +258,12 @@ def _unlisted(stage: Stage, threshold: float) -> tuple[Block | None, bool]:
         needed, left = bool(left), _nearest(stage)
     if not needed and len(stage.best.causes) <= 1:
         return None, False
-    if _explains_more(stage):
-        what, is_alone = _alone(stage)[0].what, True
-    elif needed:
-        what, is_alone = left[0].what, False
-    else:
+    alone = _explains_more(stage, nominal)
+    if alone is None and not needed:
         return None, False
+    what = alone.what if alone else left[0].what
     assert isinstance(what, Block)
-    return what, is_alone
+    return what, alone is not None
 
 
 def _nearest(stage: Stage) -> tuple[Entry, ...]:

@@ -12,7 +12,6 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
 FEWEST_SHAPES = 3  # values of a shape parameter that are tried at first
-WIDEST = 2.5  # ratio of neighbours among them
 INVISIBLE = 1e-3  # norm of a whitened signature at its largest plausible size, below which nobody can see an effect
 
 
@@ -97,7 +96,7 @@ def shape_grid(cause: Cause) -> list[dict[str, float]]:
     for parameter in cause.shapes:
         low, high, count = parameter.low, parameter.high, FEWEST_SHAPES
         if low > 0:
-            count = max(count, 1 + int(np.ceil(np.log(high / low) / np.log(WIDEST))))
+            count = max(count, 1 + int(np.ceil(np.log(high / low) / np.log(parameter.ratio))))
         values = (np.geomspace if low > 0 else np.linspace)(low, high, count)
         axes.append([(parameter.name, float(value)) for value in values])
     return [dict(point) for point in product(*axes)]

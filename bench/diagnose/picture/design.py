@@ -22,9 +22,7 @@ from bench.errors import BenchError
 from bench.record.campaign import Array
 from bench.simulate.plant import Trace
 
-ROUGHNESS_WINDOW = 9  # bins, over which the roughness of a residual is averaged
 HELD_MOTOR, HELD_LINK = 0.7, 0.5  # standard deviations of the part of its friction that a joint lets go of at rest
-ROUGH = 2.0  # times the variance that instruments explain, from where on the data's own word counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,14 +116,7 @@ def design_of(replay: Replay, nuisances: tuple[Nuisance, ...], changes: Array | 
     responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
     held, held_changes = held_friction(replay, traces, responses)
     nuisances, changes = (*nuisances, *held), np.concatenate([changes, held_changes], axis=2)
-    plain = _assemble(replay, nuisances, responses, replay.segments, changes, residual)
-    # What rings after a ramp is left out of the replay: where residuals are rough, roughness is the noise.
-    left = residual - plain.changes @ fit(plain)
-    rough = tuple(
-        segment if segment.is_static else replace(segment, sigma=_roughened(part, segment.sigma))
-        for segment, part in zip(replay.segments, plain.split(left), strict=True)
-    )
-    return _assemble(replay, nuisances, responses, rough, changes, residual)
+    return _assemble(replay, nuisances, responses, replay.segments, changes, residual)
 
 
 def relinearised(design: Design, which: Sequence[int], changes: Array) -> Design:
@@ -219,19 +210,3 @@ def _assemble(
     draft = Design(*known, empty, empty, run_of, runs, column_of)
     both = draft.whiten(np.concatenate([changes, residual[:, :, None]], axis=2))
     return replace(draft, slopes=both[:, :-1], white=both[:, -1])
-
-
-def _roughened(left: Array, sigma: Array) -> Array:
-    """Return the standard errors of one motion, raised to the roughness of its residuals, both shape (T, c)."""
-    raised = sigma.copy()
-    half = ROUGHNESS_WINDOW // 2
-    for c in range(left.shape[1]):
-        values = left[:, c]
-        if len(values) < ROUGHNESS_WINDOW or not np.all(np.isfinite(values)):
-            continue
-        second = np.diff(values, 2) ** 2 / 6  # of white noise: its variance
-        local = np.convolve(
-            np.pad(second, half + 1, mode="edge"), np.ones(ROUGHNESS_WINDOW) / ROUGHNESS_WINDOW, "valid"
-        )
-        raised[:, c] = np.where(local > ROUGH * sigma[:, c] ** 2, np.sqrt(local), sigma[:, c])
-    return raised
