@@ -8,7 +8,7 @@ from bench.diagnose.extend.refit import Fit, Key, pseudo_residual, refit
 from bench.diagnose.measure.measure import held_out
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design, raised
+from bench.diagnose.picture.design import Design, raised, roughened
 from bench.diagnose.picture.generic import Block, anew
 from bench.diagnose.picture.lack_of_fit import missed, unexplained
 from bench.diagnose.picture.marginal import Nuisances
@@ -104,9 +104,11 @@ def learn(design: Design, block: Block, beside: Fit) -> Lesson:
         if gained < KEPT * estimate.log_evidence:
             return Lesson(design, fit, False, FALLS_SHORT)
         factors = _factors(design, block, fit)
-        if not left or np.all((factors < SETTLED) & (factors > 1 / SETTLED)):
+        if not left or (left < ROUNDS - 1 and np.all((factors < SETTLED) & (factors > 1 / SETTLED))):
             break
         design = raised(design, factors)
+        if left == ROUNDS - 1:  # where a shape changes within a bin, no table can follow
+            design = roughened(design, fit.residual)
     worth = held_out(design, without, fit)
     # what was stated of the robot is no reason to believe a free shape: some channel that was poor has to get better
     is_better = any(gain.low > 0 and gain.before > gain.floor for gain in worth.channels)

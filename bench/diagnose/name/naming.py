@@ -232,6 +232,8 @@ def _among_rivals(stage: Stage, progress: Callable[[str], None]) -> tuple[Hypoth
 def _explains_more(stage: Stage, nominal: Design) -> Entry | None:
     """Return the free shape that explains alone more than listed causes and the best shape beside them, or None.
 
+    One that explains as much will do if listed causes are the smaller part.
+
     Both count with the same standard errors, the shape about the nominal model and its own derivatives: those about the
     extended one are of other friction and other stiffness.
     """
@@ -239,9 +241,14 @@ def _explains_more(stage: Stage, nominal: Design) -> Entry | None:
     null = Hypothesis(refit(design, (), {}), 0.0)
     everything = replace(stage.screening, entries=entries_of(blocks_of(design)), taken=frozenset())
     alone = _about(design, everything, null).free[:1]
-    beside = max([entry.log_evidence for entry in stage.screening.free[:1]], default=0.0)
-    least = (1 + UNEXPLAINED) * (stage.fit.log_evidence - null.fit.log_evidence + max(beside, 0.0))
-    return alone[0] if alone and alone[0].log_evidence > least + stage.screening.threshold else None
+    if not alone:
+        return None
+    listed = stage.fit.log_evidence - null.fit.log_evidence
+    beside = max([0.0, *(entry.log_evidence for entry in stage.screening.free[:1])])
+    margin = UNEXPLAINED * (listed + beside)
+    surely = alone[0].log_evidence > listed + beside + margin + stage.screening.threshold
+    as_well = alone[0].log_evidence > listed + beside - margin and listed < beside
+    return alone[0] if surely or as_well else None
 
 
 def _unlisted(stage: Stage, nominal: Design, threshold: float) -> tuple[Block | None, bool]:

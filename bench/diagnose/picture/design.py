@@ -22,6 +22,8 @@ from bench.errors import BenchError
 from bench.record.campaign import Array
 from bench.simulate.plant import Trace
 
+ROUGHNESS_WINDOW = 9  # bins, over which the roughness of a residual is averaged
+ROUGH = 2.0  # times the variance that instruments explain, from where on the data's own word counts
 HELD_MOTOR, HELD_LINK = 0.7, 0.5  # standard deviations of the part of its friction that a joint lets go of at rest
 
 
@@ -146,6 +148,21 @@ def raised(design: Design, factors: Array) -> Design:
     return replace(heavier, excess=design.excess * factors, unexplained=design.unexplained)
 
 
+def roughened(design: Design, left: Array) -> Design:
+    """Return the design with larger standard errors in motion where a residual is rough: what is not resolved is noise.
+
+    Args:
+        design: The campaign.
+        left: Shape (T, c), residual of a model.
+    """
+    segments = tuple(
+        segment if segment.is_static else replace(segment, sigma=_roughened(part, segment.sigma))
+        for segment, part in zip(design.weighed, design.split(left), strict=True)
+    )
+    heavier = _assemble(design.replay, design.nuisances, design.responses, segments, design.changes, design.residual)
+    return replace(heavier, excess=design.excess, unexplained=design.unexplained)
+
+
 def held_friction(
     replay: Replay, traces: list[Trace], responses: tuple[TorqueResponse, ...]
 ) -> tuple[tuple[Nuisance, ...], Array]:
@@ -210,3 +227,19 @@ def _assemble(
     draft = Design(*known, empty, empty, run_of, runs, column_of)
     both = draft.whiten(np.concatenate([changes, residual[:, :, None]], axis=2))
     return replace(draft, slopes=both[:, :-1], white=both[:, -1])
+
+
+def _roughened(left: Array, sigma: Array) -> Array:
+    """Return the standard errors of one motion, raised to the roughness of its residuals, both shape (T, c)."""
+    raised = sigma.copy()
+    half = ROUGHNESS_WINDOW // 2
+    for c in range(left.shape[1]):
+        values = left[:, c]
+        if len(values) < ROUGHNESS_WINDOW or not np.all(np.isfinite(values)):
+            continue
+        second = np.diff(values, 2) ** 2 / 6  # of white noise: its variance
+        local = np.convolve(
+            np.pad(second, half + 1, mode="edge"), np.ones(ROUGHNESS_WINDOW) / ROUGHNESS_WINDOW, "valid"
+        )
+        raised[:, c] = np.where(local > ROUGH * sigma[:, c] ** 2, np.sqrt(local), sigma[:, c])
+    return raised

@@ -77,7 +77,7 @@ def learned_of(naming: Naming, lesson: Lesson | None = None) -> Learned | None:
     if lesson and lesson.fit and lesson.pays:
         return _simulated(lesson, lesson.fit, block)
     both = (naming.leftover, naming.screening) if naming.hypotheses else (naming.screening, naming.leftover)
-    screening, entry = next((s, entry) for s in both for entry in s.entries if entry.what is block)
+    screening, entry = next((s, e) for s in both for e in s.free if str(e.what) == str(block))
     return Learned(block, *screening.marginal.sizes(entry.columns, entry.prior))
 
 
