@@ -105,7 +105,7 @@ def test_files_say_what_was_learned(case: Case) -> None:
     assert curve["value"] == [p["value"] for p in content["unlisted"]["parameters"]]
     assert curve["low"] == pytest.approx([p["low"] for p in content["unlisted"]["parameters"]])
     after = {channel["channel"]: channel["after"] for channel in content["channels"]}
-    assert after["current_2_a"] < NEAR_FLOOR
+    assert after["current_2_a"] < NEAR_FLOOR[case.name]
 
 
 def test_every_shape_of_a_campaign_becomes_an_effect_or_says_why_not(case: Case) -> None:
