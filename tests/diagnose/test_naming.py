@@ -3,7 +3,9 @@
 import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
+from bench.diagnose.extend import refit
 from bench.effects.catalogue import catalogue
+from bench.errors import ConvergenceError
 from tests.diagnose.sweeps import SWEEPS, made, nominal
 
 CHOICE = ("coulomb_level", "viscous_level", "torque_constant", "gas_loss", "current_offset")
@@ -24,3 +26,20 @@ def test_hidden_effect_is_named_in_its_joint(name: str, value: float) -> None:
 
 def test_null_data_give_nothing_found() -> None:
     assert found({}, seed=4).verdict.kind == "nothing found"
+
+
+def test_two_effects_are_not_taken_for_one_free_shape() -> None:
+    """Derivatives about a model with a fifth of the friction say nothing of what the nominal one leaves."""
+    campaign = made(SWEEPS, 6, {"viscous_level": -0.8, "gas_loss": 0.15})
+    effects = catalogue()
+    verdict = diagnose(campaign, nominal(), {name: effects[name] for name in CHOICE}, asks=False).verdict
+    assert verdict.kind == "several causes"
+    assert {cause.effect for cause in verdict.explanations[0].causes} == {"viscous_level", "gas_loss"}
+
+
+def test_a_fit_that_finds_no_balance_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(design: object, fit: object) -> None:
+        raise ConvergenceError("no balance")
+
+    monkeypatch.setattr(refit, "_polished", fails)
+    assert refit.polished("design", "fit") == ("design", "fit")  # type: ignore[arg-type,comparison-overlap]
