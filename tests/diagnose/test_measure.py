@@ -43,7 +43,11 @@ def design_with(residual: np.ndarray, changes: np.ndarray, runs: int, modes: np.
         observed, sigma = residual[i * n : (i + 1) * n, None], np.full((n, 1), SIGMA)
         standing = np.zeros(1, dtype=bool)
         at = Conditions.reference(1)
-        segments.append(Segment(f"run{i}", f"run{i}", False, motion, at, observed, sigma, standing, 0 * sigma))
+        segments.append(
+            Segment(
+                f"run{i}", f"run{i}", False, motion, at, observed, sigma, standing, 0 * sigma, observed[:, 0] < -np.inf
+            )
+        )
         factors = np.full((n, 1, 1), 1 / SIGMA)
         common = np.zeros((n, 0)) if modes is None else modes / SIGMA
         found, size, _ = np.linalg.svd(common, full_matrices=False)

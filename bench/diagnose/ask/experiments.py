@@ -164,6 +164,7 @@ class _Lab:
             sigma=np.where(columns, np.broadcast_to(self.sigma[is_static], shape), np.nan),
             standing=np.all(motion.velocity == 0, axis=0),
             acceleration_error=np.zeros((length, self.n)),
+            rings=np.zeros(length, dtype=bool),
         )
 
     def place(self, joint: int, position: float) -> str:

@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 
 from bench.diagnose.picture.scatter import Whitening, whitening_of
 from bench.diagnose.picture.torque_response import TorqueResponse, torque_response
@@ -118,7 +120,9 @@ def design_of(replay: Replay, nuisances: tuple[Nuisance, ...], changes: Array | 
     responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
     held, held_changes = held_friction(replay, traces, responses)
     nuisances, changes = (*nuisances, *held), np.concatenate([changes, held_changes], axis=2)
-    return _assemble(replay, nuisances, responses, replay.segments, changes, residual)
+    plain = _assemble(replay, nuisances, responses, replay.segments, changes, residual)
+    # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
+    return roughened(plain, residual - plain.changes @ fit(plain), [segment.rings for segment in replay.segments])
 
 
 def relinearised(design: Design, which: Sequence[int], changes: Array) -> Design:
@@ -148,16 +152,20 @@ def raised(design: Design, factors: Array) -> Design:
     return replace(heavier, excess=design.excess * factors, unexplained=design.unexplained)
 
 
-def roughened(design: Design, left: Array) -> Design:
+def roughened(design: Design, left: Array, where: Sequence[NDArray[np.bool_]] | None = None) -> Design:
     """Return the design with larger standard errors in motion where a residual is rough: what is not resolved is noise.
 
     Args:
         design: The campaign.
         left: Shape (T, c), residual of a model.
+        where: Of every segment, shape (T of the segment,), instants to look at; None: all.
     """
+    chosen = where or [np.ones(len(segment), dtype=bool) for segment in design.weighed]
     segments = tuple(
-        segment if segment.is_static else replace(segment, sigma=_roughened(part, segment.sigma))
-        for segment, part in zip(design.weighed, design.split(left), strict=True)
+        segment
+        if segment.is_static
+        else replace(segment, sigma=np.where(rows[:, None], _roughened(part, segment.sigma), segment.sigma))
+        for segment, part, rows in zip(design.weighed, design.split(left), chosen, strict=True)
     )
     heavier = _assemble(design.replay, design.nuisances, design.responses, segments, design.changes, design.residual)
     return replace(heavier, excess=design.excess, unexplained=design.unexplained)
@@ -232,14 +240,13 @@ def _assemble(
 def _roughened(left: Array, sigma: Array) -> Array:
     """Return the standard errors of one motion, raised to the roughness of its residuals, both shape (T, c)."""
     raised = sigma.copy()
-    half = ROUGHNESS_WINDOW // 2
+    window = min(ROUGHNESS_WINDOW, len(left) - 2)
+    if window < 1:
+        return raised
     for c in range(left.shape[1]):
-        values = left[:, c]
-        if len(values) < ROUGHNESS_WINDOW or not np.all(np.isfinite(values)):
+        if not np.all(np.isfinite(left[:, c])):
             continue
-        second = np.diff(values, 2) ** 2 / 6  # of white noise: its variance
-        local = np.convolve(
-            np.pad(second, half + 1, mode="edge"), np.ones(ROUGHNESS_WINDOW) / ROUGHNESS_WINDOW, "valid"
-        )
+        second = np.pad(np.diff(left[:, c], 2) ** 2 / 6, 1, mode="edge")  # of white noise: its variance
+        local = uniform_filter1d(second, window, mode="nearest")
         raised[:, c] = np.where(local > ROUGH * sigma[:, c] ** 2, np.sqrt(local), sigma[:, c])
     return raised

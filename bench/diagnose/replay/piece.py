@@ -23,6 +23,7 @@ class Piece:
         motion: What the motors did, with the instants before that shape friction.
         acceleration_error: Shape (T, n), standard deviation of the motors' accelerations, as differentiated.
         turning: Shape (T, n) bool, drives that start, stop or turn round: their friction is between its levels.
+        rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
     """
 
     label: str
@@ -30,6 +31,7 @@ class Piece:
     motion: Motion
     acceleration_error: Array
     turning: NDArray[np.bool_]
+    rings: NDArray[np.bool_]
 
     @property
     def rows(self) -> NDArray[np.int64]:

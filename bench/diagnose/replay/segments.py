@@ -43,6 +43,7 @@ class Segment:
         sigma: Shape (T, c), standard error by the instruments' noise, or by the scatter of repeats where an arm swayed.
         standing: Shape (n,) bool, drives that did not move.
         acceleration_error: Shape (T, n), standard deviation of the motors' accelerations, as differentiated.
+        rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
     """
 
     run: str
@@ -54,6 +55,7 @@ class Segment:
     sigma: Array
     standing: Array
     acceleration_error: Array
+    rings: NDArray[np.bool_]
 
     def __len__(self) -> int:
         return len(self.observed)
@@ -92,6 +94,7 @@ def segments_of(
                     sigma,
                     speed == 0.0,
                     piece.acceleration_error,
+                    piece.rings,
                 )
             )
     return _rounded_alike(found, quantities, noise)

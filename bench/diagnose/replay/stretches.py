@@ -18,6 +18,8 @@ LEAST_WINDOW = 5  # samples
 TURNING = 0.08  # of a joint's top speed in a run; below it, it starts, stops or turns round
 UNRESOLVED = 0.5  # of the difference between accelerations over one window and over two, that may be error
 RINGS = 0.2  # [s], for which a jerk is felt before and after
+JERKY = 0.01  # of a joint's top speed, by which that changes unsteadily within a period of the arm's lowest mode
+SETTLES = 5.0  # periods of that mode, after which an arm rings no more: a fifth is left with a damping ratio of 0.05
 STANDS = 1e-4  # [rad/s] or [m/s]; below it a joint counts as standing
 TRAVELS = 0.005  # [rad] or [m]; a joint that goes less far in a run only gives: its friction does not slide
 
@@ -38,7 +40,8 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Pi
     time = run.columns["time_s"]
     dt = float(np.median(np.diff(time)))
     angles, wrenches = angles_of(run, compiled), wrench_of(run, compiled)
-    width = max(width, lowest_period(compiled, angles.mean(axis=0)) / 2)
+    period = lowest_period(compiled, angles.mean(axis=0))
+    width = max(width, period / 2)
     samples = max(1, round(width / dt))
     window = 2 * round(min(LONGEST_WINDOW, samples * dt) / dt / 2) + 1
     window = int(np.clip(window, LEAST_WINDOW, 2 * ((len(run) - 1) // 2) - 1))
@@ -78,7 +81,10 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Pi
     )
     worst = np.stack([error[group].max(axis=0) for group in kept])
     worst[:, still] = 0.0
-    yield Piece(run.name, kept, motion, worst, turning[useful])
+    jerky = np.any(error[:, moves] * period > JERKY * top[moves], axis=1)
+    after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
+    rings = np.array([np.any(after[group] < SETTLES * period) for group in kept])
+    yield Piece(run.name, kept, motion, worst, turning[useful], rings)
 
 
 def lowest_period(compiled: CompiledRobot, q: Array) -> float:

@@ -42,4 +42,4 @@ def visits_of(run: Run, compiled: CompiledRobot) -> Iterator[Piece]:
         )
         words = {1.0: " from below", -1.0: " from above"}.get(float(side), "")
         still = np.zeros(q.shape, dtype=bool)
-        yield Piece(f"{run.name}, pose {pose[first]:g}{words}", tuple(groups), motion, zeros[1:], still)
+        yield Piece(f"{run.name}, pose {pose[first]:g}{words}", tuple(groups), motion, zeros[1:], still, still[:, 0])
