@@ -73,13 +73,18 @@ class Prescribed:
         self._wrench: Array | None = None
         self._bias = np.zeros(model.nv)
 
+    @property
+    def n_unknowns(self) -> int:
+        """Links and passive hinges whose balance is sought."""
+        return len(self._dofs)
+
     def follow(self, motion: Motion, guess: Array | None = None) -> tuple[Trace, Array]:
         """Return the truth at the instants that are read, and for all of them the unknown positions and stiffnesses.
 
         Args:
             motion: What the motors do.
-            guess: Shape (T, 2, u), what a similar robot found along the same motion: positions [rad], and torques
-                over angles [Nm/rad].
+            guess: Shape (T, 2, u), what a robot with as many unknowns found along the same motion: positions [rad], and
+                torques over angles [Nm/rad].
 
         Raises:
             ConvergenceError: No balance at some instant.
@@ -102,7 +107,7 @@ class Prescribed:
             # gas relaxes over what the plugin takes for one step
             model.opt.timestep = own_step if i == 0 else max(motion.time[i] - motion.time[i - 1], own_step)
             slope = None
-            if guess is not None and guess.shape[2] == len(unknown):
+            if guess is not None:
                 unknown, slope = guess[i]
             elif i:
                 unknown = found[i - 1, 0].copy()

@@ -34,7 +34,7 @@ class Renew(Protocol):
 
 MOST_CAUSES = 30
 MOST_REFUSED = 8
-MOST_CHANGES = 3  # of the model for a rival, at the end
+MOST_CHANGES = 2  # times that the end is weighed: once more where a rival takes the model's place
 IN_SET = 6.0  # log evidence behind the best, up to where a cause is not told apart from it (odds of 400)
 NEARLY = 3.0  # beyond the set, up to where derivatives are taken anew before it is decided
 # What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.

@@ -19,6 +19,7 @@ from bench.record.campaign import Array
 
 FINALISTS = 6  # causes that are fitted by simulation
 RIVALS = 4  # causes that are tried in the place of each
+MOST_SWAPS = 12  # of them all; a model of many causes would be tried for minutes
 PAIRED = 40  # causes whose pairs are all tried in the linear picture
 PAIR_FINALISTS = 3
 IN_REACH = 12.0  # log evidence behind the best, from where on a cause is not worth a simulation
@@ -137,7 +138,7 @@ def swaps(stage: Stage) -> list[Trial]:
                 promise = stage.best.log_evidence + entry.log_evidence - top
                 causes = (*others, entry.cause)
                 trials.append(Trial(causes, start | against.sizes_of(entry), fit.nuisances, promise))
-    return trials
+    return sorted(trials, key=lambda trial: -trial.promise)[:MOST_SWAPS]
 
 
 def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:

@@ -55,7 +55,7 @@ class Replay:
         self.quantities = quantities
         self._spec = read_spec(compiled.robot)
         bare(self._spec, compiled.robot)
-        self._found: list[Array | None] = [None] * len(segments)
+        self._found: dict[tuple[int, int], Array] = {}  # (segment, number of unknowns) -> where links were last
         self._nominal: list[Trace] = []
         self._nominal = self.traces(NOMINAL)
 
@@ -98,9 +98,8 @@ class Replay:
                     conditions = Conditions.reference(self.compiled.n_joints, conditions.payload_kg)
                 robots[key] = Prescribed(self._robot(world, conditions))
             motion = _moved(segment.motion, world)
-            trace, found = robots[key].follow(motion, self._found[i])
-            if found.shape[2] == self.compiled.n_joints:
-                self._found[i] = found  # the next world is similar
+            here = i, robots[key].n_unknowns
+            trace, self._found[here] = robots[key].follow(motion, self._found.get(here))  # the next world is similar
             traces.append(trace)
         return traces
 
