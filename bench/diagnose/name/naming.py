@@ -34,6 +34,7 @@ class Renew(Protocol):
 
 MOST_CAUSES = 30
 MOST_REFUSED = 8
+MOST_POLISHED = 5  # of the rivals that come near; beyond, they are weighed as they were fitted first
 MOST_CHANGES = 2  # times that the end is weighed: once more where a rival takes the model's place
 IN_SET = 6.0  # log evidence behind the best, up to where a cause is not told apart from it (odds of 400)
 NEARLY = 3.0  # beyond the set, up to where derivatives are taken anew before it is decided
@@ -211,8 +212,9 @@ def _among_rivals(stage: Stage, progress: Callable[[str], None]) -> tuple[Hypoth
     fits = [stage.best, *stage.tried, *fitted(stage, [trial for trial in swaps(stage) if trial.keys not in known])]
     top = max(h.log_evidence for h in fits)
     settled = []
+    near = sorted((h for h in fits if h.log_evidence > top - IN_SET - NEARLY), key=lambda h: -h.log_evidence)
     for hypothesis in fits:
-        if hypothesis is not stage.best and hypothesis.log_evidence > top - IN_SET - NEARLY:
+        if hypothesis is not stage.best and hypothesis in near[:MOST_POLISHED]:
             _, fit = polished(stage.design, hypothesis.fit)
             value = hypothesis.log_evidence + fit.log_evidence - hypothesis.fit.log_evidence
             hypothesis = Hypothesis(fit, value)
