@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.actuators.laws import TorqueTable
 from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.nominal import factor
 from bench.effects.places import OnDrive, drive_of, links
 from bench.effects.plugin_actuators import add_torque_table, unused_name
 from bench.robot.compiled import CompiledRobot, SpecEdit
@@ -14,7 +15,6 @@ from bench.robot.folder import Robot
 
 COMPACT_M, BULKY_M = 0.05, 0.6  # [m], radii of gyration of a steel block and of a bulky workpiece, assumed
 SWEVERS = "Swevers, Verdonck and De Schutter, Dynamic model identification for industrial robots, 2007"
-LEAST_INERTIA = 0.05  # of the model's; with none at all a drive has no equation of motion
 
 
 class _GeometryAndMass(Effect):
@@ -175,7 +175,7 @@ class RotorInertia(OnDrive):
 
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             joint = spec.joint(drive_of(robot, place).rotor)
-            joint.armature = max(1 + change, LEAST_INERTIA) * joint.armature
+            joint.armature = factor(change) * joint.armature
 
         return edit if change else None
 

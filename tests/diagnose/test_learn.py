@@ -26,8 +26,7 @@ from tests.diagnose.sweeps import SWEEPS
 
 CHOICE = ("coulomb_level", "viscous_level", "torque_constant", "gas_loss", "current_offset")
 BINS = 100
-# Of the floor. A replay reads a bin at one instant, data average over it: worst where a cable snaps within one bin.
-NEAR_FLOOR = {"detent": 1.6, "snapping_cable": 2.5}
+NEAR_FLOOR = 1.3  # DESIGN 6 asks for 1.2 of listed effects; a table is linear between nodes
 SIGMAS = 3.5  # the largest of 33 values that go together
 HIDDEN = {
     "detent": (Detent(), {"torque": 300.0, "angle": 0.4, "width": 0.15}),
@@ -78,7 +77,7 @@ def test_held_out_error_falls_near_the_floor(case: Case) -> None:
     (current,) = (gain for gain in case.found.verdict.gain if gain.channel == "current_2_a")
     assert case.found.verdict.held_out_by == "run"
     assert current.before > 3 * current.floor
-    assert current.after < NEAR_FLOOR[case.name] * current.floor
+    assert current.after < NEAR_FLOOR * current.floor
     assert current.low > 0.5
 
 
@@ -105,7 +104,7 @@ def test_files_say_what_was_learned(case: Case) -> None:
     assert curve["value"] == [p["value"] for p in content["unlisted"]["parameters"]]
     assert curve["low"] == pytest.approx([p["low"] for p in content["unlisted"]["parameters"]])
     after = {channel["channel"]: channel["after"] for channel in content["channels"]}
-    assert after["current_2_a"] < NEAR_FLOOR[case.name]
+    assert after["current_2_a"] < NEAR_FLOOR
 
 
 def test_every_shape_of_a_campaign_becomes_an_effect_or_says_why_not(case: Case) -> None:

@@ -3,7 +3,7 @@
 import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
-from bench.diagnose.extend import refit
+from bench.diagnose.extend import polish
 from bench.effects.catalogue import catalogue
 from bench.errors import ConvergenceError
 from tests.diagnose.sweeps import SWEEPS, made, nominal
@@ -41,5 +41,5 @@ def test_a_fit_that_finds_no_balance_stays_as_it_is(monkeypatch: pytest.MonkeyPa
     def fails(design: object, fit: object) -> None:
         raise ConvergenceError("no balance")
 
-    monkeypatch.setattr(refit, "_polished", fails)
-    assert refit.polished("design", "fit") == ("design", "fit")  # type: ignore[arg-type,comparison-overlap]
+    monkeypatch.setattr(polish, "_polished", fails)
+    assert polish.polished("design", "fit") == ("design", "fit")  # type: ignore[arg-type,comparison-overlap]

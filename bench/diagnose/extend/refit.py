@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design, relinearised
+from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.replay import World
 from bench.effects.effect import Parameter
@@ -17,10 +17,6 @@ from bench.record.campaign import Array
 MOST_ITERATIONS = 6
 ENOUGH = 0.2  # fall of the objective below which a fit has converged
 STEP = 0.05  # of a parameter's plausible size, for its derivative
-STEP_OF_NUISANCE = 0.5  # of its standard deviation, for its derivative about an extension
-MOST_AKIN = 5  # nuisances for each cause whose derivatives are taken anew
-AKIN = 0.3  # cosine of their slopes
-TINY = 1e-300
 HALVINGS = 5
 FAITHFUL = 0.7  # of the promised fall; derivatives that keep less are taken anew
 
@@ -238,47 +234,6 @@ def _moved(left, values, x, i, step) -> Array:  # type: ignore[no-untyped-def]
     moved[i] += step
     residual: Array = left(moved, x)
     return residual
-
-
-def polished(design: Design, fit: Fit) -> tuple[Design, Fit]:
-    """Return a fit again, with new derivatives of the nuisances that act as its causes do; and the design with them.
-
-    Where friction has become half as large again, so has what its uncertainty does. Where that finds no balance, the
-    fit stays as it is.
-    """
-    try:
-        return _polished(design, fit)
-    except EffectError:
-        raise
-    except BenchError:
-        return design, fit
-
-
-def _polished(design: Design, fit: Fit) -> tuple[Design, Fit]:
-    which = _akin(design, fit)
-    if not which:
-        return design, fit
-    world = fit.world(design)
-    here = design.replay.predict(world)
-    changes = []
-    for i in which:
-        nuisance = design.nuisances[i]
-        deviations = {**world.deviations, nuisance: world.deviations[nuisance] + STEP_OF_NUISANCE * nuisance.sigma}
-        changes.append((design.replay.predict(World(deviations, world.acting)) - here) / STEP_OF_NUISANCE)
-    about = relinearised(design, which, np.stack(changes, axis=2))
-    return about, refit(about, fit.causes, fit.start, fit.nuisances)
-
-
-def _akin(design: Design, fit: Fit) -> list[int]:
-    """Return the nuisances whose slopes point where those of the unknowns do, the nearest first."""
-    if not fit.unknowns:
-        return []
-    unknowns = design.whiten(fit.slopes)
-    unknowns = unknowns / np.maximum(np.linalg.norm(unknowns, axis=0), TINY)
-    size = np.linalg.norm(design.slopes, axis=0)
-    cosine = np.max(np.abs(unknowns.T @ design.slopes), axis=0) / np.maximum(size, TINY)
-    order = np.argsort(-cosine)[: MOST_AKIN * len(fit.causes)]
-    return [int(i) for i in order if cosine[i] > AKIN and size[i] > 1 and is_simulated(design.nuisances[i])]
 
 
 def is_simulated(nuisance: Nuisance) -> bool:

@@ -90,6 +90,9 @@ def learn(design: Design, block: Block, beside: Fit) -> Lesson:
         block: The free shape.
         beside: What the model has already.
     """
+    # where a shape changes within a bin, no table can follow: what is rough by the instruments' errors is noise
+    plain = roughened(raised(design, 1 / design.excess), beside.residual)
+    design = raised(plain, np.maximum(missed(plain, pseudo_residual(plain, beside)), 1.0))
     for left in reversed(range(ROUNDS)):
         estimate = _best(design, block, beside)
         effect = effect_of(design, estimate.block)
@@ -104,11 +107,9 @@ def learn(design: Design, block: Block, beside: Fit) -> Lesson:
         if gained < KEPT * estimate.log_evidence:
             return Lesson(design, fit, False, FALLS_SHORT)
         factors = _factors(design, block, fit)
-        if not left or (left < ROUNDS - 1 and np.all((factors < SETTLED) & (factors > 1 / SETTLED))):
+        if not left or np.all((factors < SETTLED) & (factors > 1 / SETTLED)):
             break
         design = raised(design, factors)
-        if left == ROUNDS - 1:  # where a shape changes within a bin, no table can follow
-            design = roughened(design, fit.residual)
     worth = held_out(design, without, fit)
     # what was stated of the robot is no reason to believe a free shape: some channel that was poor has to get better
     is_better = any(gain.low > 0 and gain.before > gain.floor for gain in worth.channels)

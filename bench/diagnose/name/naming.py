@@ -11,7 +11,8 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from bench.diagnose.extend.refit import Fit, polished, pseudo_residual, refit
+from bench.diagnose.extend.polish import polished
+from bench.diagnose.extend.refit import Fit, pseudo_residual, refit
 from bench.diagnose.measure.measure import HeldOut, held_out
 from bench.diagnose.name.trials import Hypothesis, Stage, fitted, one_more, swaps
 from bench.diagnose.picture.candidates import Cause

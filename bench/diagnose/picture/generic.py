@@ -5,7 +5,7 @@ cannot, the cause is unlisted, and the block says where it acts, on what it depe
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -49,63 +49,38 @@ class Block:
     unit: str
     nodes: Array
     prior: float
-    columns: Array
-    functions: tuple[int, ...]
-    origin: Array
-    size: float
+    columns: Array = field(default_factory=lambda: np.empty((0, 0)))
+    functions: tuple[int, ...] = ()
+    origin: Array = field(default_factory=lambda: np.zeros(1))
+    size: float = 1.0
 
     def __str__(self) -> str:
         return f"{self.kind} at {self.place}, depending on {self.depends_on}"
 
 
-@dataclass(frozen=True, eq=False)
-class _Draft:
-    place: str
-    kind: str
-    depends_on: str
-    drive: int
-    unit: str
-    nodes: Array
-    prior: float
-    raw: Array  # (T, c, k)
-    origin: Array = field(default_factory=lambda: np.zeros(1))
-    size: float = 1.0
-
-
 def blocks_of(design: Design) -> tuple[Block, ...]:
     """Return the blocks that a campaign can say something about."""
-    blocks = (_block(design, draft) for draft in _drafts(design, ANGLE_NODES))
+    blocks = (_whitened(design, shape, raw) for shape, raw in _shapes(design, ANGLE_NODES))
     return tuple(block for block in blocks if block is not None)
 
 
 def anew(design: Design, block: Block, angle_nodes: int = ANGLE_NODES) -> Block:
     """Return a block as another design whitens it, and with another number of nodes if it depends on the angle."""
-    what = (block.place, block.kind, block.depends_on)
-    alike = (d for d in _drafts(design, angle_nodes) if (d.place, d.kind, d.depends_on) == what)
-    found = _block(design, next(alike))
+    shape, raw = next((shape, raw) for shape, raw in _shapes(design, angle_nodes) if str(shape) == str(block))
+    found = _whitened(design, shape, raw)
     assert found
     return found
 
 
-def _block(design: Design, draft: _Draft) -> Block | None:
-    columns = design.whiten(draft.raw)
+def _whitened(design: Design, shape: Block, raw: Array) -> Block | None:
+    """Return a block with its columns from raw ones, shape (T, c, k); without those that leave no trace."""
+    columns = design.whiten(raw)
     size = np.linalg.norm(columns, axis=0)
     seen = size > 1e-9 * max(float(np.max(size)), 1e-300)
     if not np.any(seen):
         return None
-    return Block(
-        place=draft.place,
-        kind=draft.kind,
-        depends_on=draft.depends_on,
-        drive=draft.drive,
-        unit=draft.unit,
-        nodes=draft.nodes[seen] if len(draft.nodes) else draft.nodes,
-        prior=draft.prior,
-        columns=columns[:, seen],
-        functions=tuple(np.flatnonzero(seen).tolist()),
-        origin=draft.origin,
-        size=draft.size,
-    )
+    nodes = shape.nodes[seen] if len(shape.nodes) else shape.nodes
+    return replace(shape, nodes=nodes, columns=columns[:, seen], functions=tuple(np.flatnonzero(seen).tolist()))
 
 
 def hats(values: Array, nodes: Array) -> Array:
@@ -113,7 +88,8 @@ def hats(values: Array, nodes: Array) -> Array:
     return np.stack([np.interp(values, nodes, row) for row in np.eye(len(nodes))], axis=1)
 
 
-def _drafts(design: Design, angle_nodes: int) -> Iterator[_Draft]:
+def _shapes(design: Design, angle_nodes: int) -> Iterator[tuple[Block, Array]]:
+    """Yield blocks without columns, each with its raw ones, shape (T, c, k)."""
     segments = design.segments
     trace = Trace.concatenate(design.replay.traces(NOMINAL))
     link = np.concatenate([response.link for response in design.responses])
@@ -143,17 +119,11 @@ def _drafts(design: Design, angle_nodes: int) -> Iterator[_Draft]:
             if np.ptp(angle) > LEAST_RANGE:
                 nodes = np.linspace(np.min(angle), np.max(angle), angle_nodes)
                 table = hats(angle, nodes)
-                yield _Draft(place, kind, "angle", j, unit, nodes, prior, response[:, :, None] * table[:, None, :])
+                yield Block(place, kind, "angle", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]
                 if kind != "gear angle" and np.any(way > 0) and np.any(way < 0):
                     directed = table * way[:, None]
-                    yield _Draft(
-                        place,
-                        kind,
-                        "angle and direction",
-                        j,
-                        unit,
-                        nodes,
-                        prior,
+                    yield (
+                        Block(place, kind, "angle and direction", j, unit, nodes, prior),
                         response[:, :, None] * directed[:, None, :],
                     )
             if kind != "gear angle" and np.any(moves):
@@ -162,24 +132,23 @@ def _drafts(design: Design, angle_nodes: int) -> Iterator[_Draft]:
                     nodes = np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES))
                     nodes = np.unique(nodes)
                     directed = hats(speed, nodes) * way[:, None]
-                    yield _Draft(
-                        place, kind, "speed", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :]
+                    yield (
+                        Block(place, kind, "speed", j, unit, nodes, prior),
+                        response[:, :, None] * directed[:, None, :],
                     )
             spread = np.max(np.abs(transmitted))
             if spread > 1.0:
                 nodes = np.linspace(np.min(transmitted), np.max(transmitted), 7)
                 table = hats(transmitted, nodes)
                 if kind == "gear angle":
-                    yield _Draft(place, kind, "load", j, unit, nodes, prior, response[:, :, None] * table[:, None, :])
+                    yield Block(place, kind, "load", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]
                 elif np.any(moves):
                     directed = table * way[:, None]
-                    yield _Draft(
-                        place, kind, "load", j, unit, nodes, prior, response[:, :, None] * directed[:, None, :]
-                    )
+                    yield Block(place, kind, "load", j, unit, nodes, prior), response[:, :, None] * directed[:, None, :]
     yield from _sensors(design, trace)
 
 
-def _sensors(design: Design, trace: Trace) -> Iterator[_Draft]:
+def _sensors(design: Design, trace: Trace) -> Iterator[tuple[Block, Array]]:
     quantities = design.quantities
     nominal = design.replay.predict(NOMINAL)
     for c, quantity in enumerate(quantities):
@@ -187,16 +156,18 @@ def _sensors(design: Design, trace: Trace) -> Iterator[_Draft]:
             size = max(float(np.max(np.abs(nominal[:, c]))), 1e-12)
             raw = np.zeros((*nominal.shape, 3))
             raw[:, c] = powers(nominal[:, c] / size)
-            yield _Draft(
-                f"drive {quantity.index + 1}",
-                "reading",
-                "load",
-                quantity.index,
-                quantity.unit,
-                np.empty(0),
-                READING_SHARE * size,
+            yield (
+                Block(
+                    f"drive {quantity.index + 1}",
+                    "reading",
+                    "load",
+                    quantity.index,
+                    quantity.unit,
+                    np.empty(0),
+                    READING_SHARE * size,
+                    size=size,
+                ),
                 raw,
-                size=size,
             )
     axes = [c for c, quantity in enumerate(quantities) if quantity.kind == "reflector"]
     if axes:
@@ -205,8 +176,13 @@ def _sensors(design: Design, trace: Trace) -> Iterator[_Draft]:
         centre, size = place.mean(axis=0), max(float(np.ptp(place)), 1e-9)
         raw = np.zeros((*nominal.shape, 12))
         raw[:, axes] = in_room((place - centre) / size)[:, of_axis]
-        yield _Draft("tracker", "reading", "place", -1, "m", np.empty(0), TRACKER_ERROR, raw, centre, size)
+        yield Block("tracker", "reading", "place", -1, "m", np.empty(0), TRACKER_ERROR, origin=centre, size=size), raw
         if np.ptp(trace.time) > 0:
             raw = np.zeros((*nominal.shape, 6))
             raw[:, axes] = in_time((trace.time - trace.time[0]) / HOUR)[:, of_axis]
-            yield _Draft("tracker", "reading", "time", -1, "m", np.empty(0), TRACKER_ERROR, raw, trace.time[:1], HOUR)
+            yield (
+                Block(
+                    "tracker", "reading", "time", -1, "m", np.empty(0), TRACKER_ERROR, origin=trace.time[:1], size=HOUR
+                ),
+                raw,
+            )
