@@ -22,11 +22,13 @@ from bench.diagnose.name.learn import Lesson
 from bench.diagnose.name.naming import Naming, Rung
 from bench.diagnose.name.trials import Hypothesis
 from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.generic import Block
 from bench.diagnose.picture.limits import DetectionLimit as DetectionLimit  # part of the verdict
 from bench.diagnose.picture.limits import detection_limits
 
 NORMAL_95 = 1.959964
+NOISY = 3.0  # times its instrument's standard error
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,15 @@ class Unlisted:
 
 
 @dataclass(frozen=True)
+class NoisyChannel:
+    """A column that scatters `times` the standard error of its instrument, in motion or at rest, unexplained."""
+
+    column: str
+    in_motion: bool
+    times: float
+
+
+@dataclass(frozen=True)
 class Step:
     """One step of the climb from the nominal model.
 
@@ -130,6 +141,7 @@ class Verdict:
         predicted: What the model will leave of a recording that nobody has made yet, by channel.
         detectable: What would have been found, had it been there.
         blind: What would not have been found at any plausible size, and what would show it.
+        noisy: Channels that scatter far more than their instruments, the worst first; causes hide in them.
     """
 
     kind: str
@@ -148,6 +160,7 @@ class Verdict:
     detectable: tuple[DetectionLimit, ...] = ()
     predicted: tuple[PredictedError, ...] = ()
     blind: tuple[BlindSpot, ...] = ()
+    noisy: tuple[NoisyChannel, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of `verdict.json`."""
@@ -194,7 +207,18 @@ def verdict_of(
         steps=tuple(_step(rung) for rung in naming.rungs),
         next=proposals,
         detectable=detection_limits(naming.screening),
+        noisy=_noisy(design),
     )
+
+
+def _noisy(design: Design) -> tuple[NoisyChannel, ...]:
+    found = [
+        NoisyChannel(quantity.column, bool(kind), float(design.excess[kind, c]))
+        for c, quantity in enumerate(design.quantities)
+        for kind in (0, 1)
+        if design.excess[kind, c] > NOISY
+    ]
+    return tuple(sorted(found, key=lambda one: -one.times))
 
 
 def _step(rung: Rung) -> Step:

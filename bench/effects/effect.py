@@ -68,6 +68,7 @@ class Parameter:
         signed: Both signs are physical.
         is_shape: It only shapes the effect; size 0 of the others makes it meaningless.
         words: What it is.
+        least, most: Values beyond which it means nothing: friction that drives, a mass below zero. Fits stay within.
         ratio: Of neighbouring values of a shape that are tried at first; near 1 for periods, for between two of them an
             effect is lost.
     """
@@ -81,6 +82,8 @@ class Parameter:
     signed: bool = False
     is_shape: bool = False
     ratio: float = 2.5
+    least: float = -np.inf
+    most: float = np.inf
 
     @property
     def typical(self) -> float:

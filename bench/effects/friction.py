@@ -38,7 +38,7 @@ class CoulombLevel(_WithCoulomb):
     title = "Coulomb level"
     physics = "Preload, wear and lubricant set the level of dry friction: both sides' levels become (1 + x) f_C."
     source = f"{BITTENCOURT}; range: spread between units and over life, assumed"
-    parameters = (Parameter("change", "", 0.0, 0.1, 0.6, "of the level, relative", signed=True),)
+    parameters = (Parameter("change", "", 0.0, 0.1, 0.6, "of the level, relative", signed=True, least=-1.0),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         change = values["change"]
@@ -78,7 +78,7 @@ class Viscous(_OnFriction):
     title = "viscous friction"
     physics = "Shear of the lubricant opposes motion in proportion to speed, f = (1 + x) f_v v on the motor side."
     source = f"{BITTENCOURT}; range: lubricant and filling, assumed"
-    parameters = (Parameter("change", "", 0.0, 0.1, 0.8, "of the coefficient, relative", signed=True),)
+    parameters = (Parameter("change", "", 0.0, 0.1, 0.8, "of the coefficient, relative", signed=True, least=-1.0),)
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         return tuple(place for place in drives(compiled) if _viscous(compiled)[place.index] > 0)
@@ -155,7 +155,11 @@ class FrictionSide(_WithCoulomb):
         "side's to the motor side; the sum stays."
     )
     source = "DESIGN 3 (both sides and what they do to identification); range: all of it may move"
-    parameters = (Parameter("moved", "", 0.0, 0.1, 1.0, "share that moves, + to the link side", signed=True),)
+    parameters = (
+        Parameter(
+            "moved", "", 0.0, 0.1, 1.0, "share that moves, + to the link side", signed=True, least=-1.0, most=1.0
+        ),
+    )
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         moved = values["moved"]

@@ -77,7 +77,11 @@ class DirectionFriction(_Shape):
         "Worn or preloaded flanks rub unequally: the level is f_C (1 + d) in motion towards +, f_C (1 - d) towards -."
     )
     source = f"{ARMSTRONG} (asymmetric friction); range: assumed"
-    parameters = (Parameter("asymmetry", "", 0.0, 0.05, 0.4, "d, surplus towards +, relative", signed=True),)
+    parameters = (
+        Parameter(
+            "asymmetry", "", 0.0, 0.05, 0.4, "d, surplus towards +, relative", signed=True, least=-0.95, most=0.95
+        ),
+    )
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         asymmetry = values["asymmetry"]

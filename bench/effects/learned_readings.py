@@ -12,25 +12,28 @@ from bench.simulate.instruments import HOUR, Reading
 from bench.simulate.plant import Trace
 
 AXES = "xyz"
-POWERS = ("square", "cube", "signed_square")
+# of the largest reading, where dead bands and offsets of amplifiers are
+NEAR_ZERO = np.array([-0.2, -0.1, -0.05, -0.02, 0.0, 0.02, 0.05, 0.1, 0.2])
+OF_READING = ("square", "cube", "signed_square", *(f"at_{i + 1}" for i in range(len(NEAR_ZERO))))
 IN_ROOM = tuple(f"{axis}_from_{other}_squared" for axis, other in product(AXES, AXES)) + tuple(
     f"{axis}_from_{axis}" for axis in AXES
 )
 IN_TIME = tuple(f"{axis}_{term}" for term in ("rate", "bend") for axis in AXES)
+UNDER_FORCE = tuple(f"{axis}_{term}" for term in ("share", "square", "cube") for axis in AXES)
 
 
 class LearnedScale(Learned):
-    """What one drive reports, by its size.
+    """What one drive reports, by what it ought to.
 
     Args:
-        parameters: Some of `POWERS` by name.
+        parameters: Some of `OF_READING` by name.
         channel: Which channel of the drive is wrong.
         largest: Reading at which the powers are 1.
     """
 
     name = "learned_scale"
     title = "scale of what a drive reports, as learned"
-    physics = "The drive reports x + a u^2 + b u^3 + c u |u| with u = x/x_max."
+    physics = "The drive reports x + a u^2 + b u^3 + c u |u| + e(u) with u = x/x_max; e is a table about zero."
 
     def __init__(
         self, parameters: tuple[Parameter, ...], channel: Literal["current", "torque"], largest: float
@@ -41,7 +44,7 @@ class LearnedScale(Learned):
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
         seen = getattr(reading, self.channel)[:, place.index]
-        error = powers(seen / self.largest)[:, _chosen(POWERS, self)] @ self.sizes(values)
+        error = of_reading(seen / self.largest)[:, _chosen(OF_READING, self)] @ self.sizes(values)
         return _reported(reading, self.channel, place.index, error)
 
 
@@ -126,9 +129,35 @@ class LearnedDrift(Learned):
         return replace(reading, reflectors=reading.reflectors + (functions @ self.sizes(values))[:, None, :])
 
 
-def powers(share: Array) -> Array:
-    """Return `POWERS` of relative readings, shape (T,): shape (T, 3)."""
-    return np.stack([share**2, share**3, np.abs(share) * share], axis=1)
+class LearnedMount(Learned):
+    """One reflector of the tracker, under the force at the load point.
+
+    Args:
+        parameters: Some of `UNDER_FORCE` by name.
+        reflector: Its index.
+        largest: Force at which the functions are 1 [N].
+    """
+
+    name = "learned_mount"
+    title = "mount of a reflector under force, as learned"
+    physics = "One reflector is a u + b u^2 + c u^3 off, u = |F|/F_max, along each axis."
+
+    def __init__(self, parameters: tuple[Parameter, ...], reflector: int, largest: float) -> None:
+        super().__init__(parameters)
+        self.reflector = reflector
+        self.largest = largest
+
+    def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
+        functions = under_force(force_of(trace) / self.largest)[:, :, _chosen(UNDER_FORCE, self)]
+        reflectors = reading.reflectors.copy()
+        reflectors[:, self.reflector] += functions @ self.sizes(values)
+        return replace(reading, reflectors=reflectors)
+
+
+def of_reading(share: Array) -> Array:
+    """Return `OF_READING` of relative readings, shape (T,): three powers and a table about zero, shape (T, 12)."""
+    table = [np.interp(share, NEAR_ZERO, row) for row in np.eye(len(NEAR_ZERO))]
+    return np.stack([share**2, share**3, np.abs(share) * share, *table], axis=1)
 
 
 def in_room(place: Array) -> Array:
@@ -142,9 +171,25 @@ def in_room(place: Array) -> Array:
 
 def in_time(hours: Array) -> Array:
     """Return what `IN_TIME` adds to each axis at times, shape (T,) [h]: shape (T, 3, 6)."""
-    found = np.zeros((len(hours), 3, len(IN_TIME)))
-    for axis in range(3):
-        found[:, axis, axis], found[:, axis, 3 + axis] = hours, hours**2
+    return _along_each(hours, hours**2)
+
+
+def under_force(share: Array) -> Array:
+    """Return what `UNDER_FORCE` adds to each axis under forces relative to the largest, shape (T,): shape (T, 3, 9)."""
+    return _along_each(share, share**2, share**3)
+
+
+def force_of(trace: Trace) -> Array:
+    """Return the size of the force at the load point, shape (T,) [N], without what is bolted to it."""
+    return np.asarray(np.linalg.norm(trace.wrench[:, :3], axis=1), dtype=np.float64)
+
+
+def _along_each(*functions: Array) -> Array:
+    """Return f functions of T instants along each of three axes, one axis after another: shape (T, 3, 3 f)."""
+    found = np.zeros((len(functions[0]), 3, 3 * len(functions)))
+    for i, function in enumerate(functions):
+        for axis in range(3):
+            found[:, axis, 3 * i + axis] = function
     return found
 
 

@@ -7,13 +7,13 @@ import numpy as np
 
 from bench.actuators.laws import TorqueTable
 from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Place, Values
-from bench.effects.nominal import factor
 from bench.effects.places import OnDrive, drive_of, links
 from bench.effects.plugin_actuators import add_torque_table, unused_name
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
 COMPACT_M, BULKY_M = 0.05, 0.6  # [m], radii of gyration of a steel block and of a bulky workpiece, assumed
+LIGHTEST = -0.95  # change of a mass or an inertia, relative; none vanishes
 SWEVERS = "Swevers, Verdonck and De Schutter, Dynamic model identification for industrial robots, 2007"
 
 
@@ -28,7 +28,7 @@ class PayloadMass(_GeometryAndMass):
     title = "mass of the payload"
     physics = "The mass bolted to the load point is (1 + x) of what the lab states; weights that hang are not meant."
     source = f"{SWEVERS}; range: DESIGN 6, 1 to 10 %"
-    parameters = (Parameter("change", "", 0.0, 0.01, 0.1, "of the mass, relative", signed=True),)
+    parameters = (Parameter("change", "", 0.0, 0.01, 0.1, "of the mass, relative", signed=True, least=LIGHTEST),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         change = values["change"]
@@ -113,7 +113,7 @@ class LinkMass(_OfLink):
     title = "mass of a link"
     physics = "Mass and inertia of a body become (1 + x) of the model's; its centre of mass stays."
     source = f"{SWEVERS}; range: CAD against weighed, with cables and grease, assumed"
-    parameters = (Parameter("change", "", 0.0, 0.03, 0.3, "of the mass, relative", signed=True),)
+    parameters = (Parameter("change", "", 0.0, 0.03, 0.3, "of the mass, relative", signed=True, least=LIGHTEST),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         change = values["change"]
@@ -149,7 +149,9 @@ class LinkInertia(_OfLink):
         "acceleration only."
     )
     source = f"{SWEVERS}; range: assumed"
-    parameters = (Parameter("change", "", 0.0, 0.05, 0.5, "of the moments of inertia, relative", signed=True),)
+    parameters = (
+        Parameter("change", "", 0.0, 0.05, 0.5, "of the moments of inertia, relative", signed=True, least=LIGHTEST),
+    )
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         change = values["change"]
@@ -168,14 +170,14 @@ class RotorInertia(OnDrive):
     title = "inertia of motor and gear"
     physics = "J_m N^2 of a drive becomes (1 + x) of the model's; it is felt in acceleration only."
     source = f"{SWEVERS}; range: data sheet against identified, brake and gear left out, assumed"
-    parameters = (Parameter("change", "", 0.0, 0.03, 0.5, "relative", signed=True),)
+    parameters = (Parameter("change", "", 0.0, 0.03, 0.5, "relative", signed=True, least=LIGHTEST),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         change = values["change"]
 
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             joint = spec.joint(drive_of(robot, place).rotor)
-            joint.armature = factor(change) * joint.armature
+            joint.armature = (1 + change) * joint.armature
 
         return edit if change else None
 

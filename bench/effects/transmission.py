@@ -27,7 +27,7 @@ class JointCompliance(_InElement):
         "The gear, its bearings and shafts give by tau (1 + x)/k instead of tau/k, over the whole range of torque."
     )
     source = "Spong, Modeling and control of elastic joint robots, 1987; range: catalogue against measured, assumed"
-    parameters = (Parameter("change", "", 0.0, 0.1, 0.6, "of the compliance, relative", signed=True),)
+    parameters = (Parameter("change", "", 0.0, 0.1, 0.6, "of the compliance, relative", signed=True, least=-0.9),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         change = values["change"]

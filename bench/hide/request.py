@@ -63,6 +63,9 @@ def _one(
         value = parameters[chosen].typical if match["value"] is None else float(match["value"])
     except ValueError as error:
         raise InputError(f"{word!r}: {match['value']!r} is not a number; {GRAMMAR}.") from error
+    least, most = parameters[chosen].least, parameters[chosen].most
+    if not least <= value <= most:
+        raise InputError(f"{word!r}: {chosen} lies between {least:g} and {most:g}; beyond it means nothing.")
     return effect, _place(effect, match["place"], compiled, joint), chosen, value
 
 

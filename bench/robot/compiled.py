@@ -142,12 +142,12 @@ def compile_spec(
         raise RobotError(negative)
     try:
         model = spec.compile()
+        drawn = mujoco.MjData(model)  # plugins look at their figures only now
     except ValueError as error:
         raise RobotError(f"{robot.mjcf}: {plain_words(error)}") from error
     at = _addresses(robot, model)
     if problems := tuple(faulty_roles(robot, model)):
         raise RobotError(problems)
-    drawn = mujoco.MjData(model)
     mujoco.mj_kinematics(model, drawn)
     _check_load_body(robot, drawn, at)
     motor, link = (

@@ -22,6 +22,7 @@ PATIENCE = 6  # iterations after which steps are kept within brackets
 CLOSED = 1e-3  # of a step; a bracket narrower than that was closed by another unknown's change
 STEP_RESOLUTION = 1e-13  # [rad]
 LEAST_SLOPE = 0.02  # of its stiffness, for an element with play or a soft middle
+EXPLICIT = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)  # a drag that was learned may fall with speed; nothing moves
 MOST_SLOPE = 3.0  # of its stiffness, for an element that hardens
 
 
@@ -209,7 +210,10 @@ class Prescribed:
         mujoco.mj_fwdPosition(model, data)
         data.qvel[:] = 0
         data.qacc[:] = 0
+        flags = model.opt.disableflags
+        model.opt.disableflags = flags | EXPLICIT
         mujoco.mj_Euler(model, data)
+        model.opt.disableflags = flags
         data.time, data.act[:] = time, act
 
 

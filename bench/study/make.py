@@ -78,20 +78,21 @@ def _drawn(trial: Trial, ground: Ground, rng: np.random.Generator) -> Iterator[S
 def sized(effect: Effect, trial: Trial, ground: Ground, rng: np.random.Generator) -> Sized:
     """Return an effect at the next place where it shows at a plausible size, and as large as the trial asks.
 
-    Where it shows nowhere, it is taken at its last try, at the largest plausible size.
+    Where it shows nowhere, it is taken where it comes nearest to that, at the largest plausible size.
     """
     places = effect.places(ground.compiled)
-    way, limit = None, float("inf")
+    rivals = ground.listed if trial.kind == "unlisted" else ()
+    drawn: list[tuple[float, Way]] = []
     for i in range(TRIES):
         way = Way.draw(effect, places[(trial.number + i) % len(places)], ground.compiled, rng)
         try:
-            rivals = ground.listed if trial.kind == "unlisted" else ()
             limit = detection_limit(way, ground.design, ground.blur, ground.threshold, rivals)
         except BenchError:
-            continue
+            limit = float("inf")
+        drawn.append((limit, way))
         if LIMITS * limit <= 1:
             break
-    assert way is not None
+    limit, way = min(drawn, key=lambda one: one[0])
     limit = float(f"{limit:.2g}")  # balances are found within a tolerance; a study that is repeated shall be the same
     size = _size(trial, way, limit, ground.compiled, rng)
     return Sized(way.at(size, ground.compiled), size, limit)

@@ -7,7 +7,7 @@ from bench.study.outcome import Named, Outcome
 
 NORMAL_90 = 1.644854
 NOTHING = "nothing found"
-AT_TRACKER = ("creeping_bracket",)  # unlisted effects that lie between robot and tracker
+AT = {"creeping_bracket": "reflector 1"}  # unlisted effects of the whole robot: where they are to be found
 
 
 @dataclass(frozen=True)
@@ -62,12 +62,12 @@ def twin_is_right(outcome: Outcome) -> bool:
 
 
 def _is_place_right(outcome: Outcome) -> bool | None:
-    """Whether an unlisted cause was found where it acts; its kind of place may be a joint, a drive or the tracker."""
+    """Whether an unlisted cause was found where it acts; its place may be a joint, a drive or a reflector."""
     if outcome.kind != "unlisted" or outcome.answer.unlisted is None:
         return None
     (cause,) = outcome.truth
-    if cause.effect in AT_TRACKER:
-        return outcome.answer.unlisted == "tracker"
+    if cause.effect in AT:
+        return outcome.answer.unlisted == AT[cause.effect]
     if cause.place == str(WHOLE):
         return None
     return outcome.answer.unlisted in (cause.place, cause.place.replace("joint", "drive"))

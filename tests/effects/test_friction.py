@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bench.effects.effect import Conditions
+from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on
 from bench.robot.folder import Robot
@@ -40,6 +41,12 @@ def test_level(robot: Robot, which: int, sign: int) -> None:
     factor[which] = 1.3
     np.testing.assert_allclose(motor, np.tile(-sign * factor * compiled.motor_coulomb, (len(motor), 1)), rtol=SLIDING)
     np.testing.assert_allclose(link, np.tile(-sign * factor * compiled.link_coulomb, (len(link), 1)), rtol=SLIDING)
+
+
+def test_friction_that_drives_is_refused(robot: Robot) -> None:
+    edit = edit_of("coulomb_level", compile_robot(robot), {"change": -1.5}, 1)
+    with pytest.raises(RobotError, match=r"coulomb = .* must be a finite number >= 0"):
+        compile_robot(robot, [edit])
 
 
 @pytest.mark.parametrize("sign", [1, -1])

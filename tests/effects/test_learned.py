@@ -8,7 +8,7 @@ import pytest
 from bench.effects.effect import Conditions, Place
 from bench.effects.friction_elements import Side
 from bench.effects.learned import Learned, values_at, values_of
-from bench.effects.learned_readings import LearnedDrift, LearnedLoss, LearnedRoom, LearnedScale
+from bench.effects.learned_readings import LearnedDrift, LearnedLoss, LearnedMount, LearnedRoom, LearnedScale
 from bench.effects.learned_torques import (
     LearnedDrag,
     LearnedFriction,
@@ -126,10 +126,11 @@ def test_readings(small: Robot, small_compiled: CompiledRobot, rng: np.random.Ge
         return found
 
     # what leaves no trace has no parameter, and the others keep their meaning
-    scale = LearnedScale(values_of(("cube", "signed_square"), ("", ""), "A", 1.0), "current", 2.0)
+    scale = LearnedScale(values_of(("cube", "signed_square", "at_6"), ("", "", ""), "A", 1.0), "current", 2.0)
     share = reading.current[:, 1] / 2.0
-    expected = np.stack([0 * share, 0.3 * share**3 + 0.1 * share * np.abs(share)], axis=1)
-    np.testing.assert_allclose(error(scale, (0.3, 0.1), "current"), expected, atol=1e-12)
+    table = np.interp(share, [0.0, 0.02, 0.05], [0.0, 0.2, 0.0])
+    expected = np.stack([0 * share, 0.3 * share**3 + 0.1 * share * np.abs(share) + table], axis=1)
+    np.testing.assert_allclose(error(scale, (0.3, 0.1, 0.2), "current"), expected, atol=1e-12)
 
     stiffness, constant = float(small_compiled.stiffness[1]), float(small_compiled.torque_constant[1])
     load = stiffness * (trace.q[:, 1] - trace.theta[:, 1])
@@ -137,6 +138,13 @@ def test_readings(small: Robot, small_compiled: CompiledRobot, rng: np.random.Ge
     expected = -np.interp(load, [-1e4, 1e4], [5.0, -7.0]) * np.sign(trace.q_velocity[:, 1])
     assert np.any(expected)
     np.testing.assert_allclose(error(loss, (5.0, -7.0), "current")[:, 1], expected / constant, atol=1e-9)
+
+    mount = LearnedMount(values_of(("y_share", "z_cube"), ("", ""), "m", 1e-4), 0, 100.0)
+    force = np.linalg.norm(trace.wrench[:, :3], axis=1) / 100.0
+    assert np.any(force)
+    moved = error(mount, (1e-4, 2e-4), "reflectors")
+    np.testing.assert_allclose(moved[:, 0], np.stack([0 * force, 1e-4 * force, 2e-4 * force**3], axis=1), atol=1e-12)
+    np.testing.assert_array_equal(moved[:, 1:], 0.0)
 
     drift = LearnedDrift(values_of(("y_rate", "z_bend"), ("", ""), "m", 1e-4), 1800.0)
     hours = (trace.time - 1800.0) / 3600.0

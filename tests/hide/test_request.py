@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from bench.effects.catalogue import catalogue
 from bench.errors import InputError
 from bench.hide.request import effects_of
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -31,6 +32,11 @@ def test_words(words: list[str], place: str, values: dict[str, float], compiled:
     (one,) = effects_of(words, compiled, CATALOGUE)
     assert str(one.place) == place
     assert one.values == pytest.approx(values)
+
+
+def test_value_that_means_nothing(compiled: CompiledRobot) -> None:
+    with pytest.raises(InputError, match="change lies between -1 and inf"):
+        effects_of(["coulomb_level@1=-1.5"], compiled, catalogue())
 
 
 def test_several_effects_and_the_joint_apart(compiled: CompiledRobot) -> None:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 
 from bench.robot.compiled import compile_robot
@@ -32,10 +33,23 @@ def test_rests_are_those_of_equilibrium() -> None:
         np.testing.assert_allclose(trace.motor_torque[i], equilibrium.motor_torque(), atol=0.02)
 
 
+def test_drag_that_falls_with_speed_is_no_trouble(small_robot: Path) -> None:
+    """A learned drag may; over the time between two rests its damping once outweighed the rotor's inertia."""
+    warnings: list[str] = []
+    before = mujoco.get_mju_user_warning()
+    compiled = compile_robot(load_robot(str(small_robot)))
+    compiled.model.dof_damping[compiled.at.q_dof] = 1.0, -2 * compiled.model.dof_armature[compiled.at.q_dof[1]]
+    q, zero = np.full((3, compiled.n_joints), 0.3), np.zeros((3, compiled.n_joints))
+    mujoco.set_mju_user_warning(warnings.append)
+    try:
+        Prescribed(compiled).follow(_motion(q, zero, zero))
+    finally:
+        mujoco.set_mju_user_warning(before)
+    assert not warnings
+
+
 def test_acceleration_costs_the_mass_matrix(small_robot: Path) -> None:
     """Of two motions that differ in acceleration alone, torques differ by inertia; rigid to a part in a thousand."""
-    import mujoco
-
     compiled = compile_robot(load_robot(str(small_robot)))
     n = compiled.n_joints
     q, zero, speed = np.full((2, n), 0.3), np.zeros((2, n)), np.full((2, n), 0.2)

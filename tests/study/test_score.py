@@ -87,7 +87,7 @@ def test_failure_finds_nothing() -> None:
         ("detent", "joint 3", "joint 3", True),
         ("cubic_current", "joint 3", "drive 3", True),
         ("detent", "joint 3", "joint 2", False),
-        ("creeping_bracket", "robot", "tracker", True),
+        ("creeping_bracket", "robot", "reflector 1", True),
         ("creeping_bracket", "robot", "joint 2", False),
     ],
 )

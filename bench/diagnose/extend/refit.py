@@ -39,11 +39,13 @@ class Unknown:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Values beyond which it makes no sense: a little more than plausible."""
+        """Values beyond which it makes no sense: a little more than plausible, and no more than physics allows."""
         p = self.parameter
         if p.is_shape:
-            return p.low / 2 if p.low > 0 else p.low, 2 * p.high if p.high > 0 else p.high
-        return (p.null - 4 * p.high if p.signed else p.null, p.null + 4 * p.high)
+            low, high = p.low / 2 if p.low > 0 else p.low, 2 * p.high if p.high > 0 else p.high
+        else:
+            low, high = p.null - 4 * p.high if p.signed else p.null, p.null + 4 * p.high
+        return max(low, p.least), min(high, p.most)
 
 
 @dataclass(frozen=True, eq=False)

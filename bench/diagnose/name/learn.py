@@ -18,9 +18,11 @@ from bench.effects.learned import Learned, values_at, values_of
 from bench.effects.learned_readings import (
     IN_ROOM,
     IN_TIME,
-    POWERS,
+    OF_READING,
+    UNDER_FORCE,
     LearnedDrift,
     LearnedLoss,
+    LearnedMount,
     LearnedRoom,
     LearnedScale,
 )
@@ -164,7 +166,7 @@ def _best(design: Design, block: Block, beside: Fit) -> _Estimate:
 
 def _start(
     effect: Learned, place: Place, estimate: _Estimate, beside: Fit
-) -> tuple[tuple[Cause, ...], dict[Key, float], Array]:
+) -> tuple[tuple[Cause, ...], dict[Key, float], Array | None]:
     """Return causes, first values and nuisances of a fit with an effect beside another fit."""
     cause = Cause(effect, place, effect.parameters, ())
     values = estimate.value
@@ -173,7 +175,8 @@ def _start(
     start = {
         (*cause.key, parameter.name): float(value) for parameter, value in zip(effect.parameters, values, strict=True)
     }
-    return (*beside.causes, cause), beside.start | start, beside.nuisances
+    # the nominal model's figures are bent by what is missing: no place to start from
+    return (*beside.causes, cause), beside.start | start, beside.nuisances if beside.causes else None
 
 
 def place_of(design: Design, block: Block) -> Place:
@@ -217,11 +220,13 @@ def effect_of(design: Design, block: Block) -> Learned | None:
 
 
 def _of_reading(block: Block) -> Learned:
-    known = {"load": POWERS, "place": IN_ROOM, "time": IN_TIME}[block.depends_on]
+    known = {"load": OF_READING, "place": IN_ROOM, "time": IN_TIME, "force": UNDER_FORCE}[block.depends_on]
     names = [known[i] for i in block.functions]
     values = values_of(names, [name.replace("_", " ") for name in names], block.unit, block.prior)
     if block.depends_on == "load":
         return LearnedScale(values, "current" if block.unit == "A" else "torque", block.size)
     if block.depends_on == "place":
         return LearnedRoom(values, block.origin, block.size)
+    if block.depends_on == "force":
+        return LearnedMount(values, block.reflector, block.size)
     return LearnedDrift(values, float(block.origin[0]))

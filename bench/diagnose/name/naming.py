@@ -235,7 +235,7 @@ def _among_rivals(stage: Stage, progress: Callable[[str], None]) -> tuple[Hypoth
 def _explains_more(stage: Stage, nominal: Design) -> Entry | None:
     """Return the free shape that explains alone more than listed causes and the best shape beside them, or None.
 
-    One that explains as much will do if listed causes are the smaller part.
+    One that explains as much will do if listed causes are the smaller part, or if it is needed beside several of them.
 
     Both count with the same standard errors, the shape about the nominal model and its own derivatives: those about the
     extended one are of other friction and other stiffness.
@@ -247,11 +247,15 @@ def _explains_more(stage: Stage, nominal: Design) -> Entry | None:
     if not alone:
         return None
     listed = stage.fit.log_evidence - null.fit.log_evidence
-    beside = max([0.0, *(entry.log_evidence for entry in stage.screening.free[:1])])
+    left = stage.screening.free[:1]
+    beside = max([0.0, *(entry.log_evidence for entry in left)])
     margin = UNEXPLAINED * (listed + beside)
-    surely = alone[0].log_evidence > listed + beside + margin + stage.screening.threshold
-    as_well = alone[0].log_evidence > listed + beside - margin and listed < beside
-    return alone[0] if surely or as_well else None
+    more = alone[0].log_evidence - listed - beside
+    surely = more > margin + stage.screening.threshold
+    as_well = more > -margin and listed < beside
+    is_needed = beside > stage.screening.threshold and str(left[0].what) == str(alone[0].what)
+    simpler = more > 0 and is_needed and len(stage.best.causes) > 1
+    return alone[0] if surely or as_well or simpler else None
 
 
 def _unlisted(stage: Stage, nominal: Design, threshold: float) -> tuple[Block | None, bool]:

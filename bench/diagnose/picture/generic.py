@@ -11,7 +11,7 @@ import numpy as np
 
 from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.replay import NOMINAL
-from bench.effects.learned_readings import in_room, in_time, powers
+from bench.effects.learned_readings import force_of, in_room, in_time, of_reading, under_force
 from bench.record.campaign import Array
 from bench.simulate.instruments import HOUR
 from bench.simulate.plant import Trace
@@ -21,7 +21,8 @@ SPEED_NODES = 4
 TORQUE_SHARE = 0.03  # plausible size of an unlisted torque, of the largest that the motor pays
 READING_SHARE = 0.05  # plausible size of an unlisted error of a reading, of the largest reading
 GEAR_ANGLE = 3e-4  # [rad], plausible size of an unlisted error of a gear
-TRACKER_ERROR = 3e-4  # [m], plausible size of an unlisted error of the tracker over its room, or in an hour
+TRACKER_ERROR = 3e-4  # [m], plausible size of an unlisted error of the tracker over its room, in an hour, under force
+LEAST_FORCE = 1.0  # [N]; below, nothing pulls at the load point
 LEAST_RANGE = 0.02  # [rad]; a joint that moves less shows no dependence on its angle
 
 
@@ -30,10 +31,11 @@ class Block:
     """One place and one dependence.
 
     Attributes:
-        place: "joint 2", "tracker", "current 3".
+        place: "joint 2", "drive 3", "tracker", "reflector 1".
         kind: "link torque", "motor torque", "gear angle", "reading".
-        depends_on: "angle", "angle and direction", "speed", "load", "time".
+        depends_on: "angle", "angle and direction", "speed", "load", "place", "time", "force".
         drive: Index of the drive, or -1.
+        reflector: Index of the reflector, or -1.
         unit: Of the coefficients.
         nodes: Shape (k,), where each coefficient sits, in the unit of what it depends on; empty: polynomial.
         prior: Standard deviation of a coefficient as plausible, in `unit`.
@@ -53,6 +55,7 @@ class Block:
     functions: tuple[int, ...] = ()
     origin: Array = field(default_factory=lambda: np.zeros(1))
     size: float = 1.0
+    reflector: int = -1
 
     def __str__(self) -> str:
         return f"{self.kind} at {self.place}, depending on {self.depends_on}"
@@ -154,28 +157,18 @@ def _sensors(design: Design, trace: Trace) -> Iterator[tuple[Block, Array]]:
     for c, quantity in enumerate(quantities):
         if quantity.is_drive:
             size = max(float(np.max(np.abs(nominal[:, c]))), 1e-12)
-            raw = np.zeros((*nominal.shape, 3))
-            raw[:, c] = powers(nominal[:, c] / size)
-            yield (
-                Block(
-                    f"drive {quantity.index + 1}",
-                    "reading",
-                    "load",
-                    quantity.index,
-                    quantity.unit,
-                    np.empty(0),
-                    READING_SHARE * size,
-                    size=size,
-                ),
-                raw,
-            )
+            functions = of_reading(nominal[:, c] / size)
+            raw = np.zeros((*nominal.shape, functions.shape[1]))
+            raw[:, c] = functions
+            j, unit, prior = quantity.index, quantity.unit, READING_SHARE * size
+            yield Block(f"drive {j + 1}", "reading", "load", j, unit, np.empty(0), prior, size=size), raw
     axes = [c for c, quantity in enumerate(quantities) if quantity.kind == "reflector"]
     if axes:
         of_axis = [quantities[c].axis for c in axes]
-        place = trace.reflectors.mean(axis=1)
-        centre, size = place.mean(axis=0), max(float(np.ptp(place)), 1e-9)
+        spot = trace.reflectors.mean(axis=1)
+        centre, size = spot.mean(axis=0), max(float(np.ptp(spot)), 1e-9)
         raw = np.zeros((*nominal.shape, 12))
-        raw[:, axes] = in_room((place - centre) / size)[:, of_axis]
+        raw[:, axes] = in_room((spot - centre) / size)[:, of_axis]
         yield Block("tracker", "reading", "place", -1, "m", np.empty(0), TRACKER_ERROR, origin=centre, size=size), raw
         if np.ptp(trace.time) > 0:
             raw = np.zeros((*nominal.shape, 6))
@@ -186,3 +179,13 @@ def _sensors(design: Design, trace: Trace) -> Iterator[tuple[Block, Array]]:
                 ),
                 raw,
             )
+        force = force_of(trace)
+        largest = float(np.max(force))
+        if np.ptp(force) > LEAST_FORCE:
+            for r in sorted({quantities[c].index for c in axes}):
+                mine = [c for c in axes if quantities[c].index == r]
+                raw = np.zeros((*nominal.shape, 9))
+                raw[:, mine] = under_force(force / largest)[:, [quantities[c].axis for c in mine]]
+                place = f"reflector {r + 1}"
+                shape = Block(place, "reading", "force", -1, "m", np.empty(0), TRACKER_ERROR, size=largest, reflector=r)
+                yield shape, raw

@@ -10,7 +10,7 @@ from bench.diagnose.name.naming import Naming
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.generic import Block
 from bench.diagnose.verdict import NORMAL_95
-from bench.effects.learned_readings import in_time, powers
+from bench.effects.learned_readings import NEAR_ZERO, in_time, of_reading, under_force
 from bench.record.campaign import Array
 
 POINTS = 41  # of a curve that is no table
@@ -99,8 +99,8 @@ def curves_of(learned: Learned, design: Design) -> tuple[LearnedCurve, ...]:
             unit = unit.replace("rad", "m").replace("Nm", "N")
         return (_curve(learned, "", block.depends_on, unit, block.nodes, np.eye(len(block.nodes))),)
     if block.depends_on == "load":
-        share = np.linspace(-1, 1, POINTS)
-        basis = powers(share)[:, list(block.functions)]
+        share = np.unique(np.concatenate([np.linspace(-1, 1, POINTS), NEAR_ZERO]))
+        basis = of_reading(share)[:, list(block.functions)]
         return (_curve(learned, "", "reading", block.unit, share * block.size, basis),)
     if block.depends_on == "time":
         ends = [segment.motion.time for segment in (design.segments[0], design.segments[-1])]
@@ -110,6 +110,11 @@ def curves_of(learned: Learned, design: Design) -> tuple[LearnedCurve, ...]:
             basis = in_time(hours)[:, axis, list(block.functions)]
             found.append(_curve(learned, name, "time", "h", hours, basis))
         return tuple(found)
+    if block.depends_on == "force":
+        share = np.linspace(0, 1, POINTS)
+        basis = under_force(share)[:, :, list(block.functions)]
+        force = share * block.size
+        return tuple(_curve(learned, name, "force", "N", force, basis[:, axis]) for axis, name in enumerate("xyz"))
     return ()
 
 

@@ -23,6 +23,7 @@ ACTS = {
     "gear angle": "an error of the gear of {place}",
     "reading": "an error of the readings of {place}",
 }
+WORST = 3  # noisy channels that are named
 DECISIVE = 4.6  # log Bayes factor of odds of 100
 
 
@@ -33,6 +34,9 @@ def headline(verdict: Verdict) -> str:
         beside = f"; beside it, {_named(verdict)}" if verdict.explanations else ""
         return f"{words}{beside}."
     if not verdict.explanations:
+        if verdict.noisy:
+            worst = channel_name(verdict.noisy[0].column)
+            return f"Nothing found, but {worst} scatters {verdict.noisy[0].times:.3g} times as much as its instrument."
         return "Nothing found: the nominal model explains this campaign."
     return capital(f"{_named(verdict)}.")
 
@@ -62,10 +66,19 @@ def scatter_sentence(verdict: Verdict) -> str:
     """Return what the scale of the noise means, "" where it is as expected."""
     if verdict.noise_scale <= 1:
         return ""
-    return (
+    words = (
         f"The data scatter more than the instruments explain: their variance is {verdict.noise_scale:.3g} times as "
         "large, and all intervals are wider for it."
     )
+    if not verdict.noisy:
+        return words
+    worst = ", ".join(
+        f"{channel_name(one.column)} {'in motion' if one.in_motion else 'at rest'} by {one.times:.3g} times its "
+        "instrument's error"
+        for one in verdict.noisy[:WORST]
+    )
+    more = f", and {len(verdict.noisy) - WORST} more (noisy in verdict.json)" if len(verdict.noisy) > WORST else ""
+    return f"{words} Worst: {worst}{more}. Nothing that was tried explains that, and a cause may hide in it."
 
 
 def unlisted_name(unlisted: Unlisted) -> str:

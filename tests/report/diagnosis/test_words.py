@@ -1,15 +1,16 @@
 """What is said on the terminal, and how numbers and channels are called."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.diagnose.verdict import ParameterValue
+from bench.diagnose.verdict import NoisyChannel, ParameterValue
 from bench.report.diagnosis.names import channel_name, parameter_text, percent, shown
 from bench.report.diagnosis.words import places_of, words_of
-from tests.report.diagnosis.made import VERDICTS
+from tests.report.diagnosis.made import NOTHING, VERDICTS
 
 
 @pytest.mark.parametrize(
@@ -52,6 +53,15 @@ def test_nothing_found_says_what_would_have_been() -> None:
     text = "\n".join(words_of(VERDICTS["nothing"]))
     assert "chance would still find something in 1 % of such campaigns" in text
     assert "joint zero, joint 2: offset 0.012 deg" in text
+
+
+def test_nothing_found_in_a_channel_that_is_all_noise_is_not_praised() -> None:
+    noisy = (NoisyChannel("current_6_a", True, 174.0), *(NoisyChannel(f"current_{i}_a", False, 4.0) for i in (1, 2, 3)))
+    lines = list(words_of(replace(NOTHING, noise_scale=31.0, noisy=noisy)))
+    assert lines[0] == "Nothing found, but motor current 6 scatters 174 times as much as its instrument."
+    (scatter,) = (line for line in lines if line.startswith("The data scatter"))
+    assert "motor current 6 in motion by 174 times its instrument's error, motor current 1 at rest by 4" in scatter
+    assert "and 1 more" in scatter
 
 
 def test_files_are_named(tmp_path: Path) -> None:
