@@ -41,6 +41,7 @@ IN_SET = 6.0  # log evidence behind the best, up to where a cause is not told ap
 NEARLY = 3.0  # beyond the set, up to where derivatives are taken anew before it is decided
 # What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.
 UNEXPLAINED = 0.02
+MAINLY = 0.8  # of the evidence for a free shape: what a single listed cause has is not called unlisted for its rest
 CERTAIN = 4.6  # log evidence beyond the threshold (100 to 1) that is asked for a free shape alone
 
 
@@ -139,10 +140,10 @@ def name_cause(
         others = tuple(h for h in fits if h is not found and len(h.causes) == len(found.causes))
         stage = _climbed(stage, found, others, renew, progress)
         refused.clear()  # what did not pay before may pay beside this
-        if len(stage.best.causes) > 1 and _explains_more(stage, design):
+        if len(stage.best.causes) > 1 and _explains_more(stage, design, screening):
             break
     for _ in range(MOST_CHANGES):
-        block, is_alone = _unlisted(stage, design, threshold)
+        block, is_alone = _unlisted(stage, design, screening)
         stage = _settled(stage, renew)
         hypotheses = _among_rivals(stage, progress) if stage.best.causes and not is_alone else ()
         if not hypotheses or hypotheses[0].keys == stage.best.keys:
@@ -232,10 +233,11 @@ def _among_rivals(stage: Stage, progress: Callable[[str], None]) -> tuple[Hypoth
     return tuple(sorted(ranked, key=lambda h: -h.log_evidence))
 
 
-def _explains_more(stage: Stage, nominal: Design) -> Entry | None:
+def _explains_more(stage: Stage, nominal: Design, first: Screening) -> Entry | None:
     """Return the free shape that explains alone more than listed causes and the best shape beside them, or None.
 
-    One that explains as much will do if listed causes are the smaller part, or if it is needed beside several of them.
+    One that explains as much will do if listed causes are the smaller part, or if something at its place is needed
+    beside several of them, none of which is the main cause.
 
     Both count with the same standard errors, the shape about the nominal model and its own derivatives: those about the
     extended one are of other friction and other stiffness.
@@ -253,26 +255,32 @@ def _explains_more(stage: Stage, nominal: Design) -> Entry | None:
     more = alone[0].log_evidence - listed - beside
     surely = more > margin + stage.screening.threshold
     as_well = more > -margin and listed < beside
-    is_needed = beside > stage.screening.threshold and str(left[0].what) == str(alone[0].what)
-    simpler = more > 0 and is_needed and len(stage.best.causes) > 1
+    is_needed = beside > stage.screening.threshold and _place(left[0]) == _place(alone[0])
+    mainly = first.listed and first.listed[0].log_evidence > MAINLY * first.free[0].log_evidence
+    simpler = more > 0 and is_needed and not mainly and len(stage.best.causes) > 1
     return alone[0] if surely or as_well or simpler else None
 
 
-def _unlisted(stage: Stage, nominal: Design, threshold: float) -> tuple[Block | None, bool]:
+def _place(entry: Entry) -> str:
+    assert isinstance(entry.what, Block)
+    return entry.what.place
+
+
+def _unlisted(stage: Stage, nominal: Design, first: Screening) -> tuple[Block | None, bool]:
     """Return the free shape that is needed, or None where listed causes are enough; and whether it stands alone.
 
     One that explains alone more than listed causes and the best shape beside them is preferred to them. Where no shape
     is needed by its evidence, but the model leaves far more than what nothing explains, the nearest to that is named.
     """
     left = stage.screening.free
-    needed = left and left[0].log_evidence > max(threshold, UNEXPLAINED * stage.best.log_evidence)
+    needed = left and left[0].log_evidence > max(first.threshold, UNEXPLAINED * stage.best.log_evidence)
     if not stage.best.causes:  # nothing but its evidence speaks for it: no rival that was ruled out, no held-out run
-        needed = left and left[0].log_evidence > threshold + CERTAIN
+        needed = left and left[0].log_evidence > first.threshold + CERTAIN
     if not needed and not is_adequate(stage.design, pseudo_residual(stage.design, stage.fit)):
         needed, left = bool(left), _nearest(stage)
     if not needed and len(stage.best.causes) <= 1:
         return None, False
-    alone = _explains_more(stage, nominal)
+    alone = _explains_more(stage, nominal, first)
     if alone is None and not needed:
         return None, False
     what = alone.what if alone else left[0].what
