@@ -147,6 +147,7 @@ class Friction:
         static_rise: Rise of the level at standstill, relative.
         stribeck_velocity: Speed at which the rise has fallen to 1/e [rad/s].
         asymmetry: Relative surplus of the level in + direction, deficit in - direction.
+        viscous_asymmetry: More of the level per speed in + direction, less in - direction [Nm s/rad].
         load_coefficient: Level per transmitted torque.
         element: Name of the tendon whose spring transmits the torque.
         ripple: Relative amplitude of the level over the angle.
@@ -159,6 +160,7 @@ class Friction:
     static_rise: float = 0.0
     stribeck_velocity: float = nan
     asymmetry: float = 0.0
+    viscous_asymmetry: float = 0.0
     load_coefficient: float = 0.0
     element: str = ""
     ripple: float = 0.0
@@ -169,7 +171,7 @@ class Friction:
         """Return the levels [Nm] against motion towards - and +.
 
             coulomb (1 -+ asymmetry) (1 + static_rise exp(-(v / v_s)^2)) (1 + ripple sin(2 pi x / period + phase))
-            + load_coefficient |load|
+            + load_coefficient |load| + viscous_asymmetry v, that of the direction of motion, at least 0
 
         Args:
             x: Position [rad].
@@ -183,7 +185,12 @@ class Friction:
         if self.ripple > 0:
             coulomb *= 1 + self.ripple * np.sin(2 * np.pi * np.asarray(x) / self.ripple_period + self.ripple_phase)
         by_load = self.load_coefficient * np.abs(load)
-        return coulomb * (1 - self.asymmetry) + by_load, coulomb * (1 + self.asymmetry) + by_load
+        minus, plus = coulomb * (1 - self.asymmetry) + by_load, coulomb * (1 + self.asymmetry) + by_load
+        more = self.viscous_asymmetry * np.asarray(v, dtype=float)
+        forward = np.asarray(v) > 0
+        return np.where(forward, minus, np.maximum(minus + more, 0)), np.where(
+            forward, np.maximum(plus + more, 0), plus
+        )
 
     def force(self, x: ArrayLike, v: ArrayLike, load: ArrayLike = 0.0) -> Array:
         """Return the friction torque along a path from an unstressed start, shape (n,) [Nm]."""

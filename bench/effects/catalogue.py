@@ -15,7 +15,7 @@ from bench.effects.friction import (
     Viscous,
     ViscousFriction,
 )
-from bench.effects.friction_shape import DirectionFriction, FrictionRipple, LoadFriction, Stribeck
+from bench.effects.friction_shape import DirectionFriction, DirectionViscous, FrictionRipple, LoadFriction, Stribeck
 from bench.effects.gas import (
     CounterbalanceGas,
     GasLoss,
@@ -68,6 +68,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     Stribeck,
     LoadFriction,
     DirectionFriction,
+    DirectionViscous,
     FrictionTemperature,
     FrictionSide,
     FrictionRipple,

@@ -81,7 +81,7 @@ class Viscous(_OnFriction):
     parameters = (Parameter("change", "", 0.0, 0.1, 0.8, "of the coefficient, relative", signed=True, least=-1.0),)
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        return tuple(place for place in drives(compiled) if _viscous(compiled)[place.index] > 0)
+        return tuple(place for place in drives(compiled) if viscous(compiled)[place.index] > 0)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         change = values["change"]
@@ -102,7 +102,7 @@ class ViscousFriction(_OnFriction):
     )
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        return tuple(place for place in drives(compiled) if _viscous(compiled)[place.index] == 0)
+        return tuple(place for place in drives(compiled) if viscous(compiled)[place.index] == 0)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         coefficient = values["coefficient"]
@@ -129,8 +129,8 @@ class FrictionTemperature(_OnFriction):
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         rich = {place.index for place in with_coulomb(compiled)}
-        viscous = _viscous(compiled)
-        return tuple(place for place in drives(compiled) if place.index in rich or viscous[place.index] > 0)
+        coefficient = viscous(compiled)
+        return tuple(place for place in drives(compiled) if place.index in rich or coefficient[place.index] > 0)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         factor = exp(-values["decrease"] * float(conditions.gear_k[place.index] - REFERENCE_K))
@@ -186,5 +186,6 @@ def scale_viscous(spec: mujoco.MjSpec, rotor: str, factor: float) -> None:
     joint.damping = factor * np.asarray(joint.damping)
 
 
-def _viscous(compiled: CompiledRobot) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def viscous(compiled: CompiledRobot) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """Return the viscous coefficients of the drives, shape (n,) [Nm s/rad]."""
     return np.asarray(compiled.model.dof_damping[compiled.at.q_dof], dtype=np.float64)

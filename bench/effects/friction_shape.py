@@ -3,9 +3,10 @@
 from math import atan2, hypot, pi
 
 import mujoco
+import numpy as np
 
 from bench.effects.effect import Conditions, Parameter, Place, Values
-from bench.effects.friction import ARMSTRONG, BITTENCOURT, with_coulomb
+from bench.effects.friction import ARMSTRONG, BITTENCOURT, viscous, with_coulomb
 from bench.effects.friction_elements import give, give_side
 from bench.effects.places import OnDrive, drive_of
 from bench.robot.compiled import CompiledRobot, SpecEdit
@@ -88,6 +89,38 @@ class DirectionFriction(_Shape):
         if not asymmetry:
             return None
         return lambda spec, robot: give(spec, robot, drive_of(robot, place), asymmetry=asymmetry)
+
+
+class DirectionViscous(_Shape):
+    """Viscous friction differs between the directions."""
+
+    name = "direction_viscous"
+    title = "viscous friction depends on the direction"
+    physics = (
+        "Gears, seals and screws pump their lubricant better one way: viscous friction is f_v (1 + d) v in motion "
+        "towards +, f_v (1 - d) v towards -. It is put on the motor side."
+    )
+    source = f"{ARMSTRONG} (asymmetric friction); range: assumed"
+    parameters = (
+        Parameter(
+            "asymmetry", "", 0.0, 0.05, 0.4, "d, surplus towards +, relative", signed=True, least=-0.95, most=0.95
+        ),
+    )
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        return tuple(place for place in super().places(compiled) if viscous(compiled)[place.index] > 0)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        asymmetry = values["asymmetry"]
+        if not asymmetry:
+            return None
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            drive = drive_of(robot, place)
+            coefficient = float(np.ravel(spec.joint(drive.rotor).damping)[0])
+            give_side(spec, robot, drive, "motor", viscous_asymmetry=asymmetry * coefficient)
+
+        return change
 
 
 class FrictionRipple(_Shape):

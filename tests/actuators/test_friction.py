@@ -45,6 +45,21 @@ def test_direction_and_speed_set_the_level():
     np.testing.assert_allclose(at_stribeck_velocity, [-LEVEL * 1.2 * rise, LEVEL * 0.8 * rise], rtol=1e-12)
 
 
+@pytest.mark.parametrize("coefficient", [3.0, -3.0, 3 * LEVEL])
+def test_drag_that_differs_between_directions(coefficient: float):
+    law = Friction(coulomb=LEVEL, presliding_stiffness=SIGMA, viscous_asymmetry=coefficient)
+    x = np.array([0, 5, 0, 5]) * SLIP
+    speeds = [0, 0.5, -0.5, 0.25]
+    sliding = follow(slider(law), x, v=speeds)[1:, 0]
+    expected = [
+        -max(LEVEL + 0.5 * coefficient, 0),
+        max(LEVEL - 0.5 * coefficient, 0),
+        -max(LEVEL + 0.25 * coefficient, 0),
+    ]
+    np.testing.assert_allclose(sliding, expected, rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(law.force(x, np.array(speeds))[1:], expected, rtol=1e-12, atol=1e-9)
+
+
 COULOMB = np.array([900, 650, 300, 60, 25, 15])  # [Nm], about twice what the weight asks for
 ARM = f"""
 <mujoco>

@@ -59,6 +59,16 @@ def test_direction(robot: Robot, sign: int) -> None:
     np.testing.assert_allclose(link[-1], -sign * factor * compiled.link_coulomb, rtol=SLIDING)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_viscous_by_direction(hh150: Robot, sign: int) -> None:
+    compiled = compile_robot(hh150)
+    motor, link, _ = friction(hh150, [edit_of("direction_viscous", compiled, {"asymmetry": 0.3}, 1)], sign * 0.1)
+    level = compiled.motor_coulomb.copy()
+    level[1] += sign * 0.3 * 0.1 * compiled.model.dof_damping[compiled.at.q_dof[1]]
+    np.testing.assert_allclose(motor[-1], -sign * level, rtol=1e-3)
+    np.testing.assert_allclose(link[-1], -sign * compiled.link_coulomb, rtol=SLIDING)
+
+
 def test_stribeck(robot: Robot) -> None:
     compiled = compile_robot(robot)
     edit = edit_of("stribeck", compiled, {"rise": 0.4, "speed": 0.05}, 1)

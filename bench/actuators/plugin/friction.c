@@ -9,6 +9,7 @@ typedef struct Friction {
   double static_rise;
   double stribeck_velocity;
   double asymmetry;
+  double viscous_asymmetry;
   double load_coefficient;
   double ripple;
   double ripple_period;
@@ -22,6 +23,7 @@ static const Number kNumbers[] = {
     {"static_rise", offsetof(Friction, static_rise), 0, NONNEGATIVE},
     {"stribeck_velocity", offsetof(Friction, stribeck_velocity), UNSET, POSITIVE},
     {"asymmetry", offsetof(Friction, asymmetry), 0, SIGNED_FRACTION},
+    {"viscous_asymmetry", offsetof(Friction, viscous_asymmetry), 0, ANY},
     {"load_coefficient", offsetof(Friction, load_coefficient), 0, NONNEGATIVE},
     {"ripple", offsetof(Friction, ripple), 0, FRACTION},
     {"ripple_period", offsetof(Friction, ripple_period), UNSET, POSITIVE},
@@ -71,6 +73,11 @@ static mjtNum force(Element* element, const mjModel* m, const mjData* d, const m
   }
   mjtNum level_minus = coulomb * (1 - self->asymmetry) + load;
   mjtNum level_plus = coulomb * (1 + self->asymmetry) + load;
+  if (self->viscous_asymmetry != 0) {
+    mjtNum speed = d->actuator_velocity[element->output];
+    mjtNum* level = speed > 0 ? &level_plus : &level_minus;
+    *level = fmax(*level + self->viscous_asymmetry * speed, 0);
+  }
   return hold(state, x, self->presliding_stiffness, level_minus, level_plus, next);
 }
 
