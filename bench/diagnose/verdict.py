@@ -109,6 +109,7 @@ class Step:
         low, high: 90 % interval of it, over the runs.
         accepted: Whether the model keeps it.
         reason: Why, in words.
+        channels: What each channel gained on what was held out.
     """
 
     added: tuple[NamedCause, ...]
@@ -118,6 +119,7 @@ class Step:
     high: float
     accepted: bool
     reason: str
+    channels: tuple[ChannelGain, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -227,7 +229,7 @@ def _step(rung: Rung) -> Step:
     if rung.replaced:
         reason += "; takes the place of the model before"
     named = tuple(_named(cause, rung.fit) for cause in rung.added)
-    return Step(named, rung.log_evidence, worth.nats, worth.low, worth.high, rung.is_taken, reason)
+    return Step(named, rung.log_evidence, worth.nats, worth.low, worth.high, rung.is_taken, reason, worth.channels)
 
 
 def _unlisted(block: Block, lesson: Lesson | None) -> Unlisted:

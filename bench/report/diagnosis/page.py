@@ -32,6 +32,7 @@ from bench.report.diagnosis.sentences import (
     proposal_text,
     rate_sentence,
     scatter_sentence,
+    step_left,
     unlisted_name,
 )
 
@@ -106,6 +107,7 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
         "limit": limit_of,
         "percent": percent,
         "proposal": proposal_text,
+        "step_left": step_left,
         "spaced": lambda name: name.replace("_", " "),
         "unit": unit_name,
     }

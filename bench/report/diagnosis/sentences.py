@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Unlisted, Verdict
+from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, Unlisted, Verdict
 from bench.report.diagnosis.names import (
     capital,
     cause_name,
@@ -23,6 +23,7 @@ ACTS = {
     "gear angle": "an error of the gear of {place}",
     "reading": "an error of the readings of {place}",
 }
+CLEARLY = 0.05  # gain of a channel by one step that is worth a word
 WORST = 3  # noisy channels that are named
 DECISIVE = 4.6  # log Bayes factor of odds of 100
 
@@ -106,6 +107,24 @@ def gain_text(gain: ChannelGain) -> str:
         f"{channel_name(gain.channel)}: {before} -> {after} {unit_name(gain.unit)} (floor {floor}), "
         f"gain {percent(gain.gain)} ({percent(gain.low)} to {percent(gain.high)})"
     )
+
+
+def step_text(step: Step) -> str:
+    """Return what a step of the climb added and what that was worth, in a line."""
+    added = " with ".join(cause_name(cause) for cause in step.added)
+    held_out = f"held out {step.held_out:+.0f} ({step.low:.0f} to {step.high:.0f})"
+    left = step_left(step)
+    return f"{added}: {step.log_evidence:+.0f}, {held_out}" + (f"; {left}" if left else "")
+
+
+def step_left(step: Step) -> str:
+    """Return what a step leaves of the channels that it makes clearly better, "" where there is none."""
+    texts = []
+    for gain in step.channels:
+        if gain.gain > CLEARLY and gain.low > 0:
+            before, after = shown((gain.before, gain.after), gain.unit, gain.floor or gain.after)
+            texts.append(f"{channel_name(gain.channel)} {before} -> {after} {unit_name(gain.unit)}")
+    return ", ".join(texts)
 
 
 def proposal_text(proposal: Proposal) -> str:

@@ -17,6 +17,7 @@ from bench.report.diagnosis.sentences import (
     proposal_text,
     rate_sentence,
     scatter_sentence,
+    step_text,
 )
 
 BEST_CHANNELS = 4
@@ -36,6 +37,7 @@ def words_of(verdict: Verdict) -> Iterator[str]:
         yield from _limits(verdict)
     if verdict.rivals and not verdict.unlisted:
         yield "Fitted, and ruled out: " + ", ".join(explanation_name(rival) for rival in verdict.rivals) + "."
+    yield from _climb(verdict)
     yield from _gain(verdict)
     yield from _predicted(verdict)
     for step in verdict.steps:
@@ -57,6 +59,14 @@ def _explanation(explanation: Explanation) -> Iterator[str]:
         yield f"{mark}{cause_name(cause)}"
         for parameter in cause.parameters:
             yield f"{'':13}{parameter_text(parameter)}" + (f"   {parameter.words}" if parameter.words else "")
+
+
+def _climb(verdict: Verdict) -> Iterator[str]:
+    taken = [step for step in verdict.steps if step.accepted]
+    if len(taken) > 1:
+        yield "Step by step, evidence and that of data held out with its 90 % interval, in nats:"
+        for step in taken:
+            yield f"  {step_text(step)}"
 
 
 def _gain(verdict: Verdict) -> Iterator[str]:

@@ -35,6 +35,8 @@ OFF = ParameterValue("offset", 3.1e-4, 2.2e-4, 4.0e-4, "rad")
 ZERO = NamedCause("joint_zero", "zero of a joint", "joint 2", (OFF,))
 MASS = NamedCause("link_mass", "mass of a link", "upper_arm", (ParameterValue("change", 0.0327, 0.0028, 0.0626, ""),))
 
+STEP_GAIN = ChannelGain("current_2_a", "A", 0.612, 0.081, 0.074, 0.868, 0.83, 0.904)
+NO_GAIN = ChannelGain("reflector_1_z_m", "m", 2.11e-4, 2.14e-4, 2.0e-4, -0.0142, -0.05, 0.021)
 NOTHING = Verdict(
     kind="nothing found",
     false_alarm_rate=0.01,
@@ -54,13 +56,13 @@ CAUSE = replace(
     explanations=(Explanation((GAS,), 0.9997, 94.3),),
     rivals=(Explanation((MASS,), 0.0003, 82.1),),
     gain=(
-        ChannelGain("current_2_a", "A", 0.612, 0.081, 0.074, 0.868, 0.83, 0.904),
+        STEP_GAIN,
         ChannelGain("reflector_1_x_m", "m", np.nan, np.nan, np.nan, np.nan, np.nan, np.nan),
-        ChannelGain("reflector_1_z_m", "m", 2.11e-4, 2.14e-4, 2.0e-4, -0.0142, -0.05, 0.021),
+        NO_GAIN,
     ),
     held_out_by="run",
     steps=(
-        Step((GAS,), 94.3, 81.2, 60.1, 103.4, True, "held-out runs become more probable"),
+        Step((GAS,), 94.3, 81.2, 60.1, 103.4, True, "held-out runs become more probable", (STEP_GAIN, NO_GAIN)),
         Step((MASS,), 6.1, 0.4, -3.1, 4.2, False, "held-out runs do not become more probable"),
     ),
     next=(Proposal("the sweeps again, slower", ("loss of gas", ""), 0.4, 0.0, "lost: 0.13 +- 0.01 today"),),

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from bench.diagnose.verdict import NoisyChannel, ParameterValue
 from bench.report.diagnosis.names import channel_name, parameter_text, percent, shown
 from bench.report.diagnosis.words import places_of, words_of
-from tests.report.diagnosis.made import NOTHING, VERDICTS
+from tests.report.diagnosis.made import MASS, NO_GAIN, NOTHING, VERDICTS
 
 
 @pytest.mark.parametrize(
@@ -41,6 +41,14 @@ def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
         "Not looked for without gear temperatures (gear_temperature_i_k): friction temperature.",
     ):
         assert words in text
+
+
+def test_a_climb_is_told_step_by_step() -> None:
+    first = VERDICTS["cause"].steps[0]
+    steps = (first, replace(first, added=(MASS,), log_evidence=7.0, channels=(NO_GAIN,)))
+    lines = list(words_of(replace(VERDICTS["cause"], steps=steps)))
+    assert "  loss of gas: +94, held out +81 (60 to 103); motor current 2 0.612 -> 0.081 A" in lines
+    assert "  mass of a link (upper arm): +7, held out +81 (60 to 103)" in lines
 
 
 def test_a_set_is_not_guessed_between() -> None:
