@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.diagnose.extend.refit import Fit, Key, pseudo_residual, refit
 from bench.diagnose.measure.measure import held_out
-from bench.diagnose.name.naming import Naming
+from bench.diagnose.name.naming import CERTAIN, Naming
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, raised, roughened
 from bench.diagnose.picture.generic import Block, anew
@@ -47,6 +47,7 @@ KEPT = 0.5  # of the evidence in the linear picture, which the simulated model h
 NOT_THERE = "nothing in the simulator can act so: the shape is known, but no model runs with it"
 NO_BALANCE = "a model with it finds no balance along the measured motion"
 FALLS_SHORT = "a model with it runs, but cannot do what the data ask for (friction never drives), and is not written"
+ROUGH = "once rough readings count as noise, too little of it is left for a model to learn"
 REFUSED = "a model with it runs, but does not predict the data better that it was not fitted to, and is not written"
 IN_MODEL = "the extended model has it"
 IN_READINGS = "it runs as an error of readings, outside of the model"
@@ -106,6 +107,8 @@ def learn(design: Design, block: Block, beside: Fit) -> Lesson:
         except BenchError:
             return Lesson(design, None, False, NO_BALANCE)
         gained = fit.log_evidence - without.log_evidence
+        if estimate.log_evidence < CERTAIN:
+            return Lesson(design, fit, False, ROUGH)
         if gained < KEPT * estimate.log_evidence:
             return Lesson(design, fit, False, FALLS_SHORT)
         factors = _factors(design, block, fit)
@@ -137,11 +140,13 @@ class _Estimate:
     Attributes:
         block: The free shape.
         value: Shape (k,).
+        shift: Of the unknowns of the model beside it, whose part the shape may take over.
         log_evidence: Against the model beside it.
     """
 
     block: Block
     value: Array
+    shift: Array
     log_evidence: float
 
 
@@ -159,8 +164,8 @@ def _best(design: Design, block: Block, beside: Fit) -> _Estimate:
         for width in WIDTHS:
             wide = replace(tried, prior=width * tried.prior)
             prior = np.full(k, wide.prior)
-            value, _ = marginal.sizes(every[:k], prior)
-            found.append(_Estimate(wide, value, marginal.log_evidence(every[:k], prior)))
+            value, _ = products.sizes(every, np.concatenate([prior, sigma]))
+            found.append(_Estimate(wide, value[:k], value[k:], marginal.log_evidence(every[:k], prior)))
     return max(found, key=lambda one: one.log_evidence)
 
 
@@ -175,6 +180,9 @@ def _start(
     start = {
         (*cause.key, parameter.name): float(value) for parameter, value in zip(effect.parameters, values, strict=True)
     }
+    for unknown, before, shift in zip(beside.unknowns, beside.values, estimate.shift, strict=True):
+        if not unknown.parameter.is_shape:
+            start[*unknown.cause.key, unknown.parameter.name] = float(before + shift)
     # the nominal model's figures are bent by what is missing: no place to start from
     return (*beside.causes, cause), beside.start | start, beside.nuisances if beside.causes else None
 

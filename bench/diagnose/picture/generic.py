@@ -12,6 +12,7 @@ import numpy as np
 from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.replay import NOMINAL
 from bench.effects.learned_readings import force_of, in_room, in_time, of_reading, under_force
+from bench.effects.learned_torques import LearnedDrag
 from bench.record.campaign import Array
 from bench.simulate.instruments import HOUR
 from bench.simulate.plant import Trace
@@ -132,8 +133,7 @@ def _shapes(design: Design, angle_nodes: int) -> Iterator[tuple[Block, Array]]:
             if kind != "gear angle" and np.any(moves):
                 fast = speed[moves]
                 if np.max(fast) > 1.2 * np.min(fast):
-                    nodes = np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES))
-                    nodes = np.unique(nodes)
+                    nodes = LearnedDrag.speeds(np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES)))
                     directed = hats(speed, nodes) * way[:, None]
                     yield (
                         Block(place, kind, "speed", j, unit, nodes, prior),
