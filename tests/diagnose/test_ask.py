@@ -105,6 +105,17 @@ def test_one_explanation_asks_for_what_narrows_it(twins: Twins) -> None:
     assert worth[0] > 0.1
 
 
+def test_it_asks_for_what_is_least_known(twins: Twins) -> None:
+    (bend,), effect = twins.bend.causes, catalogue()["payload_com"]
+    both = refit(twins.design, (bend, Cause(effect, WHOLE, effect.parameters, ())), twins.bend.start)
+    known = {u.parameter.name: s / u.sigma for u, s in zip(both.unknowns, both.sigma, strict=True)}
+    least = max(known, key=lambda name: known[name])
+    assert known["exponent"] < 0.5 * known[least]
+    found = ask(twins.design, [both])
+    assert found
+    assert all(p.narrows.startswith(f"{least} of {effect.title}") for p in found)
+
+
 def test_what_a_stated_figure_blurs_no_run_narrows(twins: Twins) -> None:
     # a gas constant known to 1 % and a loss of gas are one number in every run
     assert ask(twins.design, [twins.loss]) == ()

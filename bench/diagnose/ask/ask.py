@@ -28,7 +28,7 @@ class Proposal:
         experiment: In words: pose, speed, load, dwell, or an instrument.
         splits: Names of the two explanations that it tells apart best; of one that stands alone, its name and "".
         separation: Expected log Bayes factor between the two, if the one that it favours less is true. Of one alone,
-            the logarithm of the factor by which the standard deviation of its first parameter shrinks.
+            the logarithm of the factor by which the standard deviation of its least known parameter shrinks.
         today: The same with the data at hand; 0 for one alone.
         narrows: Of one alone, what it does to that parameter, in words; else "".
     """
@@ -59,8 +59,8 @@ class Rated:
 def ask(design: Design, fits: Sequence[Fit]) -> tuple[Proposal, ...]:
     """Return at most five experiments, the best first, each of another kind; none where nothing tried would help.
 
-    With several explanations, an experiment is worth what it tells apart; with one, by how much it narrows its first
-    parameter.
+    With several explanations, an experiment is worth what it tells apart; with one, by how much it narrows the size of
+    which these data have told least of what was plausible.
 
     Args:
         design: Today's campaign.
@@ -112,11 +112,13 @@ def _rate(words: str, family: str, fits: Sequence[Fit], expectations: Sequence[E
 
 
 def _rate_narrowing(words: str, family: str, fit: Fit, expectation: Expectation) -> Rated:
-    share = narrowing(expectation, len(expectation.covariance) - len(fit.unknowns))
-    unknown, sigma = fit.unknowns[0], float(fit.sigma[0])
+    told = [0.0 if u.parameter.is_shape else s / u.sigma for u, s in zip(fit.unknowns, fit.sigma, strict=True)]
+    least = int(np.argmax(told))
+    share = narrowing(expectation, len(expectation.covariance) - len(fit.unknowns) + least)
+    unknown, sigma = fit.unknowns[least], float(fit.sigma[least])
     unit = f" {unknown.parameter.unit}" if unknown.parameter.unit else ""
     narrows = (
-        f"{unknown.parameter.name} of {unknown.cause}: {fit.values[0]:.3g} +- {sigma:.2g}{unit} today, "
+        f"{unknown.parameter.name} of {unknown.cause}: {fit.values[least]:.3g} +- {sigma:.2g}{unit} today, "
         f"+- {share * sigma:.2g}{unit} then"
     )
     worth = float(-np.log(max(share, np.finfo(float).tiny)))
