@@ -50,6 +50,10 @@ class ConvergenceError(BenchError):
     exit_code = 5
 
 
+# What a model that is only tried may end in. It is no explanation then; an effect of the user's own that fails is said.
+NOT_SIMULATED = (ConvergenceError, RobotError)
+
+
 class MissingPluginError(BenchError):
     """The engine plugin with the counterbalance and friction actuators is not installed or was not built."""
 

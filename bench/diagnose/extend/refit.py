@@ -10,8 +10,7 @@ from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.replay import World
 from bench.effects.effect import Parameter
-from bench.effects.own import EffectError
-from bench.errors import BenchError
+from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
 MOST_ITERATIONS = 6
@@ -159,9 +158,7 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float],
             new_x, new_values = x + part[: len(x)], np.clip(values + part[len(x) :], low, high)
             try:
                 new_residual = left(new_values, new_x)
-            except EffectError:
-                raise
-            except BenchError:
+            except NOT_SIMULATED:
                 continue
             new = objective(new_residual, new_values, new_x)
             if new < best:
@@ -209,7 +206,7 @@ def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-u
     for halving in range(HALVINGS):
         try:
             return values, left(values, x)
-        except BenchError:
+        except NOT_SIMULATED:
             values = origin + (values - origin) / 2 if halving < HALVINGS - 1 else values
     return values, left(values, x)
 
@@ -224,9 +221,7 @@ def _slopes(left, residual, values, x, unknowns, high) -> Array:  # type: ignore
             step = -step
         try:
             columns.append((residual - _moved(left, values, x, i, step)) / step)
-        except EffectError:
-            raise
-        except BenchError:  # no balance there; the other side is as good
+        except NOT_SIMULATED:  # no balance there; the other side is as good
             columns.append((_moved(left, values, x, i, -step) - residual) / step)
     return np.stack(columns, axis=2) if columns else np.zeros((*residual.shape, 0))
 

@@ -33,7 +33,7 @@ from bench.effects.learned_torques import (
     LearnedTorque,
     LearnedTorsion,
 )
-from bench.errors import BenchError
+from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
 OVER = {"angle": "rad", "angle and direction": "rad", "speed": "rad/s", "load": "Nm"}
@@ -104,7 +104,7 @@ def learn(design: Design, block: Block, beside: Fit) -> Lesson:
         try:
             fit = refit(design, *_start(effect, place_of(design, block), estimate, beside))
             without = refit(design, beside.causes, beside.start, beside.nuisances)
-        except BenchError:
+        except NOT_SIMULATED:
             return Lesson(design, None, False, NO_BALANCE)
         gained = fit.log_evidence - without.log_evidence
         if estimate.log_evidence < CERTAIN:

@@ -13,8 +13,7 @@ from bench.diagnose.extend.refit import Fit, Key, fit_without, pseudo_residual, 
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.screening import Entry, Screening, rescreen
-from bench.effects.own import EffectError
-from bench.errors import BenchError
+from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
 FINALISTS = 6  # causes that are fitted by simulation
@@ -124,9 +123,7 @@ def swaps(stage: Stage) -> list[Trial]:
         others = tuple(other for other in fit.causes if other is not cause)
         try:
             white = pseudo_residual(design, fit_without(design, fit, cause))
-        except EffectError:
-            raise  # an effect of the user's own that fails must not lose in silence
-        except BenchError:
+        except NOT_SIMULATED:
             continue  # without it the model finds no balance along the measured motion
         taken = frozenset(other.key for other in others)
         against = rescreen(design, stage.screening, white, slopes[:, ~mine], sigma[~mine], taken)
@@ -157,9 +154,7 @@ def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:
 def _fitted(stage: Stage, trial: Trial) -> Hypothesis | None:
     try:
         fit = refit(stage.design, trial.causes, trial.start, trial.nuisances)
-    except EffectError:
-        raise  # an effect of the user's own that fails must not lose in silence
-    except BenchError:
+    except NOT_SIMULATED:
         return None  # this model finds no balance along the measured motion
     return Hypothesis(fit, stage.best.log_evidence + fit.log_evidence - stage.fit.log_evidence)
 
