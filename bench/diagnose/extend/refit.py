@@ -104,6 +104,11 @@ def world_of(
     return World(deviations, tuple(acting))
 
 
+def unknowns_of(causes: tuple[Cause, ...]) -> tuple[Unknown, ...]:
+    """Return the parameters that are fitted, sizes and shapes of each cause in turn."""
+    return tuple(Unknown(cause, p) for cause in causes for p in (*cause.sizes, *cause.shapes))
+
+
 def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float], nuisances: Array | None = None) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
 
@@ -118,7 +123,7 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float],
     Raises:
         ConvergenceError, RobotError: The extended model cannot be simulated at all.
     """
-    unknowns = tuple(Unknown(cause, p) for cause in causes for p in (*cause.sizes, *cause.shapes))
+    unknowns = unknowns_of(causes)
     sigma = np.array([u.sigma for u in unknowns])
     origin = np.array([u.parameter.null for u in unknowns])
     values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])

@@ -4,15 +4,17 @@ Trials are chosen in the linear picture, where they are cheap, and fitted by sim
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
 
-from bench.diagnose.extend.refit import Fit, Key, fit_without, pseudo_residual, refit
+from bench.diagnose.extend.refit import Fit, Key, fit_without, pseudo_residual, refit, unknowns_of
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.screening import Entry, Screening, rescreen
+from bench.diagnose.replay.simulations import on_all_cores
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
@@ -144,19 +146,25 @@ def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:
     Raises:
         EffectError: An effect of the user's own fails.
     """
-    for trial in trials:
-        if trial.keys not in stage.fits:
-            stage.fits[trial.keys] = _fitted(stage, trial)
+    new = list({trial.keys: trial for trial in trials if trial.keys not in stage.fits}.values())
+    for trial, fit in zip(new, on_all_cores(partial(_fit, stage.design), new), strict=True):
+        if fit is None:
+            stage.fits[trial.keys] = None
+            continue
+        fit = replace(fit, causes=trial.causes, unknowns=unknowns_of(trial.causes))
+        evidence = stage.best.log_evidence + fit.log_evidence - stage.fit.log_evidence
+        stage.fits[trial.keys] = Hypothesis(fit, evidence)
     found = (stage.fits[trial.keys] for trial in trials)
     return [hypothesis for hypothesis in found if hypothesis is not None]
 
 
-def _fitted(stage: Stage, trial: Trial) -> Hypothesis | None:
+def _fit(design: Design, trial: Trial) -> Fit | None:
+    """Return a fit without its causes, which come from a user's file and cannot be passed between processes."""
     try:
-        fit = refit(stage.design, trial.causes, trial.start, trial.nuisances)
+        fit = refit(design, trial.causes, trial.start, trial.nuisances)
     except NOT_SIMULATED:
         return None  # this model finds no balance along the measured motion
-    return Hypothesis(fit, stage.best.log_evidence + fit.log_evidence - stage.fit.log_evidence)
+    return replace(fit, causes=(), unknowns=())
 
 
 def _hiding(stage: Stage, open_: Sequence[Entry], least: float) -> list[Trial]:

@@ -1,22 +1,25 @@
-"""Many worlds, simulated on all cores."""
+"""Many worlds, or many fits, on all cores."""
 
 import multiprocessing
 import os
 import signal
 from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 from bench.diagnose.replay.replay import Replay, World
 from bench.errors import BenchError
 from bench.record.campaign import Array
 
 Progress = Callable[[float], None]
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 FEW = 8  # worlds that are not worth a second process
 
-_shared: tuple[Replay, Sequence[World]] | None = None  # of a worker, from the moment it is forked
+_shared: tuple[Callable[[Any], Any], Sequence[Any]] | None = None  # of a worker, from the moment it is forked
 
 
 def simulate_all(
-    replay: Replay, worlds: Sequence[World], progress: Progress = lambda share: None, cores: int | None = None
+    replay: Replay, worlds: Sequence[World], progress: Progress = lambda share: None
 ) -> list[Array | BenchError]:
     """Return what instruments show in every world, each shape (T, c), or why a world could not be simulated.
 
@@ -24,23 +27,51 @@ def simulate_all(
         replay: The campaign.
         worlds: Hypotheses.
         progress: Called with the share that is done.
-        cores: Processes to use; None: one for each core. Workers are forked, for effects may come from a user's file.
+    """
+
+    def predict(world: World) -> Array | BenchError:
+        try:
+            return replay.predict(world)
+        except BenchError as error:
+            return error
+
+    return on_all_cores(predict, worlds, progress, few=FEW, at_a_time=4)
+
+
+def on_all_cores(
+    work: Callable[[Item], Result],
+    items: Sequence[Item],
+    progress: Progress = lambda share: None,
+    few: int = 2,
+    at_a_time: int = 1,
+) -> list[Result]:
+    """Return what some work makes of every item, in order; what it raises is raised.
+
+    Workers are forked, for effects may come from a user's file: work and items need not be pickled, results must be.
+    `BENCH_CORES` in the environment limits the processes.
+
+    Args:
+        work: To be done.
+        items: On what.
+        progress: Called with the share that is done.
+        few: Items that are not worth a second process are less.
+        at_a_time: Items that a process takes at a time.
     """
     global _shared
-    cores = cores or int(os.environ.get("BENCH_CORES", 0)) or os.cpu_count() or 1
-    if cores == 1 or len(worlds) < FEW or "fork" not in multiprocessing.get_all_start_methods():
+    cores = int(os.environ.get("BENCH_CORES", 0)) or os.cpu_count() or 1
+    if cores == 1 or len(items) < few or "fork" not in multiprocessing.get_all_start_methods():
         results = []
-        for i, world in enumerate(worlds):
-            results.append(_predict(replay, world))
-            progress((i + 1) / len(worlds))
+        for i, item in enumerate(items):
+            results.append(work(item))
+            progress((i + 1) / len(items))
         return results
-    _shared = (replay, worlds)
+    _shared = (work, items)
     try:
         with multiprocessing.get_context("fork").Pool(cores, _start_worker) as pool:
             found = []
-            for i, result in enumerate(pool.imap(_simulate, range(len(worlds)), chunksize=4)):
+            for i, result in enumerate(pool.imap(_worked, range(len(items)), chunksize=at_a_time)):
                 found.append(result)
-                progress((i + 1) / len(worlds))
+                progress((i + 1) / len(items))
     finally:
         _shared = None
     return found
@@ -50,14 +81,7 @@ def _start_worker() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
 
 
-def _simulate(index: int) -> Array | BenchError:
+def _worked(index: int) -> Any:
     assert _shared
-    replay, worlds = _shared
-    return _predict(replay, worlds[index])
-
-
-def _predict(replay: Replay, world: World) -> Array | BenchError:
-    try:
-        return replay.predict(world)
-    except BenchError as error:
-        return error
+    work, items = _shared
+    return work(items[index])
