@@ -136,7 +136,7 @@ class FrictionRipple(_Shape):
     parameters = (
         Parameter("sin", "", 0.0, 0.05, 0.4, "s, relative", signed=True),
         Parameter("cos", "", 0.0, 0.05, 0.4, "c, relative", signed=True),
-        Parameter("period", "rad", pi / 3, pi / 40, 2 * pi, "p", is_shape=True, ratio=1.4),
+        Parameter("period", "rad", pi / 3, pi / 40, 2 * pi, "p", is_shape=True, ratio=1.2),
     )
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:

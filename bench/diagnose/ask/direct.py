@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.diagnose.ask.outlook import STEP, Expectation
+from bench.diagnose.ask.outlook import Expectation
 from bench.diagnose.extend.refit import Fit, world_of
 from bench.diagnose.measure.leave_out import tangent_of
 from bench.diagnose.picture.design import Design
@@ -88,7 +88,7 @@ def _expectations(
         own = []
         for i, unknown in enumerate(fit.unknowns):
             moved = fit.values.copy()
-            step = STEP * unknown.sigma
+            step = unknown.step_from(float(fit.values[i]))
             moved[i] += step
             world = world_of(design, fit.causes, fit.unknowns, moved, fit.nuisances)
             own.append((read(world) - mean) / step)

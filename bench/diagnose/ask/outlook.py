@@ -24,7 +24,6 @@ from bench.diagnose.replay.simulations import simulate_all
 from bench.errors import BenchError
 from bench.record.campaign import Array
 
-STEP = 0.1  # of a size's prior, for its derivative
 # Relative error of every slope: nuisances are differentiated at the nominal robot, sizes at the explanation. Where two
 # of them act alike, and only their sum is known, an experiment must not seem to tell them apart by that difference.
 SLOPE_ERROR = 0.02
@@ -166,9 +165,7 @@ def _unknown_worlds(design: Design, fits: Sequence[Fit]) -> tuple[list[World], l
     worlds, steps = [], []
     for fit in fits:
         for i, unknown in enumerate(fit.unknowns):
-            step = STEP * unknown.sigma
-            if fit.values[i] + step > unknown.bounds[1]:
-                step = -step
+            step = unknown.step_from(float(fit.values[i]))
             moved = fit.values.copy()
             moved[i] += step
             worlds.append(world_of(design, fit.causes, fit.unknowns, moved, fit.nuisances))

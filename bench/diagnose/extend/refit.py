@@ -16,6 +16,7 @@ from bench.record.campaign import Array
 MOST_ITERATIONS = 6
 ENOUGH = 0.2  # fall of the objective below which a fit has converged
 STEP = 0.05  # of a parameter's plausible size, for its derivative
+SHAPE_STEP = 0.01  # of what it is now, for a shape that may lie anywhere over decades
 HALVINGS = 5
 FAITHFUL = 0.7  # of the promised fall; derivatives that keep less are taken anew
 
@@ -45,6 +46,14 @@ class Unknown:
         else:
             low, high = p.null - 4 * p.high if p.signed else p.null, p.null + 4 * p.high
         return max(low, p.least), min(high, p.most)
+
+    def step_from(self, value: float) -> float:
+        """Return a step within bounds, for its derivative; a shape may lie anywhere over decades, as a period does."""
+        p = self.parameter
+        step = STEP * (p.high - p.low if p.is_shape else p.high)
+        if p.is_shape and p.low > 0:
+            step = SHAPE_STEP * value
+        return step if value + step <= self.bounds[1] else -step
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +158,7 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float],
     slopes, is_stale = np.zeros((*residual.shape, len(values))), True
     for _ in range(MOST_ITERATIONS):
         if is_stale:
-            slopes = _slopes(left, residual, values, x, unknowns, high)
+            slopes = _slopes(left, residual, values, x, unknowns)
         tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
         prior = np.concatenate([np.ones(len(x)), 1 / sigma**2])
         curvature = tangent.T @ tangent + np.diag(prior)
@@ -216,14 +225,11 @@ def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-u
     return values, left(values, x)
 
 
-def _slopes(left, residual, values, x, unknowns, high) -> Array:  # type: ignore[no-untyped-def]
+def _slopes(left, residual, values, x, unknowns) -> Array:  # type: ignore[no-untyped-def]
     """Return the change of the readings with each unknown, shape (T, c, k), by differences of simulations."""
     columns = []
     for i, unknown in enumerate(unknowns):
-        p = unknown.parameter
-        step = STEP * (p.high - p.low if p.is_shape else p.high)
-        if values[i] + step > high[i]:
-            step = -step
+        step = unknown.step_from(float(values[i]))
         try:
             columns.append((residual - _moved(left, values, x, i, step)) / step)
         except NOT_SIMULATED:  # no balance there; the other side is as good

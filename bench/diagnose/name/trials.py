@@ -3,7 +3,8 @@
 Trials are chosen in the linear picture, where they are cheap, and fitted by simulation.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
@@ -25,6 +26,7 @@ PAIRED = 40  # causes whose pairs are all tried in the linear picture
 PAIR_FINALISTS = 3
 IN_REACH = 12.0  # log evidence behind the best, from where on a cause is not worth a simulation
 IMPRECISE = 0.15  # of its evidence, by which the linear picture may be wrong about a strong effect
+NARROW = 1.5  # ratio of neighbouring shapes below which an effect is lost between two of them
 PROMISING = 0.5  # of the evidence that is asked for, in the linear picture
 
 
@@ -147,7 +149,7 @@ def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:
         EffectError: An effect of the user's own fails.
     """
     new = list({trial.keys: trial for trial in trials if trial.keys not in stage.fits}.values())
-    for trial, fit in zip(new, on_all_cores(partial(_fit, stage.design), new), strict=True):
+    for trial, fit in zip(new, on_all_cores(partial(_fit, stage), new), strict=True):
         if fit is None:
             stage.fits[trial.keys] = None
             continue
@@ -158,13 +160,29 @@ def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:
     return [hypothesis for hypothesis in found if hypothesis is not None]
 
 
-def _fit(design: Design, trial: Trial) -> Fit | None:
-    """Return a fit without its causes, which come from a user's file and cannot be passed between processes."""
-    try:
-        fit = refit(design, trial.causes, trial.start, trial.nuisances)
-    except NOT_SIMULATED:
-        return None  # this model finds no balance along the measured motion
-    return replace(fit, causes=(), unknowns=())
+def _fit(stage: Stage, trial: Trial) -> Fit | None:
+    """Return the best fit without its causes, which come from a user's file and do not pass between processes.
+
+    None where the model finds no balance along the measured motion.
+    """
+    found: Fit | None = None
+    for start in _starts(stage, trial):
+        with suppress(*NOT_SIMULATED):
+            fit = refit(stage.design, trial.causes, start, trial.nuisances)
+            if found is None or fit.log_evidence > found.log_evidence:
+                found = fit
+    return found and replace(found, causes=(), unknowns=())
+
+
+def _starts(stage: Stage, trial: Trial) -> Iterator[dict[Key, float]]:
+    """Yield where to start: as the linear picture says, and between the shapes tried where those lie far apart."""
+    yield trial.start
+    for cause in trial.causes:
+        for shape in cause.shapes:
+            if cause.key not in stage.best.keys and shape.ratio < NARROW:
+                key = (*cause.key, shape.name)
+                for side in (-1, 1):
+                    yield trial.start | {key: trial.start.get(key, shape.null) * shape.ratio ** (side / 3)}
 
 
 def _hiding(stage: Stage, open_: Sequence[Entry], least: float) -> list[Trial]:
