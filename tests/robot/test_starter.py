@@ -22,6 +22,19 @@ from bench.simulate.equilibrium import Equilibrium
 AGREEMENT = 1e-9  # of masses and gravity torques with the file's own
 FOLLOWS = 2e-3  # [rad], how near a started servo comes to its command within two seconds under a load
 
+STICK = """
+<mujoco>
+  <worldbody>
+    <body name="upper">
+      <joint name="j1" axis="0 1 0" range="-60 90"/><geom type="capsule" size="0.08" fromto="0 0 0 0 0 0.8" mass="40"/>
+      <body name="lower" pos="0 0 0.8">
+        <joint name="j2" axis="0 1 0" range="-90 90"/>
+        <geom type="capsule" size="0.06" fromto="0 0 0 0.7 0 0" mass="20"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
 # The habits of mujoco_menagerie: nested default classes, meshes in a folder, included files, position actuators, a
 # gripper of two fingers coupled by an equality, contact exclusions, a keyframe.
 MENAGERIE = """
@@ -167,6 +180,16 @@ def test_menagerie_arm(menagerie: Path, tmp_path: Path, capsys: pytest.CaptureFi
     readme = (tmp_path / "robot" / "README.md").read_text()
     assert "joint finger1, held at its zero" in readme
     assert "site 'attachment_site' of the file" in readme
+
+
+def test_an_arm_with_masses_in_its_shapes_alone(tmp_path: Path) -> None:
+    """Before such a file is compiled, the centre of mass of its last link is no number."""
+    file = tmp_path / "stick.xml"
+    file.write_text(STICK)
+    source = read_source(file)
+    np.testing.assert_allclose(source.load_position, (0.35, 0, 0), atol=1e-9)
+    robot = start_robot("stick", source, tmp_path / "stick").compiled.robot
+    assert [drive.joint for drive in robot.figures.drives] == ["j1", "j2"]
 
 
 def test_links_are_those_of_the_file(menagerie: Path, tmp_path: Path) -> None:

@@ -248,7 +248,8 @@ def _load_point(file: Path, spec: mujoco.MjSpec, last: str, wanted: str) -> tupl
         return site.parent.name, np.array(site.pos), f"site {chosen!r} of the file"
     if len(bodies) > 1:
         return bodies[-1].name, np.zeros(3), f"origin of body {bodies[-1].name!r}, the last of the chain"
-    return link.name, np.array(link.ipos), f"centre of mass of the last link, {link.name!r}"
+    centre = spec.copy().compile().body(link.name).ipos  # of the spec itself it is unknown where shapes have the mass
+    return link.name, np.array(centre), f"centre of mass of the last link, {link.name!r}"
 
 
 def _body_of(model: mujoco.MjModel, joint: int) -> str:
