@@ -44,6 +44,20 @@ def explanation_name(explanation: Explanation) -> str:
     return " with ".join(cause_name(cause) for cause in explanation.causes)
 
 
+def cause_names(causes: Sequence[NamedCause]) -> list[str]:
+    """Return the names of causes that act together; the same one in several joints is named once."""
+    joints: dict[str, list[str]] = {}
+    for cause in causes:
+        if cause.place.startswith("joint "):
+            joints.setdefault(cause.title, []).append(cause.place.removeprefix("joint "))
+    found: dict[str, None] = {}
+    for cause in causes:
+        numbers = sorted(joints.get(cause.title, []), key=int)
+        several = len(numbers) > 1 and cause.place.startswith("joint ")
+        found[f"{cause.title} (joints {listed(numbers, 'and')})" if several else cause_name(cause)] = None
+    return list(found)
+
+
 def listed(names: Sequence[str], last: str) -> str:
     """Return names in a row, the last after a word: "a, b and c"."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"

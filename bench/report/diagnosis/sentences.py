@@ -6,6 +6,7 @@ from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, Unli
 from bench.report.diagnosis.names import (
     capital,
     cause_name,
+    cause_names,
     channel_name,
     explanation_name,
     interval_of,
@@ -155,7 +156,7 @@ def _named(verdict: Verdict) -> str:
             value, low, high = interval_of(first)
             size = f"{first.name} {value} {unit_name(first.unit)}".rstrip()
             return f"{common[0]}: {size} (95 % interval {low} to {high})"
-        return f"{len(common)} causes act together: {listed(common, 'and')}"
+        return f"{len(common)} causes act together: {listed(cause_names(only.causes), 'and')}"
     rest = [" with ".join(name for name in names if name not in common) or "nothing else" for names in sets]
     either = "either " + listed(rest, "or") + ", which these data cannot tell apart"
     return f"{listed(common, 'and')}, and {either}" if common else either

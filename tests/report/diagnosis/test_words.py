@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.diagnose.verdict import NoisyChannel, ParameterValue
-from bench.report.diagnosis.names import channel_name, parameter_text, percent, shown
+from bench.diagnose.verdict import NamedCause, NoisyChannel, ParameterValue
+from bench.report.diagnosis.names import cause_names, channel_name, parameter_text, percent, shown
 from bench.report.diagnosis.words import places_of, words_of
 from tests.report.diagnosis.made import MASS, NO_GAIN, NOTHING, VERDICTS
 
@@ -49,6 +49,16 @@ def test_a_climb_is_told_step_by_step() -> None:
     lines = list(words_of(replace(VERDICTS["cause"], steps=steps)))
     assert "  loss of gas: +94, held out +81 (60 to 103); motor current 2 0.612 -> 0.081 A" in lines
     assert "  mass of a link (upper arm): +7, held out +81 (60 to 103)" in lines
+
+
+def test_one_cause_in_many_joints_is_named_once() -> None:
+    rubs = tuple(NamedCause("coulomb_level", "Coulomb level", f"joint {i}", ()) for i in (3, 1, 2))
+    zero = NamedCause("joint_zero", "zero of a joint", "joint 2", ())
+    assert cause_names((rubs[0], MASS, *rubs[1:], zero)) == [
+        "Coulomb level (joints 1, 2 and 3)",
+        "mass of a link (upper arm)",
+        "zero of a joint (joint 2)",
+    ]
 
 
 def test_a_set_is_not_guessed_between() -> None:
