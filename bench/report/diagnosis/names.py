@@ -41,7 +41,7 @@ def cause_name(cause: NamedCause) -> str:
 
 def explanation_name(explanation: Explanation) -> str:
     """Return the causes of an explanation in a row."""
-    return " with ".join(cause_name(cause) for cause in explanation.causes)
+    return " with ".join(cause_names(explanation.causes))
 
 
 def cause_names(causes: Sequence[NamedCause]) -> list[str]:
