@@ -44,6 +44,18 @@ def explanation_name(explanation: Explanation) -> str:
     return " with ".join(cause_names(explanation.causes))
 
 
+def name_beside(explanation: Explanation, best: Explanation) -> str:
+    """Return an explanation by what it has otherwise than the best, where they share two causes or more."""
+    mine, its = ({(c.effect, c.place): c for c in e.causes} for e in (explanation, best))
+    if len(mine.keys() & its.keys()) < 2 or mine.keys() == its.keys():
+        return explanation_name(explanation)
+    more = cause_names([cause for key, cause in mine.items() if key not in its])
+    less = cause_names([cause for key, cause in its.items() if key not in mine])
+    if not more:
+        return f"the same without {listed(less, 'and')}"
+    return f"the same with {listed(more, 'and')}" + (f" in place of {listed(less, 'and')}" if less else " too")
+
+
 def cause_names(causes: Sequence[NamedCause]) -> list[str]:
     """Return the names of causes that act together; the same one in several joints is named once."""
     joints: dict[str, list[str]] = {}

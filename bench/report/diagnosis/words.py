@@ -8,7 +8,7 @@ import numpy as np
 from bench.diagnose.verdict import Explanation, Verdict
 from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT
-from bench.report.diagnosis.names import cause_name, explanation_name, limit_text, parameter_text, percent
+from bench.report.diagnosis.names import cause_name, limit_text, name_beside, parameter_text, percent
 from bench.report.diagnosis.sentences import (
     explanation_of_set,
     gain_sentence,
@@ -36,7 +36,8 @@ def words_of(verdict: Verdict) -> Iterator[str]:
         yield rate_sentence(verdict)
         yield from _limits(verdict)
     if verdict.rivals and not verdict.unlisted:
-        yield "Fitted, and ruled out: " + ", ".join(explanation_name(rival) for rival in verdict.rivals) + "."
+        ruled_out = ", ".join(name_beside(rival, verdict.explanations[0]) for rival in verdict.rivals)
+        yield f"Fitted, and ruled out: {ruled_out}."
     yield from _climb(verdict)
     yield from _gain(verdict)
     yield from _predicted(verdict)

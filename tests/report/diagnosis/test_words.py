@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.diagnose.verdict import NamedCause, NoisyChannel, ParameterValue
-from bench.report.diagnosis.names import cause_names, channel_name, parameter_text, percent, shown
+from bench.diagnose.verdict import Explanation, NamedCause, NoisyChannel, ParameterValue
+from bench.report.diagnosis.names import cause_names, channel_name, name_beside, parameter_text, percent, shown
 from bench.report.diagnosis.words import places_of, words_of
-from tests.report.diagnosis.made import MASS, NO_GAIN, NOTHING, VERDICTS
+from tests.report.diagnosis.made import GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO
 
 
 @pytest.mark.parametrize(
@@ -59,6 +59,16 @@ def test_one_cause_in_many_joints_is_named_once() -> None:
         "mass of a link (upper arm)",
         "zero of a joint (joint 2)",
     ]
+
+
+def test_a_rival_with_much_in_common_is_told_by_its_difference() -> None:
+    best = Explanation((GAS, ZERO, MASS), 0.9, 90.0)
+    other = Explanation((WARM, ZERO, MASS), 0.1, 88.0)
+    assert name_beside(other, best) == "the same with gas warmer or colder in place of loss of gas"
+    assert name_beside(Explanation((GAS, ZERO), 0.0, 1.0), best) == "the same without mass of a link (upper arm)"
+    assert name_beside(best, Explanation((GAS, ZERO), 0.0, 1.0)) == "the same with mass of a link (upper arm) too"
+    assert name_beside(Explanation((WARM,), 0.1, 1.0), best) == "gas warmer or colder"
+    assert name_beside(best, best) == "loss of gas with zero of a joint (joint 2) with mass of a link (upper arm)"
 
 
 def test_a_set_is_not_guessed_between() -> None:
