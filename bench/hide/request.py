@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping
+from math import inf
 
 from bench.effects.effect import Acting, Effect, Place
 from bench.errors import InputError, unknown_name
@@ -65,7 +66,8 @@ def _one(
         raise InputError(f"{word!r}: {match['value']!r} is not a number; {GRAMMAR}.") from error
     least, most = parameters[chosen].least, parameters[chosen].most
     if not least <= value <= most:
-        raise InputError(f"{word!r}: {chosen} lies between {least:g} and {most:g}; beyond it means nothing.")
+        allowed = f"at least {least:g}" if most == inf else f"between {least:g} and {most:g}"
+        raise InputError(f"{word!r}: {chosen} is {allowed}; beyond it means nothing.")
     return effect, _place(effect, match["place"], compiled, joint), chosen, value
 
 
