@@ -188,9 +188,9 @@ class Friction:
         minus, plus = coulomb * (1 - self.asymmetry) + by_load, coulomb * (1 + self.asymmetry) + by_load
         more = self.viscous_asymmetry * np.asarray(v, dtype=float)
         forward = np.asarray(v) > 0
-        return np.where(forward, minus, np.maximum(minus + more, 0)), np.where(
-            forward, np.maximum(plus + more, 0), plus
-        )
+        minus = np.where(forward, minus, np.maximum(minus + more, 0))
+        plus = np.where(forward, np.maximum(plus + more, 0), plus)
+        return minus, plus
 
     def force(self, x: ArrayLike, v: ArrayLike, load: ArrayLike = 0.0) -> Array:
         """Return the friction torque along a path from an unstressed start, shape (n,) [Nm]."""

@@ -110,6 +110,7 @@ class Step:
         accepted: Whether the model keeps it.
         reason: Why, in words.
         channels: What each channel gained on what was held out.
+        replaced: It took the place of the model before, which has other causes.
     """
 
     added: tuple[NamedCause, ...]
@@ -120,6 +121,7 @@ class Step:
     accepted: bool
     reason: str
     channels: tuple[ChannelGain, ...] = ()
+    replaced: bool = False
 
 
 @dataclass(frozen=True)
@@ -229,7 +231,17 @@ def _step(rung: Rung) -> Step:
     if rung.replaced:
         reason += "; takes the place of the model before"
     named = tuple(_named(cause, rung.fit) for cause in rung.added)
-    return Step(named, rung.log_evidence, worth.nats, worth.low, worth.high, rung.is_taken, reason, worth.channels)
+    return Step(
+        named,
+        rung.log_evidence,
+        worth.nats,
+        worth.low,
+        worth.high,
+        rung.is_taken,
+        reason,
+        worth.channels,
+        rung.replaced,
+    )
 
 
 def _unlisted(block: Block, lesson: Lesson | None) -> Unlisted:

@@ -115,7 +115,7 @@ def _across(compiled: CompiledRobot) -> int:
     return int(np.argmax(np.abs(compiled.model.jnt_axis[compiled.at.joint[balance.joint]])))
 
 
-def factor(deviation: float) -> float:
+def _factor(deviation: float) -> float:
     """Return 1 + deviation, but never so little that a mass, an inertia or a stiffness would vanish."""
     return max(1 + deviation, LEAST)
 
@@ -125,7 +125,7 @@ def _coulomb(actuator: str) -> Callable[[float], SpecEdit]:
 
 
 def _scaled(actuator: str, key: str) -> Callable[[float], SpecEdit]:
-    return lambda x: lambda spec, robot: configure(spec, actuator, **{key: factor(x) * number_of(spec, actuator, key)})
+    return lambda x: lambda spec, robot: configure(spec, actuator, **{key: _factor(x) * number_of(spec, actuator, key)})
 
 
 def _shifted(actuator: str, key: str) -> Callable[[float], SpecEdit]:
@@ -136,7 +136,7 @@ def _joint_scaled(joint: str, attribute: str) -> Callable[[float], SpecEdit]:
     def change(x: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             found = spec.joint(joint)
-            setattr(found, attribute, getattr(found, attribute) * factor(x))
+            setattr(found, attribute, getattr(found, attribute) * _factor(x))
 
         return edit
 
@@ -147,7 +147,7 @@ def _stiffness(element: str) -> Callable[[float], SpecEdit]:
     def change(x: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             tendon = spec.tendon(element)
-            tendon.stiffness = np.asarray(tendon.stiffness) * factor(x)
+            tendon.stiffness = np.asarray(tendon.stiffness) * _factor(x)
 
         return edit
 
@@ -158,9 +158,9 @@ def _mass(body: str) -> Callable[[float], SpecEdit]:
     def change(x: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             link = spec.body(body)
-            link.mass = link.mass * factor(x)
-            link.inertia = np.asarray(link.inertia) * factor(x)
-            link.fullinertia = np.asarray(link.fullinertia) * factor(x)
+            link.mass = link.mass * _factor(x)
+            link.inertia = np.asarray(link.inertia) * _factor(x)
+            link.fullinertia = np.asarray(link.fullinertia) * _factor(x)
 
         return edit
 

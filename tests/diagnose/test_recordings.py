@@ -88,6 +88,24 @@ def test_emps_by_least_squares_with_blocks_held_out() -> None:
     np.testing.assert_allclose(left, [20.8, 4.24, 2.02], rtol=0.02)
 
 
+def test_offset_of_emps_is_viscous_friction_that_differs_between_directions() -> None:
+    """Figures of models/emps/README.md, by least squares on all that slides: without and with a term |v|."""
+    (run,) = read(data_folder("emps") / "emps.csv", "emps").runs
+    filtering = Filtering()
+    motion = smooth_motion(run.columns["time_s"], run.columns["q_motor_1_m"][:, None], filtering)
+    columns = axis_columns(motion, 0) | {"force": run.columns["tau_motor_1_n"]}
+    thin = {k: signal.decimate(x, filtering.decimation, ftype="fir", zero_phase=True)[2:-2] for k, x in columns.items()}
+    thin["one way"] = np.abs(thin["viscous"])
+    slides = thin["one way"] > 0.08 * np.max(thin["one way"])
+    names = ["viscous", "offset", "inertia", "coulomb", "one way"]
+    for count, expected, error in ((4, (198.2, -3.27), 2.00), (5, (198.4, -0.21, -37.2), 1.47)):
+        regressor = np.stack([thin[name][slides] for name in names[:count]], axis=1)
+        values = np.linalg.lstsq(regressor, thin["force"][slides])[0]
+        left = thin["force"][slides] - regressor @ values
+        np.testing.assert_allclose(np.delete(values, (2, 3)), expected, rtol=0.02)
+        assert np.sqrt(np.mean(left**2)) == pytest.approx(error, rel=0.01)
+
+
 @pytest.mark.parametrize("source", ["recording", "stand-in"])
 def test_readings_of_a_turning_joint_are_left_out_and_the_others_kept(source: str, tmp_path: Path) -> None:
     """Six joints that turn at different times leave most readings of each; dropping every such instant left 43 %."""

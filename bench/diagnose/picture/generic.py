@@ -184,8 +184,9 @@ def _sensors(design: Design, trace: Trace) -> Iterator[tuple[Block, Array]]:
         if np.ptp(force) > LEAST_FORCE:
             for r in sorted({quantities[c].index for c in axes}):
                 mine = [c for c in axes if quantities[c].index == r]
-                raw = np.zeros((*nominal.shape, 9))
-                raw[:, mine] = under_force(force / largest)[:, [quantities[c].axis for c in mine]]
+                functions = under_force(force / largest)[:, [quantities[c].axis for c in mine]]
+                raw = np.zeros((*nominal.shape, functions.shape[2]))
+                raw[:, mine] = functions
                 place = f"reflector {r + 1}"
                 shape = Block(place, "reading", "force", -1, "m", np.empty(0), TRACKER_ERROR, size=largest, reflector=r)
                 yield shape, raw
