@@ -128,6 +128,9 @@ class Effect(ABC):
         source: Literature for physics and range.
         parameters: The first is the size by which people know it.
         needs: Columns without which it cannot be seen, such as "gear_temperature" (quantities of `record.channels`).
+        scatters: Whether its `edit` gives an elastic element play (a `springlength` with two ends), which leaves to
+            chance where a link rests. Its evidence is then more than what its signature shows, so it is tried wherever
+            anything acts at its place.
     """
 
     name: ClassVar[str]
@@ -137,6 +140,7 @@ class Effect(ABC):
     source: ClassVar[str]
     parameters: tuple[Parameter, ...]  # of the class; of an effect that is made from data, of the instance
     needs: ClassVar[tuple[str, ...]] = ()
+    scatters: ClassVar[bool] = False
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         """Return where it may act on this robot; empty where the robot has no such part."""

@@ -55,7 +55,7 @@ class Softening(_InElement):
         "effects in robot joints with harmonic drives, 1997; range: DESIGN 6, k_low/k 0.3 to 0.8"
     )
     parameters = (
-        Parameter("softness", "", 0.0, 0.2, 0.7, "s = 1 - k_low/k"),
+        Parameter("softness", "", 0.0, 0.2, 0.7, "s = 1 - k_low/k", most=1.0),
         Parameter("knee", "", 0.1, 0.02, 0.4, "tau_s, as a part of the drive's torque limit", is_shape=True),
     )
 
@@ -86,6 +86,7 @@ class Backlash(_InElement):
     )
     source = "Nordin and Gutman, Controlling mechanical systems with backlash: a survey, 2002; range: DESIGN 6"
     parameters = (Parameter("gap", "rad", 0.0, 2.9e-5, 4.4e-4, "g at the joint; 0.1 to 1.5 arcmin"),)
+    scatters = True
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         gap = values["gap"]

@@ -94,6 +94,12 @@ class CompiledRobot:
         return np.array(self.model.tendon_stiffness[self.at.element])
 
     @property
+    def play(self) -> NDArray[np.float64]:
+        """Shape (n,) [rad] or [m]; within which the elastic elements transmit nothing."""
+        rest = self.model.tendon_lengthspring[self.at.element]
+        return np.array(rest[:, 1] - rest[:, 0])
+
+    @property
     def is_slide(self) -> tuple[bool, ...]:
         """Which driven joints are slides; the others are hinges."""
         return tuple(bool(kind == mujoco.mjtJoint.mjJNT_SLIDE) for kind in self.model.jnt_type[self.at.joint])

@@ -59,6 +59,7 @@ def design_with(residual: np.ndarray, changes: np.ndarray, runs: int, modes: np.
         nuisances=tuple(range(changes.shape[1])),  # type: ignore[arg-type]
         responses=(),
         whitenings=tuple(whitenings),
+        play=np.zeros(1),
         weighed=tuple(segments),
         excess=np.ones((2, 1)),
         unexplained=np.ones((2, 1)),
@@ -85,7 +86,7 @@ def fit_of(design: Design, column: np.ndarray | None = None) -> Fit:
     left = design.residual - design.changes @ found[:p] - slopes @ found[p:]
     causes = (CAUSE,) if unknowns else ()
     covariance = np.linalg.inv(curvature)[p:, p:]
-    return Fit(causes, unknowns, found[p:], covariance, found[:p], 0.0, 0.0, left, slopes)
+    return Fit(causes, unknowns, found[p:], covariance, found[:p], 0.0, 0.0, left, slopes, np.zeros(1))
 
 
 def noise(rng: np.random.Generator, runs: int) -> np.ndarray:
@@ -109,7 +110,7 @@ def test_held_out_runs_have_their_conditional_normal_density(rng: np.random.Gene
     for f in range(runs):
         rest = design.run_of != f
         others = multivariate_normal.logpdf(design.white[rest], cov=covariance[np.ix_(rest, rest)])
-        assert found[f] == pytest.approx(everything - others, abs=1e-6)
+        assert found[f] == pytest.approx(everything - others - LENGTH * np.log(SIGMA), abs=1e-6)
 
 
 def test_a_held_out_figure_has_its_conditional_normal_density(rng: np.random.Generator) -> None:

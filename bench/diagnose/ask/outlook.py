@@ -144,7 +144,7 @@ class Outlook:
         compiled, quantities = self._replay.compiled, self._replay.quantities
         where = [self._index[id(segment.motion)] for segment in experiment.segments]
         maps = [
-            whitening_of(compiled, segment, self._responses[i], quantities)
+            whitening_of(compiled, segment, self._responses[i], quantities, compiled.play)
             for segment, i in zip(experiment.segments, where, strict=True)
         ]
         found = []

@@ -1,12 +1,12 @@
 """The last word on an extension: its parameters and all nuisances together, fitted by simulating the extended model."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.design import Design, is_same_play, with_play
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.replay import World
 from bench.effects.effect import Parameter
@@ -14,12 +14,14 @@ from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
 MOST_ITERATIONS = 6
-ENOUGH = 0.2  # fall of the objective below which a fit has converged
+ENOUGH = 0.2  # fall of the objective, promised or found, below which a fit has converged
 STEP = 0.05  # of a parameter's plausible size, for its derivative
 # Of the distance to the next shape that is tried, for a shape that may lie anywhere over decades. Balances are found
 # within a tolerance: with a hundredth of a softening's knee, that noise made its interval three times too narrow.
 SHAPE_STEP = 0.125
 HALVINGS = 5
+DAMPINGS = (0.1, 1.0, 10.0)  # of the curvature of each parameter alone
+MOST_PLAYS = 4
 FAITHFUL = 0.7  # of the promised fall; derivatives that keep less are taken anew
 
 
@@ -72,6 +74,7 @@ class Fit:
         log_evidence: Logarithm of the marginal likelihood, up to a constant that all fits of a campaign share.
         residual: Shape (T, c), measured less simulated; nan where not measured.
         slopes: Shape (T, c, k), change of the readings with each unknown.
+        play: Shape (n,) [rad] or [m], of the gears, within which links were taken to rest anywhere.
     """
 
     causes: tuple[Cause, ...]
@@ -83,6 +86,7 @@ class Fit:
     log_evidence: float
     residual: Array
     slopes: Array
+    play: Array
 
     @property
     def sigma(self) -> Array:
@@ -93,6 +97,14 @@ class Fit:
     def start(self) -> dict[Key, float]:
         """Its values, for another fit to start from."""
         return {(*u.cause.key, u.parameter.name): float(v) for u, v in zip(self.unknowns, self.values, strict=True)}
+
+    def acts(self, cause: Cause) -> bool:
+        """Whether any size of a cause is more than its standard deviation away from none."""
+        return any(
+            abs(value - unknown.parameter.null) > sigma
+            for unknown, value, sigma in zip(self.unknowns, self.values, self.sigma, strict=True)
+            if unknown.cause.key == cause.key and not unknown.parameter.is_shape
+        )
 
     def world(self, design: Design) -> World:
         """Return the world that was fitted."""
@@ -123,7 +135,8 @@ def unknowns_of(causes: tuple[Cause, ...]) -> tuple[Unknown, ...]:
 def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float], nuisances: Array | None = None) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
 
-    Nuisances are simulated too; their derivatives are those of the design.
+    Nuisances are simulated too; their derivatives are those of the design. Gears that have play in the extended model
+    scatter their links in it; where the fit changes the play, it is repeated with the new scatter.
 
     Args:
         design: The campaign.
@@ -135,11 +148,35 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float],
         ConvergenceError, RobotError: The extended model cannot be simulated at all.
     """
     unknowns = unknowns_of(causes)
-    sigma = np.array([u.sigma for u in unknowns])
-    origin = np.array([u.parameter.null for u in unknowns])
+    values = _clipped(unknowns, start)
+    play = _play(design, causes, unknowns, values)
+    for _ in range(MOST_PLAYS):
+        fit = _refit(with_play(design, play), causes, start, nuisances)
+        found = _play(design, causes, unknowns, fit.values)
+        if is_same_play(found, play):
+            break
+        play, start, nuisances = found, fit.start, fit.nuisances
+    return fit
+
+
+def _play(design: Design, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array) -> Array:
+    return design.replay.play(world_of(design, causes, unknowns, values, np.zeros(len(design.nuisances))))
+
+
+def _clipped(unknowns: tuple[Unknown, ...], start: Mapping[Key, float]) -> Array:
+    """Return first values within their bounds."""
     values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
     low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
-    values = np.clip(values, low, high)
+    return np.asarray(np.clip(values, low, high), dtype=np.float64)
+
+
+def _refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float], nuisances: Array | None) -> Fit:
+    """Fit an extension to a design that knows its play."""
+    unknowns = unknowns_of(causes)
+    sigma = np.array([u.sigma for u in unknowns])
+    origin = np.array([u.parameter.null for u in unknowns])
+    low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
+    values = _clipped(unknowns, start)
     x = np.zeros(len(design.nuisances)) if nuisances is None else nuisances.copy()
     linear = [i for i, nuisance in enumerate(design.nuisances) if not is_simulated(nuisance)]
     observed = np.concatenate([segment.observed for segment in design.segments])
@@ -156,22 +193,29 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float],
 
     values, residual = _first(left, values, x, origin)
     best = objective(residual, values, x)
-    curvature: Array = np.eye(len(x) + len(values))
+    p = len(x)
+    curvature: Array = np.eye(p + len(values))
     slopes, is_stale = np.zeros((*residual.shape, len(values))), True
-    for _ in range(MOST_ITERATIONS):
+    fell = np.inf
+    for iteration in range(MOST_ITERATIONS + 1):
         if is_stale:
             slopes = _slopes(left, residual, values, x, unknowns)
         tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
-        prior = np.concatenate([np.ones(len(x)), 1 / sigma**2])
-        curvature = tangent.T @ tangent + np.diag(prior)
+        curvature = tangent.T @ tangent + np.diag(np.concatenate([np.ones(p), 1 / sigma**2]))
         pull = np.concatenate([x, (values - origin) / sigma**2])
         gradient = tangent.T @ design.whiten(residual) - pull
-        step = _bounded_step(curvature, gradient, len(x), low - values, high - values)
-        promised = float(step @ (curvature @ step))
+        limits = low - values, high - values
+        step = _bounded_step(curvature, gradient, p, *limits)
+        promised = float(2 * gradient @ step - step @ (curvature @ step))
+        if promised < ENOUGH:  # not worth a simulation; but who leaves runs out takes a fit to be at its optimum
+            x, values, best = x + step[:p], values + step[p:], best - promised
+            residual = residual - design.changes @ step[:p] - slopes @ step[p:]
+            break
+        if fell < ENOUGH or iteration == MOST_ITERATIONS:
+            break
         fell = 0.0
-        for halving in range(HALVINGS):
-            part = 0.5**halving * step
-            new_x, new_values = x + part[: len(x)], np.clip(values + part[len(x) :], low, high)
+        for part in _ever_shorter(step, curvature, gradient, p, *limits):
+            new_x, new_values = x + part[:p], np.clip(values + part[p:], low, high)
             try:
                 new_residual = left(new_values, new_x)
             except NOT_SIMULATED:
@@ -181,13 +225,22 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float],
                 fell = best - new
                 x, values, residual, best = new_x, new_values, new_residual, new
                 break
-        if fell < ENOUGH:
+        if fell == 0:
             break
-        is_stale = fell < FAITHFUL * promised
-    covariance = np.asarray(np.linalg.inv(curvature)[len(x) :, len(x) :], dtype=np.float64)
+        is_stale = ENOUGH <= fell < FAITHFUL * promised
+    covariance = np.asarray(np.linalg.inv(curvature)[p:, p:], dtype=np.float64)
     _, determinant = np.linalg.slogdet(curvature)
     evidence = -0.5 * best - 0.5 * float(determinant) - float(np.sum(np.log(sigma)))
-    return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, slopes)
+    evidence += float(np.sum(design.log_determinants))
+    return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, slopes, design.play)
+
+
+def _ever_shorter(step: Array, curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Iterator[Array]:
+    """Yield a step, parts of it, and where none of them serves, steps that turn towards the gradient (Marquardt)."""
+    for halving in range(HALVINGS):
+        yield 0.5**halving * step
+    for damping in DAMPINGS:
+        yield _bounded_step(curvature + damping * np.diag(np.diag(curvature)), gradient, p, low, high)
 
 
 def _bounded_step(curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Array:
@@ -270,6 +323,7 @@ def fit_without(design: Design, fit: Fit, cause: Cause) -> Fit:
         covariance=fit.covariance[np.ix_(kept, kept)],
         residual=fit.residual + here - without,
         slopes=fit.slopes[:, :, kept],
+        play=_play(design, causes, unknowns, values),
     )
 
 

@@ -18,12 +18,14 @@ from scipy.optimize import lsq_linear
 from bench.diagnose.extend.refit import Fit
 from bench.diagnose.measure.floor import measured
 from bench.diagnose.measure.folds import Folds
-from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.design import Design, with_play
 from bench.record.campaign import Array
 
 REACH = 4.0  # standard deviations by which a figure may be off before it makes another model; one in 16000 is
 ABSURD = 20.0  # standard deviations, beyond which it does not matter by how much a stated figure is wrong
-UNTOUCHED = 1e-9  # relative fall of a variance, below which the data say nothing about a figure
+UNTOLD = (
+    1e-3  # relative fall of a variance; below, data know a figure thirty times worse than it is stated, or not at all
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +36,13 @@ class Tangent:
         slopes: Shape (m, p + k), whitened.
         white: Shape (m,), whitened residual.
         precision: Shape (p + k, p + k), of all parameters given all data.
+        log_determinants: Shape (m,), of whitening.
     """
 
     slopes: Array
     white: Array
     precision: Array
+    log_determinants: Array
 
 
 def tangent_of(design: Design, fit: Fit) -> Tangent:
@@ -48,13 +52,15 @@ def tangent_of(design: Design, fit: Fit) -> Tangent:
         design: The campaign.
         fit: To all of it.
     """
+    design = with_play(design, fit.play)
     slopes = np.concatenate([design.slopes, design.whiten(fit.slopes)], axis=1)
     prior = np.concatenate([np.ones(len(fit.nuisances)), [1 / unknown.sigma**2 for unknown in fit.unknowns]])
-    return Tangent(slopes, design.whiten(fit.residual), slopes.T @ slopes + np.diag(prior))
+    precision = slopes.T @ slopes + np.diag(prior)
+    return Tangent(slopes, design.whiten(fit.residual), precision, design.log_determinants)
 
 
 def log_probability_of_folds(design: Design, tangent: Tangent, folds: Folds) -> Array:
-    """Return the log probability of each fold given the others, shape (K,) [nats].
+    """Return the log probability of the readings of each fold given the others, shape (K,) [nats].
 
     An extension that is sure of what it does not know loses here; one that only says it does not know, hardly.
     """
@@ -65,7 +71,8 @@ def log_probability_of_folds(design: Design, tangent: Tangent, folds: Folds) -> 
         mine = row_fold == f
         step, rest = _step(tangent, tangent.white, mine | row_gap[:, f], free)
         own = tangent.slopes[mine]
-        found[f] = _log_density(tangent.white[mine] - own @ step, own, rest)
+        volume = float(np.sum(tangent.log_determinants[mine]))
+        found[f] = volume + _log_density(tangent.white[mine] - own @ step, own, rest)
     return found
 
 
@@ -78,7 +85,7 @@ def log_probability_of_figures(fit: Fit, tangent: Tangent) -> float:
     says that something is wrong, not what.
     """
     p = len(fit.nuisances)
-    rest = np.maximum(1 - np.diag(np.linalg.inv(tangent.precision))[:p], UNTOUCHED)
+    rest = np.maximum(1 - np.diag(np.linalg.inv(tangent.precision))[:p], UNTOLD)
     return float(0.5 * np.sum(np.log(rest) - np.minimum(fit.nuisances**2 / rest, ABSURD**2)))
 
 

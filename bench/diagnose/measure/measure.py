@@ -26,7 +26,7 @@ from bench.diagnose.measure.leave_out import (
     log_probability_of_folds,
     tangent_of,
 )
-from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.design import Design, with_play
 from bench.record.campaign import Array
 
 DRAWS = 2000  # of the Bayesian bootstrap
@@ -112,7 +112,7 @@ def held_out(design: Design, before: Fit, after: Fit) -> HeldOut:
         figures=figures,
         by=folds.by,
         folds=len(folds),
-        channels=_channels(design, folds, first, second, weights),
+        channels=_channels(with_play(design, after.play), folds, first, second, weights),
     )
 
 

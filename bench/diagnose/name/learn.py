@@ -8,7 +8,7 @@ from bench.diagnose.extend.refit import Fit, Key, pseudo_residual, refit
 from bench.diagnose.measure.measure import held_out
 from bench.diagnose.name.naming import CERTAIN, Naming
 from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design, raised, roughened
+from bench.diagnose.picture.design import Design, raised, roughened, with_play
 from bench.diagnose.picture.generic import Block, anew
 from bench.diagnose.picture.lack_of_fit import missed, unexplained
 from bench.diagnose.picture.marginal import Nuisances
@@ -93,6 +93,7 @@ def learn(design: Design, block: Block, beside: Fit) -> Lesson:
         block: The free shape.
         beside: What the model has already.
     """
+    design = with_play(design, beside.play)
     # where a shape changes within a bin, no table can follow: what is rough by the instruments' errors is noise
     plain = roughened(raised(design, 1 / design.excess), beside.residual)
     design = raised(plain, np.maximum(missed(plain, pseudo_residual(plain, beside)), 1.0))

@@ -167,6 +167,9 @@ def _climbed(
     """Return the stage with another model: derivatives about it, and everything weighed against it."""
     progress("what the extended model makes possible")
     design, fit = polished(stage.design, found.fit)
+    kept = tuple(cause for cause in fit.causes if fit.acts(cause))
+    if kept and len(kept) < len(fit.causes):  # what another cause took over
+        fit = refit(design, kept, fit.start, fit.nuisances)
     value = found.log_evidence + fit.log_evidence - found.fit.log_evidence
     about, screening = renew(design, fit, stage.screening)
     if about is design:
@@ -253,9 +256,9 @@ def _explains_more(stage: Stage, nominal: Design, first: Screening) -> Entry | N
     beside = max([0.0, *(entry.log_evidence for entry in left)])
     margin = UNEXPLAINED * (listed + beside)
     more = alone[0].log_evidence - listed - beside
-    surely = more > margin + stage.screening.threshold
+    surely = more > margin + first.threshold
     as_well = more > -margin and listed < beside
-    is_needed = beside > stage.screening.threshold and _place(left[0]) == _place(alone[0])
+    is_needed = beside > first.threshold and _place(left[0]) == _place(alone[0])
     mainly = first.listed and first.listed[0].log_evidence > MAINLY * first.free[0].log_evidence
     simpler = more > 0 and is_needed and not mainly and len(stage.best.causes) > 1
     return alone[0] if surely or as_well or simpler else None

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.diagnose.extend.refit import Fit, is_simulated, pseudo_residual
 from bench.diagnose.picture.candidates import Candidate, Cause, candidates_of, causes_of
-from bench.diagnose.picture.design import Design, raised, relinearised
+from bench.diagnose.picture.design import Design, raised, relinearised, with_play
 from bench.diagnose.picture.generic import Block, blocks_of
 from bench.diagnose.picture.lack_of_fit import missed, unexplained
 from bench.diagnose.picture.screening import Screening, screen
@@ -41,6 +41,7 @@ class Surroundings:
         self.rate = rate
         self._causes: tuple[Cause, ...] = ()
         self._changes = Changes(np.empty(0), ())
+        self._threshold: float | None = None
 
     def weighed(self, design: Design, causes: Sequence[Cause], changes: Changes) -> tuple[Design, Screening]:
         """Return the nominal model with everything weighed against it.
@@ -52,7 +53,9 @@ class Surroundings:
         """
         self._causes, self._changes = tuple(causes), changes
         design = self._looked_around(design, lambda nominal: nominal.white)
-        return self._screened(design, lambda nominal: nominal.white)
+        design, screening = self._screened(design, lambda nominal: nominal.white)
+        self._threshold = screening.threshold  # what chance brings about hardly depends on what was found
+        return design, screening
 
     def about(self, design: Design, fit: Fit, known: Screening, *, is_last: bool = False) -> tuple[Design, Screening]:
         """Return the linear picture about an extended model, with everything that can be tried there.
@@ -69,6 +72,7 @@ class Surroundings:
         def white_of(about: Design) -> Array:
             return pseudo_residual(about, fit)
 
+        before, design = design, with_play(design, fit.play)
         world = fit.world(design)
         edits = edits_in(World(acting=world.acting), Conditions.reference(self.compiled.n_joints))
         extended = compile_spec(read_spec(self.compiled.robot), self.compiled.robot, edits)
@@ -81,6 +85,8 @@ class Surroundings:
             signatures = Signatures(self.compiled, design.quantities, nuisances, self._causes, world)
             self._changes = signatures.changes(design.segments)
             design = relinearised(design, which, self._changes.nuisances)
+            design = self._looked_around(design, white_of)
+        elif design is not before:
             design = self._looked_around(design, white_of)
         elif _is_settled(_factors(design, white_of(design), is_last=is_last)):
             return design, known
@@ -112,7 +118,7 @@ class Surroundings:
                 break
             design = raised(design, factors)
         candidates, blocks = candidates_of(design, self._causes, self._changes.causes), blocks_of(design)
-        screening = screen(design, white_of(design), candidates, blocks, self.rate, np.random.default_rng(0))
+        screening = screen(design, white_of(design), candidates, blocks, self.rate, self._threshold)
         return design, screening
 
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from bench.diagnose.extend.refit import Fit, Key, fit_without, pseudo_residual, refit, unknowns_of
 from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design
-from bench.diagnose.picture.screening import Entry, Screening, rescreen
+from bench.diagnose.picture.design import Design, with_play
+from bench.diagnose.picture.screening import Entry, Screening, rescreen, rewhitened
 from bench.diagnose.replay.simulations import on_all_cores
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
@@ -60,7 +60,7 @@ class Stage:
     """Where the climb stands: the linear picture about a model, everything weighed against it, and the model.
 
     `tried` are the explanations with as many causes that were fitted on the way; `fits` remembers what was fitted at
-    this stage, None where a model finds no balance.
+    this stage, None where a model finds no balance or does not need a cause.
     """
 
     design: Design
@@ -94,7 +94,7 @@ class Trial:
         """Return the trial that adds entries to a stage; `evidence` of them together, if not of the first."""
         start = dict(stage.fit.start)
         for entry in entries:
-            start |= stage.screening.sizes_of(entry)
+            start |= _first_sizes(stage.screening, entry)
         promise = stage.best.log_evidence + (entries[0].log_evidence if evidence is None else evidence)
         added = tuple(entry.cause for entry in entries if entry.cause)
         # the nominal model's figures are bent by what is missing: no place to start from
@@ -108,6 +108,7 @@ def one_more(stage: Stage, first: Screening, refused: set[tuple[str, str]], limi
     worth = [e for e in open_ if e.log_evidence > PROMISING * limit][:FINALISTS]
     single = worth[0].log_evidence if worth else 0.0
     trials = [Trial.extending(stage, e) for e in worth if e.log_evidence > single - _reach(single)]
+    trials += _scattering(stage, open_, PROMISING * limit)
     trials += _hiding(stage, open_, single + limit)
     if len(stage.best.causes) == 1:
         trials += _pairs(stage, first, refused)[:PAIR_FINALISTS]
@@ -119,31 +120,35 @@ def one_more(stage: Stage, first: Screening, refused: set[tuple[str, str]], limi
 def swaps(stage: Stage) -> list[Trial]:
     """Return the explanations in which one cause of the best is replaced by another that may do as well."""
     design, fit = stage.design, stage.fit
-    slopes = design.whiten(fit.slopes)
     sigma = np.array([unknown.sigma for unknown in fit.unknowns])
     trials: list[Trial] = []
     for cause in fit.causes:
         mine = np.array([unknown.cause is cause for unknown in fit.unknowns])
         others = tuple(other for other in fit.causes if other is not cause)
         try:
-            white = pseudo_residual(design, fit_without(design, fit, cause))
+            without = fit_without(design, fit, cause)
         except NOT_SIMULATED:
             continue  # without it the model finds no balance along the measured motion
+        about = with_play(design, without.play)
+        slopes, white = about.whiten(fit.slopes[:, :, ~mine]), pseudo_residual(about, without)
         taken = frozenset(other.key for other in others)
-        against = rescreen(design, stage.screening, white, slopes[:, ~mine], sigma[~mine], taken)
+        against = rescreen(about, rewhitened(stage.screening, design, about), white, slopes, sigma[~mine], taken)
         own = [e.log_evidence for e in against.listed if e.cause and e.cause.key == cause.key]
         top = max([*own, against.listed[0].log_evidence]) if against.listed else 0.0
         start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
-        for entry in against.listed[:RIVALS]:
-            if entry.cause and entry.cause.key != cause.key and entry.log_evidence > top - _reach(top):
-                promise = stage.best.log_evidence + entry.log_evidence - top
-                causes = (*others, entry.cause)
-                trials.append(Trial(causes, start | against.sizes_of(entry), fit.nuisances, promise))
+        for i, entry in enumerate(against.listed):
+            if not entry.cause or entry.cause.key == cause.key:
+                continue
+            scatters = entry.cause.effect.scatters and entry.cause.place == cause.place
+            if scatters or (i < RIVALS and entry.log_evidence > top - _reach(top)):
+                promise = stage.best.log_evidence + (0.0 if scatters else entry.log_evidence - top)
+                first = start | _first_sizes(against, entry)
+                trials.append(Trial((*others, entry.cause), first, fit.nuisances, promise))
     return sorted(trials, key=lambda trial: -trial.promise)[:MOST_SWAPS]
 
 
 def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:
-    """Return the trials as fitted by simulation, without those whose model finds no balance.
+    """Return the trials as fitted by simulation, without those whose model finds no balance, or does not need a cause.
 
     Raises:
         EffectError: An effect of the user's own fails.
@@ -154,6 +159,9 @@ def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:
             stage.fits[trial.keys] = None
             continue
         fit = replace(fit, causes=trial.causes, unknowns=unknowns_of(trial.causes))
+        if not all(fit.acts(cause) for cause in trial.causes if cause.key not in stage.best.keys):
+            stage.fits[trial.keys] = None  # what it gains, the model before has not yet found
+            continue
         evidence = stage.best.log_evidence + fit.log_evidence - stage.fit.log_evidence
         stage.fits[trial.keys] = Hypothesis(fit, evidence)
     found = (stage.fits[trial.keys] for trial in trials)
@@ -167,7 +175,7 @@ def _fit(stage: Stage, trial: Trial) -> Fit | None:
     """
     found: Fit | None = None
     for start in _starts(stage, trial):
-        with suppress(*NOT_SIMULATED):
+        with suppress(*NOT_SIMULATED), stage.design.replay.unchanged():
             fit = refit(stage.design, trial.causes, start, trial.nuisances)
             if found is None or fit.log_evidence > found.log_evidence:
                 found = fit
@@ -175,14 +183,40 @@ def _fit(stage: Stage, trial: Trial) -> Fit | None:
 
 
 def _starts(stage: Stage, trial: Trial) -> Iterator[dict[Key, float]]:
-    """Yield where to start: as the linear picture says, and between the shapes tried where those lie far apart."""
+    """Yield where to start: as the linear picture says, and between the shapes tried where those lie far apart.
+
+    What scatters explains as well with less of it and more noise; so it is tried large, too.
+    """
     yield trial.start
     for cause in trial.causes:
+        if cause.key not in stage.best.keys and cause.effect.scatters:
+            yield trial.start | {(*cause.key, size.name): size.high for size in cause.sizes}
         for shape in cause.shapes:
             if cause.key not in stage.best.keys and shape.ratio < NARROW:
                 key = (*cause.key, shape.name)
                 for side in (-1, 1):
                     yield trial.start | {key: trial.start.get(key, shape.null) * shape.ratio ** (side / 3)}
+
+
+def _scattering(stage: Stage, open_: Sequence[Entry], least: float) -> list[Trial]:
+    """Return causes that scatter, where anything else acts at their place: it may be their doing."""
+    seen = [entry for entry in stage.screening.entries if entry.log_evidence > least]
+    trials = []
+    for entry in open_:
+        if entry.cause and entry.cause.effect.scatters:
+            evidence = max([other.log_evidence for other in seen if other.drive == entry.drive], default=None)
+            if evidence is not None:
+                trials.append(Trial.extending(stage, entry, evidence=evidence))
+    return trials
+
+
+def _first_sizes(screening: Screening, entry: Entry) -> dict[Key, float]:
+    """Return where to start: as the linear picture says, but where chance acts, which it does not know."""
+    sizes = screening.sizes_of(entry)
+    if entry.cause and entry.cause.effect.scatters:
+        typical = {(*entry.cause.key, size.name): size.typical for size in entry.cause.sizes}
+        sizes |= {key: max(value, typical[key]) for key, value in sizes.items() if key in typical}
+    return sizes
 
 
 def _hiding(stage: Stage, open_: Sequence[Entry], least: float) -> list[Trial]:

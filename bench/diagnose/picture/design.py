@@ -26,6 +26,7 @@ from bench.simulate.plant import Trace
 
 ROUGHNESS_WINDOW = 9  # bins, over which the roughness of a residual is averaged
 ROUGH = 2.0  # times the variance that instruments explain, from where on the data's own word counts
+SAME_PLAY = 0.1  # relative; a change of play that changes hardly any scatter
 HELD_MOTOR, HELD_LINK = 0.7, 0.5  # standard deviations of the part of its friction that a joint lets go of at rest
 
 
@@ -38,6 +39,7 @@ class Design:
         nuisances: What may be a little wrong. One that changes neither model nor readings acts by its `changes` alone.
         responses: Of every segment to torques.
         whitenings: Of every segment.
+        play: Shape (n,) [rad] or [m], of the gears, which the whitenings know.
         weighed: The segments with the standard errors that count here.
         excess: Shape (2, c), by what the standard errors were raised for lack of fit, at rest and in motion.
         unexplained: Shape (2, c), by what they had to be raised in any case: not even everything together explains it.
@@ -54,6 +56,7 @@ class Design:
     nuisances: tuple[Nuisance, ...]
     responses: tuple[TorqueResponse, ...]
     whitenings: tuple[Whitening, ...]
+    play: Array
     weighed: tuple[Segment, ...]
     excess: Array
     unexplained: Array
@@ -89,6 +92,17 @@ class Design:
         whitened: Array = white.reshape(len(white), *shape[2:])
         return whitened
 
+    def unwhiten(self, whitened: Array) -> Array:
+        """Return values, shape (T, c, k), of whitened ones, shape (m, k); 0 where not measured."""
+        edges = np.cumsum([len(whitening.modes) for whitening in self.whitenings])[:-1]
+        parts = np.split(whitened, edges)
+        return np.concatenate([w.undone(part) for w, part in zip(self.whitenings, parts, strict=True)])
+
+    @cached_property
+    def log_determinants(self) -> Array:
+        """Shape (m,); their sum is what the evidence of models that differ in what cannot be predicted has to count."""
+        return np.concatenate([whitening.log_determinants for whitening in self.whitenings])
+
     @cached_property
     def _stacked(self) -> tuple[Array, Array]:
         """Factors, shape (T, c, c), and rows that were measured, shape (T * c,), of all segments."""
@@ -120,7 +134,7 @@ def design_of(replay: Replay, nuisances: tuple[Nuisance, ...], changes: Array | 
     responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
     held, held_changes = held_friction(replay, traces, responses)
     nuisances, changes = (*nuisances, *held), np.concatenate([changes, held_changes], axis=2)
-    plain = _assemble(replay, nuisances, responses, replay.segments, changes, residual)
+    plain = _assemble(replay, nuisances, responses, replay.compiled.play, replay.segments, changes, residual)
     # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
     return roughened(plain, residual - plain.changes @ fit(plain), [segment.rings for segment in replay.segments])
 
@@ -148,8 +162,17 @@ def raised(design: Design, factors: Array) -> Design:
     segments = tuple(
         replace(segment, sigma=segment.sigma * factors[0 if segment.is_static else 1]) for segment in design.weighed
     )
-    heavier = _assemble(design.replay, design.nuisances, design.responses, segments, design.changes, design.residual)
-    return replace(heavier, excess=design.excess * factors, unexplained=design.unexplained)
+    return replace(_reassembled(design, segments, design.play), excess=design.excess * factors)
+
+
+def with_play(design: Design, play: Array) -> Design:
+    """Return the design with gears that have play, shape (n,) [rad] or [m]: links may rest anywhere within it."""
+    return design if is_same_play(play, design.play) else _reassembled(design, design.weighed, play)
+
+
+def is_same_play(one: Array, other: Array) -> bool:
+    """Whether two plays, shape (n,) each, scatter links alike."""
+    return bool(np.all(np.abs(one - other) <= SAME_PLAY * np.maximum(one, other)))
 
 
 def roughened(design: Design, left: Array, where: Sequence[NDArray[np.bool_]] | None = None) -> Design:
@@ -167,8 +190,7 @@ def roughened(design: Design, left: Array, where: Sequence[NDArray[np.bool_]] | 
         else replace(segment, sigma=np.where(rows[:, None], _roughened(part, segment.sigma), segment.sigma))
         for segment, part, rows in zip(design.weighed, design.split(left), chosen, strict=True)
     )
-    heavier = _assemble(design.replay, design.nuisances, design.responses, segments, design.changes, design.residual)
-    return replace(heavier, excess=design.excess, unexplained=design.unexplained)
+    return _reassembled(design, segments, design.play)
 
 
 def held_friction(
@@ -209,16 +231,23 @@ def _sound(found: Array | BenchError) -> Array:
     return found
 
 
+def _reassembled(design: Design, segments: tuple[Segment, ...], play: Array) -> Design:
+    known = (design.replay, design.nuisances, design.responses)
+    new = _assemble(*known, play, segments, design.changes, design.residual)
+    return replace(new, excess=design.excess, unexplained=design.unexplained)
+
+
 def _assemble(
     replay: Replay,
     nuisances: tuple[Nuisance, ...],
     responses: tuple[TorqueResponse, ...],
+    play: Array,
     segments: tuple[Segment, ...],
     changes: Array,
     residual: Array,
 ) -> Design:
     whitenings = tuple(
-        whitening_of(replay.compiled, segment, response, replay.quantities)
+        whitening_of(replay.compiled, segment, response, replay.quantities, play)
         for segment, response in zip(segments, responses, strict=True)
     )
     runs = tuple(dict.fromkeys(segment.run for segment in segments))
@@ -231,7 +260,7 @@ def _assemble(
     )
     empty = np.empty(0)
     ones = np.ones((2, c))
-    known = (replay, nuisances, responses, whitenings, segments, ones, ones, changes, residual)
+    known = (replay, nuisances, responses, whitenings, play, segments, ones, ones, changes, residual)
     draft = Design(*known, empty, empty, run_of, runs, column_of)
     both = draft.whiten(np.concatenate([changes, residual[:, :, None]], axis=2))
     return replace(draft, slopes=both[:, :-1], white=both[:, -1])

@@ -36,6 +36,14 @@ class Entry:
         """The cause, if it is listed."""
         return self.what.cause if isinstance(self.what, Candidate) else None
 
+    @property
+    def drive(self) -> int:
+        """Index of the drive at which it acts, or -1."""
+        if isinstance(self.what, Block):
+            return self.what.drive
+        place = self.what.cause.place
+        return place.index if place.kind == "joint" else -1
+
 
 @dataclass(frozen=True, eq=False)
 class Screening:
@@ -91,7 +99,7 @@ def screen(
     candidates: Sequence[Candidate],
     blocks: Sequence[Block],
     rate: float,
-    rng: np.random.Generator,
+    threshold: float | None = None,
 ) -> Screening:
     """Return the evidence for everything against a model.
 
@@ -101,12 +109,13 @@ def screen(
         candidates: Listed causes.
         blocks: Free shapes.
         rate: Declared false-alarm rate of the whole.
-        rng: For the threshold.
+        threshold: Log evidence that chance exceeds at that rate; None: to be found.
     """
     entries = entries_of([*candidates, *blocks])
     columns = np.concatenate([entry.what.columns for entry in entries], axis=1)
     marginal = Nuisances(design.slopes).products(white, columns)
-    threshold = family_threshold(marginal, [(e.columns, e.prior) for e in entries], rate, rng)
+    if threshold is None:
+        threshold = family_threshold(marginal, [(e.columns, e.prior) for e in entries], rate, np.random.default_rng(0))
     return Screening(marginal, _ranked(marginal, entries), threshold)
 
 
@@ -145,6 +154,16 @@ def rescreen(
     own = np.arange(columns.shape[1] - tangent.shape[1], columns.shape[1])
     marginal = marginal.given(own, sigma)
     return Screening(marginal, _ranked(marginal, entries), base.threshold, taken)
+
+
+def rewhitened(base: Screening, before: Design, after: Design) -> Screening:
+    """Return a screening with its columns as another design whitens them; evidence is not weighed anew."""
+    if after is before:
+        return base
+    entries = sorted(base.entries, key=lambda entry: int(entry.columns[0]))
+    columns = after.whiten(before.unwhiten(np.concatenate([entry.what.columns for entry in entries], axis=1)))
+    moved = tuple(replace(entry, what=replace(entry.what, columns=columns[:, entry.columns])) for entry in entries)
+    return replace(base, entries=moved)
 
 
 def _ranked(marginal: Marginal, entries: Sequence[Entry]) -> tuple[Entry, ...]:

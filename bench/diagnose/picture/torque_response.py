@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from bench.diagnose.replay.play import link_load, transmitted
 from bench.diagnose.replay.quantities import Quantity
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
@@ -25,12 +26,16 @@ class TorqueResponse:
         motor: Shape (T, c, n), per Nm (or N) on the motor.
         link_inertia: Shape (T, n), of everything that each joint carries, about it [kg m^2] or [kg].
         rotor_inertia: Shape (n,), on the joint side.
+        transmitted: Shape (T, n) [Nm] or [N], torque of the elastic elements on the motors.
+        link_load: Shape (T, n) [Nm] or [N], what drives and friction together hold.
     """
 
     link: Array
     motor: Array
     link_inertia: Array
     rotor_inertia: Array
+    transmitted: Array
+    link_load: Array
 
 
 def torque_response(compiled: CompiledRobot, trace: Trace, quantities: tuple[Quantity, ...]) -> TorqueResponse:
@@ -62,4 +67,5 @@ def torque_response(compiled: CompiledRobot, trace: Trace, quantities: tuple[Qua
             link[:, c] = jacobians[j][:, quantity.axis] * compliance
         elif quantity.kind == "q_link":
             link[:, c, j] = compliance[j]
-    return TorqueResponse(link, motor, inertia, model.dof_armature[at.q_dof].copy())
+    rotor_inertia = model.dof_armature[at.q_dof].copy()
+    return TorqueResponse(link, motor, inertia, rotor_inertia, transmitted(compiled, trace), link_load(compiled, trace))

@@ -4,12 +4,14 @@ A `World` is the nominal robot with some deviations and some effects. Its predic
 time; nothing here is a linearisation.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
 from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect
@@ -100,8 +102,30 @@ class Replay:
             motion = _moved(segment.motion, world)
             here = i, robots[key].n_unknowns
             trace, self._found[here] = robots[key].follow(motion, self._found.get(here))  # the next world is similar
-            traces.append(trace)
+            traces.append(expected(robots[key].compiled, trace, is_static=segment.is_static))
         return traces
+
+    @contextmanager
+    def unchanged(self) -> Iterator[None]:
+        """Let nothing that is simulated meanwhile serve as a first guess later.
+
+        Guesses leave traces in the last digits. What is simulated on several cores would depend on which core was free.
+        """
+        found = dict(self._found)
+        try:
+            yield
+        finally:
+            self._found = found
+
+    def play(self, world: World) -> Array:
+        """Return the play of the gears in a world, shape (n,) [rad] or [m].
+
+        Raises:
+            RobotError: The effect does not fit the model.
+        """
+        if not any(acting.effect.scatters for acting in world.acting):
+            return self.compiled.play
+        return self._robot(World(acting=world.acting), Conditions.reference(self.compiled.n_joints)).play
 
     def _robot(self, world: World, conditions: Conditions) -> CompiledRobot:
         spec = self._spec.copy()

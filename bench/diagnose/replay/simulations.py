@@ -31,7 +31,8 @@ def simulate_all(
 
     def predict(world: World) -> Array | BenchError:
         try:
-            return replay.predict(world)
+            with replay.unchanged():
+                return replay.predict(world)
         except BenchError as error:
             return error
 

@@ -1,0 +1,103 @@
+"""Gears with play: where a link that nothing pushes to a flank may rest, nobody can say but that it is in the gap."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+from bench.simulate.plant import Trace
+
+LOOSE = 1.5  # of its Coulomb level; a link with less load than that is not surely at a flank
+UNLOADED = 1e-3  # of the largest load on a link; less than that is none
+APART = 1.5  # times the usual distance of instants; beyond, something was left out between them
+TINY = 1e-300
+
+
+def transmitted(compiled: CompiledRobot, trace: Trace) -> Array:
+    """Return the torques of the elastic elements on their motors, shape (T, n) [Nm] or [N]."""
+    torsion, half = trace.theta - trace.q, compiled.play / 2
+    torque: Array = compiled.stiffness * (torsion - np.clip(torsion, -half, half))
+    return torque
+
+
+def link_load(compiled: CompiledRobot, trace: Trace) -> Array:
+    """Return what gravity, inertia and loads ask of drives and friction together, shape (T, n) [Nm] or [N]."""
+    load: Array = transmitted(compiled, trace) - trace.link_friction
+    return load
+
+
+def is_loose(compiled: CompiledRobot, load: Array) -> NDArray[np.bool_]:
+    """Return where links have so little load that friction holds them anywhere within the play, shape (T, n).
+
+    Args:
+        compiled: The robot.
+        load: Shape (T, n) [Nm] or [N], on the links.
+    """
+    size = np.abs(load)
+    loose: NDArray[np.bool_] = size <= LOOSE * compiled.link_coulomb + UNLOADED * size.max(axis=0)
+    return loose
+
+
+def expected(compiled: CompiledRobot, trace: Trace, *, is_static: bool) -> Trace:
+    """Return a trace with links where they are to be expected, within what play leaves open.
+
+    At rest a loose link is expected in the middle: by friction alone it would lag behind its motor, but stopping throws
+    it forward, and some bounce. In motion, instants are means over a while, in which a link may cross from flank to
+    flank.
+
+    Args:
+        compiled: The robot.
+        trace: As replayed: instants of a stretch of motion are the middles of equal intervals.
+        is_static: Whether it is of rests.
+    """
+    half = compiled.play / 2
+    if not np.any(half):
+        return trace
+    if is_static:
+        torsion = np.clip(trace.theta - trace.q, -half, half)
+        return _shifted(compiled, trace, np.where(is_loose(compiled, link_load(compiled, trace)), -torsion, 0.0))
+    torque = transmitted(compiled, trace)
+    flank = np.where(trace.q_velocity != 0, _mean_sign(torque, trace.time) - np.sign(torque), 0.0)
+    return _shifted(compiled, trace, flank * half)
+
+
+def _mean_sign(values: Array, time: Array) -> Array:
+    """Return the mean sign of values over intervals of which they are the middles, shape (T, n), linear in between."""
+    steps = np.diff(time)
+    apart = steps > APART * np.median(steps) if len(steps) else steps > 0
+    middle = (values[1:] + values[:-1]) / 2
+    before = np.concatenate([values[:1], np.where(apart[:, None], values[1:], middle)])
+    after = np.concatenate([np.where(apart[:, None], values[:-1], middle), values[-1:]])
+    return (_sign_between(before, values) + _sign_between(values, after)) / 2
+
+
+def _sign_between(a: Array, b: Array) -> Array:
+    """Return the mean sign of what goes linearly from a to b."""
+    length = np.abs(a - b)
+    sign: Array = np.where(
+        a * b < 0, (np.abs(b) - np.abs(a)) / np.maximum(length, TINY) * np.sign(b - a), np.sign(a + b)
+    )
+    return sign
+
+
+def _shifted(compiled: CompiledRobot, trace: Trace, shift: Array) -> Trace:
+    """Return a trace with links moved by small angles, shape (T, n) [rad] or [m], and all that they carry."""
+    moved = np.flatnonzero(np.any(shift != 0, axis=1))
+    if not len(moved):
+        return trace
+    model, at = compiled.model, compiled.at
+    theta, sites = trace.theta + shift, np.append(at.reflectors, at.load_point)
+    points = np.concatenate([trace.reflectors, trace.load_point[:, None]], axis=1)
+    data = mujoco.MjData(model)
+    for i in moved:
+        for links, sign in (
+            (trace.theta[i], -1.0),
+            (theta[i], 1.0),
+        ):  # passive hinges have their own angles, which stay
+            data.qpos[at.theta] = links
+            mujoco.mj_kinematics(model, data)
+            points[i] += sign * data.site_xpos[sites]
+    return replace(trace, theta=theta, reflectors=points[:, :-1], load_point=points[:, -1])

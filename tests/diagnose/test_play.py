@@ -1,0 +1,133 @@
+"""Gears with play: where links rest in it is chance, and a diagnosis knows that."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.diagnose.diagnose import diagnose
+from bench.diagnose.picture.design import Design, design_of, with_play
+from bench.diagnose.picture.scatter import PLACED, STIRS
+from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.play import expected, is_loose, link_load
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.replay import Replay, World
+from bench.diagnose.replay.segments import segments_of
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Acting
+from bench.hide.campaign import hide_campaign
+from bench.record.campaign import Array
+from bench.robot.folder import load_robot
+from bench.scenario.files import read_as
+from bench.scenario.loading import Loading
+from bench.scenario.session import SessionScenario
+from tests.diagnose.sweeps import LOADS, SWEEP, made, nominal
+
+ACROSS = Loading.model_validate(
+    LOADS.model_dump(exclude={"poses"})
+    | {"poses": [{"q_deg": (20, 30, -30, 40, 60, 10), "force_n": (700, 1400), "direction": (-374, -985, -580)}]}
+)
+GAP = 3e-4  # [rad]
+JOINT = 0  # it has no load, but for a force across
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    compiled, campaign = nominal(), made(ACROSS, seed=5)
+    quantities = quantities_of(campaign.runs, compiled)
+    replay = Replay(compiled, segments_of(campaign, compiled, quantities), quantities)
+    return design_of(replay, nuisances_of(compiled, quantities)[:2])
+
+
+def with_gap(design: Design) -> Design:
+    return with_play(design, GAP * (np.arange(design.replay.compiled.n_joints) == JOINT))
+
+
+def matrix_of(design: Design, segment: int) -> Array:
+    """Return the map that whitens the measured readings of a segment, shape (m, m)."""
+    whitening = design.whitenings[segment]
+    shape = design.segments[segment].observed.shape
+    unit = np.eye(whitening.rows.size)[:, whitening.rows].reshape(*shape, -1)
+    return whitening(unit)
+
+
+def test_whitening_is_undone_and_knows_its_determinant(design: Design) -> None:
+    for one in (design, with_gap(design)):
+        for k in range(len(one.segments)):
+            matrix = matrix_of(one, k)
+            assert np.sum(one.whitenings[k].log_determinants) == pytest.approx(np.linalg.slogdet(matrix)[1])
+        values = np.random.default_rng(0).standard_normal((*design.replay.shape, 2))
+        again = one.unwhiten(one.whiten(values))
+        seen = np.concatenate([w.rows for w in one.whitenings]).reshape(design.replay.shape)
+        np.testing.assert_allclose(again[seen], values[seen], atol=1e-9)
+
+
+def test_a_loose_link_scatters_within_its_gap_and_no_drive_feels_it(design: Design) -> None:
+    k = 0
+    before, after = (np.linalg.inv(matrix_of(one, k)) for one in (design, with_gap(design)))
+    found = np.zeros(2 * (design.segments[k].observed.size,))
+    rows = np.flatnonzero(design.whitenings[k].rows)
+    found[np.ix_(rows, rows)] = after @ after.T - before @ before.T
+    response = design.responses[k]
+    loose = is_loose(design.replay.compiled, response.link_load)[:, JOINT]
+    assert 0 < np.count_nonzero(loose) < len(loose)  # the loads push it to a flank
+    per_gap = response.link[:, :, JOINT] * design.replay.compiled.stiffness[JOINT] * GAP * loose[:, None]
+    per_gap[:, [quantity.is_drive for quantity in design.quantities]] = 0.0
+    seen = (per_gap.reshape(-1) * design.whitenings[k].rows).reshape(per_gap.shape)
+    for i in range(len(loose)):
+        own = slice(i * seen.shape[1], (i + 1) * seen.shape[1])
+        np.testing.assert_allclose(found[own, own], (PLACED**2 + STIRS**2) * np.outer(seen[i], seen[i]), atol=1e-11)
+    last = len(loose) - 1  # loads came on in between: it rests anew
+    np.testing.assert_allclose(found[: seen.shape[1], last * seen.shape[1] :], 0.0, atol=1e-11)
+
+
+def test_a_loose_link_is_expected_in_the_middle_and_a_loaded_one_at_its_flank(design: Design) -> None:
+    effect = catalogue()["backlash"]
+    acting = Acting(effect, effect.places(nominal())[JOINT], {"gap": GAP})
+    replay = design.replay
+    rigid, found = replay.traces(World())[0], replay.traces(World(acting=(acting,)))[0]
+    lost = (found.theta - rigid.theta)[:, JOINT]
+    loose = is_loose(replay.compiled, link_load(replay.compiled, rigid))[:, JOINT]
+    flank = np.sign((rigid.theta - rigid.q)[:, JOINT]) * GAP / 2
+    np.testing.assert_allclose(lost[~loose], flank[~loose], rtol=0.01)
+    np.testing.assert_allclose(lost[loose], 0.0, atol=0.1 * GAP)  # friction moves it by a little
+    moved = np.linalg.norm(found.reflectors - rigid.reflectors, axis=2)[:, 0]
+    assert np.all(moved[loose] < 0.1 * moved[~loose].max())
+
+
+def test_an_instant_in_which_a_link_crosses_its_gap_is_a_mean() -> None:
+    """A torque of 4, 2, 1, -3 Nm, linear in time, changes its sign three quarters through the third interval."""
+    compiled = nominal()
+    model = compiled.model.__copy__()
+    model.tendon_lengthspring[compiled.at.element[1]] = [-GAP / 2, GAP / 2]
+    gapped = replace(compiled, model=model)
+    campaign = made(SWEEP, seed=3)
+    quantities = quantities_of(campaign.runs, compiled)
+    segments = segments_of(campaign, compiled, quantities)
+    trace = Replay(compiled, segments, quantities).traces(World())[0][np.arange(4)]
+    torque = np.array([4.0, 2.0, 1.0, -3.0])
+    theta, velocity = trace.q.copy(), np.zeros_like(trace.q)
+    theta[:, 1] += torque / compiled.stiffness[1] + np.sign(torque) * GAP / 2
+    velocity[:, 1] = 0.3
+    made_up = replace(trace, time=np.arange(4.0), theta=theta, q_velocity=velocity)
+    shift = (expected(gapped, made_up, is_static=False).theta - theta)[:, 1]
+    # third interval: from 1.5 over 1 to -1; fourth: from -1 to -3
+    mean = np.array([1.0, 1.0, (1 + 0.0) / 2, -1.0])
+    np.testing.assert_allclose(shift, (mean - np.sign(torque)) * GAP / 2, atol=1e-12)
+
+
+def test_play_of_an_unloaded_joint_is_named() -> None:
+    """Its link rests by chance. Before that was known, a softening or something unlisted was named."""
+    robot, compiled, effects = load_robot("hh150"), nominal(), catalogue()
+    session = read_as(SessionScenario, "session-study")
+    turns = tuple(rotation for rotation in session.rotations if rotation.joint in (1, 4))
+    session = session.model_copy(update={"rotations": turns, "line": None, "dwell": None, "repeat_at_end": None})
+    effect = effects["backlash"]
+    acting = Acting(effect, effect.places(compiled)[JOINT], {"gap": GAP})
+    campaign = hide_campaign(robot, session, [acting], np.random.default_rng(4)).campaign
+    choice = ("backlash", "softening", "hysteresis", "joint_compliance", "friction_side", "transmission_error")
+    naming = diagnose(campaign, compiled, {name: effects[name] for name in choice}, asks=False).naming
+    assert naming.kind == "cause"
+    best = naming.hypotheses[0].fit
+    assert [cause.key for cause in best.causes] == [("backlash", "joint 1")]
+    assert abs(best.values[0] - GAP) < 3 * best.sigma[0]
