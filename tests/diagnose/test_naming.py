@@ -1,9 +1,15 @@
 """A short blind run: hidden by the simulation in time, found by the replay, with few effects to choose from."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.extend import polish
+from bench.diagnose.name import naming
+from bench.diagnose.name.naming import IN_SET
+from bench.diagnose.name.trials import Hypothesis
 from bench.effects.catalogue import catalogue
 from bench.errors import ConvergenceError
 from tests.diagnose.sweeps import SWEEPS, made, nominal
@@ -43,3 +49,16 @@ def test_a_fit_that_finds_no_balance_stays_as_it_is(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(polish, "_polished", fails)
     assert polish.polished("design", "fit") == ("design", "fit")  # type: ignore[arg-type,comparison-overlap]
+
+
+@pytest.mark.parametrize(
+    ("nats", "evidence"), [(1.0, 14.8), (-1.0, 10.0), (-2 * IN_SET, None)], ids=["better", "alike", "far worse"]
+)
+def test_a_rival_that_fits_better_and_predicts_a_little_worse_stays_in_the_set(
+    monkeypatch: pytest.MonkeyPatch, nats: float, evidence: float | None
+) -> None:
+    """Lost gas was left out of the set beside colder gas, for it fitted better and predicted a little worse."""
+    monkeypatch.setattr(naming, "held_out", lambda design, before, after: SimpleNamespace(nats=nats))
+    any_: Any = SimpleNamespace()
+    rival = naming._as_it_predicts(any_, Hypothesis(any_, 10.0), Hypothesis(any_, 14.8))
+    assert (rival and rival.log_evidence) == evidence

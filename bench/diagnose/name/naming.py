@@ -210,7 +210,7 @@ def _about(design: Design, screening: Screening, best: Hypothesis) -> Screening:
 def _among_rivals(stage: Stage, progress: Callable[[str], None]) -> tuple[Hypothesis, ...]:
     """Return the best explanation and those in which one of its causes is another, by falling evidence.
 
-    A rival that fits better but predicts what was held out worse is none.
+    A rival that fits better but predicts what was held out worse does not come first, and is none if it is far worse.
     """
     progress("rivals")
     known = {h.keys for h in stage.tried}
@@ -225,15 +225,21 @@ def _among_rivals(stage: Stage, progress: Callable[[str], None]) -> tuple[Hypoth
             hypothesis = Hypothesis(fit, value)
         settled.append(hypothesis)
     best = stage.best
-    settled = [
-        h
-        for h in settled
-        if h is best or h.log_evidence <= best.log_evidence or held_out(stage.design, best.fit, h.fit).nats > 0
-    ]
+    settled = [h for h in (_as_it_predicts(stage.design, best, h) for h in settled) if h is not None]
     weights = np.exp(np.array([h.log_evidence for h in settled]) - max(h.log_evidence for h in settled))
     shares = weights / weights.sum()
     ranked = [replace(h, probability=float(p)) for h, p in zip(settled, shares, strict=True)]
     return tuple(sorted(ranked, key=lambda h: -h.log_evidence))
+
+
+def _as_it_predicts(design: Design, best: Hypothesis, rival: Hypothesis) -> Hypothesis | None:
+    """Return a rival with no more evidence than the best where it predicts worse; None where odds of 400 say so."""
+    if rival is best or rival.log_evidence <= best.log_evidence:
+        return rival
+    nats = held_out(design, best.fit, rival.fit).nats
+    if nats > 0:
+        return rival
+    return replace(rival, log_evidence=best.log_evidence) if nats > -IN_SET else None
 
 
 def _explains_more(stage: Stage, nominal: Design, first: Screening) -> Entry | None:
