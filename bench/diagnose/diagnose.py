@@ -8,7 +8,8 @@ from threadpoolctl import threadpool_limits
 
 from bench.diagnose.ask.ask import ask
 from bench.diagnose.ask.blind_spots import blind_spots
-from bench.diagnose.extend.refit import Fit, refit
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.refit import refit
 from bench.diagnose.measure.measure import HeldOut, held_out, predicted_error
 from bench.diagnose.name.learn import Lesson, lesson_of
 from bench.diagnose.name.naming import Naming, name_cause

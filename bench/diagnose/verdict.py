@@ -15,7 +15,7 @@ import numpy as np
 
 from bench.diagnose.ask.ask import Proposal as Proposal  # part of the verdict
 from bench.diagnose.ask.blind_spots import BlindSpot as BlindSpot  # part of the verdict
-from bench.diagnose.extend.refit import Fit
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.measure.measure import ChannelGain as ChannelGain  # part of the verdict
 from bench.diagnose.measure.measure import HeldOut, PredictedError
 from bench.diagnose.name.learn import Lesson

@@ -8,7 +8,8 @@ import pytest
 from bench.diagnose.ask.ask import MOST_PROPOSALS, ask
 from bench.diagnose.ask.experiments import experiments_for
 from bench.diagnose.ask.outlook import Expectation, expected_log_bayes_factor, narrowing
-from bench.diagnose.extend.refit import Fit, refit
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.refit import refit
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, design_of
 from bench.diagnose.replay.nuisances import nuisances_of

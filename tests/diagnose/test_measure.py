@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from bench.diagnose.extend.refit import Fit, Unknown
+from bench.diagnose.extend.fit import Fit, Unknown
 from bench.diagnose.measure.floor import floor_variance
 from bench.diagnose.measure.folds import BLOCKS, folds_of
 from bench.diagnose.measure.leave_out import (

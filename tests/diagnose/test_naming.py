@@ -7,8 +7,8 @@ import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.extend import polish
-from bench.diagnose.name import naming
-from bench.diagnose.name.naming import IN_SET
+from bench.diagnose.name import rivals
+from bench.diagnose.name.rivals import IN_SET
 from bench.diagnose.name.trials import Hypothesis
 from bench.effects.catalogue import catalogue
 from bench.errors import ConvergenceError
@@ -58,7 +58,7 @@ def test_a_rival_that_fits_better_and_predicts_a_little_worse_stays_in_the_set(
     monkeypatch: pytest.MonkeyPatch, nats: float, evidence: float | None
 ) -> None:
     """Lost gas was left out of the set beside colder gas, for it fitted better and predicted a little worse."""
-    monkeypatch.setattr(naming, "held_out", lambda design, before, after: SimpleNamespace(nats=nats))
+    monkeypatch.setattr(rivals, "held_out", lambda design, before, after: SimpleNamespace(nats=nats))
     any_: Any = SimpleNamespace()
-    rival = naming._as_it_predicts(any_, Hypothesis(any_, 10.0), Hypothesis(any_, 14.8))
+    rival = rivals.as_it_predicts(any_, Hypothesis(any_, 10.0), Hypothesis(any_, 14.8))
     assert (rival and rival.log_evidence) == evidence

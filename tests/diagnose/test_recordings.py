@@ -11,7 +11,7 @@ from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.segments import segments_of
 from bench.effects.catalogue import catalogue
 from bench.identify.rigid_motion_fit import Filtering, axis_columns, smooth_motion
-from bench.record.campaign import Campaign
+from bench.record.campaign import Array, Campaign
 from bench.record.convert import convert
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
@@ -64,13 +64,18 @@ def test_stand_in_of_emps_climbs_alike(tmp_path: Path, rng: np.random.Generator)
     np.testing.assert_allclose(levels(diagnosis)["coulomb_friction"], truth["coulomb"], rtol=CLOSE)
 
 
-def test_emps_by_least_squares_with_blocks_held_out() -> None:
-    """An independent way to the figures of the ladder: nominal, with Coulomb friction, and with an offset too."""
+def emps() -> dict[str, Array]:
+    """Return inertia, friction and force of EMPS, filtered and thinned."""
     (run,) = read(data_folder("emps") / "emps.csv", "emps").runs
     filtering = Filtering()
     motion = smooth_motion(run.columns["time_s"], run.columns["q_motor_1_m"][:, None], filtering)
     columns = axis_columns(motion, 0) | {"force": run.columns["tau_motor_1_n"]}
-    thin = {k: signal.decimate(x, filtering.decimation, ftype="fir", zero_phase=True)[2:-2] for k, x in columns.items()}
+    return {k: signal.decimate(x, filtering.decimation, ftype="fir", zero_phase=True)[2:-2] for k, x in columns.items()}
+
+
+def test_emps_by_least_squares_with_blocks_held_out() -> None:
+    """An independent way to the figures of the ladder: nominal, with Coulomb friction, and with an offset too."""
+    thin = emps()
     missing = thin["force"] - 95.109 * thin["inertia"] - 203.50 * thin["viscous"]
     slides = np.abs(thin["viscous"]) > 0.08 * np.max(np.abs(thin["viscous"]))
     left = [np.sqrt(np.mean(missing[slides] ** 2))]
@@ -90,11 +95,7 @@ def test_emps_by_least_squares_with_blocks_held_out() -> None:
 
 def test_offset_of_emps_is_viscous_friction_that_differs_between_directions() -> None:
     """Figures of models/emps/README.md, by least squares on all that slides: without and with a term |v|."""
-    (run,) = read(data_folder("emps") / "emps.csv", "emps").runs
-    filtering = Filtering()
-    motion = smooth_motion(run.columns["time_s"], run.columns["q_motor_1_m"][:, None], filtering)
-    columns = axis_columns(motion, 0) | {"force": run.columns["tau_motor_1_n"]}
-    thin = {k: signal.decimate(x, filtering.decimation, ftype="fir", zero_phase=True)[2:-2] for k, x in columns.items()}
+    thin = emps()
     thin["one way"] = np.abs(thin["viscous"])
     slides = thin["one way"] > 0.08 * np.max(thin["one way"])
     names = ["viscous", "offset", "inertia", "coulomb", "one way"]

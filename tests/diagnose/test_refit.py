@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import diagnose
-from bench.diagnose.extend.refit import Fit, Unknown, refit, unknowns_of
+from bench.diagnose.extend.fit import Fit, Unknown, unknowns_of
+from bench.diagnose.extend.refit import refit
 from bench.diagnose.measure.leave_out import tangent_of
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import design_of

@@ -10,7 +10,7 @@ from bench.diagnose.ask.cell import quantities_with_more
 from bench.diagnose.ask.direct import direct_measurements
 from bench.diagnose.ask.experiments import experiments_for
 from bench.diagnose.ask.outlook import Expectation, Outlook, expected_log_bayes_factor, narrowing
-from bench.diagnose.extend.refit import Fit
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.picture.design import Design
 
 MOST_PROPOSALS = 5

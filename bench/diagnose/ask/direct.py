@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.diagnose.ask.outlook import Expectation
-from bench.diagnose.extend.refit import Fit, world_of
+from bench.diagnose.extend.fit import Fit, world_of
 from bench.diagnose.measure.leave_out import tangent_of
 from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.nuisances import THERMOMETER_K

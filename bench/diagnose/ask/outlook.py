@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from bench.diagnose.ask.experiments import Experiment
-from bench.diagnose.extend.refit import Fit, world_of
+from bench.diagnose.extend.fit import Fit, world_of
 from bench.diagnose.measure.leave_out import tangent_of
 from bench.diagnose.picture.design import Design, held_friction
 from bench.diagnose.picture.scatter import whitening_of

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import lsq_linear
 
-from bench.diagnose.extend.refit import Fit
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.measure.floor import measured
 from bench.diagnose.measure.folds import Folds
 from bench.diagnose.picture.design import Design, with_play

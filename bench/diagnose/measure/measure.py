@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from scipy.stats import t as student
 
-from bench.diagnose.extend.refit import Fit
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.measure.floor import floor_variance
 from bench.diagnose.measure.folds import Folds, folds_of
 from bench.diagnose.measure.leave_out import (

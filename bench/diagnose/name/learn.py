@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.extend.refit import Fit, Key, pseudo_residual, refit
+from bench.diagnose.extend.fit import Fit, Key, pseudo_residual
+from bench.diagnose.extend.refit import refit
 from bench.diagnose.measure.measure import held_out
 from bench.diagnose.name.naming import CERTAIN, Naming
 from bench.diagnose.picture.candidates import Cause

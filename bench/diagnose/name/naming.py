@@ -11,10 +11,12 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from bench.diagnose.extend.fit import Fit, pseudo_residual
 from bench.diagnose.extend.polish import polished
-from bench.diagnose.extend.refit import Fit, pseudo_residual, refit
+from bench.diagnose.extend.refit import refit
 from bench.diagnose.measure.measure import HeldOut, held_out
-from bench.diagnose.name.trials import Hypothesis, Stage, fitted, one_more, swaps
+from bench.diagnose.name.rivals import IN_SET, among_rivals
+from bench.diagnose.name.trials import Hypothesis, Stage, one_more
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, raised
 from bench.diagnose.picture.generic import Block, blocks_of
@@ -35,10 +37,7 @@ class Renew(Protocol):
 
 MOST_CAUSES = 30
 MOST_REFUSED = 8
-MOST_POLISHED = 5  # of the rivals that come near; beyond, they are weighed as they were fitted first
 MOST_CHANGES = 2  # times that the end is weighed: once more where a rival takes the model's place
-IN_SET = 6.0  # log evidence behind the best, up to where a cause is not told apart from it (odds of 400)
-NEARLY = 3.0  # beyond the set, up to where derivatives are taken anew before it is decided
 # What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.
 UNEXPLAINED = 0.02
 MAINLY = 0.8  # of the evidence for a free shape: what a single listed cause has is not called unlisted for its rest
@@ -145,7 +144,7 @@ def name_cause(
     for _ in range(MOST_CHANGES):
         block, is_alone = _unlisted(stage, design, screening)
         stage = _settled(stage, renew)
-        hypotheses = _among_rivals(stage, progress) if stage.best.causes and not is_alone else ()
+        hypotheses = among_rivals(stage, progress) if stage.best.causes and not is_alone else ()
         if not hypotheses or hypotheses[0].keys == stage.best.keys:
             break
         stage = _changed(stage, hypotheses[0], renew)  # what the model before left may be no more
@@ -205,41 +204,6 @@ def _about(design: Design, screening: Screening, best: Hypothesis) -> Screening:
     sigma = np.array([unknown.sigma for unknown in best.fit.unknowns])
     pseudo, slopes = pseudo_residual(design, best.fit), design.whiten(best.fit.slopes)
     return rescreen(design, screening, pseudo, slopes, sigma, best.keys)
-
-
-def _among_rivals(stage: Stage, progress: Callable[[str], None]) -> tuple[Hypothesis, ...]:
-    """Return the best explanation and those in which one of its causes is another, by falling evidence.
-
-    A rival that fits better but predicts what was held out worse does not come first, and is none if it is far worse.
-    """
-    progress("rivals")
-    known = {h.keys for h in stage.tried}
-    fits = [stage.best, *stage.tried, *fitted(stage, [trial for trial in swaps(stage) if trial.keys not in known])]
-    top = max(h.log_evidence for h in fits)
-    settled = []
-    near = sorted((h for h in fits if h.log_evidence > top - IN_SET - NEARLY), key=lambda h: -h.log_evidence)
-    for hypothesis in fits:
-        if hypothesis is not stage.best and hypothesis in near[:MOST_POLISHED]:
-            _, fit = polished(stage.design, hypothesis.fit)
-            value = hypothesis.log_evidence + fit.log_evidence - hypothesis.fit.log_evidence
-            hypothesis = Hypothesis(fit, value)
-        settled.append(hypothesis)
-    best = stage.best
-    settled = [h for h in (_as_it_predicts(stage.design, best, h) for h in settled) if h is not None]
-    weights = np.exp(np.array([h.log_evidence for h in settled]) - max(h.log_evidence for h in settled))
-    shares = weights / weights.sum()
-    ranked = [replace(h, probability=float(p)) for h, p in zip(settled, shares, strict=True)]
-    return tuple(sorted(ranked, key=lambda h: -h.log_evidence))
-
-
-def _as_it_predicts(design: Design, best: Hypothesis, rival: Hypothesis) -> Hypothesis | None:
-    """Return a rival with no more evidence than the best where it predicts worse; None where odds of 400 say so."""
-    if rival is best or rival.log_evidence <= best.log_evidence:
-        return rival
-    nats = held_out(design, best.fit, rival.fit).nats
-    if nats > 0:
-        return rival
-    return replace(rival, log_evidence=best.log_evidence) if nats > -IN_SET else None
 
 
 def _explains_more(stage: Stage, nominal: Design, first: Screening) -> Entry | None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnose.extend.refit import Fit, is_simulated, pseudo_residual
+from bench.diagnose.extend.fit import Fit, is_simulated, pseudo_residual
 from bench.diagnose.picture.candidates import Candidate, Cause, candidates_of, causes_of
 from bench.diagnose.picture.design import Design, raised, relinearised, with_play
 from bench.diagnose.picture.generic import Block, blocks_of

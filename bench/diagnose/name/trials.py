@@ -11,7 +11,8 @@ from itertools import combinations
 
 import numpy as np
 
-from bench.diagnose.extend.refit import Fit, Key, fit_without, pseudo_residual, refit, unknowns_of
+from bench.diagnose.extend.fit import Fit, Key, fit_without, pseudo_residual, unknowns_of
+from bench.diagnose.extend.refit import refit
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, with_play
 from bench.diagnose.picture.screening import Entry, Screening, rescreen, rewhitened

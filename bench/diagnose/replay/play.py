@@ -92,11 +92,8 @@ def _shifted(compiled: CompiledRobot, trace: Trace, shift: Array) -> Trace:
     theta, sites = trace.theta + shift, np.append(at.reflectors, at.load_point)
     points = np.concatenate([trace.reflectors, trace.load_point[:, None]], axis=1)
     data = mujoco.MjData(model)
-    for i in moved:
-        for links, sign in (
-            (trace.theta[i], -1.0),
-            (theta[i], 1.0),
-        ):  # passive hinges have their own angles, which stay
+    for i in moved:  # passive hinges have their own angles, which stay: what moves is the difference
+        for links, sign in ((trace.theta[i], -1.0), (theta[i], 1.0)):
             data.qpos[at.theta] = links
             mujoco.mj_kinematics(model, data)
             points[i] += sign * data.site_xpos[sites]

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.extend.refit import Fit
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.name.learn import Lesson
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.picture.design import Design

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.diagnose import Diagnosis
-from bench.diagnose.extend.refit import pseudo_residual
+from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.measure.folds import instant_of
 from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.quantities import Quantity

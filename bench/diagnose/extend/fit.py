@@ -1,0 +1,161 @@
+"""A fitted extension: causes with values, what they leave, and how sure of them it is."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.replay import World
+from bench.effects.effect import Parameter
+from bench.record.campaign import Array
+
+STEP = 0.05  # of a parameter's plausible size, for its derivative
+# Of the distance to the next shape that is tried, for a shape that may lie anywhere over decades. Balances are found
+# within a tolerance: with a hundredth of a softening's knee, that noise made its interval three times too narrow.
+SHAPE_STEP = 0.125
+
+Key = tuple[str, str, str]  # effect, place, parameter
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """One parameter of one cause."""
+
+    cause: Cause
+    parameter: Parameter
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of its prior."""
+        p = self.parameter
+        return float((p.high - p.low if p.is_shape else p.high) / np.sqrt(3))
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Values beyond which it makes no sense: a little more than plausible, and no more than physics allows."""
+        p = self.parameter
+        if p.is_shape:
+            low, high = p.low / 2 if p.low > 0 else p.low, 2 * p.high if p.high > 0 else p.high
+        else:
+            low, high = p.null - 4 * p.high if p.signed else p.null, p.null + 4 * p.high
+        return max(low, p.least), min(high, p.most)
+
+    def step_from(self, value: float) -> float:
+        """Return a step within bounds, for its derivative; a shape may lie anywhere over decades, as a period does."""
+        p = self.parameter
+        step = STEP * (p.high - p.low if p.is_shape else p.high)
+        if p.is_shape and p.low > 0:
+            step = SHAPE_STEP * (p.ratio - 1) * value
+        return step if value + step <= self.bounds[1] else -step
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted extension; p nuisances, k unknowns, m whitened readings.
+
+    Attributes:
+        causes: What was added to the nominal model; empty: nothing.
+        unknowns: Their parameters, in order.
+        values: Shape (k,).
+        covariance: Shape (k, k), nuisances integrated out.
+        nuisances: Shape (p,), in standard deviations of their priors.
+        objective: Chi-square plus penalties of the priors.
+        log_evidence: Logarithm of the marginal likelihood, up to a constant that all fits of a campaign share.
+        residual: Shape (T, c), measured less simulated; nan where not measured.
+        slopes: Shape (T, c, k), change of the readings with each unknown.
+        play: Shape (n,) [rad] or [m], of the gears, within which links were taken to rest anywhere.
+    """
+
+    causes: tuple[Cause, ...]
+    unknowns: tuple[Unknown, ...]
+    values: Array
+    covariance: Array
+    nuisances: Array
+    objective: float
+    log_evidence: float
+    residual: Array
+    slopes: Array
+    play: Array
+
+    @property
+    def sigma(self) -> Array:
+        """Shape (k,), standard deviations of the values."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    @property
+    def start(self) -> dict[Key, float]:
+        """Its values, for another fit to start from."""
+        return {(*u.cause.key, u.parameter.name): float(v) for u, v in zip(self.unknowns, self.values, strict=True)}
+
+    def acts(self, cause: Cause) -> bool:
+        """Whether any size of a cause is more than its standard deviation away from none."""
+        return any(
+            abs(value - unknown.parameter.null) > sigma
+            for unknown, value, sigma in zip(self.unknowns, self.values, self.sigma, strict=True)
+            if unknown.cause.key == cause.key and not unknown.parameter.is_shape
+        )
+
+    def world(self, design: Design) -> World:
+        """Return the world that was fitted."""
+        return world_of(design, self.causes, self.unknowns, self.values, self.nuisances)
+
+
+def world_of(
+    design: Design, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array, nuisances: Array
+) -> World:
+    """Return the world with these values."""
+    deviations = {
+        nuisance: float(x) * nuisance.sigma
+        for nuisance, x in zip(design.nuisances, nuisances, strict=True)
+        if is_simulated(nuisance)
+    }
+    acting = []
+    for cause in causes:
+        mine = {u.parameter.name: float(v) for u, v in zip(unknowns, values, strict=True) if u.cause is cause}
+        acting.append(cause.acting(mine))
+    return World(deviations, tuple(acting))
+
+
+def unknowns_of(causes: tuple[Cause, ...]) -> tuple[Unknown, ...]:
+    """Return the parameters that are fitted, sizes and shapes of each cause in turn."""
+    return tuple(Unknown(cause, p) for cause in causes for p in (*cause.sizes, *cause.shapes))
+
+
+def play_of(design: Design, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array) -> Array:
+    """Return the play of the gears in a model with these values, shape (n,) [rad] or [m]."""
+    return design.replay.play(world_of(design, causes, unknowns, values, np.zeros(len(design.nuisances))))
+
+
+def is_simulated(nuisance: Nuisance) -> bool:
+    """Whether a nuisance changes model or readings; if not, it acts by its changes alone."""
+    return bool(nuisance.edit or nuisance.on_reading or nuisance.scales_wrench or nuisance.scales_payload)
+
+
+def fit_without(design: Design, fit: Fit, cause: Cause) -> Fit:
+    """Return a fit with one of its causes taken away and nothing fitted anew.
+
+    Raises:
+        ConvergenceError, RobotError: What is left cannot be simulated.
+    """
+    kept = [i for i, unknown in enumerate(fit.unknowns) if unknown.cause is not cause]
+    causes = tuple(other for other in fit.causes if other is not cause)
+    unknowns, values = tuple(fit.unknowns[i] for i in kept), fit.values[kept]
+    here = design.replay.predict(fit.world(design))
+    without = design.replay.predict(world_of(design, causes, unknowns, values, fit.nuisances))
+    return replace(
+        fit,
+        causes=causes,
+        unknowns=unknowns,
+        values=values,
+        covariance=fit.covariance[np.ix_(kept, kept)],
+        residual=fit.residual + here - without,
+        slopes=fit.slopes[:, :, kept],
+        play=play_of(design, causes, unknowns, values),
+    )
+
+
+def pseudo_residual(design: Design, fit: Fit) -> Array:
+    """Return the whitened residual of a fit as it would be with all nuisances at zero, shape (m,)."""
+    return design.whiten(fit.residual) + design.slopes @ fit.nuisances
