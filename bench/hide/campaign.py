@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import mujoco
 import numpy as np
 
 from bench import paths
@@ -20,6 +21,7 @@ from bench.robot.figures import Instruments as InstrumentFigures
 from bench.robot.folder import Robot
 from bench.scenario.files import Experiment
 from bench.scenario.session import PARTS, SessionScenario
+from bench.simulate.bare import bare_spec
 from bench.simulate.drive import Log
 from bench.simulate.instruments import Instruments, Reading, SystematicErrors
 from bench.simulate.plant import Array, Trace
@@ -95,7 +97,8 @@ def hide_campaign(
     edits = (*edits_of(session), *drawn.edits(compiled))
     stays, log = plan(legs, edits, 1 + drawn.hung, day, before_end)
     step = before_end / 2 if timestep is None else timestep
-    seen = [_measure(robot, stay, acting, instruments, (step, before_end), shown, rng) for stay in stays]
+    spec = bare_spec(robot)
+    seen = [_measure(robot, spec, stay, acting, instruments, (step, before_end), shown, rng) for stay in stays]
     instants = Trace.concatenate([one.trace for one in seen])
     thermometers = {name: np.concatenate([one.kelvin[name] for one in seen]) for name in seen[0].kelvin}
     reading = Reading.concatenate([one.reading for one in seen])
@@ -155,6 +158,7 @@ class _Seen:
 
 def _measure(
     robot: Robot,
+    spec: mujoco.MjSpec,
     stay: Stay,
     acting: Sequence[Acting],
     instruments: Instruments,
@@ -163,7 +167,7 @@ def _measure(
     rng: np.random.Generator,
 ) -> _Seen:
     """Simulate a sitting and read it; `times` are the timestep, and how long before the end of a period is read [s]."""
-    trace = true_trace(robot, stay, acting, *times)
+    trace = true_trace(robot, spec, stay, acting, *times)
     readings, kelvin, conditions = [], [], []
     for during, rows in stay.read():
         if len(rows):

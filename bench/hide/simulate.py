@@ -8,9 +8,8 @@ import numpy as np
 
 from bench.effects.effect import Acting, Conditions
 from bench.hide.plan import Stay
-from bench.robot.compiled import SpecEdit
+from bench.robot.compiled import SpecEdit, compile_spec
 from bench.robot.folder import Robot
-from bench.simulate.bare import bare
 from bench.simulate.batch import Course, follow, read_steps, smooth
 from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.instruments import Instruments, Reading
@@ -20,11 +19,14 @@ from bench.simulate.policy import Step
 ITERATIONS = 3  # an encoder's error changes over some arc minutes much less than over a turn
 
 
-def true_trace(robot: Robot, stay: Stay, acting: Sequence[Acting], timestep: float, before_end: float) -> Trace:
+def true_trace(
+    robot: Robot, spec: mujoco.MjSpec, stay: Stay, acting: Sequence[Acting], timestep: float, before_end: float
+) -> Trace:
     """Return the truth at every instant that is read in a sitting; its time is that of the campaign.
 
     Args:
         robot: The robot.
+        spec: Its model, from `bare_spec`.
         stay: The sitting.
         acting: Effects.
         timestep: Integration step [s].
@@ -34,13 +36,13 @@ def true_trace(robot: Robot, stay: Stay, acting: Sequence[Acting], timestep: flo
     start, commands = true_commands(course, acting)
     path = smooth(start, commands)
     wrenches = stay.load * course.wrenches
-    plant = Plant(robot, (*stay.edits, *_edits(acting, stay.conditions[0]), bare), timestep)
-    changes = _depends_on_conditions(robot, stay, acting)
+    plant = Plant(robot, (*stay.edits, *_edits(acting, stay.conditions[0])), timestep, spec)
+    changes = _depends_on_conditions(robot, spec, stay, acting)
     plant.reset(start)
     parts = []
     for i, (piece, (conditions, here)) in enumerate(zip(stay.pieces, stay.read(), strict=True)):
         if i and changes:
-            before, plant = plant, Plant(robot, (*stay.edits, *_edits(acting, conditions), bare), timestep)
+            before, plant = plant, Plant(robot, (*stay.edits, *_edits(acting, conditions)), timestep, spec)
             plant.take_over(before)
         rows = slice(piece.first, piece.last)
         parts.append(follow(plant, path, piece.first, wrenches[rows], course.marked[here], before_end))
@@ -95,7 +97,7 @@ def _edits(acting: Iterable[Acting], conditions: Conditions) -> tuple[SpecEdit, 
     return tuple(edit for edit in edits if edit is not None)
 
 
-def _depends_on_conditions(robot: Robot, stay: Stay, acting: Sequence[Acting]) -> bool:
+def _depends_on_conditions(robot: Robot, spec: mujoco.MjSpec, stay: Stay, acting: Sequence[Acting]) -> bool:
     """Whether the model differs between warm and cold."""
     cold = stay.conditions[0]
     warm = replace(
@@ -107,11 +109,12 @@ def _depends_on_conditions(robot: Robot, stay: Stay, acting: Sequence[Acting]) -
     )
     if len(stay.pieces) == 1 or not _edits(acting, cold):
         return False
-    return _bytes(robot, (*stay.edits, *_edits(acting, cold))) != _bytes(robot, (*stay.edits, *_edits(acting, warm)))
+    first, second = (_bytes(robot, spec, (*stay.edits, *_edits(acting, during))) for during in (cold, warm))
+    return first != second
 
 
-def _bytes(robot: Robot, edits: Sequence[SpecEdit]) -> bytes:
-    model = Plant(robot, (*edits, bare)).model
+def _bytes(robot: Robot, spec: mujoco.MjSpec, edits: Sequence[SpecEdit]) -> bytes:
+    model = compile_spec(spec.copy(), robot, edits).model
     buffer = np.empty(mujoco.mj_sizeModel(model), dtype=np.uint8)
     mujoco.mj_saveModel(model, None, buffer)
     return buffer.tobytes()

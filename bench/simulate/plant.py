@@ -9,7 +9,7 @@ import numpy as np
 from mujoco.rollout import Rollout
 from numpy.typing import NDArray
 
-from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec, read_spec
 from bench.robot.folder import Robot
 
 Array = NDArray[np.float64]
@@ -99,10 +99,18 @@ class Plant:
         robot: The robot folder.
         edits: Changes of the model, applied in order before it is compiled.
         timestep: Integration step [s]; None takes the MJCF's.
+        spec: Of the robot, which is copied; None reads the MJCF.
     """
 
-    def __init__(self, robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float | None = None) -> None:
-        self.compiled: CompiledRobot = compile_robot(robot, (*edits, add_trace_sensors), timestep)
+    def __init__(
+        self,
+        robot: Robot,
+        edits: Iterable[SpecEdit] = (),
+        timestep: float | None = None,
+        spec: mujoco.MjSpec | None = None,
+    ) -> None:
+        own = read_spec(robot) if spec is None else spec.copy()
+        self.compiled: CompiledRobot = compile_spec(own, robot, (*edits, add_trace_sensors), timestep)
         self.model: mujoco.MjModel = self.compiled.model
         self.data = mujoco.MjData(self.model)
         self._rollout = Rollout(nthread=0)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
@@ -19,7 +20,6 @@ from bench.simulate.plant import Array, Trace
 TOLERANCE = 1e-5  # of the torques on the links, where a balance counts as found
 MAX_ITERATIONS = 100
 PATIENCE = 6  # iterations after which steps are kept within brackets
-CLOSED = 1e-3  # of a step; a bracket narrower than that was closed by another unknown's change
 STEP_RESOLUTION = 1e-13  # [rad]
 LEAST_SLOPE = 0.02  # of its stiffness, for an element with play or a soft middle
 EXPLICIT = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)  # a drag that was learned may fall with speed; nothing moves
@@ -160,12 +160,17 @@ class Prescribed:
             if iteration:
                 moved = np.abs(step) > STEP_RESOLUTION
                 secant = (before - residual) / np.where(moved, step, 1.0)
-                slope = np.where(moved, np.minimum(np.maximum(secant, self._softest), self._stiffest), slope)
+                softest = self._softest
+                if iteration > PATIENCE:  # where nothing is transmitted, steps grow until they meet the other flank
+                    softest = softest * 0.5 ** (iteration - PATIENCE)
+                slope = np.where(moved, np.minimum(np.maximum(secant, softest), self._stiffest), slope)
             step = residual / slope
             if iteration >= PATIENCE:
                 if bracket is None:
                     bracket = np.stack([np.full_like(unknown, -np.inf), np.full_like(unknown, np.inf)])
-                step = _bracketed(bracket, unknown, residual, step)
+                near = residual / self._stiffest
+                halves = residual**2 > limit / len(residual) if iteration % 2 else np.zeros(len(residual), dtype=bool)
+                step = _bracketed(bracket, unknown, near, step, halves)
             unknown = unknown + step
             data.qpos[self._positions] = unknown
             before = residual
@@ -207,7 +212,6 @@ class Prescribed:
         """Let the plugins take over the state of this instant: an integration step in which nothing moves."""
         model, data = self.compiled.model, self._data
         time, act = data.time, data.act.copy()
-        mujoco.mj_fwdPosition(model, data)
         data.qvel[:] = 0
         data.qacc[:] = 0
         flags = model.opt.disableflags
@@ -217,22 +221,30 @@ class Prescribed:
         data.time, data.act[:] = time, act
 
 
-def _bracketed(bracket: Array, at: Array, residual: Array, step: Array) -> Array:
+def _bracketed(bracket: Array, at: Array, near: Array, step: Array, halves: NDArray[np.bool_]) -> Array:
     """Return a step that stays between the places where the torque left was positive and where it was negative.
 
-    Secants can run in circles where friction slips on both sides. The torque on each unknown falls as that unknown
-    rises, but for a little that the others add; the bracket, shape (2, u), is therefore opened again when it is small.
+    Secants can run in circles where friction slips on both sides, and creep where play meets a flank. The torque on
+    each unknown falls as that unknown rises, but for a little that the others add; the bracket is therefore opened
+    again where no balance can lie in it any more.
+
+    Args:
+        bracket: Shape (2, u), changed.
+        at: Shape (u,), where the unknowns are.
+        near: Shape (u,), the torque left over the largest stiffness: no balance is nearer than that.
+        step: Shape (u,), of the secants.
+        halves: Shape (u,), unknowns that go to the middle of their brackets instead.
     """
     low, high = bracket
-    low[residual > 0] = at[residual > 0]
-    high[residual < 0] = at[residual < 0]
-    closed = high - low < CLOSED * np.abs(step)
-    low[closed & (residual < 0)] = -np.inf
-    high[closed & (residual > 0)] = np.inf
+    low[near > 0] = at[near > 0]
+    high[near < 0] = at[near < 0]
+    closed = high - low < np.abs(near)
+    low[closed & (near < 0)] = -np.inf
+    high[closed & (near > 0)] = np.inf
     aim = at + step
     known = np.isfinite(low) & np.isfinite(high)
     middle = np.where(known, (np.where(known, low, 0.0) + np.where(known, high, 0.0)) / 2, aim)
-    outside = known & ((aim <= low) | (aim >= high))
+    outside = known & (halves | (aim <= low) | (aim >= high))
     limited: Array = np.where(outside, middle, aim) - at
     return limited
 

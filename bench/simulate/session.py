@@ -12,7 +12,7 @@ from bench.robot.folder import load_robot
 from bench.scenario.files import Experiment
 from bench.scenario.session import SessionScenario
 from bench.scenario.types import ScenarioBase
-from bench.simulate.bare import bare
+from bench.simulate.bare import bare_spec
 from bench.simulate.batch import course_of, follow, read_steps
 from bench.simulate.drive import FILM_PERIOD, Log, Progress, drive, stacked
 from bench.simulate.env import CONTROL_PERIOD, BenchEnv
@@ -156,9 +156,10 @@ def _in_stretches(
     rng = None if scenario.perfect_instruments else np.random.default_rng(scenario.seed)
     instruments = Instruments(compiled, rng)
     film = []
+    spec = bare_spec(compiled.robot)
     for i, sitting in enumerate(sittings):
         course = course_of(sitting)
-        plant = Plant(compiled.robot, (*edits_of(scenario), *sitting.edits, bare))
+        plant = Plant(compiled.robot, (*edits_of(scenario), *sitting.edits), spec=spec)
         plant.reset(course.start)
         now += sitting.pause_s if i else 0.0
         kept = np.union1d(course.marked, np.arange(0, len(course), every))

@@ -11,7 +11,7 @@ import pytest
 from bench.record.check import check_campaign
 from bench.record.write import write_campaign
 from bench.robot.folder import load_robot
-from bench.simulate.bare import bare
+from bench.simulate.bare import bare_spec
 from bench.simulate.batch import STRETCH, course_of, follow, linear
 from bench.simulate.drive import Log, drive
 from bench.simulate.dwell import dwell_sittings
@@ -39,6 +39,10 @@ def dwell(robot: Path) -> Sitting:
     return dwell_sittings(small_session(robot).dwell, load_robot(robot))[0]
 
 
+def bare_plant(robot: Path, sitting: Sitting) -> Plant:
+    return Plant(load_robot(robot), sitting.edits, spec=bare_spec(load_robot(robot)))
+
+
 @pytest.mark.parametrize("make", [loading, rotation, dwell])
 def test_same_truth_as_the_environment(make: Callable[[Path], Sitting], small_robot: Path) -> None:
     log, sitting = Log(), make(small_robot)
@@ -48,7 +52,7 @@ def test_same_truth_as_the_environment(make: Callable[[Path], Sitting], small_ro
     expected = Trace.concatenate(log.instants)
 
     sitting = make(small_robot)
-    course, plant = course_of(sitting), Plant(load_robot(small_robot), (*sitting.edits, bare))
+    course, plant = course_of(sitting), bare_plant(small_robot, sitting)
     plant.reset(course.start)
     path = linear(course.start, course.commands)
     seen = follow(plant, path, 0, course.wrenches, course.marked)
@@ -97,7 +101,7 @@ def test_another_plant_takes_over(small_robot: Path) -> None:
 def test_torque_is_that_of_the_balance_also_while_it_accelerates(small_robot: Path) -> None:
     """Motor torque = J a + viscous friction + element + Coulomb friction, at every step of a sweep with its ramps."""
     sitting = rotation(small_robot)
-    course, plant = course_of(sitting), Plant(load_robot(small_robot), (*sitting.edits, bare))
+    course, plant = course_of(sitting), bare_plant(small_robot, sitting)
     plant.reset(course.start)
     model, at = plant.model, plant.compiled.at
     substeps = round(CONTROL_PERIOD / plant.timestep)

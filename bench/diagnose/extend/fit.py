@@ -89,6 +89,12 @@ class Fit:
         """Its values, for another fit to start from."""
         return {(*u.cause.key, u.parameter.name): float(v) for u, v in zip(self.unknowns, self.values, strict=True)}
 
+    def slopes_of(self, unknowns: tuple[Unknown, ...]) -> dict[int, Array]:
+        """Return its derivatives with those of some unknowns that it has, each by its index, shape (T, c)."""
+        mine = {(*u.cause.key, u.parameter.name): i for i, u in enumerate(self.unknowns)}
+        places = {i: mine.get((*u.cause.key, u.parameter.name)) for i, u in enumerate(unknowns)}
+        return {i: self.slopes[:, :, place] for i, place in places.items() if place is not None}
+
     def acts(self, cause: Cause) -> bool:
         """Whether any size of a cause is more than its standard deviation away from none."""
         return any(

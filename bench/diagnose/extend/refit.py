@@ -1,6 +1,7 @@
 """The last word on an extension: its parameters and all nuisances together, fitted by simulating the extended model."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,7 +19,30 @@ MOST_PLAYS = 4
 FAITHFUL = 0.7  # of the promised fall; derivatives that keep less are taken anew
 
 
-def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float], nuisances: Array | None = None) -> Fit:
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """Where a fit starts, and what is known there.
+
+    Attributes:
+        values: Shape (k,), of the unknowns.
+        nuisances: Shape (p,).
+        residual: Shape (T, c); None: to be simulated.
+        slopes: Unknown, by its index -> shape (T, c); others are to be simulated.
+    """
+
+    values: Array
+    nuisances: Array
+    residual: Array | None = None
+    slopes: Mapping[int, Array] = field(default_factory=dict)
+
+
+def refit(
+    design: Design,
+    causes: tuple[Cause, ...],
+    start: Mapping[Key, float],
+    nuisances: Array | None = None,
+    known: Fit | None = None,
+) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
 
     Nuisances are simulated too; their derivatives are those of the design. Gears that have play in the extended model
@@ -29,37 +53,60 @@ def refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float],
         causes: What to add to the nominal model.
         start: (effect, place, parameter) -> first value; null where nothing is given.
         nuisances: Shape (p,), first values; None: zeros.
+        known: A fit near the start, whose derivatives will do as long as they promise what comes true.
 
     Raises:
         ConvergenceError, RobotError: The extended model cannot be simulated at all.
     """
     unknowns = unknowns_of(causes)
-    values = _clipped(unknowns, start)
-    play = play_of(design, causes, unknowns, values)
+    low, high = _bounds(unknowns)
+    values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
+    x = np.zeros(len(design.nuisances)) if nuisances is None else nuisances.copy()
+    slopes = known.slopes_of(unknowns) if known else {}
+    return _with_its_play(design, causes, _Point(np.clip(values, low, high), x, None, slopes))
+
+
+def refitted(design: Design, fit: Fit) -> Fit:
+    """Fit an extension again to a design that weighs its readings otherwise; it starts with what was simulated.
+
+    Args:
+        design: The campaign.
+        fit: Of the extension.
+
+    Raises:
+        ConvergenceError, RobotError: As `refit`.
+    """
+    return _with_its_play(design, fit.causes, _point_of(fit))
+
+
+def _point_of(fit: Fit) -> _Point:
+    return _Point(fit.values, fit.nuisances, fit.residual, fit.slopes_of(fit.unknowns))
+
+
+def _bounds(unknowns: tuple[Unknown, ...]) -> tuple[Array, Array]:
+    low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
+    return low, high
+
+
+def _with_its_play(design: Design, causes: tuple[Cause, ...], point: _Point) -> Fit:
+    """Fit an extension until the play that its scatter belongs to is the play that it finds."""
+    unknowns = unknowns_of(causes)
+    play = play_of(design, causes, unknowns, point.values)
     for _ in range(MOST_PLAYS):
-        fit = _refit(with_play(design, play), causes, start, nuisances)
+        fit = _fitted(with_play(design, play), causes, point)
         found = play_of(design, causes, unknowns, fit.values)
         if is_same_play(found, play):
             break
-        play, start, nuisances = found, fit.start, fit.nuisances
+        play, point = found, _point_of(fit)
     return fit
 
 
-def _clipped(unknowns: tuple[Unknown, ...], start: Mapping[Key, float]) -> Array:
-    """Return first values within their bounds."""
-    values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
-    low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
-    return np.asarray(np.clip(values, low, high), dtype=np.float64)
-
-
-def _refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float], nuisances: Array | None) -> Fit:
+def _fitted(design: Design, causes: tuple[Cause, ...], point: _Point) -> Fit:
     """Fit an extension to a design that knows its play."""
     unknowns = unknowns_of(causes)
     sigma = np.array([u.sigma for u in unknowns])
     origin = np.array([u.parameter.null for u in unknowns])
-    low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
-    values = _clipped(unknowns, start)
-    x = np.zeros(len(design.nuisances)) if nuisances is None else nuisances.copy()
+    low, high = _bounds(unknowns)
     linear = [i for i, nuisance in enumerate(design.nuisances) if not is_simulated(nuisance)]
     observed = np.concatenate([segment.observed for segment in design.segments])
 
@@ -73,15 +120,15 @@ def _refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float]
         penalty = float(np.sum(((values - origin) / sigma) ** 2)) if len(values) else 0.0
         return float(white @ white) + float(x @ x) + penalty
 
-    values, residual = _first(left, values, x, origin)
+    values, x, residual = point.values, point.nuisances, point.residual
+    if residual is None:
+        values, residual = _first(left, values, x, origin)
     best = objective(residual, values, x)
     p = len(x)
-    curvature: Array = np.eye(p + len(values))
-    slopes, is_stale = np.zeros((*residual.shape, len(values))), True
+    slopes = _slopes(left, residual, values, x, unknowns, point.slopes)
+    borrowed = bool(point.slopes)
     fell = np.inf
     for iteration in range(MOST_ITERATIONS + 1):
-        if is_stale:
-            slopes = _slopes(left, residual, values, x, unknowns)
         tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
         curvature = tangent.T @ tangent + np.diag(np.concatenate([np.ones(p), 1 / sigma**2]))
         pull = np.concatenate([x, (values - origin) / sigma**2])
@@ -107,9 +154,11 @@ def _refit(design: Design, causes: tuple[Cause, ...], start: Mapping[Key, float]
                 fell = best - new
                 x, values, residual, best = new_x, new_values, new_residual, new
                 break
+        if fell < FAITHFUL * promised and (borrowed or fell >= ENOUGH):
+            slopes = _slopes(left, residual, values, x, unknowns)
+            borrowed, fell = False, np.inf
         if fell == 0:
             break
-        is_stale = ENOUGH <= fell < FAITHFUL * promised
     covariance = np.asarray(np.linalg.inv(curvature)[p:, p:], dtype=np.float64)
     _, determinant = np.linalg.slogdet(curvature)
     evidence = -0.5 * best - 0.5 * float(determinant) - float(np.sum(np.log(sigma)))
@@ -162,11 +211,15 @@ def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-u
     return values, left(values, x)
 
 
-def _slopes(left, residual, values, x, unknowns) -> Array:  # type: ignore[no-untyped-def]
+def _slopes(left, residual, values, x, unknowns, known=None) -> Array:  # type: ignore[no-untyped-def]
     """Return the change of the readings with each unknown, shape (T, c, k), by differences of simulations."""
+    known = known or {}
     columns = []
     for i, unknown in enumerate(unknowns):
         step = unknown.step_from(float(values[i]))
+        if i in known:
+            columns.append(known[i])
+            continue
         try:
             columns.append((residual - _moved(left, values, x, i, step)) / step)
         except NOT_SIMULATED:  # no balance there; the other side is as good

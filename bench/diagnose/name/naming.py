@@ -13,7 +13,7 @@ import numpy as np
 
 from bench.diagnose.extend.fit import Fit, pseudo_residual
 from bench.diagnose.extend.polish import polished
-from bench.diagnose.extend.refit import refit
+from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.measure.measure import HeldOut, held_out
 from bench.diagnose.name.rivals import IN_SET, among_rivals
 from bench.diagnose.name.trials import Hypothesis, Stage, one_more
@@ -173,7 +173,7 @@ def _climbed(
     about, screening = renew(design, fit, stage.screening)
     if about is design:
         return _weighed(design, screening, Hypothesis(fit, value), others)
-    return _weighed(about, screening, Hypothesis(refit(about, fit.causes, fit.start, fit.nuisances), value))
+    return _weighed(about, screening, Hypothesis(refitted(about, fit), value))
 
 
 def _settled(stage: Stage, renew: Renew) -> Stage:
@@ -183,7 +183,7 @@ def _settled(stage: Stage, renew: Renew) -> Stage:
     design, screening = renew(stage.design, stage.fit, stage.screening, is_last=True)
     if design is stage.design:
         return stage
-    fit = refit(design, stage.fit.causes, stage.fit.start, stage.fit.nuisances)
+    fit = refitted(design, stage.fit)
     null = refit(design, (), {})
     return _weighed(design, screening, Hypothesis(fit, fit.log_evidence - null.log_evidence))
 
@@ -191,7 +191,7 @@ def _settled(stage: Stage, renew: Renew) -> Stage:
 def _changed(stage: Stage, best: Hypothesis, renew: Renew) -> Stage:
     """Return the stage with a rival as its model; standard errors are what that one leaves."""
     design, screening = renew(stage.design, best.fit, stage.screening)
-    fit = refit(design, best.causes, best.fit.start, best.fit.nuisances)
+    fit = refitted(design, best.fit)
     return _weighed(design, screening, Hypothesis(fit, fit.log_evidence - refit(design, (), {}).log_evidence))
 
 

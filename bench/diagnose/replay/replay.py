@@ -16,8 +16,8 @@ from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
 from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect
 from bench.record.campaign import Array
-from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec, read_spec
-from bench.simulate.bare import bare
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec
+from bench.simulate.bare import bare_spec
 from bench.simulate.instruments import Reading
 from bench.simulate.payload import bolt_on
 from bench.simulate.plant import Trace
@@ -55,8 +55,7 @@ class Replay:
         self.compiled = compiled
         self.segments = segments
         self.quantities = quantities
-        self._spec = read_spec(compiled.robot)
-        bare(self._spec, compiled.robot)
+        self._spec = bare_spec(compiled.robot)
         self._found: dict[tuple[int, int], Array] = {}  # (segment, number of unknowns) -> where links were last
         self._nominal: list[Trace] = []
         self._nominal = self.traces(NOMINAL)
