@@ -7,10 +7,10 @@ import pytest
 
 from bench.diagnose.diagnose import diagnose
 from bench.diagnose.extend.fit import Fit, Unknown, unknowns_of
-from bench.diagnose.extend.refit import refit
+from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.measure.leave_out import tangent_of
 from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import design_of
+from bench.diagnose.picture.design import Design, design_of, raised
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -48,16 +48,40 @@ def test_fits_stay_where_a_parameter_means_something(effect: Effect) -> None:
 
 def test_a_fit_is_at_its_optimum() -> None:
     """Who leaves runs out relies on it; a fit that stopped just before it was once held out three times as badly."""
-    campaign = made(SWEEPS, seed=9, hidden={"gas_loss": 0.1})
-    quantities = quantities_of(campaign.runs, nominal())
-    replay = Replay(nominal(), segments_of(campaign, nominal(), quantities), quantities)
-    design = design_of(replay, nuisances_of(nominal(), quantities))
-    effect = catalogue()["gas_loss"]
-    fit = refit(design, (Cause(effect, WHOLE, effect.parameters, ()),), {})
+    design = _design()
+    fit = refit(design, (_whole("gas_loss"),), {})
     tangent = tangent_of(design, fit)
     pull = np.concatenate([fit.nuisances, fit.values / fit.unknowns[0].sigma ** 2])
     gradient = tangent.slopes.T @ tangent.white - pull
     assert gradient @ np.linalg.solve(tangent.precision, gradient) < 1e-12
+
+
+def test_a_fit_with_other_weights_starts_with_what_was_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = _design()
+    causes = _whole("gas_loss"), _whole("payload_mass")
+    first = refit(design, causes, {})
+    other = raised(design, np.array([np.full(len(design.quantities), 3.0), np.ones(len(design.quantities))]))
+    afresh = refit(other, causes, first.start, first.nuisances)
+    simulated = []
+    predict = Replay.predict
+    monkeypatch.setattr(Replay, "predict", lambda self, world: simulated.append(world) or predict(self, world))
+    again = refitted(other, first)
+    assert len(simulated) <= 2  # where it goes; the model before and its derivatives are known
+    assert np.all(np.abs(again.values - afresh.values) < 0.1 * afresh.sigma)
+    np.testing.assert_allclose(again.sigma, afresh.sigma, rtol=0.1)
+    assert again.log_evidence == pytest.approx(afresh.log_evidence, abs=0.1)
+
+
+def _design() -> Design:
+    campaign = made(SWEEPS, seed=9, hidden={"gas_loss": 0.1})
+    quantities = quantities_of(campaign.runs, nominal())
+    replay = Replay(nominal(), segments_of(campaign, nominal(), quantities), quantities)
+    return design_of(replay, nuisances_of(nominal(), quantities))
+
+
+def _whole(name: str) -> Cause:
+    effect = catalogue()[name]
+    return Cause(effect, WHOLE, effect.parameters, ())
 
 
 def test_a_cause_acts_where_a_size_is_off_its_null_value() -> None:

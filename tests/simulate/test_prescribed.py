@@ -1,15 +1,20 @@
 """The robot along a prescribed motion against equilibrium at rest."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
+import pytest
 
-from bench.robot.compiled import compile_robot
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Conditions
+from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.simulate.equilibrium import Equilibrium
 from bench.simulate.prescribed import Motion, Prescribed
 
+GAP = 4.4e-4  # [rad], the largest plausible of joint 1
 AGREE = 1e-8  # [rad]; Prescribed stops at a millionth of the largest torque
 
 
@@ -64,3 +69,22 @@ def test_acceleration_costs_the_mass_matrix(small_robot: Path) -> None:
     link = mass[np.ix_(compiled.at.theta_dof, compiled.at.theta_dof)] @ acceleration[1]
     rotor = compiled.model.dof_armature[compiled.at.q_dof] * acceleration[1]
     np.testing.assert_allclose(fast.motor_torque[1] - slow.motor_torque[1], link + rotor, rtol=5e-3)
+
+
+@pytest.mark.parametrize("torque", [0.025, 0.04, 0.08, -0.15])
+def test_a_link_is_pushed_through_the_whole_gap_of_its_gear(torque: float) -> None:
+    """Within a gap nothing pushes back; steps for a hardly stiff element once crept through it and ran out."""
+    compiled = _with_gap(GAP)
+    zero = np.zeros((2, compiled.n_joints))
+    motion = replace(_motion(zero, zero, zero), wrench=np.tile([0.0, 0.0, 0.0, 0.0, 0.0, torque], (2, 1)))
+    trace, _ = Prescribed(compiled).follow(motion)
+    wound = np.sign(torque) * GAP / 2 + torque / compiled.stiffness[0]
+    np.testing.assert_allclose(trace.theta[:, 0], wound, atol=0.025 / compiled.stiffness[0])
+
+
+def _with_gap(gap: float) -> CompiledRobot:
+    effect = catalogue()["backlash"]
+    robot = load_robot("hh150")
+    edit = effect.edit(effect.places(compile_robot(robot))[0], {"gap": gap}, Conditions.reference(robot.n_joints))
+    assert edit
+    return compile_robot(robot, [edit])
