@@ -112,7 +112,7 @@ def one_more(stage: Stage, first: Screening, refused: set[tuple[str, str]], limi
     worth = [e for e in open_ if e.log_evidence > PROMISING * limit][:FINALISTS]
     single = worth[0].log_evidence if worth else 0.0
     trials = [Trial.extending(stage, e) for e in worth if e.log_evidence > single - _reach(single)]
-    trials += _scattering(stage, open_, max(PROMISING * limit, min(SCATTERED * single, single - IN_REACH)))
+    trials += _scattering(stage, open_, single, PROMISING * limit)
     trials += _hiding(stage, open_, single + limit)
     if len(stage.best.causes) == 1:
         trials += _pairs(stage, first, refused)[:PAIR_FINALISTS]
@@ -215,9 +215,10 @@ def _starts(stage: Stage, trial: Trial) -> Iterator[dict[Key, float]]:
                     yield trial.start | {key: trial.start.get(key, shape.null) * shape.ratio ** (side / 3)}
 
 
-def _scattering(stage: Stage, open_: Sequence[Entry], least: float) -> list[Trial]:
-    """Return causes that scatter, where anything else acts at their place: it may be their doing."""
-    seen = [entry for entry in stage.screening.entries if entry.log_evidence > least]
+def _scattering(stage: Stage, open_: Sequence[Entry], single: float, least: float) -> list[Trial]:
+    """Return causes that scatter, where anything at their place comes near the best cause: it may be their doing."""
+    near = max(least, min(SCATTERED * single, single - IN_REACH))
+    seen = [entry for entry in stage.screening.entries if entry.log_evidence > near]
     trials = []
     for entry in open_:
         if entry.cause and entry.cause.effect.scatters:

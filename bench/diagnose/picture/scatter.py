@@ -120,11 +120,9 @@ def whitening_of(
     loose = is_loose(compiled, response.link_load) & stands & (play > 0)
     moves = measured & np.array([not quantity.is_drive for quantity in quantities])  # a drive feels no torque of it
     gaps = np.where(moves[:, :, None], response.link * compiled.stiffness * play, 0.0)
-    crosses: NDArray[np.bool_] = np.zeros(loose.shape, dtype=bool)
     stirs = np.where(loose, STIRS, 0.0)
     if not segment.is_static and np.any(play):
-        rattles, crosses = _rattles(compiled, segment, response, play)
-        stirs += rattles
+        stirs += _rattles(compiled, segment, response, play)
     stirred = gaps * stirs[:, None]
     noise = np.where(measured, segment.sigma, 1.0)
     covariance = (spread * once**2) @ spread.transpose(0, 2, 1)
@@ -141,8 +139,6 @@ def whitening_of(
     rows = measured.reshape(-1)
     part = (spread * lasting)[:, :, lasting * levels > 0]
     shared = [part * slow[:, m, None, None] for m in range(slow.shape[1])]
-    for i in np.flatnonzero(crosses.any(axis=1)):  # the blow lets go what standing joints hold
-        shared.append(part * (np.arange(length) >= i)[:, None, None])
     for j in np.flatnonzero(loose.any(axis=0)):
         gap = gaps[:, :, [j]] * loose[:, j, None, None]
         spell = np.cumsum(np.diff(loose[:, j], prepend=False))  # odd while loose: until it is pushed, a link stays
@@ -157,10 +153,8 @@ def whitening_of(
     return Whitening(rows, factors, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2))
 
 
-def _rattles(
-    compiled: CompiledRobot, segment: Segment, response: TorqueResponse, play: Array
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Return how links scatter while they cross the gaps of their gears and bounce, and where they cross.
+def _rattles(compiled: CompiledRobot, segment: Segment, response: TorqueResponse, play: Array) -> Array:
+    """Return how links scatter while they cross the gaps of their gears and bounce, shape (T, n), in gaps.
 
     A link that moves crosses when the torque on its gear changes sign, and bounces too when that becomes so small that
     what the arm rings is enough. One that stands crosses when a load that friction does not hold pushes it over.
@@ -170,9 +164,6 @@ def _rattles(
         segment: A motion.
         response: Of its readings to torques.
         play: Shape (n,) [rad] or [m], of the gears.
-
-    Returns:
-        Scatter in gaps, shape (T, n), and the first instants after crossings, shape (T, n) bool.
     """
     torque, time = response.transmitted, segment.motion.time[segment.motion.read][:, None]
     light = LIGHT * compiled.stiffness * play
@@ -194,4 +185,4 @@ def _rattles(
         soon = np.logical_or(segment.standing, np.abs(torque[rows]) <= NEAR * change)
         is_near = np.logical_and(crosses[1:], soon)
         scatter[rows] = np.where(is_near, np.maximum(scatter[rows], CROSSING), scatter[rows])
-    return scatter, crosses
+    return scatter
