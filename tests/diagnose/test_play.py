@@ -135,7 +135,7 @@ def test_play_of_an_unloaded_joint_is_named() -> None:
 
 @pytest.mark.parametrize("seed", [3, 4])
 def test_play_of_a_loaded_joint_is_found_as_large_as_it_is(seed: int) -> None:
-    """That the blow lets go what standing joints hold was believed once: half of the gap, and more noise, did as well."""
+    """That the blow lets go what standing joints hold was believed once: half the gap with more noise did as well."""
     effects = {name: catalogue()[name] for name in ("backlash", "softening", "joint_compliance")}
     campaign = made(SWEEPS, seed, hidden={"backlash": 2.5e-4})
     best = diagnose(campaign, nominal(), effects, asks=False).naming.hypotheses[0].fit
