@@ -1,5 +1,6 @@
 """The `bench` command: one file per subcommand, each importing what it needs only when it runs."""
 
+import os
 import sys
 from typing import Annotated
 
@@ -41,14 +42,19 @@ Command = (
 )
 
 INTERRUPTED = 130
+NOT_READ = 141
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return its exit code (README.md lists them)."""
-    command: Command = tyro.cli(
-        Command, args=arguments, prog="bench", description=__doc_for_users__, config=(tyro.conf.OmitSubcommandPrefixes,)
-    )
     try:
+        command: Command = tyro.cli(
+            Command,
+            args=arguments,
+            prog="bench",
+            description=__doc_for_users__,
+            config=(tyro.conf.OmitSubcommandPrefixes,),
+        )
         return command.run()
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)
@@ -56,9 +62,12 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("bench: interrupted; nothing half-written was left behind.", file=sys.stderr)
         return INTERRUPTED
+    except BrokenPipeError:  # as with `bench ... | head`: nobody reads on
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left is flushed at the end
+        return NOT_READ
 
 
 __doc_for_users__ = (
-    "Virtual test bench for heavy industrial robots with a counterbalance. "
-    "Start with `bench paper`: the paper's measurements and the virtual robot, side by side."
+    "Virtual test bench for heavy industrial robots with a counterbalance: what does a simulation get wrong about "
+    "measured data, and why? Start with `bench demo`, which hides an effect and finds it."
 )

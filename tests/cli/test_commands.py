@@ -120,3 +120,16 @@ def test_help_is_light() -> None:
     )
     done = subprocess.run([sys.executable, "-c", probe], check=True, capture_output=True, text=True)
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["effects"]])
+def test_whoever_stops_reading_sees_no_traceback(arguments: list[str]) -> None:
+    """As with `bench effects | head -1`."""
+    words = [sys.executable, "-c", "import sys; from bench.cli import main; sys.exit(main())", *arguments]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout
+    assert process.stderr
+    process.stdout.close()  # before anything was written
+    assert process.wait(timeout=60) == 141
+    assert process.stderr.read() == ""
+    process.stderr.close()
