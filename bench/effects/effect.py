@@ -130,7 +130,7 @@ class Effect(ABC):
         needs: Columns without which it cannot be seen, such as "gear_temperature" (quantities of `record.channels`).
         scatters: Whether its `edit` gives an elastic element play (a `springlength` with two ends), which leaves to
             chance where a link rests. Its evidence is then more than what its signature shows, so it is tried wherever
-            anything acts at its place.
+            something at its place comes near the best cause.
     """
 
     name: ClassVar[str]

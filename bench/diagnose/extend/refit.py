@@ -125,12 +125,12 @@ def _fitted(design: Design, causes: tuple[Cause, ...], point: _Point) -> Fit:
         values, residual = _first(left, values, x, origin)
     best = objective(residual, values, x)
     p = len(x)
-    slopes = _slopes(left, residual, values, x, unknowns, point.slopes)
-    borrowed = bool(point.slopes)
+    prior = np.diag(np.concatenate([np.ones(p), 1 / sigma**2]))
+    slopes, borrowed = _slopes(left, residual, values, x, unknowns, point.slopes), bool(point.slopes)
+    tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
+    curvature = tangent.T @ tangent + prior
     fell = np.inf
     for iteration in range(MOST_ITERATIONS + 1):
-        tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
-        curvature = tangent.T @ tangent + np.diag(np.concatenate([np.ones(p), 1 / sigma**2]))
         pull = np.concatenate([x, (values - origin) / sigma**2])
         gradient = tangent.T @ design.whiten(residual) - pull
         limits = low - values, high - values
@@ -155,9 +155,10 @@ def _fitted(design: Design, causes: tuple[Cause, ...], point: _Point) -> Fit:
                 x, values, residual, best = new_x, new_values, new_residual, new
                 break
         if fell < FAITHFUL * promised and (borrowed or fell >= ENOUGH):
-            slopes = _slopes(left, residual, values, x, unknowns)
-            borrowed, fell = False, np.inf
-        if fell == 0:
+            slopes, borrowed = _slopes(left, residual, values, x, unknowns, {}), False
+            tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
+            curvature, fell = tangent.T @ tangent + prior, np.inf
+        elif fell == 0:
             break
     covariance = np.asarray(np.linalg.inv(curvature)[p:, p:], dtype=np.float64)
     _, determinant = np.linalg.slogdet(curvature)
@@ -211,9 +212,8 @@ def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-u
     return values, left(values, x)
 
 
-def _slopes(left, residual, values, x, unknowns, known=None) -> Array:  # type: ignore[no-untyped-def]
+def _slopes(left, residual, values, x, unknowns, known) -> Array:  # type: ignore[no-untyped-def]
     """Return the change of the readings with each unknown, shape (T, c, k), by differences of simulations."""
-    known = known or {}
     columns = []
     for i, unknown in enumerate(unknowns):
         step = unknown.step_from(float(values[i]))

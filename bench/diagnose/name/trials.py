@@ -28,9 +28,7 @@ PAIR_FINALISTS = 3
 IN_REACH = 12.0  # log evidence behind the best, from where on a cause is not worth a simulation
 IMPRECISE = 0.15  # of its evidence, by which the linear picture may be wrong about a strong effect
 NARROW = 1.5  # ratio of neighbouring shapes below which an effect is lost between two of them
-# Of the evidence of the best, which something has at the place of a cause that scatters, if that is what acts; of 24
-# virtual robots with play (alone, and beside another effect) 0.42 was the least, and 1 the rule.
-SCATTERED = 0.25
+SCATTERED = 0.25  # of the evidence of the best cause, which something has where a cause that scatters is worth a trial
 PROMISING = 0.5  # of the evidence that is asked for, in the linear picture
 
 
