@@ -5,14 +5,22 @@ The links follow quasi-statically: their velocities and accelerations are those 
 elastic element where gravity, inertia, counterbalance, friction and load balance. What rings is left out. Any other
 hinge of the model is a passive compliance and finds its balance in the same way. Friction elements and gas remember
 the path from one instant to the next.
+
+The search itself is in C (`bench/actuators/plugin/replay.c`), one call for any number of motions, without the
+interpreter's lock; `tests/simulate/reference_replay.py` is the same in NumPy, instant by instant.
 """
 
-from dataclasses import dataclass
+import ctypes
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from functools import cache
+from typing import Self
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.actuators import library
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.plant import Array, Trace
@@ -22,19 +30,19 @@ MAX_ITERATIONS = 100
 PATIENCE = 6  # iterations after which steps are kept within brackets
 STEP_RESOLUTION = 1e-13  # [rad]
 LEAST_SLOPE = 0.02  # of its stiffness, for an element with play or a soft middle
-EXPLICIT = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)  # a drag that was learned may fall with speed; nothing moves
 MOST_SLOPE = 3.0  # of its stiffness, for an element that hardens
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Prescribed motion at T instants; n drives.
+    """Prescribed motions at T instants, one after the other; n drives.
 
     Attributes:
         time: Shape (T,) [s], from the start of the campaign.
         q, velocity, acceleration: Shape (T, n), of the true motor angles [rad].
         wrench: Shape (T, 6) [N, Nm], on the load point in world axes, without what is bolted to it.
         read: Shape (T,) bool; instants that are read. The others only shape what friction elements remember.
+        begins: Shape (T,) bool; instants at which a motion begins and nothing is remembered. None: the first alone.
     """
 
     time: Array
@@ -42,10 +50,24 @@ class Motion:
     velocity: Array
     acceleration: Array
     wrench: Array
-    read: Array
+    read: NDArray[np.bool_]
+    begins: NDArray[np.bool_] | None = None
 
     def __len__(self) -> int:
         return len(self.time)
+
+    @property
+    def beginnings(self) -> NDArray[np.bool_]:
+        """Shape (T,) bool; instants at which a motion begins."""
+        return np.arange(len(self)) == 0 if self.begins is None else self.begins
+
+    @classmethod
+    def concatenate(cls, motions: Iterable["Motion"]) -> Self:
+        """Join motions, each of which still begins for itself."""
+        parts = list(motions)
+        names = [f.name for f in fields(cls) if f.name != "begins"]
+        joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+        return cls(**joined, begins=np.concatenate([part.beginnings for part in parts]))
 
 
 class Prescribed:
@@ -61,23 +83,26 @@ class Prescribed:
         self._data = mujoco.MjData(model)
         driven = {*at.theta_dof.tolist(), *at.q_dof.tolist()}
         passive = [dof for dof in range(model.nv) if dof not in driven]
-        self._dofs = np.concatenate([at.theta_dof, np.array(passive, dtype=np.int64)])
-        joints = model.dof_jntid[self._dofs]
-        self._positions = model.jnt_qposadr[joints]
-        stiffness = np.concatenate([compiled.stiffness, model.jnt_stiffness[joints[compiled.n_joints :], ...]])
-        stiffness = stiffness.reshape(len(self._dofs), -1)[:, 0]
-        self._sliding = stiffness
-        self._softest = np.where(_is_linear(compiled, len(passive)) > 0, 1.0, LEAST_SLOPE) * stiffness
-        self._sticking = stiffness.copy()
-        self._sticking[: compiled.n_joints] += compiled.link_presliding
-        self._stiffest = np.where(_is_linear(compiled, len(passive)) > 0, 1.0, MOST_SLOPE) * self._sticking
-        self._wrench: Array | None = None
-        self._bias = np.zeros(model.nv)
+        dofs = np.concatenate([at.theta_dof, np.array(passive, dtype=np.int64)])
+        joints = model.dof_jntid[dofs]
+        springs = np.array([np.ravel(model.jnt_stiffness[joint])[0] for joint in joints[compiled.n_joints :]])
+        self.stiffness = np.concatenate([compiled.stiffness, springs])
+        sticking = self.stiffness.copy()
+        sticking[: compiled.n_joints] += compiled.link_presliding
+        is_linear = _is_linear(compiled, len(passive))
+        self.slopes = Slopes(
+            sliding=self.stiffness,
+            sticking=sticking,
+            softest=np.where(is_linear, 1.0, LEAST_SLOPE) * self.stiffness,
+            stiffest=np.where(is_linear, 1.0, MOST_SLOPE) * sticking,
+        )
+        self.dofs, self.positions = dofs, model.jnt_qposadr[joints]
+        self._kept, self._arm = _arm_of(self)
 
     @property
     def n_unknowns(self) -> int:
         """Links and passive hinges whose balance is sought."""
-        return len(self._dofs)
+        return len(self.dofs)
 
     def follow(self, motion: Motion, guess: Array | None = None) -> tuple[Trace, Array]:
         """Return the truth at the instants that are read, and for all of them the unknown positions and stiffnesses.
@@ -90,54 +115,42 @@ class Prescribed:
         Raises:
             ConvergenceError: No balance at some instant.
         """
-        model, data, at = self.compiled.model, self._data, self.compiled.at
-        mujoco.mj_resetData(model, data)
-        n = self.compiled.n_joints
-        found = np.empty((len(motion), 2, len(self._dofs)))
-        rows = np.flatnonzero(motion.read)
-        kept = {name: np.empty((len(rows), n)) for name in ("theta", "torque", "motor", "link")}
-        points = np.empty((len(rows), len(at.reflectors) + 1, 3))
-        sites = np.append(at.reflectors, at.load_point)
-        cylinder = np.full((len(rows), 2), np.nan)
-        unknown = np.zeros(len(self._dofs))
-        unknown[:n] = motion.q[0]
-        row = 0
-        own_step = model.opt.timestep
-        accelerated, pushed = np.any(motion.acceleration, axis=1).tolist(), np.any(motion.wrench, axis=1).tolist()
-        for i in range(len(motion)):
-            # gas relaxes over what the plugin takes for one step
-            model.opt.timestep = own_step if i == 0 else max(motion.time[i] - motion.time[i - 1], own_step)
-            slope = None
-            if guess is not None:
-                unknown, slope = guess[i]
-            elif i:
-                unknown = found[i - 1, 0].copy()
-                unknown[:n] += motion.q[i] - motion.q[i - 1]
-            data.qpos[at.q] = motion.q[i]
-            data.qvel[at.q_dof] = data.qvel[at.theta_dof] = motion.velocity[i]
-            data.qacc[at.q_dof] = data.qacc[at.theta_dof] = motion.acceleration[i]
-            self._wrench = motion.wrench[i] if pushed[i] else None
-            found[i] = self._balance(np.array(unknown), slope, accelerated[i], motion.time[i])
-            if motion.read[i]:
-                kept["theta"][row] = data.qpos[at.theta]
-                kept["torque"][row] = self._motor_torque(motion.acceleration[i])
-                kept["motor"][row] = data.actuator_force[at.motor_friction]
-                kept["link"][row] = data.actuator_force[at.link_friction]
-                points[row] = data.site_xpos[sites]
-                if at.counterbalance >= 0:
-                    cylinder[row] = -data.actuator_force[at.counterbalance], data.ten_length[at.counterbalance_tendon]
-                row += 1
-            self._remember()
-        model.opt.timestep = own_step
+        at, n, u = self.compiled.at, self.compiled.n_joints, self.n_unknowns
+        length, rows = len(motion), np.flatnonzero(motion.read)
+        sites = len(at.reflectors) + 1
+        found = np.empty((length, 2, u))
+        theta, torque, motor, link = (np.empty((len(rows), n)) for _ in range(4))
+        points, cylinder = np.empty((len(rows), sites, 3)), np.full((len(rows), 2), np.nan)
+        given = [motion.time, motion.q, motion.velocity, motion.acceleration, motion.wrench]
+        numbers = [np.ascontiguousarray(values, dtype=np.float64) for values in given]
+        flags = [np.ascontiguousarray(values, dtype=np.uint8) for values in (motion.beginnings, motion.read)]
+        first = None if guess is None else np.ascontiguousarray(guess, dtype=np.float64)
+        pointer = None if first is None else first.ctypes.data
+        course = _Course(length, *(part.ctypes.data for part in (*flags, *numbers)), pointer)
+        written = (found, theta, torque, motor, link, points, cylinder)
+        seen = _Seen(*(part.ctypes.data for part in written), 0.0)
+        failed = _replay()(
+            self.compiled.model._address,
+            self._data._address,
+            ctypes.byref(self._arm),
+            ctypes.byref(_SEARCH),
+            ctypes.byref(course),
+            ctypes.byref(seen),
+        )
+        if failed >= 0:
+            raise ConvergenceError(
+                f"no balance at {motion.time[failed]:.3f} s within {MAX_ITERATIONS} iterations: "
+                f"{seen.left:.3g} Nm left."
+            )
         trace = Trace(
             time=motion.time[rows],
             q=motion.q[rows],
             q_velocity=motion.velocity[rows],
-            theta=kept["theta"],
+            theta=theta,
             theta_velocity=motion.velocity[rows],
-            motor_torque=kept["torque"],
-            motor_friction=kept["motor"],
-            link_friction=kept["link"],
+            motor_torque=torque,
+            motor_friction=motor,
+            link_friction=link,
             reflectors=points[:, :-1],
             load_point=points[:, -1],
             wrench=motion.wrench[rows],
@@ -146,113 +159,112 @@ class Prescribed:
         )
         return trace, found
 
-    def _balance(self, unknown: Array, slope: Array | None, accelerates: bool, time: float) -> tuple[Array, Array]:
-        data = self._data
-        if slope is None:
-            slope = self._sliding if data.qvel.any() else self._sticking
-        data.qpos[self._positions] = unknown
-        residual, limit = self._residual(accelerates)
-        before = step = residual
-        bracket = None
-        for iteration in range(MAX_ITERATIONS):
-            if residual @ residual < limit:
-                return unknown, slope
-            if iteration:
-                moved = np.abs(step) > STEP_RESOLUTION
-                secant = (before - residual) / np.where(moved, step, 1.0)
-                softest = self._softest
-                if iteration > PATIENCE:  # where nothing is transmitted, steps grow until they meet the other flank
-                    softest = softest * 0.5 ** (iteration - PATIENCE)
-                slope = np.where(moved, np.minimum(np.maximum(secant, softest), self._stiffest), slope)
-            step = residual / slope
-            if iteration >= PATIENCE:
-                if bracket is None:
-                    bracket = np.stack([np.full_like(unknown, -np.inf), np.full_like(unknown, np.inf)])
-                near = residual / self._stiffest
-                halves = residual**2 > limit / len(residual) if iteration % 2 else np.zeros(len(residual), dtype=bool)
-                step = _bracketed(bracket, unknown, near, step, halves)
-            unknown = unknown + step
-            data.qpos[self._positions] = unknown
-            before = residual
-            residual, limit = self._residual(accelerates)
-        raise ConvergenceError(
-            f"no balance at {time:.3f} s within {MAX_ITERATIONS} iterations: {np.max(np.abs(residual)):.3g} Nm left."
-        )
 
-    def _residual(self, accelerates: bool) -> tuple[Array, float]:
-        """Return the torque left on every unknown, shape (u,) [Nm], and the square of what may be left [Nm^2]."""
-        model, data, at = self.compiled.model, self._data, self.compiled.at
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_tendon(model, data)
-        mujoco.mj_transmission(model, data)
-        mujoco.mj_fwdVelocity(model, data)
-        mujoco.mj_fwdActuation(model, data)
-        if accelerates:
-            mujoco.mj_rne(model, data, 1, self._bias)  # without armature, which only the rotors have
-            bias = self._bias
-        else:
-            bias = data.qfrc_bias
-        passive = data.qfrc_passive
-        forces = passive + data.qfrc_actuator - bias
-        if self._wrench is not None:
-            mujoco.mj_applyFT(
-                model, data, self._wrench[:3], self._wrench[3:], data.xipos[at.load_body], at.load_body, forces
-            )
-        sprung = passive[self._dofs]
-        return forces[self._dofs], TOLERANCE**2 * (1.0 + float(sprung @ sprung))
+@dataclass(frozen=True)
+class Slopes:
+    """Torques over angles with which a search for a balance steps, shape (u,) [Nm/rad] each.
 
-    def _motor_torque(self, acceleration: Array) -> Array:
-        """Return what the motors put out, shape (n,) [Nm]: inertia, viscous and Coulomb friction, and the element."""
-        model, data, at = self.compiled.model, self._data, self.compiled.at
-        others = data.qfrc_actuator[at.q_dof] - data.actuator_force[at.servo]
-        return np.array(model.dof_armature[at.q_dof] * acceleration - data.qfrc_passive[at.q_dof] - others)
-
-    def _remember(self) -> None:
-        """Let the plugins take over the state of this instant: an integration step in which nothing moves."""
-        model, data = self.compiled.model, self._data
-        time, act = data.time, data.act.copy()
-        data.qvel[:] = 0
-        data.qacc[:] = 0
-        flags = model.opt.disableflags
-        model.opt.disableflags = flags | EXPLICIT
-        mujoco.mj_Euler(model, data)
-        model.opt.disableflags = flags
-        data.time, data.act[:] = time, act
-
-
-def _bracketed(bracket: Array, at: Array, near: Array, step: Array, halves: NDArray[np.bool_]) -> Array:
-    """Return a step that stays between the places where the torque left was positive and where it was negative.
-
-    Secants can run in circles where friction slips on both sides, and creep where play meets a flank. The torque on
-    each unknown falls as that unknown rises, but for a little that the others add; the bracket is therefore opened
-    again where no balance can lie in it any more.
-
-    Args:
-        bracket: Shape (2, u), changed.
-        at: Shape (u,), where the unknowns are.
-        near: Shape (u,), the torque left over the largest stiffness: no balance is nearer than that.
-        step: Shape (u,), of the secants.
-        halves: Shape (u,), unknowns that go to the middle of their brackets instead.
+    Attributes:
+        sliding, sticking: Where friction on the links slides, and where it holds.
+        softest, stiffest: Least and largest of a step.
     """
-    low, high = bracket
-    low[near > 0] = at[near > 0]
-    high[near < 0] = at[near < 0]
-    closed = high - low < np.abs(near)
-    low[closed & (near < 0)] = -np.inf
-    high[closed & (near > 0)] = np.inf
-    aim = at + step
-    known = np.isfinite(low) & np.isfinite(high)
-    middle = np.where(known, (np.where(known, low, 0.0) + np.where(known, high, 0.0)) / 2, aim)
-    outside = known & (halves | (aim <= low) | (aim >= high))
-    limited: Array = np.where(outside, middle, aim) - at
-    return limited
+
+    sliding: Array
+    sticking: Array
+    softest: Array
+    stiffest: Array
 
 
-def _is_linear(compiled: CompiledRobot, n_passive: int) -> Array:
-    """Return 1 for every unknown on a linear spring, else 0: elements first, then passive hinges (all linear)."""
+def _is_linear(compiled: CompiledRobot, n_passive: int) -> NDArray[np.bool_]:
+    """Return which unknowns are on a linear spring, shape (u,): elements first, then passive hinges (all linear)."""
     model, element = compiled.model, compiled.at.element
     rest = model.tendon_lengthspring[element]
     curved = np.any(model.tendon_stiffnesspoly[element] != 0, axis=1) | (rest[:, 0] != rest[:, 1])
     plastic = model.tendon_plasticadr[element] >= 0
-    return np.concatenate([np.where(curved | plastic, 0.0, 1.0), np.ones(n_passive)])
+    return np.concatenate([~(curved | plastic), np.ones(n_passive, dtype=bool)])
+
+
+_address = ctypes.c_void_p
+
+
+class _Search(ctypes.Structure):
+    """`Search` of replay.c."""
+
+    _fields_ = [
+        ("tolerance", ctypes.c_double),
+        ("step_resolution", ctypes.c_double),
+        ("most_iterations", ctypes.c_int32),
+        ("patience", ctypes.c_int32),
+    ]
+
+
+_SEARCH = _Search(TOLERANCE, STEP_RESOLUTION, MAX_ITERATIONS, PATIENCE)
+_COUNTS = ("n", "u", "nsite", "load_body", "counterbalance", "counterbalance_tendon")
+_INDICES = (
+    "theta",
+    "theta_dof",
+    "q",
+    "q_dof",
+    "servo",
+    "motor_friction",
+    "link_friction",
+    "site",
+    "dof",
+    "position",
+)
+_STIFFNESSES = ("sliding", "sticking", "softest", "stiffest")
+
+
+class _Arm(ctypes.Structure):
+    """`Arm` of replay.c."""
+
+    _fields_ = [*((name, ctypes.c_int32) for name in _COUNTS), *((name, _address) for name in _INDICES + _STIFFNESSES)]
+
+
+class _Course(ctypes.Structure):
+    """`Course` of replay.c."""
+
+    _fields_ = [
+        ("length", ctypes.c_int32),
+        *((name, _address) for name in ("begins", "read", "time", "q", "velocity", "acceleration", "wrench", "guess")),
+    ]
+
+
+class _Seen(ctypes.Structure):
+    """`Seen` of replay.c."""
+
+    _fields_ = [
+        *((name, _address) for name in ("found", "theta", "torque", "motor", "link", "points", "cylinder")),
+        ("left", ctypes.c_double),
+    ]
+
+
+def _arm_of(robot: Prescribed) -> tuple[list[NDArray[np.generic]], _Arm]:
+    """Return a robot's addresses for replay.c, and the arrays to which they point, which have to be kept."""
+    at, slopes = robot.compiled.at, robot.slopes
+    indices = (
+        at.theta,
+        at.theta_dof,
+        at.q,
+        at.q_dof,
+        at.servo,
+        at.motor_friction,
+        at.link_friction,
+        np.append(at.reflectors, at.load_point),
+        robot.dofs,
+        robot.positions,
+    )
+    kept: list[NDArray[np.generic]] = [np.ascontiguousarray(values, dtype=np.int32) for values in indices]
+    kept += [np.ascontiguousarray(getattr(slopes, name), dtype=np.float64) for name in _STIFFNESSES]
+    counts = (robot.compiled.n_joints, robot.n_unknowns, len(at.reflectors) + 1, at.load_body)
+    cylinder = (at.counterbalance, at.counterbalance_tendon)
+    return kept, _Arm(*counts, *cylinder, *(values.ctypes.data for values in kept))
+
+
+@cache
+def _replay() -> "ctypes._CFuncPtr":  # type: ignore[name-defined]
+    """Return `bench_replay` of the plugin's library; a call lets other threads run."""
+    function = ctypes.CDLL(str(library())).bench_replay
+    function.restype = ctypes.c_int32
+    function.argtypes = [_address] * 6
+    return function

@@ -1,0 +1,230 @@
+"""The replay of `bench/simulate/prescribed.py` in NumPy, instant by instant: what the C version is held against."""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.errors import ConvergenceError
+from bench.robot.compiled import CompiledRobot
+from bench.simulate.plant import Array, Trace
+from bench.simulate.prescribed import (
+    LEAST_SLOPE,
+    MAX_ITERATIONS,
+    MOST_SLOPE,
+    PATIENCE,
+    STEP_RESOLUTION,
+    TOLERANCE,
+    Motion,
+)
+
+EXPLICIT = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)  # a drag that was learned may fall with speed; nothing moves
+
+
+class Reference:
+    """One robot, moved along one motion that begins once.
+
+    Args:
+        compiled: The robot.
+    """
+
+    def __init__(self, compiled: CompiledRobot) -> None:
+        self.compiled = compiled
+        model, at = compiled.model, compiled.at
+        self._data = mujoco.MjData(model)
+        driven = {*at.theta_dof.tolist(), *at.q_dof.tolist()}
+        passive = [dof for dof in range(model.nv) if dof not in driven]
+        self._dofs = np.concatenate([at.theta_dof, np.array(passive, dtype=np.int64)])
+        joints = model.dof_jntid[self._dofs]
+        self._positions = model.jnt_qposadr[joints]
+        stiffness = np.concatenate([compiled.stiffness, model.jnt_stiffness[joints[compiled.n_joints :], ...]])
+        stiffness = stiffness.reshape(len(self._dofs), -1)[:, 0]
+        self._sliding = stiffness
+        self._softest = np.where(_is_linear(compiled, len(passive)) > 0, 1.0, LEAST_SLOPE) * stiffness
+        self._sticking = stiffness.copy()
+        self._sticking[: compiled.n_joints] += compiled.link_presliding
+        self._stiffest = np.where(_is_linear(compiled, len(passive)) > 0, 1.0, MOST_SLOPE) * self._sticking
+        self._wrench: Array | None = None
+        self._bias = np.zeros(model.nv)
+
+    @property
+    def n_unknowns(self) -> int:
+        """Links and passive hinges whose balance is sought."""
+        return len(self._dofs)
+
+    def follow(self, motion: Motion, guess: Array | None = None) -> tuple[Trace, Array]:
+        """Return the truth at the instants that are read, and for all of them the unknown positions and stiffnesses.
+
+        Args:
+            motion: What the motors do.
+            guess: Shape (T, 2, u), what a robot with as many unknowns found along the same motion: positions [rad], and
+                torques over angles [Nm/rad].
+
+        Raises:
+            ConvergenceError: No balance at some instant.
+        """
+        model, data, at = self.compiled.model, self._data, self.compiled.at
+        mujoco.mj_resetData(model, data)
+        n = self.compiled.n_joints
+        found = np.empty((len(motion), 2, len(self._dofs)))
+        rows = np.flatnonzero(motion.read)
+        kept = {name: np.empty((len(rows), n)) for name in ("theta", "torque", "motor", "link")}
+        points = np.empty((len(rows), len(at.reflectors) + 1, 3))
+        sites = np.append(at.reflectors, at.load_point)
+        cylinder = np.full((len(rows), 2), np.nan)
+        unknown = np.zeros(len(self._dofs))
+        unknown[:n] = motion.q[0]
+        row = 0
+        own_step = model.opt.timestep
+        accelerated, pushed = np.any(motion.acceleration, axis=1).tolist(), np.any(motion.wrench, axis=1).tolist()
+        for i in range(len(motion)):
+            # gas relaxes over what the plugin takes for one step
+            model.opt.timestep = own_step if i == 0 else max(motion.time[i] - motion.time[i - 1], own_step)
+            slope = None
+            if guess is not None:
+                unknown, slope = guess[i]
+            elif i:
+                unknown = found[i - 1, 0].copy()
+                unknown[:n] += motion.q[i] - motion.q[i - 1]
+            data.qpos[at.q] = motion.q[i]
+            data.qvel[at.q_dof] = data.qvel[at.theta_dof] = motion.velocity[i]
+            data.qacc[at.q_dof] = data.qacc[at.theta_dof] = motion.acceleration[i]
+            self._wrench = motion.wrench[i] if pushed[i] else None
+            found[i] = self._balance(np.array(unknown), slope, accelerated[i], motion.time[i])
+            if motion.read[i]:
+                kept["theta"][row] = data.qpos[at.theta]
+                kept["torque"][row] = self._motor_torque(motion.acceleration[i])
+                kept["motor"][row] = data.actuator_force[at.motor_friction]
+                kept["link"][row] = data.actuator_force[at.link_friction]
+                points[row] = data.site_xpos[sites]
+                if at.counterbalance >= 0:
+                    cylinder[row] = -data.actuator_force[at.counterbalance], data.ten_length[at.counterbalance_tendon]
+                row += 1
+            self._remember()
+        model.opt.timestep = own_step
+        trace = Trace(
+            time=motion.time[rows],
+            q=motion.q[rows],
+            q_velocity=motion.velocity[rows],
+            theta=kept["theta"],
+            theta_velocity=motion.velocity[rows],
+            motor_torque=kept["torque"],
+            motor_friction=kept["motor"],
+            link_friction=kept["link"],
+            reflectors=points[:, :-1],
+            load_point=points[:, -1],
+            wrench=motion.wrench[rows],
+            counterbalance_force=cylinder[:, 0],
+            counterbalance_length=cylinder[:, 1],
+        )
+        return trace, found
+
+    def _balance(self, unknown: Array, slope: Array | None, accelerates: bool, time: float) -> tuple[Array, Array]:
+        data = self._data
+        if slope is None:
+            slope = self._sliding if data.qvel.any() else self._sticking
+        data.qpos[self._positions] = unknown
+        residual, limit = self._residual(accelerates)
+        before = step = residual
+        bracket = None
+        for iteration in range(MAX_ITERATIONS):
+            if residual @ residual < limit:
+                return unknown, slope
+            if iteration:
+                moved = np.abs(step) > STEP_RESOLUTION
+                secant = (before - residual) / np.where(moved, step, 1.0)
+                softest = self._softest
+                if iteration > PATIENCE:  # where nothing is transmitted, steps grow until they meet the other flank
+                    softest = softest * 0.5 ** (iteration - PATIENCE)
+                slope = np.where(moved, np.minimum(np.maximum(secant, softest), self._stiffest), slope)
+            step = residual / slope
+            if iteration >= PATIENCE:
+                if bracket is None:
+                    bracket = np.stack([np.full_like(unknown, -np.inf), np.full_like(unknown, np.inf)])
+                near = residual / self._stiffest
+                halves = residual**2 > limit / len(residual) if iteration % 2 else np.zeros(len(residual), dtype=bool)
+                step = _bracketed(bracket, unknown, near, step, halves)
+            unknown = unknown + step
+            data.qpos[self._positions] = unknown
+            before = residual
+            residual, limit = self._residual(accelerates)
+        raise ConvergenceError(
+            f"no balance at {time:.3f} s within {MAX_ITERATIONS} iterations: {np.max(np.abs(residual)):.3g} Nm left."
+        )
+
+    def _residual(self, accelerates: bool) -> tuple[Array, float]:
+        """Return the torque left on every unknown, shape (u,) [Nm], and the square of what may be left [Nm^2]."""
+        model, data, at = self.compiled.model, self._data, self.compiled.at
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_tendon(model, data)
+        mujoco.mj_transmission(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_fwdActuation(model, data)
+        if accelerates:
+            mujoco.mj_rne(model, data, 1, self._bias)  # without armature, which only the rotors have
+            bias = self._bias
+        else:
+            bias = data.qfrc_bias
+        passive = data.qfrc_passive
+        forces = passive + data.qfrc_actuator - bias
+        if self._wrench is not None:
+            mujoco.mj_applyFT(
+                model, data, self._wrench[:3], self._wrench[3:], data.xipos[at.load_body], at.load_body, forces
+            )
+        sprung = passive[self._dofs]
+        return forces[self._dofs], TOLERANCE**2 * (1.0 + float(sprung @ sprung))
+
+    def _motor_torque(self, acceleration: Array) -> Array:
+        """Return what the motors put out, shape (n,) [Nm]: inertia, viscous and Coulomb friction, and the element."""
+        model, data, at = self.compiled.model, self._data, self.compiled.at
+        others = data.qfrc_actuator[at.q_dof] - data.actuator_force[at.servo]
+        return np.array(model.dof_armature[at.q_dof] * acceleration - data.qfrc_passive[at.q_dof] - others)
+
+    def _remember(self) -> None:
+        """Let the plugins take over the state of this instant: an integration step in which nothing moves."""
+        model, data = self.compiled.model, self._data
+        time, act = data.time, data.act.copy()
+        data.qvel[:] = 0
+        data.qacc[:] = 0
+        flags = model.opt.disableflags
+        model.opt.disableflags = flags | EXPLICIT
+        mujoco.mj_Euler(model, data)
+        model.opt.disableflags = flags
+        data.time, data.act[:] = time, act
+
+
+def _bracketed(bracket: Array, at: Array, near: Array, step: Array, halves: NDArray[np.bool_]) -> Array:
+    """Return a step that stays between the places where the torque left was positive and where it was negative.
+
+    Secants can run in circles where friction slips on both sides, and creep where play meets a flank. The torque on
+    each unknown falls as that unknown rises, but for a little that the others add; the bracket is therefore opened
+    again where no balance can lie in it any more.
+
+    Args:
+        bracket: Shape (2, u), changed.
+        at: Shape (u,), where the unknowns are.
+        near: Shape (u,), the torque left over the largest stiffness: no balance is nearer than that.
+        step: Shape (u,), of the secants.
+        halves: Shape (u,), unknowns that go to the middle of their brackets instead.
+    """
+    low, high = bracket
+    low[near > 0] = at[near > 0]
+    high[near < 0] = at[near < 0]
+    closed = high - low < np.abs(near)
+    low[closed & (near < 0)] = -np.inf
+    high[closed & (near > 0)] = np.inf
+    aim = at + step
+    known = np.isfinite(low) & np.isfinite(high)
+    middle = np.where(known, (np.where(known, low, 0.0) + np.where(known, high, 0.0)) / 2, aim)
+    outside = known & (halves | (aim <= low) | (aim >= high))
+    limited: Array = np.where(outside, middle, aim) - at
+    return limited
+
+
+def _is_linear(compiled: CompiledRobot, n_passive: int) -> Array:
+    """Return 1 for every unknown on a linear spring, else 0: elements first, then passive hinges (all linear)."""
+    model, element = compiled.model, compiled.at.element
+    rest = model.tendon_lengthspring[element]
+    curved = np.any(model.tendon_stiffnesspoly[element] != 0, axis=1) | (rest[:, 0] != rest[:, 1])
+    plastic = model.tendon_plasticadr[element] >= 0
+    return np.concatenate([np.where(curved | plastic, 0.0, 1.0), np.ones(n_passive)])

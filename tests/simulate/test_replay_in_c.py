@@ -1,0 +1,154 @@
+"""The replay in C against the same search in NumPy, on every kind of model, and in its failures."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Conditions
+from bench.errors import ConvergenceError
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
+from bench.robot.folder import Robot, load_robot
+from bench.simulate import prescribed
+from bench.simulate.prescribed import Motion, Prescribed
+from tests.simulate import reference_replay
+from tests.simulate.reference_replay import Reference
+
+AGREE = 1e-10  # of angles [rad] and of the largest torque
+LENGTH = 40
+ACTING = {
+    "loose": ("backlash", {"gap": 4e-4}),
+    "soft middle": ("softening", {"softness": 0.6, "knee": 0.1}),
+    "hysteresis": ("hysteresis", {"level": 100.0, "slip": 1e-4}),
+    "passive hinges": ("bearing_tilt", {"compliance": 2e-7}),
+    "base on hinges": ("base_compliance", {"compliance": 1e-7}),
+    "warming gas": ("thermal_relaxation", {"gamma_excess": 0.4, "relaxation_time": 20.0}),
+    "seals": ("seal_friction", {"share": 0.05}),
+    "friction over speed": ("stribeck", {"rise": 0.4, "speed": 0.05}),
+}
+
+
+def _rigid(spec: mujoco.MjSpec, robot: Robot) -> None:
+    for drive in robot.figures.drives:
+        spec.tendon(drive.element).stiffness = 1e3 * np.asarray(spec.tendon(drive.element).stiffness)
+
+
+def _hardening(spec: mujoco.MjSpec, robot: Robot) -> None:
+    for drive in robot.figures.drives:
+        k = float(np.asarray(spec.tendon(drive.element).stiffness)[0])
+        spec.tendon(drive.element).stiffness = [k, 0.0, 1e3 * k]
+
+
+def _plastic(spec: mujoco.MjSpec, robot: Robot) -> None:
+    for drive in robot.figures.drives:
+        spec.tendon(drive.element).springyield = 40.0
+
+
+EDITS: dict[str, SpecEdit] = {"rigid": _rigid, "hardening": _hardening, "plastic": _plastic}
+
+
+def _compiled(kind: str, robot: str = "hh150") -> CompiledRobot:
+    folder = load_robot(robot)
+    if kind == "nominal":
+        return compile_robot(folder)
+    if kind in EDITS:
+        return compile_robot(folder, [EDITS[kind]])
+    name, values = ACTING[kind]
+    effect = catalogue()[name]
+    nominal = compile_robot(folder)
+    place = effect.places(nominal)[-1]
+    edit = effect.edit(place, effect.complete(values), Conditions.reference(folder.n_joints))
+    assert edit
+    return compile_robot(folder, [edit])
+
+
+def _motion(n: int, rng: np.random.Generator) -> Motion:
+    """Return a walk there and back with a rest in the middle, under a load that comes and goes."""
+    phase = np.linspace(0, 2 * np.pi, LENGTH)
+    moves = (phase < 0.8 * np.pi) | (phase > 1.2 * np.pi)
+    amplitude = rng.uniform(0.05, 0.4, n)
+    wrench = np.zeros((LENGTH, 6))
+    wrench[LENGTH // 3 : 2 * LENGTH // 3] = rng.normal(0, 200, 6)
+    return Motion(
+        time=100.0 + np.linspace(0, 30, LENGTH),
+        q=amplitude * np.sin(phase)[:, None],
+        velocity=amplitude * np.cos(phase)[:, None] * moves[:, None],
+        acceleration=-amplitude * np.sin(phase)[:, None] * moves[:, None],
+        wrench=wrench,
+        read=np.arange(LENGTH) % 7 != 0,
+    )
+
+
+@pytest.mark.parametrize("kind", ["nominal", *EDITS, *ACTING])
+@pytest.mark.parametrize("guessed", [False, True])
+def test_c_and_numpy_agree(kind: str, guessed: bool, rng: np.random.Generator) -> None:
+    compiled = _compiled(kind)
+    _agree(compiled, _motion(compiled.n_joints, rng), guessed)
+
+
+@pytest.mark.parametrize("robot", ["emps", "kr300"])
+def test_c_and_numpy_agree_on_other_robots(robot: str, rng: np.random.Generator) -> None:
+    compiled = _compiled("nominal", robot)
+    motion = _motion(compiled.n_joints, rng)
+    _agree(compiled, replace(motion, q=0.1 * motion.q), False)
+
+
+def _agree(compiled: CompiledRobot, motion: Motion, guessed: bool) -> None:
+    guess = None
+    if guessed:  # as the nominal robot found it, from which the search starts in a diagnosis
+        slack = 1 + 1e-3 * np.arange(Prescribed(compiled).n_unknowns)
+        guess = Reference(compiled).follow(motion)[1] * slack
+    expected, found = Reference(compiled).follow(motion, guess)
+    trace, places = Prescribed(compiled).follow(motion, guess)
+    np.testing.assert_allclose(places[:, 0], found[:, 0], rtol=0, atol=AGREE)
+    np.testing.assert_allclose(places[:, 1], found[:, 1], rtol=AGREE)
+    for name in vars(expected):
+        one, other = getattr(trace, name), getattr(expected, name)
+        np.testing.assert_allclose(one, other, rtol=AGREE, atol=AGREE * np.nanmax(np.abs(other), initial=1.0))
+
+
+def test_motions_joined_are_motions_one_by_one(rng: np.random.Generator) -> None:
+    compiled = _compiled("warming gas")
+    motions = [_motion(compiled.n_joints, rng) for _ in range(3)]
+    robot = Prescribed(compiled)
+    alone = [robot.follow(motion)[1] for motion in motions]
+    together = robot.follow(Motion.concatenate(motions))[1]
+    np.testing.assert_array_equal(together, np.concatenate(alone))
+
+
+@pytest.mark.parametrize("kind", ["nominal", "loose", "passive hinges"])
+@pytest.mark.parametrize("iterations", [1, 2, 8])
+def test_failures_are_the_same(
+    kind: str, iterations: int, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compiled = _compiled(kind)
+    motion = _motion(compiled.n_joints, rng)
+    for module in (prescribed, reference_replay):
+        monkeypatch.setattr(module, "MAX_ITERATIONS", iterations)
+    monkeypatch.setattr(prescribed._SEARCH, "most_iterations", iterations)
+    told = _told(Prescribed(compiled).follow, motion)
+    assert told == _told(Reference(compiled).follow, motion)
+    assert iterations > 1 or told.startswith("no balance at 100.000 s within 1 iterations")
+
+
+def _told(follow: Callable[[Motion], object], motion: Motion) -> str:
+    try:
+        follow(motion)
+    except ConvergenceError as error:
+        return str(error)
+    return "balances everywhere"
+
+
+def test_threads_share_a_model(rng: np.random.Generator) -> None:
+    """Each with its own data; the length of a step is that of its own motion."""
+    compiled = _compiled("warming gas")
+    motions = [_motion(compiled.n_joints, rng) for _ in range(8)]
+    alone = [Prescribed(compiled).follow(motion)[1] for motion in motions]
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(lambda motion: Prescribed(compiled).follow(motion)[1], motions))
+    for one, other in zip(alone, together, strict=True):
+        np.testing.assert_array_equal(one, other)
