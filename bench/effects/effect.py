@@ -6,6 +6,9 @@ An entry of the catalogue is a subclass of `Effect` with class attributes and on
 - `encoder_error`: the effect lies between the true motor angle and what the encoder says of it; the servo follows it.
 - `distort`: the effect is in another instrument. It changes readings, outside of the physics.
 
+An effect in the robot that acts as a torque may say so with `torques`: what it changes to first order then needs no
+simulation. Fits always simulate.
+
 The null value of every parameter changes nothing. Slow influences (temperatures, time) are constant within a run and
 come as `Conditions`.
 """
@@ -117,6 +120,36 @@ class Conditions:
         return cls(np.full(n, REFERENCE_K), np.full(n, REFERENCE_K), payload_kg=payload_kg)
 
 
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """A robot and what it did; T instants, n drives.
+
+    Attributes:
+        compiled: The robot.
+        trace: What it did.
+        acceleration: Shape (T, n) [rad/s^2], of motors and links.
+        visit: Shape (T,), at rest the index of the first instant of the same visit, which comes right after the pose
+            was approached; -1 in motion.
+    """
+
+    compiled: CompiledRobot
+    trace: Trace
+    acceleration: Array
+    visit: NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Torques:
+    """Torques that act on the motor and on the link of one drive, positive towards growing angle.
+
+    Attributes:
+        motor, link: Shape (T,) [Nm] or [N], or one number for all instants.
+    """
+
+    motor: Array | float = 0.0
+    link: Array | float = 0.0
+
+
 class Effect(ABC):
     """One entry of the catalogue.
 
@@ -157,6 +190,13 @@ class Effect(ABC):
         """Return the change of the model under some conditions, or None if the effect is not in the robot.
 
         It is applied after a payload was bolted on.
+        """
+        return None
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        """Return the torques that the effect adds to the drive at its place, to first order in its sizes.
+
+        None, as by default: it has to be simulated, in any case or along what this robot did.
         """
         return None
 

@@ -5,9 +5,10 @@ from math import exp
 import mujoco
 import numpy as np
 
-from bench.effects.effect import REFERENCE_K, Conditions, Parameter, Place, Values
+from bench.effects.effect import REFERENCE_K, Array, Conditions, Followed, Parameter, Place, Torques, Values
 from bench.effects.friction_elements import coulomb, scale_coulomb, set_coulomb
 from bench.effects.places import OnDrive, drive_of, drives
+from bench.effects.sliding import sliding_friction
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
@@ -43,6 +44,9 @@ class CoulombLevel(_WithCoulomb):
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         change = values["change"]
         return (lambda spec, robot: scale_coulomb(spec, drive_of(robot, place), 1 + change)) if change else None
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        return scaled_friction(place, followed, values["change"], values["change"])
 
 
 class CoulombFriction(_OnFriction):
@@ -87,6 +91,9 @@ class Viscous(_OnFriction):
         change = values["change"]
         return (lambda spec, robot: scale_viscous(spec, drive_of(robot, place).rotor, 1 + change)) if change else None
 
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        return _drag(place, followed, values["change"] * float(viscous(followed.compiled)[place.index]))
+
 
 class ViscousFriction(_OnFriction):
     """Viscous friction where the nominal model has none."""
@@ -112,6 +119,9 @@ class ViscousFriction(_OnFriction):
             joint.damping = np.asarray(joint.damping) + np.array([coefficient, 0, 0])
 
         return change if coefficient else None
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        return _drag(place, followed, values["coefficient"])
 
 
 class FrictionTemperature(_OnFriction):
@@ -172,6 +182,19 @@ class FrictionSide(_WithCoulomb):
             set_coulomb(spec, drive, "link", link + step)
 
         return change if moved else None
+
+
+def scaled_friction(place: Place, followed: Followed, motor: Array | float, link: Array | float) -> Torques | None:
+    """Return what Coulomb friction adds whose levels grow by some shares, each a number or of shape (T,)."""
+    on_motor = sliding_friction(followed, "motor", place.index)
+    on_link = sliding_friction(followed, "link", place.index)
+    if on_motor is None or on_link is None:
+        return None
+    return Torques(motor * on_motor, link * on_link)
+
+
+def _drag(place: Place, followed: Followed, coefficient: float) -> Torques:
+    return Torques(motor=-coefficient * followed.trace.q_velocity[:, place.index])
 
 
 def with_coulomb(compiled: CompiledRobot) -> tuple[Place, ...]:

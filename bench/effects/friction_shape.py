@@ -5,8 +5,8 @@ from math import atan2, hypot, pi
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Conditions, Parameter, Place, Values
-from bench.effects.friction import ARMSTRONG, BITTENCOURT, viscous, with_coulomb
+from bench.effects.effect import Conditions, Followed, Parameter, Place, Torques, Values
+from bench.effects.friction import ARMSTRONG, BITTENCOURT, scaled_friction, viscous, with_coulomb
 from bench.effects.friction_elements import give, give_side
 from bench.effects.places import OnDrive, drive_of
 from bench.robot.compiled import CompiledRobot, SpecEdit
@@ -90,6 +90,12 @@ class DirectionFriction(_Shape):
             return None
         return lambda spec, robot: give(spec, robot, drive_of(robot, place), asymmetry=asymmetry)
 
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        plain = scaled_friction(place, followed, 1.0, 1.0)
+        if plain is None:
+            return None
+        return Torques(-values["asymmetry"] * np.abs(plain.motor), -values["asymmetry"] * np.abs(plain.link))
+
 
 class DirectionViscous(_Shape):
     """Viscous friction differs between the directions."""
@@ -151,3 +157,12 @@ class FrictionRipple(_Shape):
             ripple=hypot(sine, cosine),
             ripple_phase=atan2(cosine, sine),
         )
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        motor, link = (
+            values["sin"] * np.sin(phase) + values["cos"] * np.cos(phase)
+            for phase in (
+                2 * pi / values["period"] * angle[:, place.index] for angle in (followed.trace.q, followed.trace.theta)
+            )
+        )
+        return scaled_friction(place, followed, motor, link)

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from bench.actuators.laws import TorqueTable
-from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.effect import WHOLE, Array, Conditions, Effect, Followed, Parameter, Place, Torques, Values
 from bench.effects.places import OnDrive, drive_of, hinges
 from bench.effects.plugin_actuators import add_torque_table
 from bench.robot.compiled import CompiledRobot, SpecEdit
@@ -59,6 +59,14 @@ class TransmissionError(OnDrive):
             add_torque_table(spec, f"transmission error {drive.rotor}", law, joint=drive.rotor)
 
         return change if sine or cosine else None
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        def lead(x: Array) -> Array:
+            phase = values["cycles"] * x[:, place.index]
+            turn: Array = values["sin"] * np.sin(phase) + values["cos"] * np.cos(phase)
+            return float(followed.compiled.stiffness[place.index]) * turn
+
+        return Torques(motor=-lead(followed.trace.q), link=lead(followed.trace.theta))
 
 
 class WristCoupling(Effect):

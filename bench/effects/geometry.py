@@ -4,7 +4,17 @@ import mujoco
 import numpy as np
 
 from bench.actuators.laws import TorqueTable
-from bench.effects.effect import REFERENCE_K, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.effect import (
+    REFERENCE_K,
+    Array,
+    Conditions,
+    Effect,
+    Followed,
+    Parameter,
+    Place,
+    Torques,
+    Values,
+)
 from bench.effects.gear_kinematics import table_range
 from bench.effects.nominal import moving_bodies
 from bench.effects.places import OnDrive
@@ -121,6 +131,9 @@ class DressPack(OnDrive):
             add_torque_table(spec, f"dress pack {place.name}", law, joint=place.name)
 
         return change if stiffness else None
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        return Torques(link=-values["stiffness"] * (followed.trace.theta[:, place.index] - values["neutral"]))
 
 
 def _body_of(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsBody:

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from bench.actuators.laws import TorqueTable
-from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.effect import WHOLE, Array, Conditions, Effect, Followed, Parameter, Place, Torques, Values
 from bench.effects.places import OnDrive, drive_of, links
 from bench.effects.plugin_actuators import add_torque_table, unused_name
 from bench.robot.compiled import CompiledRobot, SpecEdit
@@ -181,6 +181,11 @@ class RotorInertia(OnDrive):
 
         return edit if change else None
 
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        compiled = followed.compiled
+        inertia = float(compiled.model.dof_armature[compiled.at.q_dof[place.index]])
+        return Torques(motor=-values["change"] * inertia * followed.acceleration[:, place.index])
+
 
 class TorqueOffset(OnDrive):
     """A constant torque acts on a joint."""
@@ -206,6 +211,9 @@ class TorqueOffset(OnDrive):
             add_torque_table(spec, f"torque on {place.name}", law, joint=place.name)
 
         return change if torque else None
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        return Torques(link=values["torque"])
 
 
 def scale_mass(body: mujoco.MjsBody, factor: float) -> None:

@@ -100,6 +100,20 @@ class CompiledRobot:
         return np.array(rest[:, 1] - rest[:, 0])
 
     @property
+    def has_plain_elements(self) -> bool:
+        """Whether each elastic element is a linear spring between one rotor and one link, with nothing beside it."""
+        model, element = self.model, self.at.element
+        rest = model.tendon_lengthspring[element]
+        acted_on = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON, 0]
+        return not (
+            np.any(model.tendon_stiffnesspoly[element])
+            or np.any(rest[:, 0] != rest[:, 1])
+            or np.any(model.tendon_plasticadr[element] >= 0)
+            or np.any(model.tendon_num[element] != 2)
+            or np.any(np.isin(element, acted_on))
+        )
+
+    @property
     def is_slide(self) -> tuple[bool, ...]:
         """Which driven joints are slides; the others are hinges."""
         return tuple(bool(kind == mujoco.mjtJoint.mjJNT_SLIDE) for kind in self.model.jnt_type[self.at.joint])

@@ -43,7 +43,7 @@ class Equilibrium:
         model, at, k = compiled.model, compiled.at, compiled.stiffness
         self._command = np.array(self.data.qpos[at.q])
         self._passive = _passive_dofs(compiled)
-        self._is_plain = len(self._passive) == 0 and _elements_are_plain(compiled)
+        self._is_plain = len(self._passive) == 0 and compiled.has_plain_elements
         self._gives = model.actuator_actnum[at.servo] == 0
         servo = np.where(self._gives, -model.actuator_biasprm[at.servo, 1], 0.0)
         self._slipping = np.stack([k, k + servo])
@@ -151,20 +151,6 @@ def _passive_dofs(compiled: CompiledRobot) -> NDArray[np.int64]:
     """Return the degrees of freedom that are neither link nor rotor, shape (p,)."""
     driven = {*compiled.at.theta_dof.tolist(), *compiled.at.q_dof.tolist()}
     return np.array([dof for dof in range(compiled.model.nv) if dof not in driven], dtype=np.int64)
-
-
-def _elements_are_plain(compiled: CompiledRobot) -> bool:
-    """Whether each elastic element is a linear spring between one rotor and one link, with nothing beside it."""
-    model, element = compiled.model, compiled.at.element
-    rest = model.tendon_lengthspring[element]
-    acted_on = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON, 0]
-    return not (
-        np.any(model.tendon_stiffnesspoly[element])
-        or np.any(rest[:, 0] != rest[:, 1])
-        or np.any(model.tendon_plasticadr[element] >= 0)
-        or np.any(model.tendon_num[element] != 2)
-        or np.any(np.isin(element, acted_on))
-    )
 
 
 def settle(compiled: CompiledRobot, data: mujoco.MjData, command: Array) -> None:

@@ -11,10 +11,10 @@ interpreter's lock; `tests/simulate/reference_replay.py` is the same in NumPy, i
 """
 
 import ctypes
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import Self
+from typing import Any, Self, cast
 
 import mujoco
 import numpy as np
@@ -122,11 +122,12 @@ class Prescribed:
         theta, torque, motor, link = (np.empty((len(rows), n)) for _ in range(4))
         points, cylinder = np.empty((len(rows), sites, 3)), np.full((len(rows), 2), np.nan)
         given = [motion.time, motion.q, motion.velocity, motion.acceleration, motion.wrench]
-        numbers = [np.ascontiguousarray(values, dtype=np.float64) for values in given]
-        flags = [np.ascontiguousarray(values, dtype=np.uint8) for values in (motion.beginnings, motion.read)]
+        flags = (motion.beginnings, motion.read)
+        handed: list[NDArray[Any]] = [np.ascontiguousarray(values, dtype=np.uint8) for values in flags]
+        handed += [np.ascontiguousarray(values, dtype=np.float64) for values in given]
         first = None if guess is None else np.ascontiguousarray(guess, dtype=np.float64)
         pointer = None if first is None else first.ctypes.data
-        course = _Course(length, *(part.ctypes.data for part in (*flags, *numbers)), pointer)
+        course = _Course(length, *(part.ctypes.data for part in handed), pointer)
         written = (found, theta, torque, motor, link, points, cylinder)
         seen = _Seen(*(part.ctypes.data for part in written), 0.0)
         failed = _replay()(
@@ -239,7 +240,7 @@ class _Seen(ctypes.Structure):
     ]
 
 
-def _arm_of(robot: Prescribed) -> tuple[list[NDArray[np.generic]], _Arm]:
+def _arm_of(robot: Prescribed) -> tuple[list[NDArray[Any]], _Arm]:
     """Return a robot's addresses for replay.c, and the arrays to which they point, which have to be kept."""
     at, slopes = robot.compiled.at, robot.slopes
     indices = (
@@ -254,7 +255,7 @@ def _arm_of(robot: Prescribed) -> tuple[list[NDArray[np.generic]], _Arm]:
         robot.dofs,
         robot.positions,
     )
-    kept: list[NDArray[np.generic]] = [np.ascontiguousarray(values, dtype=np.int32) for values in indices]
+    kept: list[NDArray[Any]] = [np.ascontiguousarray(values, dtype=np.int32) for values in indices]
     kept += [np.ascontiguousarray(getattr(slopes, name), dtype=np.float64) for name in _STIFFNESSES]
     counts = (robot.compiled.n_joints, robot.n_unknowns, len(at.reflectors) + 1, at.load_body)
     cylinder = (at.counterbalance, at.counterbalance_tendon)
@@ -262,9 +263,9 @@ def _arm_of(robot: Prescribed) -> tuple[list[NDArray[np.generic]], _Arm]:
 
 
 @cache
-def _replay() -> "ctypes._CFuncPtr":  # type: ignore[name-defined]
+def _replay() -> Callable[..., int]:
     """Return `bench_replay` of the plugin's library; a call lets other threads run."""
     function = ctypes.CDLL(str(library())).bench_replay
     function.restype = ctypes.c_int32
     function.argtypes = [_address] * 6
-    return function
+    return cast(Callable[..., int], function)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.ask.cell import LEAST_SWEEP, Cell
 from bench.diagnose.picture.design import Design
@@ -183,6 +184,6 @@ def _resting(cell: Cell, pose: Array, times: Array, wrench: Array) -> Motion:
     return Motion(times, q, zeros, zeros, wrench, _after_first(len(times)))
 
 
-def _after_first(count: int) -> Array:
+def _after_first(count: int) -> NDArray[np.bool_]:
     """Return which instants are read: all but the first."""
     return np.asarray(np.arange(count) > 0)

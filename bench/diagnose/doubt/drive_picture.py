@@ -13,7 +13,6 @@ from bench.effects.masses import UnstatedPayload
 from bench.effects.places import torque_limit
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
-from bench.simulate.plant import Trace
 
 HELD = 0.1  # of a drive's torque limit, that friction may hold at rest; Coulomb levels are 1 to 6 % of it
 
@@ -50,7 +49,7 @@ class DrivePicture:
 
 def drive_picture(replay: Replay) -> DrivePicture:
     """Return what drives did in a campaign, and what its nominal model makes of it."""
-    trace = Trace.concatenate(replay.traces(NOMINAL))
+    trace = replay.trace(NOMINAL)
     nominal = replay.predict(NOMINAL)
     missing = []
     for effect in (UnstatedPayload(), CounterbalanceGas()):

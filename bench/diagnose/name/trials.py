@@ -186,7 +186,7 @@ def _fit(stage: Stage, trial: Trial) -> Fit | None:
 
 def _better(stage: Stage, trial: Trial, start: dict[Key, float], found: Fit | None) -> Fit | None:
     """Return the better of a fit and the one from another start."""
-    with suppress(*NOT_SIMULATED), stage.design.replay.unchanged():
+    with suppress(*NOT_SIMULATED):
         fit = refit(stage.design, trial.causes, start, trial.nuisances, stage.fit)
         if found is None or fit.log_evidence > found.log_evidence:
             return fit

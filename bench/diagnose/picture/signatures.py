@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.diagnose.picture.candidates import Cause, plan_of
+from bench.diagnose.picture.first_order import FirstOrder
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import NOMINAL, Replay, World
@@ -60,7 +61,7 @@ class Signatures:
         self.nuisances = nuisances
         self.causes = tuple(causes)
         self.around = around
-        self._plan = tuple(
+        self.plan = tuple(
             cause.acting({**shape, size.name: size.typical}) for cause, shape in plan_of(causes) for size in cause.sizes
         )
         self._times: dict[str, Array] = {}
@@ -77,7 +78,7 @@ class Signatures:
     def unbalanced(self) -> tuple[str, ...]:
         """Causes whose model found no balance along some motion."""
         lost = sorted(self._lost)
-        return tuple(dict.fromkeys(f"{self._plan[i].effect.name} {self._plan[i].place}" for i in lost))
+        return tuple(dict.fromkeys(f"{self.plan[i].effect.name} {self.plan[i].place}" for i in lost))
 
     def changes(self, segments: Sequence[Segment], progress: Callable[[float], None] = lambda share: None) -> Changes:
         """Return the changes of a campaign's readings; stretches that were never seen are simulated first.
@@ -111,19 +112,25 @@ class Signatures:
     def _learn(self, segments: tuple[Segment, ...], progress: Callable[[float], None]) -> None:
         replay = Replay(self.compiled, segments, self.quantities)
         off, acting = self.around.deviations, self.around.acting
-        worlds = [World({**off, n: off.get(n, 0.0) + n.sigma}, acting) for n in self.nuisances]
-        worlds += [World(off, (*acting, one)) for one in self._plan]
-        nominal = replay.predict(self.around)
-        found = []
-        for i, result in enumerate(simulate_all(replay, worlds, progress)):
-            if isinstance(result, BenchError):
-                if i < len(self.nuisances) or isinstance(result, EffectError):
-                    raise result
-                self._lost.add(i - len(self.nuisances))
-                found.append(np.full_like(nominal, np.nan))
+        p = len(self.nuisances)
+        changes = np.empty((*replay.shape, p + len(self.plan)))
+        about = FirstOrder(replay, self.around)
+        worlds = {i: World({**off, n: off.get(n, 0.0) + n.sigma}, acting) for i, n in enumerate(self.nuisances)}
+        for i, one in enumerate(self.plan, start=p):
+            change = about.change(one)
+            if change is None:
+                worlds[i] = World(off, (*acting, one))
             else:
-                found.append(result - nominal)
-        changes = np.stack(found, axis=2)
+                changes[:, :, i] = change
+        nominal = replay.predict(self.around)
+        for i, result in zip(worlds, simulate_all(replay, list(worlds.values()), progress), strict=True):
+            if isinstance(result, BenchError):
+                if i < p or isinstance(result, EffectError):
+                    raise result
+                self._lost.add(i - p)
+                changes[:, :, i] = np.nan
+            else:
+                changes[:, :, i] = result - nominal
         edges = np.cumsum([len(segment) for segment in segments])[:-1]
         for segment, part in zip(segments, np.split(changes, edges), strict=True):
             self._times[segment.label], self._changes[segment.label] = _instants(segment), part

@@ -1,20 +1,22 @@
 """Replay: the model repeats a campaign, and says what every instrument should have shown.
 
 A `World` is the nominal robot with some deviations and some effects. Its prediction is a simulation in MuJoCo each
-time; nothing here is a linearisation.
+time; nothing here is a linearisation. A replay does not change: what it predicts depends on the world alone, so worlds
+may be simulated in any order and in several threads.
 """
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
-from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect
+from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect, Followed
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec
 from bench.simulate.bare import bare_spec
@@ -40,6 +42,25 @@ class World:
 NOMINAL = World()
 
 
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Segments that one model follows, one after the other.
+
+    Attributes:
+        conditions: Under which.
+        motion: Of all of them, joined.
+        instants: Shape (T,), where these stand among all instants of the campaign.
+        rows: Shape (K,), where those that are read stand among all that are read.
+        segments: Indices of the segments.
+    """
+
+    conditions: Conditions
+    motion: Motion
+    instants: NDArray[np.intp]
+    rows: NDArray[np.intp]
+    segments: tuple[int, ...]
+
+
 class Replay:
     """A campaign, ready to be repeated by worlds.
 
@@ -56,9 +77,16 @@ class Replay:
         self.segments = segments
         self.quantities = quantities
         self._spec = bare_spec(compiled.robot)
-        self._found: dict[tuple[int, int], Array] = {}  # (segment, number of unknowns) -> where links were last
-        self._nominal: list[Trace] = []
-        self._nominal = self.traces(NOMINAL)
+        self._rows = _slices(len(segment) for segment in segments)
+        self._courses = {with_conditions: self._planned(with_conditions) for with_conditions in (False, True)}
+        # where links and passive hinges of the nominal robot balance; every search starts there
+        self._found = np.zeros((sum(len(segment.motion) for segment in segments), 2, 0))
+        parts = [self._followed(NOMINAL, course) for course in self._courses[False]]
+        self._nominal = self._joined(self._courses[False], [trace for trace, _ in parts])
+        unknowns = parts[0][1].shape[2] if parts else 0
+        self._found = np.empty((len(self._found), 2, unknowns))
+        for course, (_, found) in zip(self._courses[False], parts, strict=True):
+            self._found[course.instants] = found
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -72,49 +100,56 @@ class Replay:
             ConvergenceError: The model finds no balance.
             RobotError: The effect does not fit the model.
         """
-        moves = _changes_robot(world)
-        traces = self.traces(world) if moves else self._nominal
-        parts = []
-        for segment, trace in zip(self.segments, traces, strict=True):
-            reading = ideal_reading(self.compiled, trace)
-            for acting in world.acting:
-                reading = acting.effect.distort(acting.place, acting.values, reading, trace, segment.conditions)
-            parts.append(reading)
-        reading = Reading.concatenate(parts)
+        trace = self.trace(world)
+        reading = ideal_reading(self.compiled, trace)
+        distorting = [acting for acting in world.acting if type(acting.effect).distort is not Effect.distort]
+        if distorting:
+            parts = []
+            for segment, rows in zip(self.segments, self._rows, strict=True):
+                seen, there = reading[rows], trace[rows]
+                for acting in distorting:
+                    seen = acting.effect.distort(acting.place, acting.values, seen, there, segment.conditions)
+                parts.append(seen)
+            reading = Reading.concatenate(parts)
         for nuisance, value in world.deviations.items():
             if nuisance.on_reading:
                 reading = nuisance.on_reading(value, reading)
         return predicted(self.quantities, reading)
 
+    def trace(self, world: World) -> Trace:
+        """Return the true motion in a world at all instants that are read, segment after segment.
+
+        Raises:
+            ConvergenceError, RobotError: As `predict`.
+        """
+        if not _changes_robot(world):
+            return self._nominal
+        courses = self._courses[_depends_on_conditions(world)]
+        return self._joined(courses, [self._followed(world, course)[0] for course in courses])
+
     def traces(self, world: World) -> list[Trace]:
         """Return the true motion in a world, segment by segment."""
-        robots: dict[object, Prescribed] = {}
-        with_conditions = any("temperature" in need for acting in world.acting for need in acting.effect.needs)
-        traces = []
-        for i, segment in enumerate(self.segments):
-            conditions = segment.conditions
-            key = (conditions.payload_kg, segment.run if with_conditions else "")
-            if key not in robots:
-                if not with_conditions:
-                    conditions = Conditions.reference(self.compiled.n_joints, conditions.payload_kg)
-                robots[key] = Prescribed(self._robot(world, conditions))
-            motion = _moved(segment.motion, world)
-            here = i, robots[key].n_unknowns
-            trace, self._found[here] = robots[key].follow(motion, self._found.get(here))  # the next world is similar
-            traces.append(expected(robots[key].compiled, trace, is_static=segment.is_static))
-        return traces
+        trace = self.trace(world)
+        return [trace[rows] for rows in self._rows]
 
-    @contextmanager
-    def unchanged(self) -> Iterator[None]:
-        """Let nothing that is simulated meanwhile serve as a first guess later.
+    def followed(self, world: World) -> list[tuple[Course, Followed]]:
+        """Return the robots of a world, one for each course, and what they did.
 
-        Guesses leave traces in the last digits. What is simulated on several cores would depend on which core was free.
+        Raises:
+            ConvergenceError, RobotError: As `predict`.
         """
-        found = dict(self._found)
-        try:
-            yield
-        finally:
-            self._found = found
+        trace = self.trace(world)
+        found = []
+        for course in self._courses[_depends_on_conditions(world)]:
+            lengths = [len(self.segments[i]) for i in course.segments]
+            visits = [
+                first if self.segments[i].is_static else -1
+                for i, first in zip(course.segments, np.cumsum([0, *lengths]), strict=False)
+            ]
+            acceleration = course.motion.acceleration[course.motion.read]
+            robot = self._robot(world, course.conditions)
+            found.append((course, Followed(robot, trace[course.rows], acceleration, np.repeat(visits, lengths))))
+        return found
 
     def play(self, world: World) -> Array:
         """Return the play of the gears in a world, shape (n,) [rad] or [m].
@@ -126,9 +161,59 @@ class Replay:
             return self.compiled.play
         return self._robot(World(acting=world.acting), Conditions.reference(self.compiled.n_joints)).play
 
+    def _planned(self, with_conditions: bool) -> tuple[Course, ...]:
+        """Return what each model follows: one for each payload and, where temperatures count, for each run."""
+        groups: dict[tuple[float, str], list[int]] = {}
+        for i, segment in enumerate(self.segments):
+            groups.setdefault((segment.conditions.payload_kg, segment.run if with_conditions else ""), []).append(i)
+        instants = _slices(len(segment.motion) for segment in self.segments)
+        courses = []
+        for (payload_kg, _), members in groups.items():
+            reference = Conditions.reference(self.compiled.n_joints, payload_kg)
+            courses.append(
+                Course(
+                    conditions=self.segments[members[0]].conditions if with_conditions else reference,
+                    motion=Motion.concatenate(self.segments[i].motion for i in members),
+                    instants=_indices(instants, members),
+                    rows=_indices(self._rows, members),
+                    segments=tuple(members),
+                )
+            )
+        return tuple(courses)
+
+    def _followed(self, world: World, course: Course) -> tuple[Trace, Array]:
+        """Return the truth along a course, at what is read of it, and what the search found at all its instants."""
+        robot = Prescribed(self._robot(world, course.conditions))
+        motion, shift = _moved(course.motion, world)
+        trace, found = robot.follow(motion, self._guess(robot, course, shift))
+        if np.any(robot.compiled.play):
+            rows = _slices(len(self.segments[i]) for i in course.segments)
+            trace = Trace.concatenate(
+                expected(robot.compiled, trace[here], is_static=self.segments[i].is_static)
+                for i, here in zip(course.segments, rows, strict=True)
+            )
+        return trace, found
+
+    def _guess(self, robot: Prescribed, course: Course, shift: Array | None) -> Array | None:
+        """Return where to search first, shape (T, 2, u): where the nominal robot balanced; `shift` of its motors."""
+        known = self._found[course.instants]
+        if known.shape[2] == 0:
+            return None
+        u = min(known.shape[2], robot.n_unknowns)
+        guess = np.zeros((len(known), 2, robot.n_unknowns))
+        guess[:, 1] = robot.slopes.sliding
+        guess[:, :, :u] = known[:, :, :u]
+        if shift is not None:
+            guess[:, 0, : self.compiled.n_joints] += shift
+        return guess
+
+    def _joined(self, courses: Iterable[Course], traces: list[Trace]) -> Trace:
+        """Return the traces of courses as one, in the order of the campaign."""
+        order = np.argsort(np.concatenate([course.rows for course in courses]))
+        return Trace.concatenate(traces)[order]
+
     def _robot(self, world: World, conditions: Conditions) -> CompiledRobot:
-        spec = self._spec.copy()
-        return compile_spec(spec, self.compiled.robot, edits_in(world, conditions))
+        return compile_spec(self._spec.copy(), self.compiled.robot, edits_in(world, conditions))
 
 
 def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
@@ -173,13 +258,31 @@ def _changes_robot(world: World) -> bool:
     )
 
 
-def _moved(motion: Motion, world: World) -> Motion:
-    """Return the true motion where the encoders are wrong, and the true load where weights are."""
+def _depends_on_conditions(world: World) -> bool:
+    """Whether the robot of a world differs between warm and cold."""
+    return any("temperature" in need for acting in world.acting for need in acting.effect.needs)
+
+
+def _moved(motion: Motion, world: World) -> tuple[Motion, Array | None]:
+    """Return the true motion where encoders and weights are wrong, and how far off the motors are, shape (T, n)."""
     share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_wrench)
     if share != 1.0:
         motion = replace(motion, wrench=share * motion.wrench)
+    shift = None
     for acting in world.acting:
         error = acting.effect.encoder_error(acting.place, acting.values, motion.q, motion.velocity)
         if error is not None:
             motion = replace(motion, q=motion.q - error)
-    return motion
+            shift = -error if shift is None else shift - error
+    return motion, shift
+
+
+def _slices(lengths: Iterable[int]) -> list[slice]:
+    """Return where parts of these lengths stand, one after the other."""
+    edges = np.cumsum([0, *lengths]).tolist()
+    return [slice(first, last) for first, last in pairwise(edges)]
+
+
+def _indices(parts: list[slice], chosen: Iterable[int]) -> NDArray[np.intp]:
+    """Return the indices of some parts, one after the other."""
+    return np.concatenate([np.arange(parts[i].start, parts[i].stop) for i in chosen])

@@ -73,11 +73,11 @@ def _poses(diagnosis: Diagnosis, time: ReelTime) -> tuple[Trace, Poses, Poses]:
     design, naming = diagnosis.design, diagnosis.naming
     fit = diagnosis.extension or naming.null
     world = fit.world(design)
-    trace = Trace.concatenate(design.replay.traces(world))[time.frame]
+    trace = design.replay.trace(world)[time.frame]
     robot = elastic_poses(design.replay.compiled, trace, MAGNIFICATION)
     if not fit.causes:
         return trace, robot, rigid_poses(design.replay.compiled, trace)
-    nominal = Trace.concatenate(design.replay.traces(World(world.deviations)))[time.frame]
+    nominal = design.replay.trace(World(world.deviations))[time.frame]
     return trace, robot, elastic_poses(design.replay.compiled, nominal, MAGNIFICATION)
 
 

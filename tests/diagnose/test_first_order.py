@@ -1,0 +1,90 @@
+"""Effects that act as torques: what they change to first order against what a simulation says they change."""
+
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+import pytest
+
+from bench.diagnose.diagnose import signatures_of
+from bench.diagnose.picture.design import Design, design_of
+from bench.diagnose.picture.first_order import FirstOrder
+from bench.diagnose.picture.signatures import Signatures
+from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.diagnose.replay.segments import segments_of
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Acting, Effect
+from bench.hide.campaign import hide_campaign
+from bench.robot.compiled import compile_robot
+from bench.robot.folder import load_robot
+from bench.scenario.files import read_scenario
+
+# Of the length of a signature in standard errors. Evidence goes with the square of the cosine between signatures: a
+# twentieth of the length, at right angles, costs 1/400 of it.
+USUAL, WORST = 0.05, 0.12
+VISIBLE = 1.0  # standard errors; what is shorter cannot be seen in any case
+MOST = 8  # places and shapes of each effect
+TORQUES = [name for name, effect in catalogue().items() if type(effect).torques is not Effect.torques]
+BINS = 300
+
+
+@cache
+def campaign() -> tuple[Signatures, Replay, Design]:
+    """Return a lab's day with the HH-150, without anything hidden."""
+    robot = load_robot("hh150")
+    hidden = hide_campaign(robot, read_scenario("session-study"), (), np.random.default_rng(3))
+    compiled = compile_robot(robot)
+    signatures = signatures_of(hidden.campaign, compiled, catalogue())
+    segments = segments_of(hidden.campaign, compiled, signatures.quantities, BINS)
+    replay = Replay(compiled, segments, signatures.quantities)
+    return signatures, replay, design_of(replay, signatures.nuisances)
+
+
+def acting(name: str, signatures: Signatures) -> list[Acting]:
+    every = [one for one in signatures.plan if one.effect.name == name]
+    return [every[i] for i in np.unique(np.linspace(0, len(every) - 1, MOST).astype(int))] if every else []
+
+
+@pytest.mark.parametrize("name", TORQUES)
+def test_first_order_is_what_a_simulation_says(name: str) -> None:
+    signatures, replay, design = campaign()
+    errors = list(_errors(signatures, FirstOrder(replay, NOMINAL), replay, design, name, NOMINAL))
+    if not errors:
+        pytest.skip("a robot with friction has no place for friction that is left out")
+    print(f"{name}: median {np.median(errors):.2%}, largest {max(errors):.2%} of {len(errors)}")
+    assert np.median(errors) < USUAL
+    assert max(errors) < WORST
+
+
+def test_first_order_holds_about_an_extended_model() -> None:
+    signatures, replay, design = campaign()
+    found = catalogue()["coulomb_level"]
+    around = World(acting=(Acting(found, found.places(replay.compiled)[1], {"change": 0.3}),))
+    errors = list(_errors(signatures, FirstOrder(replay, around), replay, design, "friction_ripple", around))
+    assert errors
+    assert max(errors) < WORST
+
+
+@pytest.mark.parametrize(("name", "values"), [("stribeck", {"rise": 0.4}), ("backlash", {"gap": 3e-4})])
+def test_what_is_not_plain_is_simulated(name: str, values: dict[str, float]) -> None:
+    """Friction that is shaped already, or a gear with play: neither level nor stiffness says what a torque does."""
+    signatures, replay, _ = campaign()
+    effect = catalogue()[name]
+    place = effect.places(replay.compiled)[1]
+    about = FirstOrder(replay, World(acting=(Acting(effect, place, effect.complete(values)),)))
+    ripple = next(one for one in signatures.plan if one.effect.name == "friction_ripple" and one.place == place)
+    assert about.change(ripple) is None
+
+
+def _errors(
+    signatures: Signatures, about: FirstOrder, replay: Replay, design: Design, name: str, around: World
+) -> Iterator[float]:
+    nominal = replay.predict(around)
+    for one in acting(name, signatures):
+        change = about.change(one)
+        assert change is not None
+        simulated = replay.predict(World(acting=(*around.acting, one))) - nominal
+        white = design.whiten(np.stack([simulated, change], axis=2))
+        size = float(np.linalg.norm(white[:, 0]))
+        if size > VISIBLE:
+            yield float(np.linalg.norm(white[:, 1] - white[:, 0])) / size
