@@ -130,12 +130,14 @@ class Followed:
         acceleration: Shape (T, n) [rad/s^2], of motors and links.
         visit: Shape (T,), at rest the index of the first instant of the same visit, which comes right after the pose
             was approached; -1 in motion.
+        gear_k: Shape (T, n) [K], of the gearboxes.
     """
 
     compiled: CompiledRobot
     trace: Trace
     acceleration: Array
     visit: NDArray[np.intp]
+    gear_k: Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -152,6 +152,12 @@ class FrictionTemperature(_OnFriction):
 
         return change if factor != 1 else None
 
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        share = np.expm1(-values["decrease"] * (followed.gear_k[:, place.index] - REFERENCE_K))
+        coulomb = scaled_friction(place, followed, share, share)
+        drag = _drag(place, followed, float(viscous(followed.compiled)[place.index]))
+        return Torques(coulomb.motor + share * drag.motor, coulomb.link) if coulomb else None
+
 
 class FrictionSide(_WithCoulomb):
     """Friction sits on the other side of the elastic element than the model has it."""

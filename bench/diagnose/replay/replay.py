@@ -141,14 +141,20 @@ class Replay:
         trace = self.trace(world)
         found = []
         for course in self._courses[_depends_on_conditions(world)]:
-            lengths = [len(self.segments[i]) for i in course.segments]
+            segments = [self.segments[i] for i in course.segments]
+            lengths = [len(segment) for segment in segments]
             visits = [
-                first if self.segments[i].is_static else -1
-                for i, first in zip(course.segments, np.cumsum([0, *lengths]), strict=False)
+                first if segment.is_static else -1
+                for segment, first in zip(segments, np.cumsum([0, *lengths[:-1]]), strict=True)
             ]
-            acceleration = course.motion.acceleration[course.motion.read]
-            robot = self._robot(world, course.conditions)
-            found.append((course, Followed(robot, trace[course.rows], acceleration, np.repeat(visits, lengths))))
+            followed = Followed(
+                compiled=self._robot(world, course.conditions),
+                trace=trace[course.rows],
+                acceleration=course.motion.acceleration[course.motion.read],
+                visit=np.repeat(visits, lengths),
+                gear_k=np.repeat([segment.conditions.gear_k for segment in segments], lengths, axis=0),
+            )
+            found.append((course, followed))
         return found
 
     def play(self, world: World) -> Array:
