@@ -1,10 +1,13 @@
-"""Attributes of plugin actuators in an `MjSpec`, whether an actuator has an instance of its own or shares one."""
+"""Plugin actuators in an `MjSpec`: their attributes, in an instance of their own or a shared one, and their names."""
 
 from collections.abc import Mapping, Sequence
 
 import mujoco
 
 from bench.errors import RobotError, unknown_name
+from bench.robot.patching.overlay import SpecOverlay
+
+PREFIX = "effect/"  # of the names of all parts that effects add
 
 
 def attributes_of(spec: mujoco.MjSpec, actuator: str) -> dict[str, str]:
@@ -14,7 +17,7 @@ def attributes_of(spec: mujoco.MjSpec, actuator: str) -> dict[str, str]:
         RobotError: There is no such actuator, or it is not a plugin.
     """
     config, index, count = _place(spec, actuator)
-    return {key: _one(text, index, count) for key, text in config.items()}
+    return {key: entry_of(text, index, count) for key, text in config.items()}
 
 
 def number_of(spec: mujoco.MjSpec, actuator: str, attribute: str) -> float:
@@ -56,11 +59,49 @@ def configure(spec: mujoco.MjSpec, actuator: str, **values: float | str) -> None
         if count > 1:
             # an attribute that nobody had yet is not set for the others; zero is the null value of all that can be left
             # out
-            entries = [_one(config.get(key, "0"), i, count) for i in range(count)]
+            entries = [entry_of(config.get(key, "0"), i, count) for i in range(count)]
             entries[index] = text
             text = " ".join(entries)
         config[key] = text
     _store(spec, actuator, config)
+
+
+def unused_name(spec: mujoco.MjSpec, name: str) -> str:
+    """Return `effect/name`, with a number behind it where the spec has that name already."""
+    taken = {part.name for part in (*spec.actuators, *spec.joints, *spec.bodies, *spec.plugins)}
+    wanted, count = PREFIX + name, 1
+    while wanted in taken:
+        count += 1
+        wanted = f"{PREFIX}{name} {count}"
+    return wanted
+
+
+def name_instances(spec: mujoco.MjSpec) -> None:
+    """Name the unnamed plugin instances: MuJoCo 4.0.0 saves no named instance that follows an unnamed one."""
+    unnamed = [plugin for plugin in spec.plugins if not plugin.name]
+    if not unnamed:
+        return
+    users = [actuator for actuator in spec.actuators if actuator.plugin.active and not actuator.plugin.name]
+    if len(unnamed) != len(users):
+        return  # some belong to other parts of the model
+    for instance, actuator in zip(unnamed, users, strict=True):  # both in the order of the file
+        used = actuator.plugin
+        instance.name = instance_name = unused_name(spec, actuator.name)
+        instance.plugin_name = used.plugin_name
+        used.name = instance_name
+
+
+def users_of(spec: mujoco.MjSpec, instance: str) -> list[str]:
+    """Return the names of the actuators that use a named plugin instance, in the order of the spec."""
+    if isinstance(spec, SpecOverlay):  # which is not quick to ask each actuator
+        return spec.users_of(instance)
+    return [one.name for one in spec.actuators if one.plugin.name == instance]  # of other kinds: ""
+
+
+def entry_of(text: str, index: int, count: int) -> str:
+    """Return what a text of an instance that `count` actuators share says of the one at `index`."""
+    entries = text.split()
+    return entries[index] if count > 1 and len(entries) == count else text
 
 
 def _place(spec: mujoco.MjSpec, actuator: str) -> tuple[dict[str, str], int, int]:
@@ -73,19 +114,10 @@ def _place(spec: mujoco.MjSpec, actuator: str) -> tuple[dict[str, str], int, int
     instance = found.plugin.name
     if not instance:
         return dict(found.plugin.config), 0, 1
-    sharing = [one.name for one in spec.actuators if one.plugin.name == instance]  # of other kinds: ""
-    return dict(_instance(spec, instance).config), sharing.index(actuator), len(sharing)
+    sharing = users_of(spec, instance)
+    return dict(spec.plugin(instance).config), sharing.index(actuator), len(sharing)
 
 
 def _store(spec: mujoco.MjSpec, actuator: str, config: Mapping[str, str]) -> None:
     plugin = spec.actuator(actuator).plugin
-    (_instance(spec, plugin.name) if plugin.name else plugin).config = dict(config)
-
-
-def _instance(spec: mujoco.MjSpec, name: str) -> mujoco.MjsPlugin:
-    return next(plugin for plugin in spec.plugins if plugin.name == name)
-
-
-def _one(text: str, index: int, count: int) -> str:
-    entries = text.split()
-    return entries[index] if count > 1 and len(entries) == count else text
+    (spec.plugin(plugin.name) if plugin.name else plugin).config = dict(config)

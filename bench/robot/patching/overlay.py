@@ -1,0 +1,298 @@
+"""What looks like an `MjSpec` to an edit, and notes what the edit does instead of doing it.
+
+Numbers that a compiled model can take are noted as numbers. Everything else is an operation that makes another
+structure: parts added, names, kinds. Both are read back as if they had been done. The spec below is never changed, and
+an array that an edit reads cannot be written to in place.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, Protocol
+
+import mujoco
+import numpy as np
+
+from bench.robot.patching.numbers import PATCHES, NotPatchableError
+from bench.robot.patching.parts import LISTS, Activate, Add, Assign, Handle, Operation, Wrap, hashable
+
+CONFIG = "config"  # attribute of a plugin instance: its texts
+UNNAMED = "texts of a plugin instance without a name"
+
+
+class Below(Protocol):
+    """The spec that an overlay lies on."""
+
+    @property
+    def names(self) -> Mapping[str, list[str]]:
+        """Kind of part -> the names of all of that kind, in the order of the spec."""
+
+    @property
+    def users(self) -> Mapping[str, list[str]]:
+        """Named plugin instance -> the actuators that use it, in the order of the spec."""
+
+    def value(self, handle: Handle, attribute: str) -> Any:
+        """Return an attribute of a part; an array is read-only."""
+
+    def blank(self, operations: tuple[Operation, ...], handle: Handle) -> Callable[[str], Any]:
+        """Return what gives the attributes of a part that the last of some operations added."""
+
+    def carrier(self, handle: Handle) -> Handle:
+        """Return the body that carries a joint, a site or a body."""
+
+    def wraps(self, tendon: Handle) -> int:
+        """Return how many joints or sites a tendon runs over."""
+
+    def compiled_model(self, overlay: "SpecOverlay") -> mujoco.MjModel:
+        """Return the model with everything that an overlay notes."""
+
+
+class SpecOverlay:
+    """Edits of a spec, noted.
+
+    Attributes:
+        operations: What makes another structure, in order.
+        numbers: (part, attribute) -> value that a compiled model can take.
+        configs: Plugin instance -> its texts, of those that were set.
+
+    Args:
+        below: The structure; it is not changed.
+    """
+
+    keys: tuple[()] = ()
+
+    def __init__(self, below: Below) -> None:
+        self._below = below
+        self.operations: list[Operation] = []
+        self.numbers: dict[tuple[Handle, str], Any] = {}
+        self.configs: dict[Handle, dict[str, str]] = {}
+        self._assigned: dict[tuple[Handle, str], Any] = {}
+        self._names: dict[str, list[str]] = dict(below.names)
+        self._carriers: dict[Handle, Handle] = {}
+        self._blanks: dict[Handle, Callable[[str], Any]] = {}
+        self._parts: dict[Handle, Part] = {}
+        self._wraps: dict[Handle, int] = {}
+
+    def copy(self) -> "SpecOverlay":
+        """Return another overlay with the same notes."""
+        other = SpecOverlay(self._below)
+        other.operations = list(self.operations)
+        for name in ("numbers", "configs", "_assigned", "_carriers", "_blanks", "_wraps"):
+            setattr(other, name, dict(getattr(self, name)))
+        other._names = {kind: list(names) for kind, names in self._names.items()}
+        return other
+
+    def compile(self) -> mujoco.MjModel:
+        """Return the model with everything that was noted so far."""
+        return self._below.compiled_model(self)
+
+    @property
+    def option(self) -> "Part":
+        """The physics options."""
+        return self.part(Handle("option", 0))
+
+    def activate_plugin(self, name: str) -> None:
+        """Note a plugin that is declared."""
+        operation = Activate(name)
+        if operation not in self.operations:
+            self.operations.append(operation)
+
+    def add_plugin(self, *, name: str, plugin_name: str) -> "Part":
+        """Note a plugin instance that is added."""
+        return self.add(Add("plugin", name, None, plugin_name))
+
+    def add_actuator(self, *, name: str) -> "Part":
+        """Note an actuator that is added."""
+        return self.add(Add("actuator", name))
+
+    def add(self, operation: Add) -> "Part":
+        """Note a part that is added, and return it."""
+        names = self._own_names(operation.kind)
+        handle = Handle(operation.kind, len(names))
+        names.append(operation.name)
+        self.operations.append(operation)
+        if operation.parent:
+            self._carriers[handle] = operation.parent
+        blank = self._below.blank(tuple(self.operations), handle)
+        self._blanks[handle] = blank
+        if operation.kind == "actuator":
+            use = Handle("use", handle.number)
+            self._blanks[use] = self._below.blank(tuple(self.operations), use)
+        return self.part(handle)
+
+    def wrap(self, tendon: Handle, joint: str, coefficient: float) -> None:
+        """Note a joint that a fixed tendon runs over, too."""
+        index = self._wraps.get(tendon, self._below.wraps(tendon))
+        self._wraps[tendon] = index + 1
+        self.operations.append(Wrap(tendon, joint))
+        self.numbers[tendon, f"wrap {index}"] = index, coefficient
+
+    def part(self, handle: Handle) -> "Part":
+        """Return a part, always the same object for the same part."""
+        found = self._parts.get(handle)
+        if found is None:
+            found = self._parts[handle] = _CLASSES.get(handle.kind, Part)(self, handle)
+        return found
+
+    def named(self, kind: str, name: str) -> "Part | None":
+        """Return a part by its name, None where there is none."""
+        names = self._names[kind]
+        return self.part(Handle(kind, names.index(name))) if name in names else None
+
+    def all(self, kind: str) -> list["Part"]:
+        """Return all parts of a kind: those of the spec, then those added."""
+        return [self.part(Handle(kind, i)) for i in range(len(self._names[kind]))]
+
+    def users_of(self, instance: str) -> list[str]:
+        """Return the names of the actuators that use a named plugin instance, in order."""
+        if not self.operations:
+            return self._below.users[instance]
+        return [one.name for one in self.all("actuator") if one.plugin.name == instance]
+
+    def carrier(self, handle: Handle) -> Handle:
+        """Return the body that carries a part."""
+        return self._carriers.get(handle) or self._below.carrier(handle)
+
+    def read(self, handle: Handle, attribute: str) -> Any:
+        """Return an attribute of a part with everything that was noted."""
+        key = handle, attribute
+        if key in self.numbers:
+            return self.numbers[key]
+        if key in self._assigned:
+            return self._assigned[key]
+        if attribute == CONFIG:
+            if handle.kind != "plugin":
+                raise NotPatchableError(UNNAMED)
+            if handle not in self.configs and handle not in self._blanks:
+                return self._below.value(handle, CONFIG)
+            return self.configs.get(handle, {})
+        if attribute == "name" and handle.kind != "use":
+            return self._names[handle.kind][handle.number]
+        blank = self._blanks.get(handle)
+        return blank(attribute) if blank else self._below.value(handle, attribute)
+
+    def write(self, handle: Handle, attribute: str, value: Any) -> None:
+        """Note a new value of an attribute."""
+        if attribute == CONFIG:
+            if handle.kind != "plugin":
+                raise NotPatchableError(UNNAMED)
+            self.configs[handle] = dict(value)
+            return
+        current = self.read(handle, attribute)
+        known = (handle.kind, attribute) in PATCHES
+        if isinstance(current, np.ndarray):
+            value = np.array(value, dtype=current.dtype)
+            value.flags.writeable = False
+            if value.shape != current.shape:
+                raise NotPatchableError(f"{attribute} of another shape")
+            if np.array_equal(value, current, equal_nan=True):
+                return
+            known = known and not np.any(np.isnan(current[:1]))  # an undefined array becomes defined
+        elif value == current:
+            return
+        if known:
+            self.numbers[handle, attribute] = value
+            return
+        if attribute == "name" and handle.kind != "use":
+            self._own_names(handle.kind)[handle.number] = value
+        else:
+            self._assigned[handle, attribute] = value
+        self.operations.append(Assign(handle, attribute, hashable(value)))
+
+    def _own_names(self, kind: str) -> list[str]:
+        if self._names[kind] is self._below.names[kind]:
+            self._names[kind] = list(self._names[kind])
+        return self._names[kind]
+
+    def __getattr__(self, name: str) -> Any:
+        if name in LISTS:
+            return partial(self.named, name)
+        kind = _LISTED.get(name)
+        if kind:
+            return self.all(kind)
+        raise NotPatchableError(f"MjSpec.{name}")
+
+
+class Part:
+    """One part of an overlaid spec; attributes are read and set as those of MuJoCo's own."""
+
+    __slots__ = ("handle", "overlay")
+    handle: Handle
+    overlay: SpecOverlay
+
+    def __init__(self, overlay: SpecOverlay, handle: Handle) -> None:
+        object.__setattr__(self, "overlay", overlay)
+        object.__setattr__(self, "handle", handle)
+
+    def __getattr__(self, name: str) -> Any:
+        return self.overlay.read(self.handle, name)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self.overlay.write(self.handle, name, value)
+
+
+class _Carried(Part):
+    __slots__ = ()
+
+    @property
+    def parent(self) -> Part:
+        return self.overlay.part(self.overlay.carrier(self.handle))
+
+
+class _Body(_Carried):
+    __slots__ = ()
+
+    @property
+    def joints(self) -> list[Part]:
+        return self._carried("joint")
+
+    @property
+    def sites(self) -> list[Part]:
+        return self._carried("site")
+
+    def find_all(self, kind: str) -> list[Part]:
+        if kind != "body":
+            raise NotPatchableError(f"find_all({kind!r})")
+        children = self._carried("body")
+        return [*children, *(below for child in children for below in child.find_all("body"))]
+
+    def add_body(self, *, name: str, **values: Any) -> Part:
+        return self._added(Add("body", name, self.handle), values)
+
+    def add_joint(self, **values: Any) -> Part:
+        return self._added(Add("joint", values.pop("name", ""), self.handle), values)
+
+    def _added(self, operation: Add, values: Mapping[str, Any]) -> Part:
+        part = self.overlay.add(operation)
+        for attribute, value in values.items():
+            setattr(part, attribute, value)
+        return part
+
+    def _carried(self, kind: str) -> list[Part]:
+        own, overlay = self.handle, self.overlay
+        return [part for part in overlay.all(kind) if part.handle != _WORLD and overlay.carrier(part.handle) == own]
+
+
+class _Tendon(Part):
+    __slots__ = ()
+
+    def wrap_joint(self, joint: str, coefficient: float) -> None:
+        self.overlay.wrap(self.handle, joint, coefficient)
+
+
+class _Actuator(Part):
+    __slots__ = ()
+
+    @property
+    def plugin(self) -> Part:
+        return self.overlay.part(Handle("use", self.handle.number))
+
+
+_WORLD = Handle("body", 0)
+_CLASSES: dict[str, type[Part]] = {
+    "body": _Body,
+    "joint": _Carried,
+    "site": _Carried,
+    "tendon": _Tendon,
+    "actuator": _Actuator,
+}
+_LISTED = {plural: kind for kind, plural in LISTS.items()}
