@@ -157,7 +157,7 @@ def compile_spec(
     mujoco.mj_kinematics(model, drawn)
     check_load_body(robot, drawn, at)
     motor, link = (
-        np.array([numbers_of(spec, getattr(drive, part), FRICTION) for drive in robot.figures.drives]).T
+        np.array(numbers_of(spec, [getattr(drive, part) for drive in robot.figures.drives], FRICTION)).T
         for part in ("motor_friction", "link_friction")
     )
     return CompiledRobot(

@@ -30,11 +30,11 @@ from bench.robot.compiled import (
     counterbalance_of,
 )
 from bench.robot.folder import Robot
-from bench.robot.patching.model_pool import engine
 from bench.robot.patching.numbers import NotPatchableError
 from bench.robot.patching.overlay import CONFIG, SpecOverlay
 from bench.robot.patching.parts import Handle, Operation, Parts, repeated
 from bench.robot.patching.plugin_room import LISTS
+from bench.robot.patching.pool import engine
 from bench.robot.patching.structure import CompiledStructure
 from bench.robot.plugins import entry_of, name_instances
 
@@ -81,10 +81,18 @@ class Structure:
         self._blanks: OrderedDict[Hashable, Callable[[str], Any]] = OrderedDict()
         self._structures: OrderedDict[Hashable, CompiledStructure] = OrderedDict()
         self.names = {kind: [str(part.name) for part in parts] for kind, parts in self._parts.lists.items()}
+        self.handles = {
+            kind: {name: Handle(kind, i) for i, name in enumerate(names)} for kind, names in self.names.items()
+        }
         self.users: dict[str, list[str]] = {name: [] for name in self.names["plugin"]}
         for actuator in self._parts.lists["actuator"]:
             if actuator.plugin.active and actuator.plugin.name:
                 self.users[actuator.plugin.name].append(str(actuator.name))
+        self.uses = {
+            actuator: (self.handles["plugin"][instance], index, len(sharing))
+            for instance, sharing in self.users.items()
+            for index, actuator in enumerate(sharing)
+        }
         self._own = CompiledStructure(robot, self._named, SpecOverlay(self))
         drives = robot.figures.drives
         self._friction = {drive.motor_friction: ("motor", i) for i, drive in enumerate(drives)}
@@ -141,19 +149,28 @@ class Structure:
         """Return the body that carries a joint, a site or a body of the spec."""
         return self._own.carrier(handle)
 
+    def carried(self, body: Handle, kind: str) -> tuple[Handle, ...]:
+        """Return the joints, sites or bodies of the spec that a body carries itself."""
+        if body.number >= len(self.names["body"]):
+            return ()
+        return self._own.carried(body, kind)
+
     def wraps(self, tendon: Handle) -> int:
         """Return how many joints or sites a tendon of the spec runs over."""
         return int(self._own.model.tendon_num[self._own.index(tendon)])
 
-    def compiled_model(self, overlay: SpecOverlay) -> mujoco.MjModel:
-        """Return the model with everything that an overlay notes."""
+    def compiled_with_data(self, overlay: SpecOverlay) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        """Return the model with everything that an overlay notes, and fresh data that fit it."""
         with self._lock:
-            return self._structure(overlay).patched(overlay)
+            structure = self._structure(overlay)
+            return structure.patched(overlay), structure.fresh_data()
 
     def _patched(self, overlay: SpecOverlay) -> CompiledRobot:
         structure = self._structure(overlay)
         model, data, at = structure.patched(overlay), structure.data, structure.at
-        if overlay.configs and engine().bench_refuses(model._address):
+        if overlay.configs and any(
+            engine().bench_refuses(model._address, structure.index(handle)) for handle in overlay.configs
+        ):
             raise NotPatchableError("attributes that a plugin refuses")
         found = replace(self._with_friction(overlay), model=model, at=at)
         moves = structure.moves(overlay)

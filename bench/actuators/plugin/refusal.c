@@ -21,28 +21,22 @@ static const Law* law_of(const mjModel* m, int instance) {
   return NULL;
 }
 
-// Finds the place of an actuator among those that share its instance, and how many they are.
-static void count_sharing(const mjModel* m, Reader* reader) {
+EXPORT int bench_refuses(const mjModel* m, int instance);
+
+// Returns 1 when the law of a plugin instance refuses its attributes in the model for one of its actuators, else 0.
+int bench_refuses(const mjModel* m, int instance) {
+  const Law* law = law_of(m, instance);
+  int count = 0;
   for (int i = 0; i < m->nactuator; i++) {
-    if (m->actuator_plugin[i] == reader->instance) {
-      reader->index += i < reader->actuator;
-      reader->count++;
-    }
+    count += m->actuator_plugin[i] == instance;
   }
-}
-
-EXPORT int bench_refuses(const mjModel* m);
-
-// Returns 1 when the law of an actuator refuses the attributes in the model, 0 when all are accepted.
-int bench_refuses(const mjModel* m) {
-  for (int actuator = 0; actuator < m->nactuator; actuator++) {
-    int instance = m->actuator_plugin[actuator];
-    const Law* law = instance < 0 ? NULL : law_of(m, instance);
-    if (!law) {
+  int index = 0;
+  for (int actuator = 0; law && actuator < m->nactuator; actuator++) {
+    if (m->actuator_plugin[actuator] != instance) {
       continue;
     }
-    Reader reader = {.m = m, .instance = instance, .actuator = actuator, .ok = true, .silent = true};
-    count_sharing(m, &reader);
+    Reader reader = {.m = m, .instance = instance, .actuator = actuator, .index = index++, .count = count, .ok = true,
+                     .silent = true};
     Element* element = mju_malloc(law->size);
     memset(element, 0, law->size);
     element->actuator = actuator;

@@ -5,45 +5,19 @@ structure: parts added, names, kinds. Both are read back as if they had been don
 an array that an edit reads cannot be written to in place.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import mujoco
 import numpy as np
 
+from bench.robot.patching.below import Below
 from bench.robot.patching.numbers import PATCHES, NotPatchableError
 from bench.robot.patching.parts import LISTS, Activate, Add, Assign, Handle, Operation, Wrap, hashable
 
 CONFIG = "config"  # attribute of a plugin instance: its texts
 UNNAMED = "texts of a plugin instance without a name"
-
-
-class Below(Protocol):
-    """The spec that an overlay lies on."""
-
-    @property
-    def names(self) -> Mapping[str, list[str]]:
-        """Kind of part -> the names of all of that kind, in the order of the spec."""
-
-    @property
-    def users(self) -> Mapping[str, list[str]]:
-        """Named plugin instance -> the actuators that use it, in the order of the spec."""
-
-    def value(self, handle: Handle, attribute: str) -> Any:
-        """Return an attribute of a part; an array is read-only."""
-
-    def blank(self, operations: tuple[Operation, ...], handle: Handle) -> Callable[[str], Any]:
-        """Return what gives the attributes of a part that the last of some operations added."""
-
-    def carrier(self, handle: Handle) -> Handle:
-        """Return the body that carries a joint, a site or a body."""
-
-    def wraps(self, tendon: Handle) -> int:
-        """Return how many joints or sites a tendon runs over."""
-
-    def compiled_model(self, overlay: "SpecOverlay") -> mujoco.MjModel:
-        """Return the model with everything that an overlay notes."""
 
 
 class SpecOverlay:
@@ -58,7 +32,7 @@ class SpecOverlay:
         below: The structure; it is not changed.
     """
 
-    keys: tuple[()] = ()
+    keys: tuple[()] = ()  # a structure has none: another number of joints would not fit them
 
     def __init__(self, below: Below) -> None:
         self._below = below
@@ -72,18 +46,9 @@ class SpecOverlay:
         self._parts: dict[Handle, Part] = {}
         self._wraps: dict[Handle, int] = {}
 
-    def copy(self) -> "SpecOverlay":
-        """Return another overlay with the same notes."""
-        other = SpecOverlay(self._below)
-        other.operations = list(self.operations)
-        for name in ("numbers", "configs", "_assigned", "_carriers", "_blanks", "_wraps"):
-            setattr(other, name, dict(getattr(self, name)))
-        other._names = {kind: list(names) for kind, names in self._names.items()}
-        return other
-
-    def compile(self) -> mujoco.MjModel:
-        """Return the model with everything that was noted so far."""
-        return self._below.compiled_model(self)
+    def compiled_with_data(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        """Return the model with everything that was noted so far, and fresh data for it."""
+        return self._below.compiled_with_data(self)
 
     @property
     def option(self) -> "Part":
@@ -96,16 +61,16 @@ class SpecOverlay:
         if operation not in self.operations:
             self.operations.append(operation)
 
-    def add_plugin(self, *, name: str, plugin_name: str) -> "Part":
+    def add_plugin(self, *, name: str, plugin_name: str, **values: Any) -> "Part":
         """Note a plugin instance that is added."""
-        return self.add(Add("plugin", name, None, plugin_name))
+        return self.add(Add("plugin", name, None, plugin_name), values)
 
-    def add_actuator(self, *, name: str) -> "Part":
+    def add_actuator(self, *, name: str, **values: Any) -> "Part":
         """Note an actuator that is added."""
-        return self.add(Add("actuator", name))
+        return self.add(Add("actuator", name), values)
 
-    def add(self, operation: Add) -> "Part":
-        """Note a part that is added, and return it."""
+    def add(self, operation: Add, values: Mapping[str, Any]) -> "Part":
+        """Note a part that is added, with values of its attributes, and return it."""
         names = self._own_names(operation.kind)
         handle = Handle(operation.kind, len(names))
         names.append(operation.name)
@@ -117,7 +82,10 @@ class SpecOverlay:
         if operation.kind == "actuator":
             use = Handle("use", handle.number)
             self._blanks[use] = self._below.blank(tuple(self.operations), use)
-        return self.part(handle)
+        part = self.part(handle)
+        for attribute, value in values.items():
+            setattr(part, attribute, value)
+        return part
 
     def wrap(self, tendon: Handle, joint: str, coefficient: float) -> None:
         """Note a joint that a fixed tendon runs over, too."""
@@ -136,6 +104,9 @@ class SpecOverlay:
     def named(self, kind: str, name: str) -> "Part | None":
         """Return a part by its name, None where there is none."""
         names = self._names[kind]
+        if names is self._below.names[kind]:
+            handle = self._below.handles[kind].get(name)
+            return None if handle is None else self.part(handle)
         return self.part(Handle(kind, names.index(name))) if name in names else None
 
     def all(self, kind: str) -> list["Part"]:
@@ -148,9 +119,37 @@ class SpecOverlay:
             return self._below.users[instance]
         return [one.name for one in self.all("actuator") if one.plugin.name == instance]
 
+    def use_of(self, actuator: str) -> tuple[dict[str, str], int, int] | None:
+        """Return the texts that an actuator of the spec uses, its place among those that share them, and their number.
+
+        None where that takes a look at every actuator.
+        """
+        found = self._below.uses.get(actuator)
+        if found is None or self.operations:
+            return None
+        handle, index, count = found
+        return dict(self.read(handle, CONFIG)), index, count
+
+    def configured(self, actuator: str, config: Mapping[str, str]) -> bool:
+        """Note the texts that an actuator of the spec uses; whether that was possible without a look at the others."""
+        found = self._below.uses.get(actuator)
+        if found is None or self.operations:
+            return False
+        self.configs[found[0]] = dict(config)
+        return True
+
+    def names(self, kinds: Iterable[str]) -> set[str]:
+        """Return the names of all parts of some kinds."""
+        return set().union(*(self._names[kind] for kind in kinds))
+
     def carrier(self, handle: Handle) -> Handle:
         """Return the body that carries a part."""
         return self._carriers.get(handle) or self._below.carrier(handle)
+
+    def carried(self, body: Handle, kind: str) -> list["Part"]:
+        """Return the parts of a kind that a body carries itself."""
+        added = [handle for handle, carrier in self._carriers.items() if carrier == body and handle.kind == kind]
+        return [self.part(handle) for handle in (*self._below.carried(body, kind), *added)]
 
     def read(self, handle: Handle, attribute: str) -> Any:
         """Return an attribute of a part with everything that was noted."""
@@ -184,9 +183,12 @@ class SpecOverlay:
             value.flags.writeable = False
             if value.shape != current.shape:
                 raise NotPatchableError(f"{attribute} of another shape")
-            if np.array_equal(value, current, equal_nan=True):
+            if value.tobytes() == current.tobytes():
                 return
-            known = known and not np.any(np.isnan(current[:1]))  # an undefined array becomes defined
+            if current[0] != current[0]:  # nan: not defined
+                if value[0] != value[0]:
+                    return
+                known = False
         elif value == current:
             return
         if known:
@@ -197,6 +199,11 @@ class SpecOverlay:
         else:
             self._assigned[handle, attribute] = value
         self.operations.append(Assign(handle, attribute, hashable(value)))
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name not in _OWN:
+            raise NotPatchableError(f"MjSpec.{name}")
+        object.__setattr__(self, name, value)
 
     def _own_names(self, kind: str) -> list[str]:
         if self._names[kind] is self._below.names[kind]:
@@ -243,33 +250,23 @@ class _Body(_Carried):
 
     @property
     def joints(self) -> list[Part]:
-        return self._carried("joint")
+        return self.overlay.carried(self.handle, "joint")
 
     @property
     def sites(self) -> list[Part]:
-        return self._carried("site")
+        return self.overlay.carried(self.handle, "site")
 
     def find_all(self, kind: str) -> list[Part]:
         if kind != "body":
             raise NotPatchableError(f"find_all({kind!r})")
-        children = self._carried("body")
+        children = self.overlay.carried(self.handle, "body")
         return [*children, *(below for child in children for below in child.find_all("body"))]
 
     def add_body(self, *, name: str, **values: Any) -> Part:
-        return self._added(Add("body", name, self.handle), values)
+        return self.overlay.add(Add("body", name, self.handle), values)
 
     def add_joint(self, **values: Any) -> Part:
-        return self._added(Add("joint", values.pop("name", ""), self.handle), values)
-
-    def _added(self, operation: Add, values: Mapping[str, Any]) -> Part:
-        part = self.overlay.add(operation)
-        for attribute, value in values.items():
-            setattr(part, attribute, value)
-        return part
-
-    def _carried(self, kind: str) -> list[Part]:
-        own, overlay = self.handle, self.overlay
-        return [part for part in overlay.all(kind) if part.handle != _WORLD and overlay.carrier(part.handle) == own]
+        return self.overlay.add(Add("joint", values.pop("name", ""), self.handle), values)
 
 
 class _Tendon(Part):
@@ -287,7 +284,9 @@ class _Actuator(Part):
         return self.overlay.part(Handle("use", self.handle.number))
 
 
-_WORLD = Handle("body", 0)
+_OWN = frozenset(
+    ["operations", "numbers", "configs", "_below", "_assigned", "_names", "_carriers", "_blanks", "_parts", "_wraps"]
+)  # what an overlay itself holds
 _CLASSES: dict[str, type[Part]] = {
     "body": _Body,
     "joint": _Carried,

@@ -1,5 +1,6 @@
 """A structure of a robot's model, compiled once; what edits change in its numbers is written into copies of it."""
 
+import copy
 from typing import Any
 
 import mujoco
@@ -8,11 +9,11 @@ import numpy as np
 from bench.robot.checks import faulty_roles
 from bench.robot.compiled import addresses_of
 from bench.robot.folder import Robot
-from bench.robot.patching.model_pool import ModelPool
 from bench.robot.patching.numbers import PATCHES, UNSET_LENGTH, NotPatchableError, Patch, set_frames
 from bench.robot.patching.overlay import CONFIG, SpecOverlay
 from bench.robot.patching.parts import Add, Handle, repeated
 from bench.robot.patching.plugin_room import LAWS, padded, widths, write
+from bench.robot.patching.pool import Pool, engine
 
 
 class CompiledStructure:
@@ -51,8 +52,10 @@ class CompiledStructure:
             raise NotPatchableError("a part that does not play its role")
         self.at = addresses_of(robot, self.model)
         self.data = mujoco.MjData(self.model)
-        self._pool = ModelPool(self.model)
+        self._models = Pool(lambda: copy.copy(self.model))
+        self._data = Pool(lambda: mujoco.MjData(self.model))
         self._indices: dict[Handle, int] = {}
+        self._carried: dict[tuple[Handle, str], list[Handle]] = {}
         self._checked: set[tuple[Handle, str]] = set()
         compiler = self._spec.compiler
         self._copies_masses = not (
@@ -74,7 +77,8 @@ class CompiledStructure:
         Raises:
             NotPatchableError: A number that the compiler did not copy, or would not.
         """
-        model = self._pool.copy()
+        model = self._models.take()
+        engine().mj_copyModel(model._address, self.model._address)
         bodies: set[int] = set()
         sites: set[int] = set()
         derives = moves = False
@@ -106,6 +110,12 @@ class CompiledStructure:
             self._relax(model)
         return model
 
+    def fresh_data(self) -> mujoco.MjData:
+        """Return data of a model that was just reset, and that nobody else holds."""
+        data = self._data.take()
+        mujoco.mj_resetData(self.model, data)
+        return data
+
     def moves(self, overlay: SpecOverlay) -> bool:
         """Whether bodies or points may be elsewhere than in the robot's own model."""
         return any(isinstance(done, Add) and done.kind in ("body", "joint") for done in overlay.operations) or any(
@@ -128,6 +138,15 @@ class CompiledStructure:
         """Return the body that carries a body, a joint or a site."""
         carriers = {"body": self.model.body_parentid, "joint": self.model.jnt_bodyid, "site": self.model.site_bodyid}
         return Handle("body", self._numbers["body"][int(carriers[handle.kind][self.index(handle)])])
+
+    def carried(self, body: Handle, kind: str) -> tuple[Handle, ...]:
+        """Return the joints, sites or bodies that a body carries itself."""
+        if not self._carried:
+            for found in ("body", "joint", "site"):
+                for number in range(found == "body", len(self._parts.lists[found])):  # the world is carried by nothing
+                    handle = Handle(found, number)
+                    self._carried.setdefault((self.carrier(handle), found), []).append(handle)
+        return tuple(self._carried.get((body, kind), ()))
 
     def _check(self, handle: Handle, attribute: str, patch: Patch) -> None:
         given: Any = None if attribute.startswith("wrap") else getattr(self._parts[handle], attribute)
