@@ -129,9 +129,9 @@ def _place(
     instance = found.plugin.name
     if not instance:
         return dict(found.plugin.config), 0, 1
-    sharing = (
-        users[instance] if users else [one.name for one in spec.actuators if one.plugin.name == instance]
-    )  # of other kinds: ""
+    if users is None:
+        users = {instance: [one.name for one in spec.actuators if one.plugin.name == instance]}  # of other kinds: ""
+    sharing = users[instance]
     return dict(spec.plugin(instance).config), sharing.index(actuator), len(sharing)
 
 

@@ -1,6 +1,7 @@
 """A patched model is the compiled one: every number that physics uses, its forces, and the figures of the robot."""
 
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 
@@ -178,6 +179,10 @@ def with_a_stand(spec: mujoco.MjSpec, robot: Robot) -> None:
     spec.worldbody.add_body(name="stand")
 
 
+def with_memory(spec: mujoco.MjSpec, robot: Robot) -> None:
+    spec.memory = 1 << 20
+
+
 def negative_friction(spec: mujoco.MjSpec, robot: Robot) -> None:
     configure(spec, robot.figures.drives[0].motor_friction, coulomb=-1.0)
 
@@ -208,9 +213,19 @@ def test_refused_as_when_compiled(edit: SpecEdit, both: Both, tmp_path: Path, mo
     assert str(patched.value) == str(compiled.value)
 
 
-@pytest.mark.parametrize("edit", [with_a_stand, Unpatched(bolt_on(3.0))])
+@pytest.mark.parametrize("edit", [with_a_stand, with_memory, Unpatched(bolt_on(3.0))])
 def test_what_cannot_be_patched_is_compiled(edit: SpecEdit, both: Both) -> None:
     assert_same(both.structure.robot([edit]), both.compiled([edit]))
+
+
+def test_several_threads(both: Both) -> None:
+    load = both.nominal.at.load_body
+
+    def mass(wanted: int) -> float:
+        return float(both.structure.robot([bolt_on(float(wanted))]).model.body_mass[load])
+
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(mass, range(1, 400))) == list(range(1, 400))
 
 
 def test_robots_that_are_alive_share_no_model(both: Both) -> None:
