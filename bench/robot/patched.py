@@ -12,9 +12,8 @@ An edit is given something that looks like the `MjSpec` and notes what the edit 
 """
 
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, replace
-from enum import Enum
 from threading import RLock
 from typing import Any, cast
 
@@ -31,8 +30,8 @@ from bench.robot.compiled import (
 )
 from bench.robot.folder import Robot
 from bench.robot.patching.numbers import NotPatchableError
-from bench.robot.patching.overlay import CONFIG, SpecOverlay
-from bench.robot.patching.parts import Handle, Operation, Parts, repeated
+from bench.robot.patching.overlay import SpecOverlay
+from bench.robot.patching.parts import Add, Blank, Handle, Parts, value_of
 from bench.robot.patching.plugin_room import LISTS
 from bench.robot.patching.pool import engine
 from bench.robot.patching.structure import CompiledStructure
@@ -78,7 +77,7 @@ class Structure:
         self._parts = Parts(self._named)
         self._lock = RLock()
         self._values: dict[tuple[Handle, str], Any] = {}
-        self._blanks: OrderedDict[Hashable, Callable[[str], Any]] = OrderedDict()
+        self._blanks: dict[Add, Blank] = {}
         self._structures: OrderedDict[Hashable, CompiledStructure] = OrderedDict()
         self.names = {kind: [str(part.name) for part in parts] for kind, parts in self._parts.lists.items()}
         self.handles = {
@@ -122,27 +121,17 @@ class Structure:
         """Return an attribute of a part of the spec; an array is read-only."""
         key = handle, attribute
         if key not in self._values:
-            self._values[key] = _value_of(self._parts[handle], attribute)
+            self._values[key] = value_of(self._parts[handle], attribute)
         return self._values[key]
 
-    def blank(self, operations: tuple[Operation, ...], handle: Handle) -> Callable[[str], Any]:
-        """Return what gives the attributes of a part that the last of some operations added."""
-        key = operations, handle
+    def blank(self, operation: Add) -> Blank:
+        """Return a part as it is when it was just added."""
+        if operation.parent and operation.parent.number >= len(self.names["body"]):
+            raise NotPatchableError("a part of an added body")
+        key = operation._replace(name="blank")  # what it is called does not count
         with self._lock:
             if key not in self._blanks:
-                spec = self._named.copy()
-                part = repeated(spec, operations)[handle]
-                known: dict[str, Any] = {}
-
-                def read(attribute: str, spec: mujoco.MjSpec = spec) -> Any:
-                    if attribute not in known:
-                        known[attribute] = _value_of(part, attribute)
-                    return known[attribute]
-
-                self._blanks[key] = read
-                if len(self._blanks) > 4 * MOST_STRUCTURES:
-                    self._blanks.popitem(last=False)
-            self._blanks.move_to_end(key)
+                self._blanks[key] = Blank(self._named, key)
             return self._blanks[key]
 
     def carrier(self, handle: Handle) -> Handle:
@@ -234,20 +223,3 @@ class Structure:
             self._is_own(handle) and balance.actuator in self.users.get(self.names["plugin"][handle.number], [])
             for handle in overlay.configs
         )
-
-
-def _value_of(part: Any, attribute: str) -> Any:
-    """Return an attribute of a part of a spec; an array as a copy that cannot be written to.
-
-    Raises:
-        NotPatchableError: It is no number, text or array.
-    """
-    value = getattr(part, attribute, None)
-    if attribute == CONFIG:
-        return dict(value or {})
-    if isinstance(value, np.ndarray):
-        value = np.array(value)
-        value.flags.writeable = False
-    elif not isinstance(value, (float, int, str, Enum)) and not type(value).__name__.startswith("mjt"):
-        raise NotPatchableError(f"{attribute}, which is no number or text")
-    return value

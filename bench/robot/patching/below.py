@@ -1,11 +1,11 @@
 """What an overlay asks of the spec that it lies on."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
 import mujoco
 
-from bench.robot.patching.parts import Handle, Operation
+from bench.robot.patching.parts import Add, Blank, Handle
 
 if TYPE_CHECKING:
     from bench.robot.patching.overlay import SpecOverlay
@@ -33,8 +33,12 @@ class Below(Protocol):
     def value(self, handle: Handle, attribute: str) -> Any:
         """Return an attribute of a part; an array is read-only."""
 
-    def blank(self, operations: tuple[Operation, ...], handle: Handle) -> Callable[[str], Any]:
-        """Return what gives the attributes of a part that the last of some operations added."""
+    def blank(self, operation: Add) -> Blank:
+        """Return a part as it is when it was just added.
+
+        Raises:
+            NotPatchableError: It is added to a part that was added.
+        """
 
     def carrier(self, handle: Handle) -> Handle:
         """Return the body that carries a joint, a site or a body."""

@@ -5,7 +5,7 @@ structure: parts added, names, kinds. Both are read back as if they had been don
 an array that an edit reads cannot be written to in place.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import Any
 
@@ -14,9 +14,8 @@ import numpy as np
 
 from bench.robot.patching.below import Below
 from bench.robot.patching.numbers import PATCHES, NotPatchableError
-from bench.robot.patching.parts import LISTS, Activate, Add, Assign, Handle, Operation, Wrap, hashable
+from bench.robot.patching.parts import CONFIG, LISTS, Activate, Add, Assign, Blank, Handle, Operation, Wrap, hashable
 
-CONFIG = "config"  # attribute of a plugin instance: its texts
 UNNAMED = "texts of a plugin instance without a name"
 
 
@@ -42,7 +41,7 @@ class SpecOverlay:
         self._assigned: dict[tuple[Handle, str], Any] = {}
         self._names: dict[str, list[str]] = dict(below.names)
         self._carriers: dict[Handle, Handle] = {}
-        self._blanks: dict[Handle, Callable[[str], Any]] = {}
+        self._blanks: dict[Handle, Blank] = {}
         self._parts: dict[Handle, Part] = {}
         self._wraps: dict[Handle, int] = {}
 
@@ -77,11 +76,10 @@ class SpecOverlay:
         self.operations.append(operation)
         if operation.parent:
             self._carriers[handle] = operation.parent
-        blank = self._below.blank(tuple(self.operations), handle)
-        self._blanks[handle] = blank
+        self._blanks[handle] = self._below.blank(operation)
         if operation.kind == "actuator":
             use = Handle("use", handle.number)
-            self._blanks[use] = self._below.blank(tuple(self.operations), use)
+            self._blanks[use] = self._blanks[handle]
         part = self.part(handle)
         for attribute, value in values.items():
             setattr(part, attribute, value)
@@ -167,7 +165,7 @@ class SpecOverlay:
         if attribute == "name" and handle.kind != "use":
             return self._names[handle.kind][handle.number]
         blank = self._blanks.get(handle)
-        return blank(attribute) if blank else self._below.value(handle, attribute)
+        return blank.value(handle.kind, attribute) if blank else self._below.value(handle, attribute)
 
     def write(self, handle: Handle, attribute: str, value: Any) -> None:
         """Note a new value of an attribute."""

@@ -6,6 +6,10 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
+from bench.robot.patching.numbers import NotPatchableError
+
+CONFIG = "config"  # attribute of a plugin instance: its texts
+
 # kind of part -> the attribute of MjSpec that lists them
 LISTS = {
     "body": "bodies",
@@ -118,3 +122,41 @@ def repeated(spec: mujoco.MjSpec, operations: tuple[Operation, ...]) -> Parts:
 def hashable(value: Any) -> Hashable:
     """Return a value of an attribute as one that can be part of a key."""
     return tuple(value.tolist()) if isinstance(value, np.ndarray) else value
+
+
+class Blank:
+    """A part as it is when it was just added.
+
+    Args:
+        spec: To which it is added; not changed.
+        operation: What adds it.
+    """
+
+    def __init__(self, spec: mujoco.MjSpec, operation: Add) -> None:
+        self._spec = spec.copy()
+        self._part = repeated(self._spec, (operation,)).lists[operation.kind][-1]
+        self._known: dict[tuple[str, str], Any] = {}
+
+    def value(self, kind: str, attribute: str) -> Any:
+        """Return an attribute of it; of the kind "use", of how it uses a plugin."""
+        key = kind, attribute
+        if key not in self._known:
+            self._known[key] = value_of(self._part.plugin if kind == "use" else self._part, attribute)
+        return self._known[key]
+
+
+def value_of(part: Any, attribute: str) -> Any:
+    """Return an attribute of a part of a spec; an array as a copy that cannot be written to.
+
+    Raises:
+        NotPatchableError: It is no number, text or array.
+    """
+    value = getattr(part, attribute, None)
+    if attribute == CONFIG:
+        return dict(value or {})
+    if isinstance(value, np.ndarray):
+        value = np.array(value)
+        value.flags.writeable = False
+    elif not isinstance(value, (float, int, str)) and not type(value).__name__.startswith("mjt"):
+        raise NotPatchableError(f"{attribute}, which is no number or text")
+    return value

@@ -10,8 +10,8 @@ from bench.robot.checks import faulty_roles
 from bench.robot.compiled import addresses_of
 from bench.robot.folder import Robot
 from bench.robot.patching.numbers import PATCHES, UNSET_LENGTH, NotPatchableError, Patch, set_frames
-from bench.robot.patching.overlay import CONFIG, SpecOverlay
-from bench.robot.patching.parts import Add, Handle, repeated
+from bench.robot.patching.overlay import SpecOverlay
+from bench.robot.patching.parts import CONFIG, Add, Handle, repeated
 from bench.robot.patching.plugin_room import LAWS, padded, widths, write
 from bench.robot.patching.pool import Pool, engine
 
