@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 
 from bench.effects.effect import Array
+from bench.robot.patching.overlay import SpecOverlay
 
 
 class AtZero:
@@ -14,11 +15,14 @@ class AtZero:
     """
 
     def __init__(self, spec: mujoco.MjSpec) -> None:
-        copy = spec.copy()
-        for key in list(copy.keys):
-            copy.delete(key)  # another edit may have changed the number of joints
-        self.model = copy.compile()
-        self.data = mujoco.MjData(self.model)
+        if isinstance(spec, SpecOverlay):
+            self.model, self.data = spec.compiled_with_data()
+        else:
+            copy = spec.copy()
+            for key in list(copy.keys):
+                copy.delete(key)  # another edit may have changed the number of joints
+            self.model = copy.compile()
+            self.data = mujoco.MjData(self.model)
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
         mujoco.mj_tendon(self.model, self.data)

@@ -8,9 +8,10 @@ import numpy as np
 from bench.actuators.laws import TorqueTable
 from bench.effects.effect import WHOLE, Array, Conditions, Effect, Followed, Parameter, Place, Torques, Values
 from bench.effects.places import OnDrive, drive_of, links
-from bench.effects.plugin_actuators import add_torque_table, unused_name
+from bench.effects.plugin_actuators import add_torque_table
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
+from bench.robot.plugins import unused_name
 
 COMPACT_M, BULKY_M = 0.05, 0.6  # [m], radii of gyration of a steel block and of a bulky workpiece, assumed
 LIGHTEST = -0.95  # change of a mass or an inertia, relative; none vanishes

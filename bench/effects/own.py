@@ -12,6 +12,7 @@ import numpy as np
 from bench.effects.effect import Conditions, Effect, Family, Parameter
 from bench.errors import BenchError, InputError
 from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.patched import Unpatched
 from bench.simulate.instruments import Reading
 
 REQUIRED = ("name", "family", "title", "physics", "source", "parameters")
@@ -93,7 +94,9 @@ def _guard(call: Callable[..., Any], file: Path, effect: str, method: str) -> Ca
             raise EffectError(f"{line_in(file, error)}: effect {effect!r}: {method} raised {said}") from error
         if wrong := _wrong_result(method, args, found):
             raise EffectError(f"{file}: effect {effect!r}: {method} {wrong}")
-        return _guard(found, file, effect, "the change from edit") if method == "edit" and found else found
+        if method == "edit" and found:
+            return Unpatched(_guard(found, file, effect, "the change from edit"))
+        return found
 
     return guarded_call
 

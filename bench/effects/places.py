@@ -7,10 +7,10 @@ import numpy as np
 
 from bench.effects.effect import Effect, Parameter, Place
 from bench.effects.nominal import moving_bodies
-from bench.effects.plugin_actuators import PREFIX
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import Drive
 from bench.robot.folder import Robot
+from bench.robot.plugins import PREFIX
 
 HEAVY_TORQUE = 10e3  # [Nm]; ranges in Nm are stated for a drive of this torque limit ...
 HEAVY_SPEED = 2.0  # [rad/s]; ... and this speed limit, and scaled to each drive

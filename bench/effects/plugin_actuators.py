@@ -5,8 +5,7 @@ from collections.abc import Mapping
 import mujoco
 
 from bench.actuators.laws import Friction, TorqueTable, config
-
-PREFIX = "effect/"  # of the names of all parts that effects add
+from bench.robot.plugins import name_instances, unused_name
 
 
 def add_torque_table(
@@ -23,21 +22,11 @@ def add_friction(
     _add(spec, name, "bench.friction", config(law), joint, tendon)
 
 
-def unused_name(spec: mujoco.MjSpec, name: str) -> str:
-    """Return `effect/name`, with a number behind it where the spec has that name already."""
-    taken = {part.name for part in (*spec.actuators, *spec.joints, *spec.bodies, *spec.plugins)}
-    wanted, count = PREFIX + name, 1
-    while wanted in taken:
-        count += 1
-        wanted = f"{PREFIX}{name} {count}"
-    return wanted
-
-
 def _add(
     spec: mujoco.MjSpec, name: str, plugin: str, attributes: Mapping[str, str], joint: str | None, tendon: str | None
 ) -> None:
     spec.activate_plugin(plugin)
-    _name_instances(spec)
+    name_instances(spec)
     full = unused_name(spec, name)
     # attributes live in an instance of its own: MuJoCo 4.0.0 crashes on the `config` of a new actuator's own plugin
     instance = spec.add_plugin(name=full, plugin_name=plugin)
@@ -47,16 +36,3 @@ def _add(
     actuator.target = joint or tendon
     used = actuator.plugin
     used.name, used.plugin_name, used.active = full, plugin, True
-
-
-def _name_instances(spec: mujoco.MjSpec) -> None:
-    """Name the unnamed plugin instances: MuJoCo 4.0.0 saves no named instance that follows an unnamed one."""
-    unnamed = [plugin for plugin in spec.plugins if not plugin.name]
-    users = [actuator for actuator in spec.actuators if actuator.plugin.active and not actuator.plugin.name]
-    if len(unnamed) != len(users):
-        return  # some belong to other parts of the model
-    for instance, actuator in zip(unnamed, users, strict=True):  # both in the order of the file
-        used = actuator.plugin
-        instance.name = instance_name = unused_name(spec, actuator.name)
-        instance.plugin_name = used.plugin_name
-        used.name = instance_name

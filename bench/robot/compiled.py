@@ -165,13 +165,13 @@ def compile_spec(
         drawn = mujoco.MjData(model)  # plugins look at their figures only now
     except ValueError as error:
         raise RobotError(f"{robot.mjcf}: {plain_words(error)}") from error
-    at = _addresses(robot, model)
+    at = addresses_of(robot, model)
     if problems := tuple(faulty_roles(robot, model)):
         raise RobotError(problems)
     mujoco.mj_kinematics(model, drawn)
-    _check_load_body(robot, drawn, at)
+    check_load_body(robot, drawn, at)
     motor, link = (
-        np.array([numbers_of(spec, getattr(drive, part), FRICTION) for drive in robot.figures.drives]).T
+        np.array(numbers_of(spec, [getattr(drive, part) for drive in robot.figures.drives], FRICTION)).T
         for part in ("motor_friction", "link_friction")
     )
     return CompiledRobot(
@@ -182,11 +182,16 @@ def compile_spec(
         link_coulomb=link[0],
         motor_presliding=motor[1],
         link_presliding=link[1],
-        counterbalance=_counterbalance(robot, spec, model, drawn, at),
+        counterbalance=counterbalance_of(robot, spec, model, drawn, at),
     )
 
 
-def _addresses(robot: Robot, model: mujoco.MjModel) -> Addresses:
+def addresses_of(robot: Robot, model: mujoco.MjModel) -> Addresses:
+    """Return where the parts that the figures name sit in a model.
+
+    Raises:
+        RobotError: The model lacks parts; every missing one is listed.
+    """
     problems: list[str] = []
 
     def find(kind: str, name: str | None, place: str) -> int:
@@ -237,8 +242,12 @@ def _addresses(robot: Robot, model: mujoco.MjModel) -> Addresses:
     )
 
 
-def _check_load_body(robot: Robot, data: mujoco.MjData, at: Addresses) -> None:
-    """Wrenches act at the centre of mass of the load body; that must be the load point."""
+def check_load_body(robot: Robot, data: mujoco.MjData, at: Addresses) -> None:
+    """Check that the centre of mass of the load body, where wrenches act, is in the load point; `data` has kinematics.
+
+    Raises:
+        RobotError: It is elsewhere.
+    """
     if np.linalg.norm(data.xipos[at.load_body] - data.site_xpos[at.load_point]) > SAME_PLACE:
         name, site = robot.figures.load_body, robot.figures.load_point
         raise RobotError(
@@ -247,10 +256,16 @@ def _check_load_body(robot: Robot, data: mujoco.MjData, at: Addresses) -> None:
         )
 
 
-def _counterbalance(
+def counterbalance_of(
     robot: Robot, spec: mujoco.MjSpec, model: mujoco.MjModel, data: mujoco.MjData, at: Addresses
 ) -> Counterbalance | None:
-    """Return the closed form of the counterbalance: anchors from the tendon, gas figures from the actuator."""
+    """Return the closed form of the counterbalance: anchors from the tendon, gas figures from the actuator.
+
+    `data` has kinematics with all joints at zero. None where `CompiledRobot.counterbalance` is.
+
+    Raises:
+        RobotError: The figures name no driven joint, or the tendon does not run straight in a plane across the joint.
+    """
     named = robot.figures.counterbalance
     if named is None:
         return None

@@ -107,6 +107,17 @@ def test_required(law: Law, name: str):
     assert f"attribute {name} is missing; it must be" in refusal(mjcf(element(law, **{name: ""})))
 
 
+@pytest.mark.parametrize(("law", "name"), [(GAS, "constant"), (FRICTION, "coulomb"), (TABLE, "forward")])
+def test_blanks_are_nothing(law: Law, name: str):
+    assert f"attribute {name} is missing; it must be" in refusal(mjcf(element(law, **{name: "   "})))
+
+
+def test_blanks_behind_a_value():
+    given = {"coulomb": "7   ", "ripple_period": "  ", "element": "rod   ", "load_coefficient": "0.1  "}
+    mujoco.MjModel.from_xml_string(mjcf(element(FRICTION, **given)))
+    assert "attribute coulomb = '-7' must be" in refusal(mjcf(element(FRICTION, coulomb="-7   ")))
+
+
 def test_unknown_attribute():
     with pytest.raises(ValueError, match="coulumb"):
         mujoco.MjModel.from_xml_string(mjcf(element(FRICTION, coulumb="1")))

@@ -9,9 +9,20 @@ enum {
   MAX_NAME = 128,  // characters of a name in a list of names
 };
 
+static const char kBlanks[] = " \t\n\r";
+
 static const char* attribute_text(const Reader* reader, const char* name) {
   const char* text = mj_getPluginConfig(reader->m, reader->instance, name);
-  return text && text[0] ? text : NULL;
+  return text && text[strspn(text, kBlanks)] ? text : NULL;
+}
+
+// Length without the blanks at the end.
+static size_t trimmed(const char* text) {
+  size_t length = strlen(text);
+  while (length && strchr(kBlanks, text[length - 1])) {
+    length--;
+  }
+  return length;
 }
 
 void fault(Reader* reader, const char* sentence) {
@@ -19,6 +30,9 @@ void fault(Reader* reader, const char* sentence) {
     return;
   }
   reader->ok = false;
+  if (reader->silent) {
+    return;
+  }
   const char* plugin = mjp_getPluginAtSlot(reader->m->plugin[reader->instance])->name;
   const char* actuator = mj_id2name(reader->m, mjOBJ_ACTUATOR, reader->actuator);
   mju_warning("%s, actuator %d '%s': %s", plugin, reader->actuator, actuator ? actuator : "", sentence);
@@ -28,8 +42,10 @@ void attribute_fault(Reader* reader, const char* name, const char* rule) {
   char sentence[256];
   const char* text = attribute_text(reader, name);
   if (text) {
-    const char* dots = strlen(text) > SHOWN ? "..." : "";
-    snprintf(sentence, sizeof(sentence), "attribute %s = '%.*s%s' %s", name, SHOWN, text, dots, rule);
+    size_t length = trimmed(text);
+    const char* dots = length > SHOWN ? "..." : "";
+    snprintf(sentence, sizeof(sentence), "attribute %s = '%.*s%s' %s", name, (int)mjMIN(length, SHOWN), text, dots,
+             rule);
   } else {
     snprintf(sentence, sizeof(sentence), "attribute %s is missing; it %s", name, rule);
   }
@@ -56,8 +72,6 @@ static const Interval kInterval[] = {
 static bool contains(const Interval* interval, double value) {
   return (value > interval->low || (interval->with_low && value == interval->low)) && value < interval->high;
 }
-
-static const char kBlanks[] = " \t\n\r";
 
 // Reads the number at *text and moves *text behind it and the blanks that follow. Returns NAN if there is none.
 static double next_number(const char** text) {
@@ -136,7 +150,12 @@ int read_tendon(Reader* reader, const char* name) {
   if (!text) {
     return -1;
   }
-  int tendon = mj_name2id(reader->m, mjOBJ_TENDON, text);  // first as one name, because names may contain blanks
+  size_t size = trimmed(text);
+  char* whole = mju_malloc(size + 1);
+  memcpy(whole, text, size);
+  whole[size] = 0;
+  int tendon = mj_name2id(reader->m, mjOBJ_TENDON, whole);  // first as one name, because names may contain blanks
+  mju_free(whole);
   int listed = -1;
   int words = 0;
   for (; tendon < 0 && *text; words++) {

@@ -32,7 +32,8 @@ typedef struct Number {
 } Number;
 
 // Reads the attributes of one actuator. Its instance may have several: each number then is one for all of them, or one
-// for each in their order in the model. `ok` turns false at the first fault, which is reported as a warning.
+// for each in their order in the model. `ok` turns false at the first fault, which is reported as a warning. Blanks alone
+// count as an attribute that was not given: a model may keep room for one.
 typedef struct Reader {
   const mjModel* m;
   int instance;
@@ -40,6 +41,7 @@ typedef struct Reader {
   int index;  // of the actuator among those of its instance
   int count;  // of the actuators of its instance
   bool ok;
+  bool silent;  // reports nothing
 } Reader;
 
 // Reports a fault of the actuator.

@@ -1,0 +1,225 @@
+"""Thousands of models of one robot: what an edit changes in numbers is written into a copy of a compiled model.
+
+An edit is given something that looks like the `MjSpec` and notes what the edit does (`patching.overlay`).
+
+- Numbers are written into the model (`patching.numbers`, `patching.plugin_room`): masses, places, stiffness, damping,
+  gravity, and the attributes of plugins, thus gas and friction.
+- New parts make another structure (`patching.structure`). It is compiled once, and its numbers are written as well:
+  torque tables and friction elements, bodies, hinges, more joints on a fixed tendon. With these two every effect of the
+  catalogue is patched.
+- Whatever else an edit does is compiled as by `compile_spec`. So is every value of which the compiler would make more
+  than a copy, and what it may refuse, so that the message is the same. Edits of a user's own are never patched.
+"""
+
+from collections import OrderedDict
+from collections.abc import Hashable, Iterable
+from dataclasses import dataclass, replace
+from threading import RLock
+from typing import Any, cast
+
+import mujoco
+import numpy as np
+
+from bench.robot.compiled import (
+    FRICTION,
+    CompiledRobot,
+    SpecEdit,
+    check_load_body,
+    compile_spec,
+    counterbalance_of,
+)
+from bench.robot.folder import Robot
+from bench.robot.patching.numbers import NotPatchableError
+from bench.robot.patching.overlay import SpecOverlay
+from bench.robot.patching.parts import Add, Blank, Handle, Parts, value_of
+from bench.robot.patching.plugin_room import LISTS
+from bench.robot.patching.pool import engine
+from bench.robot.patching.structure import CompiledStructure
+from bench.robot.plugins import entry_of, name_instances
+
+MOST_STRUCTURES = 64  # kept compiled, besides the robot's own
+
+
+@dataclass(frozen=True)
+class Unpatched:
+    """An edit that needs the true `MjSpec`; models with it are compiled.
+
+    Attributes:
+        edit: The edit.
+    """
+
+    edit: SpecEdit
+
+    def __call__(self, spec: mujoco.MjSpec, robot: Robot) -> None:
+        """Change the spec."""
+        self.edit(spec, robot)
+
+
+class Structure:
+    """A robot whose models are made quickly; several threads may ask at once.
+
+    Args:
+        robot: Its folder.
+        spec: Its spec; not changed. Models have no keyframes.
+
+    Raises:
+        RobotError: As `compile_spec`.
+    """
+
+    def __init__(self, robot: Robot, spec: mujoco.MjSpec) -> None:
+        self._folder = robot
+        self._spec = spec.copy()
+        for key in list(self._spec.keys):
+            self._spec.delete(key)
+        self._nominal = compile_spec(self._spec.copy(), robot)
+        self._named = self._spec.copy()
+        name_instances(self._named)
+        self._parts = Parts(self._named)
+        self._lock = RLock()
+        self._values: dict[tuple[Handle, str], Any] = {}
+        self._blanks: dict[Add, Blank] = {}
+        self._structures: OrderedDict[Hashable, CompiledStructure] = OrderedDict()
+        self.names = {kind: [str(part.name) for part in parts] for kind, parts in self._parts.lists.items()}
+        self.handles = {
+            kind: {name: Handle(kind, i) for i, name in enumerate(names)} for kind, names in self.names.items()
+        }
+        self.users: dict[str, list[str]] = {name: [] for name in self.names["plugin"]}
+        for actuator in self._parts.lists["actuator"]:
+            if actuator.plugin.active and actuator.plugin.name:
+                self.users[actuator.plugin.name].append(str(actuator.name))
+        self.uses = {
+            actuator: (self.handles["plugin"][instance], index, len(sharing))
+            for instance, sharing in self.users.items()
+            for index, actuator in enumerate(sharing)
+        }
+        self._own = CompiledStructure(robot, self._named, SpecOverlay(self))
+        drives = robot.figures.drives
+        self._friction = {drive.motor_friction: ("motor", i) for i, drive in enumerate(drives)}
+        self._friction |= {drive.link_friction: ("link", i) for i, drive in enumerate(drives)}
+
+    def robot(self, edits: Iterable[SpecEdit]) -> CompiledRobot:
+        """Return the robot with some edits, as `compile_spec` would of a copy of the spec.
+
+        The model is the caller's as long as something refers to it; its arrays alone do not count.
+
+        Raises:
+            RobotError: As `compile_spec`.
+        """
+        edits = tuple(edits)
+        try:
+            if any(isinstance(edit, Unpatched) for edit in edits):
+                raise NotPatchableError("an edit of a user's own")
+            overlay = SpecOverlay(self)
+            for edit in edits:
+                edit(cast(mujoco.MjSpec, overlay), self._folder)
+            with self._lock:
+                return self._patched(overlay)
+        except NotPatchableError:
+            return compile_spec(self._spec.copy(), self._folder, edits)
+
+    def value(self, handle: Handle, attribute: str) -> Any:
+        """Return an attribute of a part of the spec; an array is read-only."""
+        key = handle, attribute
+        if key not in self._values:
+            self._values[key] = value_of(self._parts[handle], attribute)
+        return self._values[key]
+
+    def blank(self, operation: Add) -> Blank:
+        """Return a part as it is when it was just added."""
+        if operation.parent and operation.parent.number >= len(self.names["body"]):
+            raise NotPatchableError("a part of an added body")
+        key = operation._replace(name="blank")  # what it is called does not count
+        with self._lock:
+            if key not in self._blanks:
+                self._blanks[key] = Blank(self._named, key)
+            return self._blanks[key]
+
+    def carrier(self, handle: Handle) -> Handle:
+        """Return the body that carries a joint, a site or a body of the spec."""
+        return self._own.carrier(handle)
+
+    def carried(self, body: Handle, kind: str) -> tuple[Handle, ...]:
+        """Return the joints, sites or bodies of the spec that a body carries itself."""
+        if body.number >= len(self.names["body"]):
+            return ()
+        return self._own.carried(body, kind)
+
+    def wraps(self, tendon: Handle) -> int:
+        """Return how many joints or sites a tendon of the spec runs over."""
+        return int(self._own.model.tendon_num[self._own.index(tendon)])
+
+    def compiled_with_data(self, overlay: SpecOverlay) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        """Return the model with everything that an overlay notes, and fresh data that fit it."""
+        with self._lock:
+            structure = self._structure(overlay)
+            return structure.patched(overlay), structure.fresh_data()
+
+    def _patched(self, overlay: SpecOverlay) -> CompiledRobot:
+        structure = self._structure(overlay)
+        model, data, at = structure.patched(overlay), structure.data, structure.at
+        if overlay.configs and any(
+            engine().bench_refuses(model._address, structure.index(handle)) for handle in overlay.configs
+        ):
+            raise NotPatchableError("attributes that a plugin refuses")
+        found = replace(self._with_friction(overlay), model=model, at=at)
+        moves = structure.moves(overlay)
+        if moves or self._touches_gas(overlay):
+            mujoco.mj_resetData(model, data)
+            mujoco.mj_kinematics(model, data)
+            if moves:
+                check_load_body(self._folder, data, at)
+            spec = cast(mujoco.MjSpec, overlay)
+            found = replace(found, counterbalance=counterbalance_of(self._folder, spec, model, data, at))
+        return found
+
+    def _structure(self, overlay: SpecOverlay) -> CompiledStructure:
+        if not overlay.operations:
+            return self._own
+        lists = tuple(
+            (handle, name, config.get(name, "").count(" "))
+            for handle, config in overlay.configs.items()
+            if not self._is_own(handle)
+            for name in LISTS
+        )
+        key = tuple(overlay.operations), lists
+        if key not in self._structures:
+            self._structures[key] = CompiledStructure(self._folder, self._named, overlay)
+            if len(self._structures) > MOST_STRUCTURES:
+                self._structures.popitem(last=False)
+        self._structures.move_to_end(key)
+        return self._structures[key]
+
+    def _with_friction(self, overlay: SpecOverlay) -> CompiledRobot:
+        """Return the nominal robot with the levels and stiffnesses of the friction elements that an overlay notes."""
+        nominal = self._nominal
+        if not overlay.configs:
+            return nominal
+        found = {
+            f"{side}_{figure}": np.array(getattr(nominal, f"{side}_{figure}"))
+            for side in ("motor", "link")
+            for figure in ("coulomb", "presliding")
+        }
+        for handle, config in overlay.configs.items():
+            users = self.users.get(self.names["plugin"][handle.number], []) if self._is_own(handle) else []
+            for index, actuator in enumerate(users):
+                if actuator in self._friction:
+                    side, drive = self._friction[actuator]
+                    for figure, attribute in (("coulomb", FRICTION[0]), ("presliding", FRICTION[1])):
+                        found[f"{side}_{figure}"][drive] = float(entry_of(config[attribute], index, len(users)))
+        return replace(
+            nominal,
+            motor_coulomb=found["motor_coulomb"],
+            link_coulomb=found["link_coulomb"],
+            motor_presliding=found["motor_presliding"],
+            link_presliding=found["link_presliding"],
+        )
+
+    def _is_own(self, plugin: Handle) -> bool:
+        return plugin.number < len(self.names["plugin"])
+
+    def _touches_gas(self, overlay: SpecOverlay) -> bool:
+        balance = self._folder.figures.counterbalance
+        return balance is not None and any(
+            self._is_own(handle) and balance.actuator in self.users.get(self.names["plugin"][handle.number], [])
+            for handle in overlay.configs
+        )

@@ -1,0 +1,166 @@
+"""A structure of a robot's model, compiled once; what edits change in its numbers is written into copies of it."""
+
+import copy
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from bench.robot.checks import faulty_roles
+from bench.robot.compiled import addresses_of
+from bench.robot.folder import Robot
+from bench.robot.patching.numbers import PATCHES, UNSET_LENGTH, NotPatchableError, Patch, set_frames
+from bench.robot.patching.overlay import SpecOverlay
+from bench.robot.patching.parts import CONFIG, Add, Handle, repeated
+from bench.robot.patching.plugin_room import LAWS, padded, widths, write
+from bench.robot.patching.pool import Pool, engine
+
+
+class CompiledStructure:
+    """One structure.
+
+    Args:
+        robot: The folder.
+        spec: With every plugin instance named; not changed.
+        overlay: What makes the structure of it.
+
+    Raises:
+        NotPatchableError: It does not compile, or is not this robot.
+    """
+
+    def __init__(self, robot: Robot, spec: mujoco.MjSpec, overlay: SpecOverlay) -> None:
+        self._spec = spec.copy()
+        self._parts = repeated(self._spec, tuple(overlay.operations))
+        self._rooms: dict[Handle, dict[str, int]] = {}
+        tendons = [str(tendon.name) for tendon in self._spec.tendons]
+        for instance in overlay.all("plugin"):
+            if instance.name and instance.plugin_name in LAWS:
+                config = overlay.read(instance.handle, CONFIG)
+                room = widths(instance.plugin_name, config, len(overlay.users_of(instance.name)), tendons)
+                self._rooms[instance.handle] = room
+                self._parts[instance.handle].config = padded(config, room)
+        # hinges without armature and stiffness would make MuJoCo warn of a singular inertia
+        hinged = any(isinstance(done, Add) and done.kind == "joint" for done in overlay.operations)
+        self._begun = {key: value for key, value in overlay.numbers.items() if hinged and key[0].kind == "joint"}
+        for (handle, attribute), value in self._begun.items():
+            setattr(self._parts[handle], attribute, value)
+        try:
+            self.model = self._spec.compile()
+        except ValueError as error:
+            raise NotPatchableError(str(error)) from error
+        if any(faulty_roles(robot, self.model)):
+            raise NotPatchableError("a part that does not play its role")
+        self.at = addresses_of(robot, self.model)
+        self.data = mujoco.MjData(self.model)
+        self._models = Pool(lambda: copy.copy(self.model))
+        self._data = Pool(lambda: mujoco.MjData(self.model))
+        self._indices: dict[Handle, int] = {}
+        self._carried: dict[tuple[Handle, str], list[Handle]] = {}
+        self._checked: set[tuple[Handle, str]] = set()
+        compiler = self._spec.compiler
+        self._copies_masses = not (
+            compiler.boundmass or compiler.boundinertia or compiler.balanceinertia or compiler.settotalmass > 0
+        )
+        self._derives_inertia = bool(np.isnan(self._spec.stat.meaninertia))
+        lengths = np.array([tendon.springlength[0] for tendon in self._spec.tendons])
+        is_spatial = self.model.wrap_type[self.model.tendon_adr] != int(mujoco.mjtWrap.mjWRAP_JOINT)
+        self._relaxed = np.flatnonzero((lengths == UNSET_LENGTH) & is_spatial)
+        self._numbers = {
+            kind: {int(part.id): number for number, part in enumerate(parts)}
+            for kind, parts in self._parts.lists.items()
+            if kind == "body"
+        }
+
+    def patched(self, overlay: SpecOverlay) -> mujoco.MjModel:
+        """Return a copy of the model with the numbers and texts that an overlay notes.
+
+        Raises:
+            NotPatchableError: A number that the compiler did not copy, or would not.
+        """
+        model = self._models.take()
+        engine().mj_copyModel(model._address, self.model._address)
+        bodies: set[int] = set()
+        sites: set[int] = set()
+        derives = moves = False
+        numbers = overlay.numbers
+        if self._begun:
+            numbers = {key: overlay.read(*key) for key in self._begun} | numbers
+        for (handle, attribute), value in numbers.items():
+            patch = PATCHES[handle.kind, attribute.partition(" ")[0]]
+            index = self.index(handle)
+            if (handle, attribute) not in self._checked:
+                self._check(handle, attribute, patch)
+            patch.write(model, index, value)
+            derives, moves = derives or patch.derives, moves or patch.moves
+            if attribute == "ipos":
+                bodies.add(index)
+            elif handle.kind == "site":
+                sites.add(index)
+        for handle, config in overlay.configs.items():
+            if handle not in self._rooms:
+                raise NotPatchableError("attributes of a plugin that is not of the bench")
+            write(model, self.index(handle), config, self._rooms[handle])
+        if bodies or sites:
+            set_frames(model, bodies, sites)
+        if derives:
+            mujoco.mj_setConst(model, self.data)
+            if self._derives_inertia:
+                model.stat.meaninertia = model.dof_M0.mean()  # as the compiler does
+        if moves:
+            self._relax(model)
+        return model
+
+    def fresh_data(self) -> mujoco.MjData:
+        """Return data of a model that was just reset, and that nobody else holds."""
+        data = self._data.take()
+        mujoco.mj_resetData(self.model, data)
+        return data
+
+    def moves(self, overlay: SpecOverlay) -> bool:
+        """Whether bodies or points may be elsewhere than in the robot's own model."""
+        return any(isinstance(done, Add) and done.kind in ("body", "joint") for done in overlay.operations) or any(
+            PATCHES[handle.kind, attribute.partition(" ")[0]].moves for handle, attribute in overlay.numbers
+        )
+
+    def index(self, handle: Handle) -> int:
+        """Return the id of a part in the model."""
+        found = self._indices.get(handle)
+        if found is None:
+            part = self._parts[handle]
+            if handle.kind == "plugin":
+                found = int(mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_PLUGIN, part.name))
+            else:
+                found = 0 if handle.kind == "option" else int(part.id)
+            self._indices[handle] = found
+        return found
+
+    def carrier(self, handle: Handle) -> Handle:
+        """Return the body that carries a body, a joint or a site."""
+        carriers = {"body": self.model.body_parentid, "joint": self.model.jnt_bodyid, "site": self.model.site_bodyid}
+        return Handle("body", self._numbers["body"][int(carriers[handle.kind][self.index(handle)])])
+
+    def carried(self, body: Handle, kind: str) -> tuple[Handle, ...]:
+        """Return the joints, sites or bodies that a body carries itself."""
+        if not self._carried:
+            for found in ("body", "joint", "site"):
+                for number in range(found == "body", len(self._parts.lists[found])):  # the world is carried by nothing
+                    handle = Handle(found, number)
+                    self._carried.setdefault((self.carrier(handle), found), []).append(handle)
+        return tuple(self._carried.get((body, kind), ()))
+
+    def _check(self, handle: Handle, attribute: str, patch: Patch) -> None:
+        given: Any = None if attribute.startswith("wrap") else getattr(self._parts[handle], attribute)
+        if not patch.held(self.model, self.index(handle), given):
+            raise NotPatchableError(f"{attribute} of a {handle.kind}, which the compiler did not copy")
+        if handle.kind == "body" and not self._copies_masses:
+            raise NotPatchableError("masses that the compiler changes")
+        self._checked.add((handle, attribute))
+
+    def _relax(self, model: mujoco.MjModel) -> None:
+        """Give spatial tendons without a spring length of their own the one at which joint springs are relaxed."""
+        data, relaxed = self.data, self._relaxed
+        data.qpos[:] = model.qpos_spring
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_tendon(model, data)
+        model.tendon_lengthspring[relaxed] = data.ten_length[relaxed, None]

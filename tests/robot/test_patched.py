@@ -1,0 +1,239 @@
+"""A patched model is the compiled one: every number that physics uses, its forces, and the figures of the robot."""
+
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import bench.robot.patched as patched_module
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Conditions, Effect, Place
+from bench.effects.nominal import nominal_parameters
+from bench.effects.unlisted import unlisted
+from bench.errors import RobotError
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec
+from bench.robot.folder import Robot, load_robot
+from bench.robot.patched import Structure, Unpatched
+from bench.robot.plugins import configure
+from bench.simulate.bare import bare_spec
+from bench.simulate.payload import bolt_on
+
+AGREEMENT = 1e-12  # relative, of numbers and of forces: rounding of derived numbers
+PAYLOAD = 12.0  # [kg]
+EFFECTS = {
+    name: effect for name, effect in {**catalogue(), **unlisted()}.items() if type(effect).edit is not Effect.edit
+}
+ROBOTS = ("small", "hh150", "kr300", "emps")
+# Names and texts, and where they begin. A patched model keeps room behind the attributes of plugins, which are compared
+# by the forces that they make, and each of its plugin instances has a name.
+TEXTS = {"plugin_attr", "plugin_attradr", "names", "names_map", "paths"}
+
+
+class Both:
+    """One robot, patched and compiled."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.spec = bare_spec(robot)
+        self.before = self.spec.to_xml()
+        self.structure = Structure(robot, self.spec)
+        self.nominal = self.structure.robot(())
+
+    def compiled(self, edits: Iterable[SpecEdit]) -> CompiledRobot:
+        spec = self.spec.copy()
+        for key in list(spec.keys):
+            spec.delete(key)
+        return compile_spec(spec, self.robot, edits)
+
+
+@cache
+def both_of(folder: str) -> Both:
+    return Both(load_robot(folder))
+
+
+@pytest.fixture(params=ROBOTS)
+def both(request: pytest.FixtureRequest, small_robot: Path) -> Both:
+    return both_of(str(small_robot) if request.param == "small" else request.param)
+
+
+@pytest.fixture
+def never_compiled(both: Both, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*args: object) -> None:
+        raise AssertionError("compiled instead of patched")
+
+    monkeypatch.setattr(patched_module, "compile_spec", refuse)
+
+
+def warm(n: int) -> Conditions:
+    return Conditions(np.full(n, 308.15), np.full(n, 323.15), ambient_k=298.15, payload_kg=PAYLOAD)
+
+
+def typical_edit(effect: Effect, both: Both, place: Place) -> SpecEdit:
+    values = {one.name: one.typical for one in effect.parameters_at(both.nominal, place)}
+    edit = effect.edit(place, effect.complete(values), warm(both.nominal.n_joints))
+    assert edit
+    return edit
+
+
+def numbers_of_model(model: mujoco.MjModel) -> dict[str, NDArray[np.float64]]:
+    found = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
+    numbers = {name: value for name, value in found.items() if isinstance(value, np.ndarray)}
+    numbers = {name: value for name, value in numbers.items() if name not in TEXTS and not name.startswith("name_")}
+    return numbers | {"gravity": model.opt.gravity, "meaninertia": np.array(model.stat.meaninertia)}
+
+
+def assert_same_numbers(left: mujoco.MjModel, right: mujoco.MjModel) -> None:
+    first, second = numbers_of_model(left), numbers_of_model(right)
+    for name, value in second.items():
+        largest = float(np.max(np.abs(value), initial=0.0))
+        np.testing.assert_allclose(
+            first[name].astype(float), value.astype(float), rtol=AGREEMENT, atol=AGREEMENT * largest, err_msg=name
+        )
+
+
+def forces(model: mujoco.MjModel) -> dict[str, NDArray[np.float64]]:
+    rng = np.random.default_rng(7)
+    data = mujoco.MjData(model)
+    with np.errstate(all="ignore"):
+        data.qpos[:] = rng.uniform(-0.4, 0.4, model.nq)
+        data.qvel[:] = rng.uniform(-0.5, 0.5, model.nv)
+        for _ in range(3):  # so that friction and gas remember something
+            mujoco.mj_forward(model, data)
+            mujoco.mj_Euler(model, data)
+        data.qpos[:] = rng.uniform(-0.4, 0.4, model.nq)
+        data.qvel[:] = rng.uniform(-0.5, 0.5, model.nv)
+        mujoco.mj_forward(model, data)
+    names = ("xpos", "xmat", "xipos", "site_xpos", "qfrc_bias", "qfrc_passive", "qfrc_actuator", "actuator_force")
+    return {name: np.array(getattr(data, name)) for name in (*names, "ten_length", "plugin_state")}
+
+
+def assert_same(patched: CompiledRobot, compiled: CompiledRobot) -> None:
+    assert_same_numbers(patched.model, compiled.model)
+    second = forces(compiled.model)
+    for name, value in forces(patched.model).items():
+        largest = float(np.max(np.abs(second[name]), initial=0.0))
+        np.testing.assert_allclose(value, second[name], rtol=AGREEMENT, atol=10 * AGREEMENT * largest, err_msg=name)
+    for name in ("motor_coulomb", "link_coulomb", "motor_presliding", "link_presliding", "stiffness", "play"):
+        np.testing.assert_allclose(getattr(patched, name), getattr(compiled, name), rtol=AGREEMENT, err_msg=name)
+    for name in vars(compiled.at):
+        np.testing.assert_array_equal(getattr(patched.at, name), getattr(compiled.at, name), err_msg=name)
+    assert (patched.counterbalance is None) == (compiled.counterbalance is None)
+    if patched.counterbalance and compiled.counterbalance:
+        np.testing.assert_allclose(
+            list(vars(patched.counterbalance).values()), list(vars(compiled.counterbalance).values()), rtol=AGREEMENT
+        )
+
+
+@pytest.mark.usefixtures("never_compiled")
+@pytest.mark.parametrize("name", EFFECTS)
+def test_every_effect_at_every_place(name: str, both: Both) -> None:
+    """Other sizes come first, so that the structure was made for other numbers than those compared."""
+    effect = EFFECTS[name]
+    for place in effect.places(both.nominal):
+        values = {
+            one.name: one.null if one.is_shape else one.null + one.high
+            for one in effect.parameters_at(both.nominal, place)
+        }
+        other = effect.edit(place, effect.complete(values), warm(both.nominal.n_joints))
+        assert other
+        both.structure.robot([other])
+        edits = [bolt_on(PAYLOAD), typical_edit(effect, both, place)]
+        assert_same(both.structure.robot(edits), both.compiled(edits))
+
+
+@pytest.mark.usefixtures("never_compiled")
+def test_every_nominal_parameter(both: Both) -> None:
+    for parameter in nominal_parameters(both.nominal):
+        edits = [parameter.edit(parameter.sigma)]
+        assert_same(both.structure.robot(edits), both.compiled(edits))
+
+
+@pytest.mark.usefixtures("never_compiled")
+def test_combinations(both: Both) -> None:
+    """Payload, all deviations and two effects, of which either may come first."""
+    deviations = [one.edit((-1) ** i * one.sigma) for i, one in enumerate(nominal_parameters(both.nominal))]
+    acting = [
+        typical_edit(effect, both, place) for effect in EFFECTS.values() for place in effect.places(both.nominal)[-1:]
+    ]
+    rng = np.random.default_rng(3)
+    for _ in range(30):
+        first, second = rng.choice(len(acting), 2, replace=False)
+        edits = [bolt_on(PAYLOAD), *deviations, acting[first], acting[second]]
+        assert_same(both.structure.robot(edits), both.compiled(edits))
+
+
+def test_the_spec_stays_as_it_was(both: Both) -> None:
+    for effect in EFFECTS.values():
+        for place in effect.places(both.nominal)[:1]:
+            both.structure.robot([typical_edit(effect, both, place)])
+    assert both.spec.to_xml() == both.before
+    assert_same(both.structure.robot(()), both.compiled(()))
+
+
+def with_a_stand(spec: mujoco.MjSpec, robot: Robot) -> None:
+    spec.worldbody.add_body(name="stand")
+
+
+def with_memory(spec: mujoco.MjSpec, robot: Robot) -> None:
+    spec.memory = 1 << 20
+
+
+def negative_friction(spec: mujoco.MjSpec, robot: Robot) -> None:
+    configure(spec, robot.figures.drives[0].motor_friction, coulomb=-1.0)
+
+
+def negative_mass(spec: mujoco.MjSpec, robot: Robot) -> None:
+    spec.body(robot.figures.load_body).mass = -1.0
+
+
+def no_stiffness(spec: mujoco.MjSpec, robot: Robot) -> None:
+    spec.tendon(robot.figures.drives[0].element).stiffness = np.zeros(3)
+
+
+def shifted_load(spec: mujoco.MjSpec, robot: Robot) -> None:
+    spec.body(robot.figures.load_body).ipos = np.array([0.0, 0.0, 0.01])
+
+
+def lopsided(spec: mujoco.MjSpec, robot: Robot) -> None:
+    spec.body(robot.figures.load_body).inertia = np.array([1.0, 1.0, 3.0])
+
+
+@pytest.mark.parametrize("edit", [negative_friction, negative_mass, no_stiffness, shifted_load, lopsided])
+def test_refused_as_when_compiled(edit: SpecEdit, both: Both, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to MUJOCO_LOG.TXT
+    with pytest.raises(RobotError) as compiled:
+        both.compiled([edit])
+    with pytest.raises(RobotError) as patched:
+        both.structure.robot([edit])
+    assert str(patched.value) == str(compiled.value)
+
+
+@pytest.mark.parametrize("edit", [with_a_stand, with_memory, Unpatched(bolt_on(3.0))])
+def test_what_cannot_be_patched_is_compiled(edit: SpecEdit, both: Both) -> None:
+    assert_same(both.structure.robot([edit]), both.compiled([edit]))
+
+
+def test_several_threads(both: Both) -> None:
+    load = both.nominal.at.load_body
+
+    def mass(wanted: int) -> float:
+        return float(both.structure.robot([bolt_on(float(wanted))]).model.body_mass[load])
+
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(mass, range(1, 400))) == list(range(1, 400))
+
+
+def test_robots_that_are_alive_share_no_model(both: Both) -> None:
+    kept = [both.structure.robot([bolt_on(float(mass))]) for mass in range(1, 40)]
+    load = both.nominal.at.load_body
+    assert [one.model.body_mass[load] for one in kept] == list(range(1, 40))
+    data = mujoco.MjData(kept[0].model)
+    del kept
+    others = [both.structure.robot([bolt_on(50.0)]) for _ in range(40)]
+    assert data.model.body_mass[load] == 1.0
+    assert len({one.model._address for one in others} | {data.model._address}) == 41
