@@ -3,38 +3,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "vector.h"
+
 // Masses below it on a rotor, out of its axis, count as none [m].
 static const double kOnAxis = 1e-12;
-
-static mjtNum dot(const mjtNum* a, const mjtNum* b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(mjtNum* result, const mjtNum* a, const mjtNum* b) {
-  result[0] = a[1] * b[2] - a[2] * b[1];
-  result[1] = a[2] * b[0] - a[0] * b[2];
-  result[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static void add_cross(mjtNum* result, const mjtNum* a, const mjtNum* b) {
-  result[0] += a[1] * b[2] - a[2] * b[1];
-  result[1] += a[2] * b[0] - a[0] * b[2];
-  result[2] += a[0] * b[1] - a[1] * b[0];
-}
-
-static void apply(mjtNum* result, const mjtNum* matrix, const mjtNum* vector) {
-  for (int i = 0; i < 3; i++) {
-    result[i] = dot(matrix + 3 * i, vector);
-  }
-}
-
-static void compose(mjtNum* result, const mjtNum* a, const mjtNum* b) {
-  for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < 3; j++) {
-      result[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
-    }
-  }
-}
 
 // Adds the inertia of a point mass at `r` about the origin.
 static void add_steiner(mjtNum* inertia, mjtNum mass, const mjtNum* r) {
@@ -199,11 +171,11 @@ bool tree_read(Tree* tree, const mjModel* m, Point* body_com, int body, Point* s
 
 void tree_point(const Tree* tree, const Point* point, mjtNum result[3]) {
   if (point->link < 0) {
-    mju_copy3(result, point->local);
+    copy(result, point->local, 3);
     return;
   }
   apply(result, tree->rotation[point->link], point->local);
-  mju_addTo3(result, tree->origin[point->link]);
+  add_scaled(result, tree->origin[point->link], 1);
 }
 
 void tree_jacobian(const Tree* tree, const Point* point, const mjtNum place[3], const mjtNum direction[3], mjtNum sign,
@@ -239,19 +211,19 @@ static void place_link(Tree* tree, int i, mjtNum q) {
   mjtNum* p = tree->origin[i];
   Spatial* axis = tree->axis + i;
   if (link->parent < 0) {
-    mju_copy3(p, link->anchor);
-    mju_copy(R, link->turn, 9);
+    copy(p, link->anchor, 3);
+    copy(R, link->turn, 9);
   } else {
     const mjtNum* base = tree->rotation[link->parent];
     apply(p, base, link->anchor);
-    mju_addTo3(p, tree->origin[link->parent]);
+    add_scaled(p, tree->origin[link->parent], 1);
     compose(R, base, link->turn);
   }
   mjtNum z[3] = {R[2], R[5], R[8]};
   if (link->is_slide) {
-    mju_addToScl3(p, z, q - link->zero);
-    mju_zero3(axis->angular);
-    mju_copy3(axis->linear, z);
+    add_scaled(p, z, q - link->zero);
+    zero(axis->angular, 3);
+    copy(axis->linear, z, 3);
     return;
   }
   mjtNum c = cos(q - link->zero), s = sin(q - link->zero);
@@ -260,7 +232,7 @@ static void place_link(Tree* tree, int i, mjtNum q) {
     R[k] = c * x + s * y;
     R[k + 1] = c * y - s * x;
   }
-  mju_copy3(axis->angular, z);
+  copy(axis->angular, z, 3);
   cross(axis->linear, p, z);
 }
 
@@ -273,11 +245,12 @@ static void moments_of(Moments* result, const Tree* tree, int i) {
   const mjtNum* R = tree->rotation[i];
   mjtNum c[3], part[9];
   apply(c, R, link->com);
-  mju_addTo3(c, tree->origin[i]);
+  add_scaled(c, tree->origin[i], 1);
   compose(part, R, link->inertia);
   mjtNum m = link->mass;
   result->mass = m;
-  mju_scl3(result->first, c, m);
+  zero(result->first, 3);
+  add_scaled(result->first, c, m);
   mjtNum* s = result->second;
   s[0] = dot(part, R) + m * (c[1] * c[1] + c[2] * c[2]);
   s[1] = dot(part, R + 3) - m * c[0] * c[1];
@@ -326,8 +299,9 @@ void tree_update(Tree* tree, const mjModel* m, const mjData* d, const Point* at,
     }
     if (link->parent < 0) {
       *v = own;
-      mju_zero3(a->angular);
-      mju_scl3(a->linear, m->opt.gravity, -1);
+      zero(a->angular, 3);
+      zero(a->linear, 3);
+      add_scaled(a->linear, m->opt.gravity, -1);
     } else {
       *v = velocity[link->parent];
       *a = acceleration[link->parent];
@@ -341,8 +315,8 @@ void tree_update(Tree* tree, const mjModel* m, const mjData* d, const Point* at,
   if (at->link >= 0) {
     mjtNum place[3];
     tree_point(tree, at, place);
-    mju_subFrom3(force[at->link].linear, push);
-    mju_subFrom3(force[at->link].angular, push + 3);
+    add_scaled(force[at->link].linear, push, -1);
+    add_scaled(force[at->link].angular, push + 3, -1);
     add_cross(force[at->link].angular, push, place);
   }
   for (int i = n - 1; i >= 0; i--) {
@@ -357,7 +331,7 @@ void tree_update(Tree* tree, const mjModel* m, const mjData* d, const Point* at,
     if (parent >= 0) {
       add(force + parent, force + i);
       I[parent].mass += I[i].mass;
-      mju_addTo3(I[parent].first, I[i].first);
+      add_scaled(I[parent].first, I[i].first, 1);
       for (int k = 0; k < 6; k++) {
         I[parent].second[k] += I[i].second[k];
       }
