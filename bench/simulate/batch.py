@@ -6,6 +6,7 @@ plant all at once, and only the instants that are read are kept.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -53,7 +54,7 @@ class Course:
         """How long it lasts, with what is not simulated."""
         return float(self.ends[-1])
 
-    @property
+    @cached_property
     def path(self) -> CubicSpline:
         """Commands over the time that is simulated [s], smooth between the ends of the periods."""
         return smooth(self.start, self.commands)
