@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec, read_spec
 from bench.robot.folder import Robot
-from bench.simulate.track import Tracker
+from bench.simulate.track import Seen, Tracker
 
 Array = NDArray[np.float64]
 
@@ -120,6 +120,7 @@ class Plant:
         # The integrator takes the velocity at the end of a step for the servo's damping, the sensor that at its start:
         # under 1 rad/s^2 they differ by an ampere. What acted is what counts.
         self._servo_damping = -self.model.actuator_biasprm[self.compiled.at.servo, 2]
+        self._timestep = float(self.model.opt.timestep)
         self._command = np.zeros(n)
         self._wrench = np.zeros(6)
         self.reset(np.zeros(n))
@@ -127,7 +128,7 @@ class Plant:
     @property
     def timestep(self) -> float:
         """Integration step [s]."""
-        return float(self.model.opt.timestep)
+        return self._timestep
 
     def reset(self, q: Array) -> None:
         """Put the robot at rest with all motors at `q` [rad], unloaded, friction elements unstressed.
@@ -154,9 +155,8 @@ class Plant:
             Trace of P * period / timestep instants; the last is one timestep before the end of the last period.
         """
         substeps = round(period / self.timestep)
-        path = np.stack(
-            [(commands - (before := np.concatenate([self._command[None], commands[:-1]]))) / period, before]
-        )
+        starts = np.concatenate([self._command[None], commands[:-1]])
+        path = np.stack([(commands - starts) / period, starts])
         return self.track(path, wrenches, substeps, np.arange(len(commands) * substeps), commands[-1])
 
     def track(
@@ -176,11 +176,35 @@ class Plant:
         pushes = np.concatenate([self._wrench[None], wrenches])
         seen = self._tracker.run(path, pushes, substeps, rows, ahead)
         self._command, self._wrench = np.array(end), np.array(wrenches[-1])
-        period, step = np.divmod(rows, substeps)
-        before = pushes[period]
-        push = before + (step / substeps)[:, None] * (pushes[period + 1] - before)
-        times = self.data.time - self.timestep * (len(wrenches) * substeps - rows)
-        trace = self._trace(times, seen.sensors[:, self._sensors], push)
+        return self._seen(seen)
+
+    def step(self, command: Array, wrench: Array, period: float) -> Array:
+        """Follow one command for a control period, as `advance` does, and return the record of its last step.
+
+        Args:
+            command: Shape (n,) [rad], motor angle asked for at the end of the period; linear in between.
+            wrench: Shape (6,) [N, Nm], on the load point at the end of the period; linear in between.
+            period: [s], a multiple of the timestep.
+
+        Returns:
+            As `Tracker.run_one`; `trace_of` says what it means.
+
+        Raises:
+            ValueError: Command or wrench have another shape.
+        """
+        if command.shape != self._command.shape or wrench.shape != (6,):
+            raise ValueError(f"a command {command.shape} and a wrench {wrench.shape} do not fit the robot")
+        substeps = round(period / self._timestep)
+        record = self._tracker.run_one(self._command, command, (self._wrench, wrench), period, substeps)
+        self._command, self._wrench = np.array(command, dtype=np.float64), np.array(wrench, dtype=np.float64)
+        return record
+
+    def trace_of(self, records: Array) -> Trace:
+        """Return what K records of `step` say, shape (K, width)."""
+        return self._seen(Seen.of(records.copy(), self.model.nsensordata))
+
+    def _seen(self, seen: Seen) -> Trace:
+        trace = self._trace(seen.time, seen.sensors[:, self._sensors], seen.wrench)
         gained = seen.velocities[:, self.compiled.at.q_dof] - trace.q_velocity
         return replace(trace, motor_torque=trace.motor_torque - self._servo_damping * gained)
 

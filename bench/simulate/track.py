@@ -8,6 +8,7 @@ constraints, other integrators, ...) and whatever is rare (a limit, a servo at i
 import ctypes
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Self
 
 import mujoco
 import numpy as np
@@ -34,10 +35,10 @@ class _Course(ctypes.Structure):
         ("ahead", ctypes.c_double),
         ("wrenches", ctypes.c_void_p),
         ("load_body", ctypes.c_int64),
+        ("goes_on", ctypes.c_int64),
         ("nread", ctypes.c_int64),
         ("rows", ctypes.c_void_p),
-        ("sensors", ctypes.c_void_p),
-        ("velocities", ctypes.c_void_p),
+        ("records", ctypes.c_void_p),
     )
 
 
@@ -56,12 +57,25 @@ class Seen:
     """What was read at K steps.
 
     Attributes:
-        sensors: Shape (K, m.nsensordata), at the instants at which the steps begin.
-        velocities: Shape (K, nv), at the instants at which they end.
+        records: Shape (K, nsensordata + 7 + nv); the other attributes are its columns.
+        sensors: Shape (K, nsensordata), at the instants at which the steps begin.
+        wrench: Shape (K, 6) [N, Nm], on the load point at these instants.
+        time: Shape (K,) [s], of these instants.
+        velocities: Shape (K, nv), at the instants at which the steps end.
     """
 
+    records: Array
     sensors: Array
+    wrench: Array
+    time: Array
     velocities: Array
+
+    @classmethod
+    def of(cls, records: Array, n_sensors: int) -> Self:
+        """Name the columns of records."""
+        after = n_sensors + 7
+        columns = records[:, :n_sensors], records[:, n_sensors : after - 1], records[:, after - 1], records[:, after:]
+        return cls(records, *columns)
 
 
 class Tracker:
@@ -79,14 +93,19 @@ class Tracker:
     def __init__(self, compiled: CompiledRobot, data: mujoco.MjData) -> None:
         functions = _functions()
         self._model, self._data, self._run = compiled.model, data, functions.track_run
+        self._n, self._n_sensors, self._width = compiled.n_joints, data.sensordata.size, data.sensordata.size + 7
+        self._width += data.qvel.size
         self._servo_ctrl = np.ascontiguousarray(compiled.at.servo_ctrl, dtype=np.int64)
         self._memory = np.zeros(functions.track_size() // 8 + 1)
         self._addresses = (self._memory.ctypes.data, self._model._address, self._data._address)
         self.is_lean = bool(functions.track_prepare(*self._addresses[:2], compiled.at.load_body))
         self.whole_steps = 0
-        self._course = _Course(
-            ndrive=compiled.n_joints, servo_ctrl=self._servo_ctrl.ctypes.data, load_body=compiled.at.load_body
-        )
+        self._fixed = {
+            "ndrive": self._n,
+            "servo_ctrl": self._servo_ctrl.ctypes.data,
+            "load_body": int(compiled.at.load_body),
+        }
+        self._one: _OnePeriod | None = None
 
     def run(self, path: Array, wrenches: Array, substeps: int, rows: Rows, ahead: float = 0.0) -> Seen:
         """Follow a path of the motors.
@@ -99,16 +118,80 @@ class Tracker:
             substeps: Integration steps in a period.
             rows: Shape (K,), steps at which is read, growing.
             ahead: By how much later the velocity set point is taken than that of the position [s].
+
+        Raises:
+            ValueError: Arrays do not fit each other or the robot.
         """
-        inside = path.strides[1:] == (8 * path.shape[2], 8)
-        path = path if inside else np.ascontiguousarray(path)
+        path = np.asarray(path, dtype=np.float64)
+        if path.ndim != 3 or path.shape[2] != self._n or wrenches.shape != (path.shape[1] + 1, 6):
+            raise ValueError(f"a path {path.shape} and wrenches {wrenches.shape} do not fit {self._n} drives")
+        if path.strides[1:] != (8 * self._n, 8):  # a slice of the periods of a longer path is taken as it is
+            path = np.ascontiguousarray(path)
         wrenches, rows = np.ascontiguousarray(wrenches, dtype=np.float64), np.ascontiguousarray(rows, dtype=np.int64)
-        model, course = self._model, self._course
-        seen = Seen(np.empty((len(rows), model.nsensordata)), np.empty((len(rows), model.nv)))
-        course.nperiod, course.substeps = path.shape[1], substeps
-        course.order, course.pitch, course.path = path.shape[0], path.strides[0] // 8, path.ctypes.data
-        course.ahead, course.wrenches = ahead, wrenches.ctypes.data
-        course.nread, course.rows = len(rows), rows.ctypes.data
-        course.sensors, course.velocities = seen.sensors.ctypes.data, seen.velocities.ctypes.data
+        if len(rows) and (rows[0] < 0 or rows[-1] >= path.shape[1] * substeps or np.any(np.diff(rows) <= 0)):
+            raise ValueError(f"steps that are read must grow from 0 to below {path.shape[1] * substeps}")
+        records = np.empty((len(rows), self._width))
+        course = _Course(
+            nperiod=path.shape[1],
+            substeps=substeps,
+            order=path.shape[0],
+            pitch=path.strides[0] // 8,
+            path=path.ctypes.data,
+            ahead=ahead,
+            wrenches=wrenches.ctypes.data,
+            nread=len(rows),
+            rows=rows.ctypes.data,
+            records=records.ctypes.data,
+            **self._fixed,
+        )
         self.whole_steps = self._run(*self._addresses, ctypes.byref(course))
-        return seen
+        return Seen.of(records, self._n_sensors)
+
+    def run_one(
+        self, before: Array, after: Array, wrenches: tuple[Array, Array], period: float, substeps: int
+    ) -> Array:
+        """Follow a straight path for one period and read at its last step: `run` without what costs time.
+
+        Args:
+            before: Shape (n,) [rad], command at the beginning of the period.
+            after: Shape (n,) [rad], command at its end.
+            wrenches: Each shape (6,) [N, Nm], at the same times.
+            period: [s].
+            substeps: Integration steps in it.
+
+        Returns:
+            Record of that step, shape (1, nsensordata + 7 + nv), which the next call overwrites.
+        """
+        if self._one is None or self._one.substeps != substeps:
+            self._one = _OnePeriod(self._n, self._width, substeps, self._fixed)
+        one = self._one
+        np.subtract(after, before, out=one.slope)
+        one.slope /= period
+        one.start[:] = before
+        one.wrenches[0], one.wrenches[1] = wrenches
+        self.whole_steps = self._run(*self._addresses, one.reference)
+        return one.records
+
+
+class _OnePeriod:
+    """Memory for the calls of `Tracker.run_one`."""
+
+    def __init__(self, n: int, width: int, substeps: int, fixed: dict[str, int]) -> None:
+        self.substeps = substeps
+        self._path, self.wrenches, self.records = np.zeros((2, 1, n)), np.zeros((2, 6)), np.zeros((1, width))
+        self.slope, self.start = self._path[0, 0], self._path[1, 0]
+        self._rows = np.array([substeps - 1], dtype=np.int64)
+        self._course = _Course(
+            nperiod=1,
+            substeps=substeps,
+            order=2,
+            pitch=n,
+            path=self._path.ctypes.data,
+            wrenches=self.wrenches.ctypes.data,
+            goes_on=1,
+            nread=1,
+            rows=self._rows.ctypes.data,
+            records=self.records.ctypes.data,
+            **fixed,
+        )
+        self.reference = ctypes.byref(self._course)

@@ -1,5 +1,7 @@
 #include "track.h"
 
+#include <string.h>
+
 #include "lean.h"
 
 #ifdef _WIN32
@@ -38,6 +40,16 @@ static void set_inputs(mjData* d, const Course* course, int64_t i, mjtNum h, mjt
   }
 }
 
+// Whether lengths and moments were computed since `d` was made or reset: a lean step goes on with those that never change.
+static bool has_moments(const mjModel* m, const mjData* d) {
+  for (int i = 0; i < m->nout; i++) {
+    if (!d->moment_rownnz[i]) {
+      return false;
+    }
+  }
+  return true;
+}
+
 EXPORTED int64_t track_run(void* memory, const mjModel* m, mjData* d, const Course* course) {
   Lean* lean = memory;
   mjModel blind = *m, plain = *m;  // the same arrays under other options
@@ -48,20 +60,27 @@ EXPORTED int64_t track_run(void* memory, const mjModel* m, mjData* d, const Cour
   mju_zero(d->qfrc_applied, (int)m->nv);
   mju_zero(d->qacc_warmstart, (int)m->nv);
   mjtNum* push = d->xfrc_applied + 6 * course->load_body;
+  mjtNum* record = course->records;
   int64_t steps = course->nperiod * course->substeps, read = 0, whole = 0;
+  bool begins_whole = !course->goes_on || !has_moments(m, d);
   for (int64_t i = 0; i < steps; i++) {
     set_inputs(d, course, i, m->opt.timestep, push);
     bool is_read = read < course->nread && course->rows[read] == i;
-    // The first step leaves what never changes in mjData, the last all that belongs to its instant.
-    bool is_end = i == 0 || i == steps - 1;
-    if (is_read || is_end || !lean_step(lean, &plain, d, push)) {
+    mjtNum time = d->time;
+    // The last step leaves all that belongs to its instant.
+    bool is_whole = is_read || i == steps - 1 || (begins_whole && i == 0);
+    if (is_whole || !lean_step(lean, &plain, d, push)) {
       mj_step(is_read ? m : &blind, d);
       lean_learn(lean, m, d);
       whole++;
     }
     if (is_read) {
-      mju_copy(course->sensors + read * m->nsensordata, d->sensordata, (int)m->nsensordata);
-      mju_copy(course->velocities + read * m->nv, d->qvel, (int)m->nv);
+      memcpy(record, d->sensordata, (size_t)m->nsensordata * sizeof(mjtNum));
+      record += m->nsensordata;
+      memcpy(record, push, 6 * sizeof(mjtNum));
+      record[6] = time;
+      memcpy(record + 7, d->qvel, (size_t)m->nv * sizeof(mjtNum));
+      record += 7 + m->nv;
       read++;
     }
   }

@@ -18,10 +18,11 @@ typedef struct Course {
   mjtNum ahead;                  // by how much later the velocity set point is taken [s]
   const mjtNum* wrenches;        // (nperiod + 1, 6) on the load point, before the first and at the end of each period
   int64_t load_body;
+  int64_t goes_on;               // 0: MuJoCo does the first step, so that nothing depends on what was called before
   int64_t nread;
   const int64_t* rows;           // (nread,) steps at which is read, growing
-  mjtNum* sensors;               // (nread, nsensordata) of the instants at which these steps begin
-  mjtNum* velocities;            // (nread, nv) at which they end
+  mjtNum* records;               // (nread, nsensordata + 6 + 1 + nv): sensors, wrench and time of the instants at which
+                                 // these steps begin, and the velocities with which they end
 } Course;
 
 // Returns the bytes that `track_prepare` needs.
