@@ -1,4 +1,4 @@
-"""Drive a sitting in long stretches instead of period by period: the same physics, several times faster.
+"""Drive a sitting as a whole instead of period by period: the same physics, several times faster.
 
 The environment answers after every control period; a script does not listen. So its commands can be handed to the
 plant all at once, and only the instants that are read are kept.

@@ -112,7 +112,7 @@ class Plant:
         self.compiled: CompiledRobot = compile_spec(own, robot, (*edits, add_trace_sensors), timestep)
         self.model: mujoco.MjModel = self.compiled.model
         self.data = mujoco.MjData(self.model)
-        self._tracker = Tracker(self.compiled, self.data)
+        self.tracker = Tracker(self.compiled, self.data)
         self._n_state = mujoco.mj_stateSize(self.model, _STATE)
         n, figures = robot.n_joints, robot.figures
         size = 7 * n + 3 * (len(figures.reflectors) + 1) + (2 if figures.counterbalance else 0)
@@ -174,7 +174,7 @@ class Plant:
             ahead: By how much later the velocity set point is taken than that of the position [s].
         """
         pushes = np.concatenate([self._wrench[None], wrenches])
-        seen = self._tracker.run(path, pushes, substeps, rows, ahead)
+        seen = self.tracker.run(path, pushes, substeps, rows, ahead)
         self._command, self._wrench = np.array(end), np.array(wrenches[-1])
         return self._seen(seen)
 
@@ -195,7 +195,7 @@ class Plant:
         if command.shape != self._command.shape or wrench.shape != (6,):
             raise ValueError(f"a command {command.shape} and a wrench {wrench.shape} do not fit the robot")
         substeps = round(period / self._timestep)
-        record = self._tracker.run_one(self._command, command, (self._wrench, wrench), period, substeps)
+        record = self.tracker.run_one(self._command, command, (self._wrench, wrench), period, substeps)
         self._command, self._wrench = np.array(command, dtype=np.float64), np.array(wrench, dtype=np.float64)
         return record
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.actuators import library
+from bench.errors import MissingPluginError
 from bench.robot.compiled import CompiledRobot
 
 Array = NDArray[np.float64]
@@ -44,7 +45,10 @@ class _Course(ctypes.Structure):
 
 @lru_cache(maxsize=1)
 def _functions() -> ctypes.CDLL:
-    functions = ctypes.CDLL(str(library()))
+    path = library()
+    functions = ctypes.CDLL(str(path))
+    if not hasattr(functions, "track_run"):
+        raise MissingPluginError(f"{path} is of another version than the Python files; install the package again")
     functions.track_size.restype = ctypes.c_int64
     functions.track_prepare.argtypes = (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
     functions.track_run.argtypes = (ctypes.c_void_p,) * 4
