@@ -3,25 +3,23 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import mujoco
 import numpy as np
 
 from bench import paths
 from bench.effects.effect import Acting, Conditions
 from bench.errors import InputError, unknown_name
 from bench.hide.background import Background
-from bench.hide.plan import Stay, legs_of, plan
-from bench.hide.simulate import read, true_trace
+from bench.hide.plan import Stay, plan, setup_of
+from bench.hide.simulate import Plants, read, true_trace
 from bench.hide.thermometers import CHANNELS, USUAL, temperatures
 from bench.hide.warm_up import WarmUp
 from bench.record.campaign import Campaign, Run
 from bench.record.truth import TrueValue, Truth
-from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.compiled import CompiledRobot, compile_spec
 from bench.robot.figures import Instruments as InstrumentFigures
 from bench.robot.folder import Robot
 from bench.scenario.files import Experiment
 from bench.scenario.session import PARTS, SessionScenario
-from bench.simulate.bare import bare_spec
 from bench.simulate.drive import Log
 from bench.simulate.instruments import Instruments, Reading, SystematicErrors
 from bench.simulate.plant import Array, Trace
@@ -86,19 +84,18 @@ def hide_campaign(
     """
     acting = tuple(replace(one, values=one.effect.complete(one.values)) for one in acting)
     robot, session, shown = _reduced(robot, session, tuple(without), tuple(channels))
-    compiled = compile_robot(robot, edits_of(session))
-    legs = legs_of(robot, session)
-    before_end = float(compiled.model.opt.timestep)  # as the environment reads, whatever the step here
+    setup = setup_of(robot, session)
+    compiled, before_end = setup.compiled, setup.before_end  # it is read at one time, whatever the step here
     drawn = Background.draw(compiled, rng) if background else Background({})
     instruments = Instruments(compiled, rng, tails)
     if not background:
         instruments.errors = Instruments(compiled, None).errors
     day = WarmUp.draw(robot.n_joints, rng)
     edits = (*edits_of(session), *drawn.edits(compiled))
-    stays, log = plan(legs, edits, 1 + drawn.hung, day, before_end)
+    stays, log = plan(setup.legs, edits, 1 + drawn.hung, day)
     step = before_end / 2 if timestep is None else timestep
-    spec = bare_spec(robot)
-    seen = [_measure(robot, spec, stay, acting, instruments, (step, before_end), shown, rng) for stay in stays]
+    plants = Plants(robot, setup.spec, acting, stays, step)
+    seen = [_measure(plants, stay, acting, instruments, before_end, shown, rng) for stay in stays]
     instants = Trace.concatenate([one.trace for one in seen])
     thermometers = {name: np.concatenate([one.kelvin[name] for one in seen]) for name in seen[0].kelvin}
     reading = Reading.concatenate([one.reading for one in seen])
@@ -106,7 +103,8 @@ def hide_campaign(
     perfect = Instruments(compiled, None).read(instants)
     ideal = [with_link_angles(run, log, instants) for run in _runs(compiled, log, perfect, {})]
     cool = (one.effect.edit(one.place, one.values, Conditions.reference(robot.n_joints)) for one in acting)
-    simulated = compile_robot(robot, (*edits, *(edit for edit in cool if edit is not None)))
+    cool_edits = (edit for edit in cool if edit is not None)
+    simulated = compile_spec(setup.spec.copy(), robot, (*edits, *cool_edits))
     return Hidden(
         campaign=Campaign(_name(robot), _runs(compiled, log, reading, thermometers), notes=session.notes),
         truth=Truth(
@@ -157,17 +155,16 @@ class _Seen:
 
 
 def _measure(
-    robot: Robot,
-    spec: mujoco.MjSpec,
+    plants: Plants,
     stay: Stay,
     acting: Sequence[Acting],
     instruments: Instruments,
-    times: tuple[float, float],
+    before_end: float,
     thermometers: Sequence[str],
     rng: np.random.Generator,
 ) -> _Seen:
-    """Simulate a sitting and read it; `times` are the timestep, and how long before the end of a period is read [s]."""
-    trace = true_trace(robot, spec, stay, acting, *times)
+    """Simulate a sitting and read it, some time before the end of a control period [s]."""
+    trace = true_trace(plants, stay, acting, before_end)
     readings, kelvin, conditions = [], [], []
     for during, rows in stay.read():
         if len(rows):

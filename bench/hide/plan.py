@@ -4,16 +4,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+import mujoco
 import numpy as np
 
 from bench.effects.effect import Conditions
 from bench.hide.pieces import Piece, pieces_of
 from bench.hide.warm_up import Spell, WarmUp
-from bench.robot.compiled import SpecEdit, compile_robot
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.folder import Robot
 from bench.scenario.files import Experiment
+from bench.simulate.bare import bare_spec
 from bench.simulate.batch import Course, Rows, course_of
 from bench.simulate.drive import Log
+from bench.simulate.policy import Sitting, Step
 from bench.simulate.session import SITTINGS, edits_of
 
 
@@ -46,29 +49,76 @@ class Stay:
 
 @dataclass(frozen=True)
 class Leg:
-    """A sitting of which nothing was drawn yet."""
+    """A sitting of which nothing was drawn yet.
+
+    Attributes:
+        course: What to do.
+        edits: Changes of the model for this part only, such as a payload.
+        payload_kg: Mass bolted to the load point.
+        pause_s: Time that passes before it [s].
+        pieces: Of the course.
+        moves: Of each piece, whether a command or a load changes in it.
+        steps: The steps that are read, with the commands of the instant of reading.
+    """
 
     course: Course
     edits: tuple[SpecEdit, ...]
     payload_kg: float
     pause_s: float
+    pieces: tuple[Piece, ...]
+    moves: tuple[bool, ...]
+    steps: tuple[Step, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """What all campaigns of a session on a robot have in common.
+
+    Attributes:
+        compiled: The nominal robot under the servos and the friction of the session.
+        spec: The MJCF of the robot from `bare_spec`; to be copied.
+        before_end: How long before the end of a control period is read [s], as the environment does.
+        legs: The sittings.
+    """
+
+    compiled: CompiledRobot
+    spec: mujoco.MjSpec
+    before_end: float
+    legs: tuple[Leg, ...]
 
 
 @lru_cache(maxsize=4)  # a study runs the same session hundreds of times, and its course is a second's work
+def setup_of(robot: Robot, session: Experiment) -> Setup:
+    """Return what all campaigns of a session have in common.
+
+    Raises:
+        InputError: The session does not fit the robot.
+    """
+    compiled = compile_robot(robot, edits_of(session))
+    session.check(robot, compiled.limits)
+    before_end = float(compiled.model.opt.timestep)
+    legs = tuple(_leg(one, before_end) for one in SITTINGS[session.experiment](session, robot))
+    return Setup(compiled, bare_spec(robot), before_end, legs)
+
+
+def _leg(sitting: Sitting, before_end: float) -> Leg:
+    course = course_of(sitting)
+    pieces = pieces_of(course)
+    moves = tuple(piece.moves(course) for piece in pieces)
+    steps = course.steps_at(before_end)
+    return Leg(course, sitting.edits, sitting.payload_kg, sitting.pause_s, pieces, moves, steps)
+
+
 def legs_of(robot: Robot, session: Experiment) -> tuple[Leg, ...]:
     """Return the sittings of a session.
 
     Raises:
         InputError: It does not fit the robot.
     """
-    session.check(robot, compile_robot(robot, edits_of(session)).limits)
-    sittings = SITTINGS[session.experiment](session, robot)
-    return tuple(Leg(course_of(one), one.edits, one.payload_kg, one.pause_s) for one in sittings)
+    return setup_of(robot, session).legs
 
 
-def plan(
-    legs: Sequence[Leg], edits: tuple[SpecEdit, ...], load: float, warm_up: WarmUp, before_end: float
-) -> tuple[list[Stay], Log]:
+def plan(legs: Sequence[Leg], edits: tuple[SpecEdit, ...], load: float, warm_up: WarmUp) -> tuple[list[Stay], Log]:
     """Return the sittings with their times and conditions, and a log of the steps that will be read.
 
     Args:
@@ -76,7 +126,6 @@ def plan(
         edits: Changes of the model that hold throughout; a payload comes before them.
         load: True weights over nominal ones.
         warm_up: How the day goes.
-        before_end: How long before the end of a control period is read [s].
     """
     log, spells, stays, now = Log(), [], [], 0.0
     for i, leg in enumerate(legs):
@@ -84,12 +133,11 @@ def plan(
         if i:
             now += leg.pause_s
             spells.append(Spell(leg.pause_s, works=True))
-        pieces = pieces_of(course)
-        edges = [*(piece.begins(course) for piece in pieces), course.seconds]
-        for piece, first, last in zip(pieces, edges[:-1], edges[1:], strict=True):
-            spells.append(Spell(last - first, piece.moves(course), leg.payload_kg))
-        stays.append(Stay(course, (*leg.edits, *edits), now, pieces, (), load))
-        log.steps += course.steps_at(before_end)
+        edges = [*(piece.begins(course) for piece in leg.pieces), course.seconds]
+        for moves, first, last in zip(leg.moves, edges[:-1], edges[1:], strict=True):
+            spells.append(Spell(last - first, moves, leg.payload_kg))
+        stays.append(Stay(course, (*leg.edits, *edits), now, leg.pieces, (), load))
+        log.steps += leg.steps
         log.payload_kg += [leg.payload_kg] * len(course.steps)
         now += course.seconds
     during = iter(warm_up.over(spells))

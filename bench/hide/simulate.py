@@ -19,30 +19,54 @@ from bench.simulate.policy import Step
 ITERATIONS = 3  # an encoder's error changes over some arc minutes much less than over a turn
 
 
-def true_trace(
-    robot: Robot, spec: mujoco.MjSpec, stay: Stay, acting: Sequence[Acting], timestep: float, before_end: float
-) -> Trace:
-    """Return the truth at every instant that is read in a sitting; its time is that of the campaign.
+class Plants:
+    """The plants of a campaign; one that is like another is made once and set to rest again.
 
     Args:
         robot: The robot.
         spec: Its model, from `bare_spec`.
+        acting: Effects.
+        stays: All sittings of the campaign.
+        timestep: Integration step [s].
+    """
+
+    def __init__(
+        self, robot: Robot, spec: mujoco.MjSpec, acting: Sequence[Acting], stays: Sequence[Stay], timestep: float
+    ) -> None:
+        self._robot, self._spec, self._acting, self._timestep = robot, spec, tuple(acting), timestep
+        self._alike: dict[tuple[tuple[SpecEdit, ...], float], Plant] = {}
+        self.depend_on_conditions = _depends_on_conditions(robot, spec, stays[0], acting)
+
+    def of(self, stay: Stay, conditions: Conditions) -> Plant:
+        """Return the plant of a sitting under some conditions; at what it did before, unless conditions change it."""
+        key = (stay.edits, conditions.payload_kg)
+        if not self.depend_on_conditions and key in self._alike:
+            return self._alike[key]
+        plant = Plant(self._robot, (*stay.edits, *_edits(self._acting, conditions)), self._timestep, self._spec)
+        if not self.depend_on_conditions:
+            self._alike[key] = plant
+        return plant
+
+
+def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end: float) -> Trace:
+    """Return the truth at every instant that is read in a sitting; its time is that of the campaign.
+
+    Args:
+        plants: Of the campaign.
         stay: The sitting.
         acting: Effects.
-        timestep: Integration step [s].
         before_end: How long before the end of a control period is read [s].
     """
     course = stay.course
     start, commands = true_commands(course, acting)
-    path = smooth(start, commands)
+    path = course.path if commands is course.commands else smooth(start, commands)
     wrenches = stay.load * course.wrenches
-    plant = Plant(robot, (*stay.edits, *_edits(acting, stay.conditions[0])), timestep, spec)
-    changes = _depends_on_conditions(robot, spec, stay, acting)
+    plant = plants.of(stay, stay.conditions[0])
     plant.reset(start)
     parts = []
     for i, (piece, (conditions, here)) in enumerate(zip(stay.pieces, stay.read(), strict=True)):
-        if i and changes:
-            before, plant = plant, Plant(robot, (*stay.edits, *_edits(acting, conditions)), timestep, spec)
+        if i and plants.depend_on_conditions:
+            before, plant = plant, plants.of(stay, conditions)
             plant.take_over(before)
         rows = slice(piece.first, piece.last)
         parts.append(follow(plant, path, piece.first, wrenches[rows], course.marked[here], before_end))
@@ -59,7 +83,7 @@ def true_commands(course: Course, acting: Iterable[Acting]) -> tuple[Array, Arra
     for _ in range(ITERATIONS):
         error = encoder_errors(acting, true, velocity)
         if error is None:
-            break
+            return course.start, course.commands
         true = asked - error
     return true[0], true[1:]
 
@@ -107,7 +131,7 @@ def _depends_on_conditions(robot: Robot, spec: mujoco.MjSpec, stay: Stay, acting
         gas_k=cold.gas_k + 10,
         ambient_k=cold.ambient_k + 10,
     )
-    if len(stay.pieces) == 1 or not _edits(acting, cold):
+    if not _edits(acting, cold):
         return False
     first, second = (_bytes(robot, spec, (*stay.edits, *_edits(acting, during))) for during in (cold, warm))
     return first != second

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from bench.errors import InputError, unknown_name
 from bench.robot.compiled import SpecEdit
 from bench.robot.folder import load_robot
-from bench.simulate.instruments import Instruments, Reading
+from bench.simulate.glance import Glance
+from bench.simulate.instruments import Instruments
 from bench.simulate.plant import Plant, Trace
 
 Array = NDArray[np.float64]
@@ -64,6 +65,7 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
         self._perfect = perfect_instruments
         self._with_truth = truth
         self._renderer: Any = None
+        self._glance: Glance | None = None
         compiled, figures = self.plant.compiled, self.plant.compiled.robot.figures
         n, r = compiled.n_joints, len(figures.reflectors)
         limits = compiled.limits
@@ -106,21 +108,23 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Advance one control period towards the commanded angles and wrench."""
-        trace = self.plant.advance(action["q_cmd"][None], action["wrench"][None], CONTROL_PERIOD)
-        observation, info = self._observe(trace[-1:])
-        return observation, 0.0, False, False, info
+        record = self.plant.step(action["q_cmd"], action["wrench"], CONTROL_PERIOD)
+        if self.instruments.is_perfect:
+            observation, info = self._observe(self.plant.trace_of(record))
+            return observation, 0.0, False, False, info
+        if self._glance is None or self._glance.instruments is not self.instruments:
+            self._glance = Glance(self.instruments, self.plant.trace_of, record.shape[1], self._observed)
+        info = {"truth": self.plant.trace_of(record)} if self._with_truth else {}
+        return self._glance.read(record[0]), 0.0, False, False, info
 
     def _observe(self, instant: Trace) -> tuple[Observation, dict[str, Any]]:
         reading = self.instruments.read(instant)
-        return self._values(reading), {"truth": instant} if self._with_truth else {}
-
-    def _values(self, reading: Reading) -> Observation:
         values = {name: getattr(reading, name)[0] for name in self._observed}
         if "q_link" in values:
             values["q_link"] = np.nan_to_num(values["q_link"])
         if "gas_pressure" in values:
             values["gas_pressure"] = reading.gas_pressure[:1]
-        return values
+        return values, {"truth": instant} if self._with_truth else {}
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return an image of the robot, shape (480, 640, 3), or None without a render mode."""

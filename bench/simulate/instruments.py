@@ -112,6 +112,11 @@ class Instruments:
         torque_constant_error = np.array([drive.torque_constant_error for drive in compiled.robot.figures.drives])
         self.errors = _draw(self.figures, torque_constant_error, len(compiled.robot.figures.reflectors), rng)
 
+    @property
+    def is_perfect(self) -> bool:
+        """Whether there is no noise, no error and no resolution."""
+        return self._rng is None
+
     def move_reflector(self) -> None:
         """Carry the moving reflector round all nests but the first again: a new draw of where it sits in each.
 
@@ -124,88 +129,102 @@ class Instruments:
 
     def read(self, trace: Trace) -> Reading:
         """Return what the instruments show for every instant of `trace`."""
-        f = self.figures
+        seen = self.systematic(trace)
+        for name, sigma in self.spreads().items():
+            noise = sigma * self.draw(seen[name].shape)
+            if name == "reflectors":
+                noise = np.linalg.norm(self.away(trace.reflectors), axis=2, keepdims=True) * noise
+            seen[name] = seen[name] + noise
+        for name, resolution in self.resolutions().items():
+            seen[name] = resolution * np.round(seen[name] / resolution)
         instants, n = trace.q.shape
-        missing = np.full((instants, 3), np.nan)
-        force, moment = (missing, missing) if f.force is None else self._wrench(trace.wrench)
-        return Reading(
-            time=trace.time,
-            q_motor=np.full((instants, n), np.nan) if f.encoder is None else self._encoder(trace.q),
-            q_link=np.full((instants, n), np.nan) if f.link_encoder is None else self._link_encoder(trace.theta),
-            current=np.full((instants, n), np.nan) if f.current is None else self._current(trace.motor_torque),
-            torque=np.full((instants, n), np.nan) if f.torque is None else self._torque(trace.motor_torque),
-            force=force,
-            moment=moment,
-            reflectors=np.full_like(trace.reflectors, np.nan) if f.tracker is None else self._tracker(trace),
-            gas_pressure=missing[:, 0] if f.pressure is None else self._pressure(trace.counterbalance_force),
-            gas_temperature=missing[:, 0],  # thermometers belong to the lab
-        )
+        shapes = {"force": (instants, 3), "moment": (instants, 3), "reflectors": trace.reflectors.shape}
+        shapes |= {"gas_pressure": (instants,), "gas_temperature": (instants,)}  # thermometers belong to the lab
+        names = (f.name for f in fields(Reading) if f.name != "time")
+        missing = {name: np.full(shapes.get(name, (instants, n)), np.nan) for name in names if name not in seen}
+        return Reading(time=trace.time, **seen, **missing)
 
-    def _noise(self, sigma: float, shape: tuple[int, ...]) -> Array | float:
+    def systematic(self, trace: Trace, slants: bool | None = None) -> dict[str, Array]:
+        """Return what the instruments would show without noise and infinitely fine, by fields of `Reading`.
+
+        Those that are missing have no entry. But for `slants` it is a linear function of `trace`.
+
+        Args:
+            trace: T instants.
+            slants: Whether loads slant; None: as they do.
+        """
+        f, errors = self.figures, self.errors
+        seen: dict[str, Array] = {}
+        if f.encoder:
+            seen["q_motor"] = trace.q + errors.encoder_offset
+        if f.link_encoder:
+            seen["q_link"] = np.where(self._has_link_encoder, trace.theta + errors.link_encoder_offset, np.nan)
+        if f.current:
+            true = trace.motor_torque / self._torque_constant
+            seen["current"] = true * (1 + errors.current_gain) + errors.current_offset
+        if f.torque:
+            seen["torque"] = trace.motor_torque * (1 + errors.torque_gain) + errors.torque_offset
+        if f.force:
+            wrench = trace.wrench * (1 + errors.force_gain)
+            tilt = small_rotation(errors.force_tilt)
+            slanting = is_slanting(trace.wrench) if slants is None else slants
+            seen["force"] = np.where(slanting, wrench[:, :3] @ tilt.T, wrench[:, :3])
+            seen["moment"] = np.where(slanting, wrench[:, 3:] @ tilt.T, wrench[:, 3:])
+        if f.tracker:
+            turned = (trace.reflectors + errors.placement) @ small_rotation(errors.frame_rotation).T
+            drift = f.tracker.drift_m_per_h / HOUR * trace.time[:, None, None] * errors.drift_direction
+            seen["reflectors"] = turned + errors.frame_shift + drift
+        if f.pressure:
+            seen["gas_pressure"] = trace.counterbalance_force / f.pressure.piston_area_m2
+        return seen
+
+    def spreads(self) -> dict[str, Array | float]:
+        """Return the standard deviations of the noise in the order in which it is drawn; none for perfect instruments.
+
+        Names are those of `systematic`; for "reflectors" it is relative to the distance from the tracker.
+        """
+        f = self.figures
         if self._rng is None:
-            return 0.0
+            return {}
+        known: dict[str, Array | float] = {}
+        known |= {"force": f.force.sigma_n, "moment": f.force.sigma_nm} if f.force else {}
+        known |= {"current": f.current.sigma_a} if f.current else {}
+        known |= {"torque": np.array(f.torque.sigma_of(len(self._torque_constant)))} if f.torque else {}
+        return known | ({"reflectors": f.tracker.sigma_per_distance} if f.tracker else {})
+
+    def resolutions(self) -> dict[str, float]:
+        """Return the smallest steps of instruments that have one; none for perfect instruments."""
+        f = self.figures
+        if self._rng is None:
+            return {}
+        known = {
+            "q_motor": f.encoder.resolution_rad if f.encoder else 0.0,
+            "q_link": f.link_encoder.resolution_rad if f.link_encoder else 0.0,
+            "current": f.current.resolution_a if f.current else 0.0,
+            "torque": f.torque.resolution_nm if f.torque else 0.0,
+            "gas_pressure": f.pressure.resolution_pa if f.pressure else 0.0,
+        }
+        return {name: resolution for name, resolution in known.items() if resolution}
+
+    def draw(self, shape: tuple[int, ...] | int) -> Array:
+        """Draw noise with a standard deviation of one; perfect instruments have none to draw."""
+        assert self._rng is not None
         if self._tails is None:
-            return sigma * self._rng.standard_normal(shape)
-        unit = np.sqrt((self._tails - 2) / self._tails)
-        noise: Array = sigma * unit * self._rng.standard_t(self._tails, shape)
+            return self._rng.standard_normal(shape)
+        noise: Array = np.sqrt((self._tails - 2) / self._tails) * self._rng.standard_t(self._tails, shape)
         return noise
 
-    def _round(self, values: Array, resolution: float) -> Array:
-        return values if self._rng is None or resolution == 0 else resolution * np.round(values / resolution)
+    def away(self, reflectors: Array) -> Array:
+        """Return where reflectors, shape (T, r, 3) [m], are as seen from the tracker, in world axes."""
+        assert self.figures.tracker
+        seen: Array = reflectors + self.errors.placement - np.array(self.figures.tracker.position_m)
+        return seen
 
-    def _encoder(self, q: Array) -> Array:
-        assert self.figures.encoder
-        return self._round(q + self.errors.encoder_offset, self.figures.encoder.resolution_rad)
 
-    def _current(self, torque: Array) -> Array:
-        figures = self.figures.current
-        assert figures
-        true = torque / self._torque_constant
-        seen = true * (1 + self.errors.current_gain) + self.errors.current_offset
-        return self._round(seen + self._noise(figures.sigma_a, seen.shape), figures.resolution_a)
-
-    def _link_encoder(self, theta: Array) -> Array:
-        figures = self.figures.link_encoder
-        assert figures
-        seen = self._round(theta + self.errors.link_encoder_offset, figures.resolution_rad)
-        return np.where(self._has_link_encoder, seen, np.nan)
-
-    def _torque(self, torque: Array) -> Array:
-        figures = self.figures.torque
-        assert figures
-        seen = torque * (1 + self.errors.torque_gain) + self.errors.torque_offset
-        noise = self._noise(1.0, seen.shape) * np.array(figures.sigma_of(seen.shape[1]))
-        return self._round(seen + noise, figures.resolution_nm)
-
-    def _wrench(self, wrench: Array) -> tuple[Array, Array]:
-        figures = self.figures.force
-        assert figures
-        seen = wrench * (1 + self.errors.force_gain)
-        force, moment = seen[:, :3], seen[:, 3:]
-        slanting = np.hypot(force[:, :1], force[:, 1:2]) > VERTICAL_TOLERANCE * np.abs(force[:, 2:])
-        tilt = small_rotation(self.errors.force_tilt)
-        force = np.where(slanting, force @ tilt.T, force)
-        moment = np.where(slanting, moment @ tilt.T, moment)
-        return (
-            force + self._noise(figures.sigma_n, force.shape),
-            moment + self._noise(figures.sigma_nm, moment.shape),
-        )
-
-    def _tracker(self, trace: Trace) -> Array:
-        figures = self.figures.tracker
-        assert figures
-        errors = self.errors
-        seen = trace.reflectors + errors.placement
-        distance = np.linalg.norm(seen - np.array(figures.position_m), axis=2, keepdims=True)
-        drift = figures.drift_m_per_h / HOUR * trace.time[:, None, None] * errors.drift_direction
-        noise: Array | float = distance * self._noise(figures.sigma_per_distance, seen.shape)
-        turned: Array = seen @ small_rotation(errors.frame_rotation).T
-        return turned + errors.frame_shift + drift + noise
-
-    def _pressure(self, force: Array) -> Array:
-        figures = self.figures.pressure
-        assert figures
-        return self._round(force / figures.piston_area_m2, figures.resolution_pa)
+def is_slanting(wrench: Array) -> NDArray[np.bool_]:
+    """Return whether loads, shape (T, 6) [N, Nm], pull aside, shape (T, 1)."""
+    aside: NDArray[np.bool_] = np.hypot(wrench[:, :1], wrench[:, 1:2]) > VERTICAL_TOLERANCE * np.abs(wrench[:, 2:3])
+    return aside
 
 
 def small_rotation(vector: Array) -> Array:

@@ -6,17 +6,16 @@ from typing import Self
 
 import mujoco
 import numpy as np
-from mujoco.rollout import Rollout
 from numpy.typing import NDArray
 
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec, read_spec
 from bench.robot.folder import Robot
+from bench.simulate.track import Seen, Tracker
 
 Array = NDArray[np.float64]
 
 _PREFIX = "bench/"
 _STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
-_CONTROL = mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_XFRC_APPLIED
 
 
 @dataclass(frozen=True)
@@ -113,7 +112,7 @@ class Plant:
         self.compiled: CompiledRobot = compile_spec(own, robot, (*edits, add_trace_sensors), timestep)
         self.model: mujoco.MjModel = self.compiled.model
         self.data = mujoco.MjData(self.model)
-        self._rollout = Rollout(nthread=0)
+        self.tracker = Tracker(self.compiled, self.data)
         self._n_state = mujoco.mj_stateSize(self.model, _STATE)
         n, figures = robot.n_joints, robot.figures
         size = 7 * n + 3 * (len(figures.reflectors) + 1) + (2 if figures.counterbalance else 0)
@@ -121,6 +120,7 @@ class Plant:
         # The integrator takes the velocity at the end of a step for the servo's damping, the sensor that at its start:
         # under 1 rad/s^2 they differ by an ampere. What acted is what counts.
         self._servo_damping = -self.model.actuator_biasprm[self.compiled.at.servo, 2]
+        self._timestep = float(self.model.opt.timestep)
         self._command = np.zeros(n)
         self._wrench = np.zeros(6)
         self.reset(np.zeros(n))
@@ -128,7 +128,7 @@ class Plant:
     @property
     def timestep(self) -> float:
         """Integration step [s]."""
-        return float(self.model.opt.timestep)
+        return self._timestep
 
     def reset(self, q: Array) -> None:
         """Put the robot at rest with all motors at `q` [rad], unloaded, friction elements unstressed.
@@ -155,50 +155,57 @@ class Plant:
             Trace of P * period / timestep instants; the last is one timestep before the end of the last period.
         """
         substeps = round(period / self.timestep)
-        n = self.compiled.n_joints
-        blend = (np.arange(substeps) / substeps)[None, :, None]
         starts = np.concatenate([self._command[None], commands[:-1]])
-        positions = (starts[:, None] + blend * (commands - starts)[:, None]).reshape(-1, n)
-        velocities = np.repeat((commands - starts) / period, substeps, axis=0)
-        return self.track(positions, velocities, wrenches, substeps, commands[-1])
+        path = np.stack([(commands - starts) / period, starts])
+        return self.track(path, wrenches, substeps, np.arange(len(commands) * substeps), commands[-1])
 
-    def track(self, positions: Array, velocities: Array, wrenches: Array, substeps: int, end: Array) -> Trace:
-        """Follow set points that are given for every integration step, and return every step.
+    def track(
+        self, path: Array, wrenches: Array, substeps: int, rows: NDArray[np.int64], end: Array, ahead: float = 0.0
+    ) -> Trace:
+        """Follow a path that is given as polynomials, and return some of the integration steps.
 
         Args:
-            positions: Shape (P * substeps, n) [rad], set points of the motor angles.
-            velocities: Shape (P * substeps, n) [rad/s].
+            path: Shape (k, P, n) [rad], motor angles in each of P periods: coefficients for powers of the time since
+                its beginning [s], from the highest power down, as `scipy.interpolate.PPoly` keeps them.
             wrenches: Shape (P, 6) [N, Nm], on the load point at the end of each period; linear between.
             substeps: Integration steps in a period.
-            end: Shape (n,) [rad], the set point after the last step.
+            rows: Shape (K,), which steps to return, growing.
+            end: Shape (n,) [rad], the command at the end.
+            ahead: By how much later the velocity set point is taken than that of the position [s].
         """
-        at = self.compiled.at
-        blend = (np.arange(substeps) / substeps)[None, :, None]
-        pushes = np.concatenate([self._wrench[None], wrenches[:-1]])
-        pushes = (pushes[:, None] + blend * (wrenches - pushes)[:, None]).reshape(-1, 6)
+        pushes = np.concatenate([self._wrench[None], wrenches])
+        seen = self.tracker.run(path, pushes, substeps, rows, ahead)
+        self._command, self._wrench = np.array(end), np.array(wrenches[-1])
+        return self._seen(seen)
 
-        control = np.zeros((1, len(positions), self.model.nu + 6 * self.model.nbody))
-        control[0, :, at.servo_ctrl] = positions.T
-        control[0, :, at.servo_ctrl + 1] = velocities.T
-        first = self.model.nu + 6 * at.load_body
-        control[0, :, first : first + 6] = pushes
-        state = np.empty((1, self._n_state))
-        mujoco.mj_getState(self.model, self.data, state[0], _STATE)
-        readings = np.empty((1, len(positions), self.model.nsensordata))
-        self._rollout.rollout(
-            [self.model],
-            [self.data],
-            state,
-            control,
-            control_spec=int(_CONTROL),
-            nstep=len(positions),
-            sensordata=readings,
-            skip_checks=True,  # shapes are right by construction, and checking costs as much as stepping
-        )
-        self._command, self._wrench = end.copy(), wrenches[-1].copy()
-        times = self.data.time - self.timestep * np.arange(len(positions), 0, -1)
-        trace = self._trace(times, readings[0, :, self._sensors], pushes)
-        gained = np.diff(trace.q_velocity, axis=0, append=self.data.qvel[None, at.q_dof])
+    def step(self, command: Array, wrench: Array, period: float) -> Array:
+        """Follow one command for a control period, as `advance` does, and return the record of its last step.
+
+        Args:
+            command: Shape (n,) [rad], motor angle asked for at the end of the period; linear in between.
+            wrench: Shape (6,) [N, Nm], on the load point at the end of the period; linear in between.
+            period: [s], a multiple of the timestep.
+
+        Returns:
+            As `Tracker.run_one`; `trace_of` says what it means.
+
+        Raises:
+            ValueError: Command or wrench have another shape.
+        """
+        if command.shape != self._command.shape or wrench.shape != (6,):
+            raise ValueError(f"a command {command.shape} and a wrench {wrench.shape} do not fit the robot")
+        substeps = round(period / self._timestep)
+        record = self.tracker.run_one(self._command, command, (self._wrench, wrench), period, substeps)
+        self._command, self._wrench = np.array(command, dtype=np.float64), np.array(wrench, dtype=np.float64)
+        return record
+
+    def trace_of(self, records: Array) -> Trace:
+        """Return what K records of `step` say, shape (K, width)."""
+        return self._seen(Seen.of(records.copy(), self.model.nsensordata))
+
+    def _seen(self, seen: Seen) -> Trace:
+        trace = self._trace(seen.time, seen.sensors[:, self._sensors], seen.wrench)
+        gained = seen.velocities[:, self.compiled.at.q_dof] - trace.q_velocity
         return replace(trace, motor_torque=trace.motor_torque - self._servo_damping * gained)
 
     def take_over(self, other: "Plant") -> None:

@@ -32,6 +32,24 @@ def test_same_seed_same_readings(env: BenchEnv) -> None:
     assert not np.array_equal(readings(3), readings(4))
 
 
+def test_actions_that_do_not_fit_are_refused(env: BenchEnv) -> None:
+    env.reset(seed=0)
+    good = {"q_cmd": np.zeros(2), "wrench": np.zeros(6)}
+    for bad in ({"q_cmd": np.zeros(3)}, {"q_cmd": np.zeros(1)}, {"wrench": np.zeros(5)}):
+        with pytest.raises(ValueError, match="do not fit"):
+            env.step(good | bad)
+    with pytest.raises(KeyError):
+        env.step({"q_cmd": np.zeros(2)})
+    env.step(good)
+
+
+def test_observations_have_the_order_of_their_space(env: BenchEnv) -> None:
+    first, _ = env.reset(seed=0)
+    second = env.step({"q_cmd": np.zeros(2), "wrench": np.zeros(6)})[0]
+    assert list(first) == list(second)
+    assert env.observation_space.contains(second)
+
+
 def test_truth_only_when_asked(small_robot: Path, env: BenchEnv) -> None:
     assert "truth" in env.reset(seed=0)[1]
     silent = BenchEnv(str(small_robot))
