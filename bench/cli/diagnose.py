@@ -28,6 +28,8 @@ class Diagnose:
     """Python files with effects of your own (bench/effects/README.md)."""
     despite_doubts: bool = False
     """Go on although channels are hardly what their names say; by default that ends in an error."""
+    cores: int = 0
+    """Processes; 0: one for each core. The verdict does not depend on it."""
 
     def run(self) -> int:
         """Diagnose, print and write; return the exit code."""
@@ -38,6 +40,7 @@ class Diagnose:
         from bench.effects.catalogue import catalogue
         from bench.effects.own import try_out
         from bench.errors import CampaignError
+        from bench.executor.local import on_cores
         from bench.record.folder import new_folder
         from bench.report.campaigns import open_campaign
         from bench.report.diagnosis.file_names import VERDICT
@@ -55,7 +58,13 @@ class Diagnose:
         for finding in (*report.warnings, *doubts):
             print(f"{finding.level:8}{finding}", file=sys.stderr)
         with new_folder(self.out, VERDICT, replace=False) as folder:
-            found = diagnose(campaign, compiled, effects, progress=lambda words: print(f"... {words}", file=sys.stderr))
+            found = diagnose(
+                campaign,
+                compiled,
+                effects,
+                progress=lambda words: print(f"... {words}", file=sys.stderr),
+                executor=on_cores(self.cores),
+            )
             write_diagnosis(found, folder, campaign, self.command)
         for line in words_of(found.verdict):
             print(line)

@@ -24,6 +24,8 @@ from bench.diagnose.replay.segments import MOST_BINS, segments_of
 from bench.diagnose.verdict import Proposal, Verdict, verdict_of
 from bench.effects.effect import Effect
 from bench.errors import BenchError, InputError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
 
@@ -61,6 +63,7 @@ def diagnose(
     signatures: Signatures | None = None,
     most_bins: int = MOST_BINS,
     asks: bool = True,
+    executor: Executor = SERIAL,
 ) -> Diagnosis:
     """Say what the nominal model gets wrong about a campaign.
 
@@ -73,6 +76,7 @@ def diagnose(
         signatures: Of other campaigns of the same session, if there were any; from `signatures_of`.
         most_bins: How many bins all motion together may have.
         asks: Whether to look for the next experiment, and for what the campaign could not show.
+        executor: Where to simulate; results do not depend on it.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
@@ -80,7 +84,7 @@ def diagnose(
         ValueError: Signatures of another kind of session.
     """
     with threadpool_limits(1, "blas"):  # the matrices are small: threads take more than twice the time
-        return _diagnose(campaign, compiled, catalogue, rate, progress, signatures, most_bins, asks)
+        return _diagnose(campaign, compiled, catalogue, rate, progress, signatures, most_bins, asks, executor)
 
 
 def _diagnose(
@@ -92,6 +96,7 @@ def _diagnose(
     signatures: Signatures | None,
     most_bins: int,
     asks: bool,
+    executor: Executor,
 ) -> Diagnosis:
     own = signatures_of(campaign, compiled, catalogue)
     signatures = own if signatures is None else signatures
@@ -105,12 +110,12 @@ def _diagnose(
             "encoder, or the gas pressure, beside the motor angles."
         )
     progress(f"signatures of {len(signatures.causes)} causes")
-    changes = signatures.changes(segments)
+    changes = signatures.changes(segments, executor)
     design = design_of(Replay(compiled, segments, quantities), signatures.nuisances, changes.nuisances)
     progress("naming")
-    around = Surroundings(compiled, catalogue, measured_by(campaign), rate)
+    around = Surroundings(compiled, catalogue, measured_by(campaign), rate, executor)
     design, screening = around.weighed(design, signatures.causes, changes)
-    naming = name_cause(design, screening, around.about, progress)
+    naming = name_cause(design, screening, around.about, progress, executor)
     worth: HeldOut | None = None
     proposals: tuple[Proposal, ...] = ()
     if naming.unlisted:
@@ -125,9 +130,9 @@ def _diagnose(
     if naming.hypotheses and asks:
         progress("the next experiment")
         with suppress(BenchError):  # an explanation that finds no balance elsewhere proposes nothing
-            proposals = ask(naming.design, [hypothesis.fit for hypothesis in naming.alternatives])
+            proposals = ask(naming.design, [hypothesis.fit for hypothesis in naming.alternatives], executor)
     predicted = predicted_error(about, extension or naming.null) if asks else ()
-    blind = blind_spots(compiled, segments, quantities, screening, signatures.causes) if asks else ()
+    blind = blind_spots(compiled, segments, quantities, screening, signatures.causes, executor) if asks else ()
     missing = unseen_of(catalogue.values(), around.measured)
     verdict = verdict_of(naming, rate, missing, signatures.unbalanced, worth, proposals, lesson)
     return Diagnosis(about, naming, replace(verdict, blind=blind, predicted=predicted), lesson)

@@ -30,6 +30,7 @@ Start = Literal["fork", "spawn"]
 Pipe = Any  # multiprocessing.connection.Connection, or PipeConnection where pipes are those of Windows
 
 CAN_FORK = "fork" in multiprocessing.get_all_start_methods() and sys.platform != "darwin"
+DEFAULT: Start = "fork" if CAN_FORK else "spawn"
 WORTH_TELLING = 0.005  # share of an item by which it has to advance before it is told again
 
 
@@ -47,7 +48,7 @@ class Processes:
     """
 
     cores: int
-    start: Start = "fork" if CAN_FORK else "spawn"
+    start: Start = DEFAULT
 
     @property
     def shares_memory(self) -> bool:

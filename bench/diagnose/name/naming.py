@@ -22,6 +22,8 @@ from bench.diagnose.picture.design import Design, raised
 from bench.diagnose.picture.generic import Block, blocks_of
 from bench.diagnose.picture.lack_of_fit import is_adequate
 from bench.diagnose.picture.screening import Entry, Screening, entries_of, rescreen
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 
 Kind = Literal["nothing found", "cause", "several causes", "unlisted cause"]
 
@@ -103,6 +105,7 @@ def name_cause(
     screening: Screening,
     renew: Renew,
     progress: Callable[[str], None] = lambda words: None,
+    executor: Executor = SERIAL,
 ) -> Naming:
     """Name what is wrong with the nominal model.
 
@@ -111,6 +114,7 @@ def name_cause(
         screening: Everything that was tried in the linear picture.
         renew: Weighs everything anew about an extended model.
         progress: Called with what is done next.
+        executor: Where to fit.
     """
     null = refit(design, (), {})
     threshold = screening.threshold
@@ -123,7 +127,7 @@ def name_cause(
             break
         count = len(stage.best.causes) + 1
         progress("single causes" if count == 1 else f"{count} causes")
-        fits = one_more(stage, screening, refused, limit)
+        fits = one_more(stage, screening, refused, limit, executor)
         found = max(fits, key=lambda h: h.log_evidence, default=None)
         if found is None or found.log_evidence <= stage.best.log_evidence + limit:
             break
@@ -144,7 +148,7 @@ def name_cause(
     for _ in range(MOST_CHANGES):
         block, is_alone = _unlisted(stage, design, screening)
         stage = _settled(stage, renew)
-        hypotheses = among_rivals(stage, progress) if stage.best.causes and not is_alone else ()
+        hypotheses = among_rivals(stage, progress, executor) if stage.best.causes and not is_alone else ()
         if not hypotheses or hypotheses[0].keys == stage.best.keys:
             break
         stage = _changed(stage, hypotheses[0], renew)  # what the model before left may be no more

@@ -4,7 +4,7 @@ Two campaigns of one session repeat the same motion within microns, so the deriv
 They are simulated once for every stretch of a session; a study looks them up afterwards. Residuals are never shared.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,8 @@ from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.simulations import simulate_all
 from bench.effects.own import EffectError
 from bench.errors import BenchError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
@@ -79,16 +81,16 @@ class Signatures:
         lost = sorted(self._lost)
         return tuple(dict.fromkeys(f"{self._plan[i].effect.name} {self._plan[i].place}" for i in lost))
 
-    def changes(self, segments: Sequence[Segment], progress: Callable[[float], None] = lambda share: None) -> Changes:
+    def changes(self, segments: Sequence[Segment], executor: Executor = SERIAL) -> Changes:
         """Return the changes of a campaign's readings; stretches that were never seen are simulated first.
 
         Args:
             segments: The campaign.
-            progress: Called with the share of the simulations that is done.
+            executor: Where to simulate.
         """
         new = tuple(segment for segment in segments if self._rows(segment) is None)
         if new:
-            self._learn(new, progress)
+            self._learn(new, executor)
         parts = []
         for segment in segments:
             rows = self._rows(segment)
@@ -108,14 +110,14 @@ class Signatures:
         nearest: Array = np.argmin(np.abs(times[:, None] - known), axis=1)
         return nearest if np.all(np.abs(known[nearest] - times) < SAME_INSTANT) else None
 
-    def _learn(self, segments: tuple[Segment, ...], progress: Callable[[float], None]) -> None:
+    def _learn(self, segments: tuple[Segment, ...], executor: Executor) -> None:
         replay = Replay(self.compiled, segments, self.quantities)
         off, acting = self.around.deviations, self.around.acting
         worlds = [World({**off, n: off.get(n, 0.0) + n.sigma}, acting) for n in self.nuisances]
         worlds += [World(off, (*acting, one)) for one in self._plan]
         nominal = replay.predict(self.around)
         found = []
-        for i, result in enumerate(simulate_all(replay, worlds, progress)):
+        for i, result in enumerate(simulate_all(replay, worlds, executor)):
             if isinstance(result, BenchError):
                 if i < len(self.nuisances) or isinstance(result, EffectError):
                     raise result

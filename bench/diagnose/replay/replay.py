@@ -4,8 +4,8 @@ A `World` is the nominal robot with some deviations and some effects. Its predic
 time; nothing here is a linearisation.
 """
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -104,17 +104,15 @@ class Replay:
             traces.append(expected(robots[key].compiled, trace, is_static=segment.is_static))
         return traces
 
-    @contextmanager
-    def unchanged(self) -> Iterator[None]:
-        """Let nothing that is simulated meanwhile serve as a first guess later.
+    def apart(self) -> "Replay":
+        """Return the same campaign for worlds that are simulated side by side; nothing of them comes back here.
 
-        Guesses leave traces in the last digits. What is simulated on several cores would depend on which core was free.
+        First guesses leave traces in the last digits: results would depend on which core was free, or on what another
+        thread does meanwhile.
         """
-        found = dict(self._found)
-        try:
-            yield
-        finally:
-            self._found = found
+        other = copy(self)
+        other._found = dict(self._found)
+        return other
 
     def play(self, world: World) -> Array:
         """Return the play of the gears in a world, shape (n,) [rad] or [m].
