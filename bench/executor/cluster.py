@@ -6,7 +6,6 @@ What a worker that died had under way is given to another one, so no result is l
 from collections.abc import Generator, Sequence
 from contextvars import copy_context
 from functools import partial
-from threading import Lock
 from time import sleep
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -24,9 +23,6 @@ PATIENCE_S = 10.0  # for a scheduler to answer
 EXTRA = "python -m pip install 'hh150-bench[cluster]'"
 
 
-_one_at_a_time = Lock()  # a worker that joins later may have several threads; what work remembers is for one
-
-
 class ClusterError(BenchError):
     """The scheduler is gone, or its workers die of the work."""
 
@@ -40,8 +36,7 @@ class Cluster:
         address: Of the scheduler, such as "tcp://10.0.0.1:8786".
 
     Raises:
-        InputError: No scheduler answers there, Dask is not installed, or a worker has several threads: the state of a
-            study's setup is that of a process.
+        InputError: No scheduler answers there, or Dask is not installed.
     """
 
     def __init__(self, address: str) -> None:
@@ -54,10 +49,6 @@ class Cluster:
         except (OSError, ValueError) as error:
             raise InputError(f"{address}: no scheduler answers ({error}); start one with `dask scheduler`.") from error
         self.address = address
-        threads = {name: worker["nthreads"] for name, worker in self._client.scheduler_info(-1)["workers"].items()}
-        if wide := sorted(name for name, count in threads.items() if count != 1):
-            self._client.close()
-            raise InputError(f"{wide[0]}: this worker has several threads; start it with --nthreads 1.")
 
     def __enter__(self) -> "Cluster":
         """Return itself."""
@@ -78,6 +69,7 @@ class Cluster:
         """Yield what some work makes of every item; see `Executor.map`.
 
         Raises:
+            InputError: A worker has several threads: what work remembers of a process is for one.
             ClusterError: The connection to the scheduler broke for good, or an item killed several workers.
         """
         from distributed import as_completed
@@ -89,7 +81,7 @@ class Cluster:
         index_of = {future.key: index for index, future in enumerate(futures)}
         progress(0.0)
         try:
-            coming = as_completed(futures)
+            coming = as_completed(futures, loop=self._client.loop)
             while index_of:
                 if coming.is_empty() or not coming.has_ready():
                     self._expect_scheduler()
@@ -122,7 +114,12 @@ class Cluster:
 
 
 def _called(work: Work[Item, Result], item: Item) -> Result:
-    with _one_at_a_time, threadpool_limits(1, "blas"):
+    from distributed import get_worker
+
+    worker = get_worker()
+    if worker.state.nthreads != 1:
+        raise InputError(f"{worker.address}: this worker has several threads; start workers with --nthreads 1.")
+    with threadpool_limits(1, "blas"):
         return copy_context().run(_worked, work, item)
 
 
