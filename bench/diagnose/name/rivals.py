@@ -1,6 +1,6 @@
 """Rivals: what could take the place of a cause, weighed by what it fits and by what it predicts."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -37,10 +37,15 @@ def among_rivals(stage: Stage, progress: Callable[[str], None], executor: Execut
         settled.append(hypothesis)
     best = stage.best
     settled = [h for h in (as_it_predicts(stage.design, best, h) for h in settled) if h is not None]
-    weights = np.exp(np.array([h.log_evidence for h in settled]) - max(h.log_evidence for h in settled))
+    return ranked(settled)
+
+
+def ranked(fits: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+    """Return explanations by falling evidence, each with its probability among them."""
+    weights = np.exp(np.array([h.log_evidence for h in fits]) - max(h.log_evidence for h in fits))
     shares = weights / weights.sum()
-    ranked = [replace(h, probability=float(p)) for h, p in zip(settled, shares, strict=True)]
-    return tuple(sorted(ranked, key=lambda h: -h.log_evidence))
+    weighed = [replace(h, probability=float(p)) for h, p in zip(fits, shares, strict=True)]
+    return tuple(sorted(weighed, key=lambda h: -h.log_evidence))
 
 
 def as_it_predicts(design: Design, best: Hypothesis, rival: Hypothesis) -> Hypothesis | None:
