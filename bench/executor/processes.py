@@ -29,6 +29,7 @@ from bench.executor.serial import SERIAL
 Start = Literal["fork", "spawn"]
 Pipe = Any  # multiprocessing.connection.Connection, or PipeConnection where pipes are those of Windows
 
+# macOS can fork, but its own libraries do not bear it
 CAN_FORK = "fork" in multiprocessing.get_all_start_methods() and sys.platform != "darwin"
 DEFAULT: Start = "fork" if CAN_FORK else "spawn"
 WORTH_TELLING = 0.005  # share of an item by which it has to advance before it is told again

@@ -15,8 +15,8 @@ class Terminal(io.StringIO):
         return True
 
 
-@pytest.fixture
 def terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
+    """Return what takes the place of standard error; of a test, since pytest puts its own there before each."""
     shown = Terminal()
     monkeypatch.setattr(sys, "stderr", shown)
     monkeypatch.setenv("TERM", "xterm")
@@ -39,20 +39,22 @@ def test_elsewhere_a_bar_is_silent(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr() == ("", "")
 
 
-def test_a_terminal_shows_phase_share_and_time_left(terminal: Terminal) -> None:
+def test_a_terminal_shows_phase_share_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    standard_error = terminal(monkeypatch)
     with phases() as shown:
         shown.phase("signatures of 39 causes")
         for i in range(5):
             shown.share(i / 10)
         shown.phase("naming")
         shown.share(0.25)
-    text = terminal.getvalue()
+    text = standard_error.getvalue()
     assert re.search(r"signatures of 39 causes.* 40%.*\d:\d\d:\d\d", text)
     assert re.search(r"naming.* 25%", text)
 
 
-def test_a_bar_on_a_terminal_has_the_time_left(terminal: Terminal) -> None:
+def test_a_bar_on_a_terminal_has_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    standard_error = terminal(monkeypatch)
     with progress_bar("campaigns") as told:
         for i in range(1, 4):
             told(i / 10)
-    assert re.search(r"campaigns.* 30%.*\d:\d\d:\d\d", terminal.getvalue())
+    assert re.search(r"campaigns.* 30%.*\d:\d\d:\d\d", standard_error.getvalue())

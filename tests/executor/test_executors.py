@@ -106,7 +106,13 @@ def test_a_worker_that_is_killed_is_named(start: str) -> None:
 
 def test_one_core_needs_no_process() -> None:
     assert on_cores(1) is SERIAL
-    assert on_cores(3) == Processes(3)
+    assert on_cores(3) == (Processes(3) if CAN_FORK else Threads(3))
+    assert on_cores(3, "spawn") == Processes(3, "spawn")
+
+
+def test_where_nothing_can_be_forked_there_are_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("bench.executor.local.CAN_FORK", False)
+    assert on_cores(3) == Threads(3)
 
 
 SLEEPER = """
