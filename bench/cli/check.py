@@ -5,6 +5,8 @@ from pathlib import Path
 
 import tyro
 
+READ = 0.5  # of the time, about, that reading the tables takes; the rest goes into what the robot says of them
+
 
 @dataclass(frozen=True)
 class Check:
@@ -17,15 +19,18 @@ class Check:
         """Check and print; return the exit code: 0, or 3 with errors or doubts."""
         from typing import get_args
 
+        from bench.cli.progress import progress_bar
         from bench.diagnose.doubt.channels import doubts_of
         from bench.errors import CampaignError
         from bench.record.finding import Level
         from bench.report.campaigns import open_campaign
 
-        report, compiled = open_campaign(self.campaign)
-        findings = report.findings
-        if report.campaign and compiled:
-            findings += doubts_of(report.campaign, compiled, report.findings)
+        with progress_bar("checking") as progress:
+            report, compiled = open_campaign(self.campaign)
+            progress(READ)
+            findings = report.findings
+            if report.campaign and compiled:
+                findings += doubts_of(report.campaign, compiled, report.findings)
         for finding in findings:
             print(f"{finding.level:8}{finding}")
         runs = f"{len(report.campaign.runs)} runs on {report.campaign.robot}" if report.campaign else "not usable"

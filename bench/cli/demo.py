@@ -24,6 +24,7 @@ class Demo:
         import sys
         import time
 
+        from bench.executor.local import on_cores
         from bench.hide.write import CAMPAIGN, write_hidden
         from bench.record.folder import new_folder
         from bench.report.diagnosis.words import words_of
@@ -33,7 +34,7 @@ class Demo:
         seed = int(time.time()) % 100_000 if self.seed is None else self.seed
         out = self.out or Path(f"demo-{seed}")
         with new_folder(out, CAMPAIGN, replace=False) as folder:
-            demo = hide_and_seek(seed, progress=lambda words: print(f"... {words}", file=sys.stderr))
+            demo = hide_and_seek(seed, lambda words: print(f"... {words}", file=sys.stderr), on_cores())
             write_hidden(demo.made.hidden, folder)
             (folder / "diagnosis").mkdir()
             write_diagnosis(demo.diagnosis, folder / "diagnosis")

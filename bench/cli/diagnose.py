@@ -28,22 +28,33 @@ class Diagnose:
     """Python files with effects of your own (bench/effects/README.md)."""
     despite_doubts: bool = False
     """Go on although channels are hardly what their names say; by default that ends in an error."""
+    cores: int = 0
+    """Processes; 0: one for each core. The verdict does not depend on it."""
+    at_most: str | None = None
+    """Time after which to end with what was found so far, such as 90, 60s or 2m; so does Ctrl-C."""
 
     def run(self) -> int:
-        """Diagnose, print and write; return the exit code."""
+        """Diagnose, print and write; return the exit code: 0, or 7 for a verdict that is unfinished."""
         import sys
+        from math import inf
 
-        from bench.diagnose.diagnose import diagnose
+        from bench.cli.progress import phases
+        from bench.cli.stopping import UNFINISHED, ending_on_interrupt, seconds_of
+        from bench.diagnose.diagnose import FALSE_ALARM_RATE, diagnose
         from bench.diagnose.doubt.channels import doubts_of
+        from bench.diagnose.verdict import unweighed
         from bench.effects.catalogue import catalogue
         from bench.effects.own import try_out
         from bench.errors import CampaignError
+        from bench.executor.local import on_cores
+        from bench.executor.watched import Stop, Stopped, Watched
         from bench.record.folder import new_folder
         from bench.report.campaigns import open_campaign
         from bench.report.diagnosis.file_names import VERDICT
         from bench.report.diagnosis.words import places_of, words_of
-        from bench.report.diagnosis.write import write_diagnosis
+        from bench.report.diagnosis.write import write_diagnosis, write_unweighed
 
+        stop = Stop(inf if self.at_most is None else seconds_of(self.at_most))
         effects = catalogue(self.file)
         report, compiled = open_campaign(self.campaign)
         campaign = report.usable()
@@ -54,14 +65,27 @@ class Diagnose:
             raise CampaignError([*(f"{self.campaign}: {doubt}" for doubt in doubts), WAYS_OUT])
         for finding in (*report.warnings, *doubts):
             print(f"{finding.level:8}{finding}", file=sys.stderr)
-        with new_folder(self.out, VERDICT, replace=False) as folder:
-            found = diagnose(campaign, compiled, effects, progress=lambda words: print(f"... {words}", file=sys.stderr))
-            write_diagnosis(found, folder, campaign, self.command)
-        for line in words_of(found.verdict):
+        with ending_on_interrupt(stop), new_folder(self.out, VERDICT, replace=False) as folder, phases() as shown:
+            executor = Watched(on_cores(self.cores), shows=shown.share)
+            during = "reading the campaign"
+
+            def phase(words: str) -> None:
+                nonlocal during
+                during = words
+                shown.phase(words)
+
+            try:
+                found = diagnose(campaign, compiled, effects, progress=phase, executor=executor, check=stop.check)
+                verdict = found.verdict
+                write_diagnosis(found, folder, campaign, self.command)
+            except Stopped as stopped:
+                verdict = unweighed(FALSE_ALARM_RATE, str(stopped), during)
+                write_unweighed(verdict, folder, campaign, compiled.robot.figures.title, self.command)
+        for line in words_of(verdict):
             print(line)
         for line in places_of(self.out):
             print(line)
-        return 0
+        return UNFINISHED if verdict.unfinished else 0
 
     @property
     def command(self) -> str:
@@ -69,5 +93,6 @@ class Diagnose:
         import shlex
 
         files = [word for file in self.file for word in ("--file", str(file))]
+        files += ["--at-most", self.at_most] if self.at_most is not None else []
         files += ["--despite-doubts"] * self.despite_doubts
         return shlex.join(["bench", "diagnose", str(self.campaign), "-o", str(self.out), *files])

@@ -15,15 +15,19 @@ class Paper:
     """Folder to write."""
     replace: bool = False
     """Replace a results folder that stands there already."""
+    cores: int = 0
+    """Processes; 0: one for each core."""
 
     def run(self) -> int:
         """Run everything, print the table, name the folder; return the exit code."""
         from bench.cli.progress import progress_bar
+        from bench.executor.local import on_cores
         from bench.record.folder import new_folder
         from bench.report.paper.run import RESULTS, print_paper, run_paper
 
         with new_folder(self.out, RESULTS, self.replace) as folder, progress_bar("the paper's experiments") as progress:
-            result = run_paper(folder, progress)
+            executor = on_cores(self.cores, "spawn")  # recordings are written by threads, which are not forked
+            result = run_paper(folder, progress, executor)
         print_paper(result)
         print(f"\nResults: {self.out.resolve()}")
         print(f"Look at an experiment with, for example: bench view {self.out / 'loading' / 'link-side'}")

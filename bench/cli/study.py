@@ -12,7 +12,7 @@ class Study:
     """Hide effects in hundreds of campaigns, diagnose them blind, and hold the answers against the truth.
 
     About an hour on two cores. Every campaign that is done stands in the folder; after an interruption the
-    same command goes on from there. It does not notice a diagnosis that changed meanwhile: then start a new folder.
+    same command goes on from there, as long as the code is the same.
     """
 
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
@@ -33,13 +33,18 @@ class Study:
     """Of all random numbers."""
     cores: int = 0
     """Processes; 0: one for each core."""
+    scheduler: str | None = None
+    """Address of a Dask scheduler, such as tcp://10.0.0.1:8786, whose workers do the work (bench/study/README.md)."""
 
     def run(self) -> int:
         """Run, print the table and name the folder; return the exit code."""
-        import os
+        import sys
+        from contextlib import nullcontext
 
         from bench.cli.progress import progress_bar
         from bench.errors import InputError
+        from bench.executor.cluster import Cluster
+        from bench.executor.local import on_cores
         from bench.report.study.words import measured_words, met_words
         from bench.report.study.write import PAGE, write_study
         from bench.study.labs import Lab
@@ -47,14 +52,18 @@ class Study:
         from bench.study.scores import scores_of
         from bench.study.study import Settings, run_study
 
+        def warn(words: str) -> None:
+            print(f"bench: {words}", file=sys.stderr)
+
         counts = SMALL if self.small else Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins)
         settings = Settings(counts, self.seed)
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{self.out}: cannot be made ({error.strerror}); choose another folder") from error
-        with progress_bar("campaigns") as progress:
-            outcomes = run_study(settings, self.out, self.cores or os.cpu_count() or 1, progress)
+        where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
+        with where as executor, progress_bar("campaigns") as progress:
+            outcomes = run_study(settings, self.out, executor, progress, warn)
         scores = scores_of(outcomes)
         write_study(outcomes, scores, settings, Lab(settings.session).words(), self.out)
         for goal in scores.goals:

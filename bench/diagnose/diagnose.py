@@ -10,7 +10,7 @@ from bench.diagnose.ask.ask import ask
 from bench.diagnose.ask.blind_spots import blind_spots
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
-from bench.diagnose.measure.measure import HeldOut, held_out, predicted_error
+from bench.diagnose.measure.measure import HeldOut, PredictedError, held_out, predicted_error
 from bench.diagnose.name.learn import Lesson, lesson_of
 from bench.diagnose.name.naming import Naming, name_cause
 from bench.diagnose.name.surroundings import Surroundings
@@ -21,9 +21,12 @@ from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, segments_of
-from bench.diagnose.verdict import Proposal, Verdict, verdict_of
+from bench.diagnose.verdict import BlindSpot, Proposal, Unfinished, Verdict, unfinished_of, verdict_of
 from bench.effects.effect import Effect
 from bench.errors import BenchError, InputError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
+from bench.executor.watched import Check, Stopped, Watched, never
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
 
@@ -61,6 +64,8 @@ def diagnose(
     signatures: Signatures | None = None,
     most_bins: int = MOST_BINS,
     asks: bool = True,
+    executor: Executor = SERIAL,
+    check: Check = never,
 ) -> Diagnosis:
     """Say what the nominal model gets wrong about a campaign.
 
@@ -73,14 +78,33 @@ def diagnose(
         signatures: Of other campaigns of the same session, if there were any; from `signatures_of`.
         most_bins: How many bins all motion together may have.
         asks: Whether to look for the next experiment, and for what the campaign could not show.
+        executor: Where to simulate; results do not depend on it.
+        check: Called between steps and between simulations. It may raise `Stopped`, and the diagnosis ends with what it
+            has found so far.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
         ConvergenceError: The nominal model finds no balance along the measured motion.
+        Stopped: Before anything was weighed.
         ValueError: Signatures of another kind of session.
     """
     with threadpool_limits(1, "blas"):  # the matrices are small: threads take more than twice the time
-        return _diagnose(campaign, compiled, catalogue, rate, progress, signatures, most_bins, asks)
+        phases = _Phases(progress, check)
+        watched = Watched(executor, check)
+        return _diagnose(campaign, compiled, catalogue, rate, phases, signatures, most_bins, asks, watched)
+
+
+class _Phases:
+    """Tells what is done next, and remembers it; between two phases the work may be stopped."""
+
+    def __init__(self, progress: Callable[[str], None], check: Check) -> None:
+        self._progress, self._check = progress, check
+        self.now = ""
+
+    def __call__(self, words: str) -> None:
+        self._check()
+        self.now = words
+        self._progress(words)
 
 
 def _diagnose(
@@ -88,10 +112,11 @@ def _diagnose(
     compiled: CompiledRobot,
     catalogue: Mapping[str, Effect],
     rate: float,
-    progress: Callable[[str], None],
+    progress: _Phases,
     signatures: Signatures | None,
     most_bins: int,
     asks: bool,
+    executor: Executor,
 ) -> Diagnosis:
     own = signatures_of(campaign, compiled, catalogue)
     signatures = own if signatures is None else signatures
@@ -105,32 +130,45 @@ def _diagnose(
             "encoder, or the gas pressure, beside the motor angles."
         )
     progress(f"signatures of {len(signatures.causes)} causes")
-    changes = signatures.changes(segments)
+    changes = signatures.changes(segments, executor)
     design = design_of(Replay(compiled, segments, quantities), signatures.nuisances, changes.nuisances)
     progress("naming")
-    around = Surroundings(compiled, catalogue, measured_by(campaign), rate)
+    around = Surroundings(compiled, catalogue, measured_by(campaign), rate, executor)
     design, screening = around.weighed(design, signatures.causes, changes)
-    naming = name_cause(design, screening, around.about, progress)
+    naming = name_cause(design, screening, around.about, progress, executor)
     worth: HeldOut | None = None
+    lesson: Lesson | None = None
     proposals: tuple[Proposal, ...] = ()
-    if naming.unlisted:
-        progress("learning what is not listed")
-    lesson = lesson_of(naming)
-    extension = extension_of(naming, lesson)
-    about = lesson.design if lesson and lesson.pays else naming.design
-    if extension:
-        progress("gain on what was held out")
-        null = naming.null if about is naming.design else refit(about, (), {})
-        worth = held_out(about, null, extension)
-    if naming.hypotheses and asks:
-        progress("the next experiment")
-        with suppress(BenchError):  # an explanation that finds no balance elsewhere proposes nothing
-            proposals = ask(naming.design, [hypothesis.fit for hypothesis in naming.alternatives])
-    predicted = predicted_error(about, extension or naming.null) if asks else ()
-    blind = blind_spots(compiled, segments, quantities, screening, signatures.causes) if asks else ()
+    predicted: tuple[PredictedError, ...] = ()
+    blind: tuple[BlindSpot, ...] = ()
+    unfinished: Unfinished | None = None
+    about = naming.design
+    try:
+        if naming.stopped:
+            raise Stopped(naming.stopped)
+        if naming.unlisted:
+            progress("learning what is not listed")
+            lesson = lesson_of(naming)
+        extension = extension_of(naming, lesson)
+        about = lesson.design if lesson and lesson.pays else naming.design
+        if extension:
+            progress("gain on what was held out")
+            null = naming.null if about is naming.design else refit(about, (), {})
+            worth = held_out(about, null, extension)
+        if asks:
+            predicted = predicted_error(about, extension or naming.null)
+            if naming.hypotheses:
+                progress("the next experiment")
+                with suppress(BenchError):  # an explanation that finds no balance elsewhere proposes nothing
+                    proposals = ask(naming.design, [one.fit for one in naming.alternatives], executor)
+            progress("what this campaign could not show")
+            blind = blind_spots(compiled, segments, quantities, screening, signatures.causes, executor)
+    except Stopped as stopped:
+        unfinished = unfinished_of(naming, str(stopped), progress.now)
     missing = unseen_of(catalogue.values(), around.measured)
     verdict = verdict_of(naming, rate, missing, signatures.unbalanced, worth, proposals, lesson)
-    return Diagnosis(about, naming, replace(verdict, blind=blind, predicted=predicted), lesson)
+    verdict = replace(verdict, blind=blind, predicted=predicted, unfinished=unfinished)
+    return Diagnosis(about, naming, verdict, lesson)
 
 
 def signatures_of(campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect]) -> Signatures:

@@ -4,7 +4,9 @@ Schema of `verdict.json` (format 1): `kind` is "nothing found", "cause", "severa
 `explanations` holds the explanations that the data cannot tell apart, the likeliest first, each with its causes,
 parameters, units and 95 % intervals; `rivals` the ones that were fitted and fell behind; `unlisted` the place and the
 dependence of what no listed effect explains; `missing` the channels that were not there; `blind` what the campaign
-could not have shown, and what would.
+could not have shown, and what would. `unfinished` is null, or says why the diagnosis ended before it was done, and
+during what; then what stands there is what had been found so far, and `kind` may also be "nothing found so far" or
+"nothing weighed" (the session's signatures were not finished).
 """
 
 from collections.abc import Mapping
@@ -28,6 +30,7 @@ from bench.diagnose.picture.limits import DetectionLimit as DetectionLimit  # pa
 from bench.diagnose.picture.limits import detection_limits
 
 NORMAL_95 = 1.959964
+PROMISING = 3  # causes that an unfinished diagnosis names
 NOISY = 3.0  # times its instrument's standard error
 
 
@@ -125,6 +128,21 @@ class Step:
 
 
 @dataclass(frozen=True)
+class Unfinished:
+    """A diagnosis that ended before it was done.
+
+    Attributes:
+        why: In words, such as "interrupted".
+        during: What was under way.
+        promising: Causes with more evidence than chance brings about that were not fitted yet, the best first.
+    """
+
+    why: str
+    during: str
+    promising: tuple[NamedCause, ...] = ()
+
+
+@dataclass(frozen=True)
 class Verdict:
     """What a campaign says.
 
@@ -146,6 +164,7 @@ class Verdict:
         detectable: What would have been found, had it been there.
         blind: What would not have been found at any plausible size, and what would show it.
         noisy: Channels that scatter far more than their instruments, the worst first; causes hide in them.
+        unfinished: Why it ended before it was done; None: it is done.
     """
 
     kind: str
@@ -165,6 +184,7 @@ class Verdict:
     predicted: tuple[PredictedError, ...] = ()
     blind: tuple[BlindSpot, ...] = ()
     noisy: tuple[NoisyChannel, ...] = ()
+    unfinished: Unfinished | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of `verdict.json`."""
@@ -213,6 +233,27 @@ def verdict_of(
         detectable=detection_limits(naming.screening),
         noisy=_noisy(design),
     )
+
+
+def unweighed(rate: float, why: str, during: str) -> Verdict:
+    """Return the verdict of a diagnosis that ended before anything could be weighed.
+
+    Args:
+        rate: Declared false-alarm rate.
+        why: It ended.
+        during: What was under way.
+    """
+    unknown = float("nan")
+    return Verdict("nothing weighed", rate, unknown, unknown, (), (), None, {}, (), unfinished=Unfinished(why, during))
+
+
+def unfinished_of(naming: Naming, why: str, during: str) -> Unfinished:
+    """Return why a diagnosis ended, and what its climb would have fitted next."""
+    screening = naming.leftover
+    above = [entry.cause for entry in screening.listed if entry.log_evidence > screening.threshold]
+    taken = {cause.key for hypothesis in naming.hypotheses for cause in hypothesis.causes}
+    causes = [cause for cause in above if cause and cause.key not in taken][:PROMISING] if naming.stopped else []
+    return Unfinished(why, during, tuple(_titled(cause, ()) for cause in causes))
 
 
 def _noisy(design: Design) -> tuple[NoisyChannel, ...]:
@@ -269,5 +310,9 @@ def _named(cause: Cause, fit: Fit) -> NamedCause:
         for u, value, sigma in zip(fit.unknowns, fit.values, fit.sigma, strict=True)
         if u.cause is cause
     )
+    return _titled(cause, parameters)
+
+
+def _titled(cause: Cause, parameters: tuple[ParameterValue, ...]) -> NamedCause:
     effect = cause.effect
     return NamedCause(effect.name, effect.title, str(cause.place), parameters, effect.physics, effect.source)

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from bench.executor.contract import Progress
 from bench.record.truth import Truth, write_truth
 from bench.record.write import TableFormat, write_campaign
-from bench.report.parallel import Progress
 from bench.report.recording.write import write_recording
 from bench.scenario.files import Experiment
 from bench.simulate.session import Session, run_session

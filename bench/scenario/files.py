@@ -32,11 +32,11 @@ def scenario_names() -> tuple[str, ...]:
     return tuple(sorted(file.stem for file in paths.scenarios_dir().glob("*.yaml")))
 
 
-def read_scenario(name_or_file: str | Path) -> Scenario:
-    """Read a scenario by name or by path.
+def scenario_file(name_or_file: str | Path) -> Path:
+    """Find a scenario by name or by path.
 
     Raises:
-        InputError: No such file, not YAML, unknown experiment, or keys that break its schema; every fault is listed.
+        InputError: No such file.
     """
     file = Path(name_or_file)
     if not file.is_file():
@@ -44,6 +44,16 @@ def read_scenario(name_or_file: str | Path) -> Scenario:
         if not file.is_file() or Path(name_or_file).suffix not in ("", ".yaml") or len(Path(name_or_file).parts) > 2:
             known = ", ".join(scenario_names())
             raise InputError(f"no scenario file {str(name_or_file)!r}. Those that come along: {known}.")
+    return file
+
+
+def read_scenario(name_or_file: str | Path) -> Scenario:
+    """Read a scenario by name or by path.
+
+    Raises:
+        InputError: No such file, not YAML, unknown experiment, or keys that break its schema; every fault is listed.
+    """
+    file = scenario_file(name_or_file)
     try:
         content = yaml.safe_load(file.read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError) as error:

@@ -6,6 +6,8 @@ from bench.diagnose.diagnose import FALSE_ALARM_RATE, Diagnosis, diagnose
 from bench.diagnose.diagnose import signatures_of as signatures_of  # of a session, for every campaign of it
 from bench.diagnose.picture.signatures import Signatures
 from bench.effects.effect import Effect
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 from bench.record.campaign import Campaign
 
 BINS = 400  # over all motion of a campaign: a replay takes a thirtieth of a second
@@ -17,6 +19,7 @@ def diagnose_with(
     catalogue: Mapping[str, Effect],
     rate: float = FALSE_ALARM_RATE,
     progress: Callable[[str], None] = lambda words: None,
+    executor: Executor = SERIAL,
 ) -> Diagnosis:
     """Say what the nominal model gets wrong about a campaign; nothing else is handed in.
 
@@ -26,8 +29,10 @@ def diagnose_with(
         catalogue: Effects to look for.
         rate: Declared false-alarm rate.
         progress: Called with what is done next.
+        executor: Where to simulate.
 
     Raises:
         ConvergenceError: The nominal model finds no balance along the measured motion.
     """
-    return diagnose(campaign, signatures.compiled, catalogue, rate, progress, signatures, BINS, asks=False)
+    known = (signatures, BINS)
+    return diagnose(campaign, signatures.compiled, catalogue, rate, progress, *known, asks=False, executor=executor)

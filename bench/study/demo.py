@@ -7,6 +7,8 @@ import numpy as np
 
 from bench.diagnose.diagnose import Diagnosis
 from bench.effects.catalogue import catalogue
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 from bench.study.blind import diagnose_with
 from bench.study.labs import Lab, prepare
 from bench.study.make import Made, make
@@ -25,20 +27,22 @@ class Demo:
     outcome: Outcome
 
 
-def hide_and_seek(seed: int, progress: Callable[[str], None] = lambda words: None) -> Demo:
+def hide_and_seek(seed: int, progress: Callable[[str], None] = lambda words: None, executor: Executor = SERIAL) -> Demo:
     """Hide an effect at random, clearly visible, and look for it.
 
     Args:
         seed: Of what is hidden, and of all noise.
         progress: Called with what is done next.
+        executor: Where to simulate.
     """
     rng = np.random.default_rng(seed)
     name = EFFECTS[int(rng.integers(len(EFFECTS)))]
     trial = Trial("demo", "single", (name,), number=int(rng.integers(100)), size="clear")
-    ground = prepare(Lab(), catalogue(), np.random.default_rng([seed, NULL_STREAM]), progress)
+    ground = prepare(Lab(), catalogue(), np.random.default_rng([seed, NULL_STREAM]), progress, executor)
     progress("a campaign with a hidden effect")
     made = make(trial, ground, seed)
-    diagnosis = diagnose_with(made.hidden.campaign, ground.signatures, ground.catalogue, progress=progress)
+    campaign = made.hidden.campaign
+    diagnosis = diagnose_with(campaign, ground.signatures, ground.catalogue, progress=progress, executor=executor)
     return Demo(made, diagnosis, outcome_of(trial, made, answer_of(diagnosis.verdict), 0.0, 0.0))
 
 

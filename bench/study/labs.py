@@ -9,6 +9,8 @@ from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.signatures import Signatures
 from bench.effects.effect import Acting, Effect
 from bench.errors import InputError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 from bench.hide.campaign import Hidden, hide_campaign
 from bench.hide.plan import legs_of
 from bench.record.campaign import Array
@@ -114,6 +116,7 @@ def prepare(
     catalogue: Mapping[str, Effect],
     rng: np.random.Generator,
     progress: Callable[[str], None] = lambda words: None,
+    executor: Executor = SERIAL,
 ) -> Ground:
     """Return what the campaigns of a lab share.
 
@@ -122,12 +125,13 @@ def prepare(
         catalogue: Effects to look for.
         rng: Of the null campaign.
         progress: Called with what is done next.
+        executor: Where to simulate.
     """
     compiled = lab.compiled()
     progress("a null campaign")
     campaign = lab.hide((), rng).campaign
     signatures = signatures_of(campaign, compiled, catalogue)
-    diagnosis = diagnose_with(campaign, signatures, catalogue, progress=progress)
+    diagnosis = diagnose_with(campaign, signatures, catalogue, progress=progress, executor=executor)
     listed = tuple(entry.what.columns for entry in diagnosis.naming.screening.entries if entry.cause)
     design, threshold = diagnosis.design, diagnosis.verdict.threshold
     return Ground(lab, compiled, catalogue, signatures, design, Blur(design.replay), threshold, listed)

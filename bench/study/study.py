@@ -1,30 +1,28 @@
-"""Run a study: campaigns are made, diagnosed blind and written down one by one, on all cores."""
+"""Run a study: campaigns are made, diagnosed blind and written down one by one, wherever an executor works."""
 
-import json
-import multiprocessing
-import os
-import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
+from contextlib import closing
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from time import process_time
 
 import numpy as np
 from scipy.linalg import LinAlgError
+from threadpoolctl import threadpool_limits
 
-from bench import __version__
 from bench.effects.catalogue import catalogue
 from bench.errors import BenchError, InputError
+from bench.executor.contract import Executor, Progress, ignore
+from bench.executor.serial import SERIAL
 from bench.study.blind import diagnose_with, signatures_of
+from bench.study.code import code_of
 from bench.study.labs import Ground, Lab, prepare
 from bench.study.make import make
 from bench.study.outcome import Answer, Outcome, answer_of, outcome_of
 from bench.study.plan import Counts, Trial, plan
+from bench.study.rows import ROWS, append, read_rows, study_of
 
-ROWS = "campaigns.jsonl"
 NULL_STREAM = 1  # of the campaign that signatures come from; no trial has it
-
-_shared: tuple[Ground, int] | None = None  # of a worker, from the moment it is forked
 
 
 @dataclass(frozen=True)
@@ -35,23 +33,49 @@ class Settings:
         counts: How much is hidden.
         seed: Of all random numbers.
         session: Name or file of the session.
-        version: Of the bench.
+        code: Fingerprint of what makes and diagnoses the campaigns; by default that of this installation.
+
+    Raises:
+        InputError: There is no such session.
     """
 
     counts: Counts = field(default_factory=Counts)
     seed: int = 1
     session: str = "session-study"
-    version: str = __version__
+    code: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.code:
+            object.__setattr__(self, "code", code_of(self.session))
 
 
-Progress = Callable[[float], None]
+@dataclass(frozen=True)
+class Campaigns:
+    """The work of a study, as plain data: it may go to any process that has the same code.
+
+    Attributes:
+        settings: Of the study.
+    """
+
+    settings: Settings
+
+    def prepare(self, executor: Executor) -> None:
+        """Make what all campaigns share, so that workers need not that have what this process has in memory."""
+        _ground_of(self.settings, executor)
+
+    def __call__(self, trial: Trial, _: Progress) -> Outcome:
+        """Make and diagnose one campaign."""
+        with threadpool_limits(1, "blas"):
+            return run_trial(trial, _ground_of(self.settings), self.settings.seed)
 
 
 def run_study(
     settings: Settings,
     folder: Path,
-    cores: int,
-    progress: Progress = lambda share: None,
+    executor: Executor = SERIAL,
+    progress: Progress = ignore,
+    say: Callable[[str], None] = lambda words: None,
+    work: Campaigns | None = None,
 ) -> tuple[Outcome, ...]:
     """Make and diagnose every campaign of a study; those that stand in the folder already are not done again.
 
@@ -61,56 +85,35 @@ def run_study(
     Args:
         settings: Of the study.
         folder: Where to write; exists.
-        cores: Processes.
+        executor: Where campaigns are made and diagnosed.
         progress: Called with the share that is done.
+        say: Called with a warning.
+        work: Makes and diagnoses a campaign; None: as the settings say.
 
     Raises:
-        InputError: The folder holds another study.
+        InputError: The folder holds another study, or one that other code began.
     """
-    rows = folder / ROWS
-    done = {outcome.name: outcome for outcome in read_rows(rows, settings)}
-    lab = Lab(settings.session)
-    trials = _plan(settings, lab)
+    file, plain = folder / ROWS, asdict(settings)
+    rows = read_rows(file, plain)
+    if rows.damaged:
+        lines = "line was" if rows.damaged == 1 else "lines were"
+        say(f"{file}: {rows.damaged} damaged {lines} dropped; what stood there is done again.")
+    done = {outcome.name: outcome for outcome in rows.outcomes}
+    trials = plan(settings.counts, Lab(settings.session).compiled(), settings.seed)
     missing = [trial for trial in trials if trial.name not in done]
-    if missing:
-        before = os.environ.get("BENCH_CORES")
-        os.environ["BENCH_CORES"] = str(cores)
-        try:
-            ground = prepare(lab, catalogue(), np.random.default_rng([settings.seed, NULL_STREAM]))
-            os.environ["BENCH_CORES"] = "1"  # of each worker: there is one for each core already
-            with rows.open("a", encoding="utf-8") as file:
-                for outcome in _all(missing, ground, settings.seed, cores):
-                    file.write(outcome.as_json() + "\n")
-                    file.flush()
-                    done[outcome.name] = outcome
-                    progress(len(done) / len(trials))
-        finally:
-            _restore("BENCH_CORES", before)
+    work = work or Campaigns(settings)
+    if missing and executor.shares_memory:
+        work.prepare(executor)
+    before = 1 - len(missing) / len(trials)
+
+    def told(share: float) -> None:
+        progress(before + share * (1 - before))
+
+    with file.open("a", encoding="utf-8") as stream, closing(executor.map(work, missing, told)) as results:
+        for result in results:
+            append(stream, result.value, study_of(plain))
+            done[result.value.name] = result.value
     return tuple(done[trial.name] for trial in trials)
-
-
-def read_rows(rows: Path, settings: Settings) -> list[Outcome]:
-    """Return the campaigns that are done; writes the head of a new file. A line that was cut off is taken away.
-
-    Raises:
-        InputError: The file is of another study.
-    """
-    head = json.dumps(asdict(settings))
-    if not rows.exists():
-        rows.write_text(head + "\n", encoding="utf-8")
-        return []
-    first, *lines = rows.read_text(encoding="utf-8").splitlines() or [""]
-    if first != head:
-        raise InputError(f"{rows}: is of a study with other settings; choose another folder.")
-    found = []
-    for line in lines:
-        try:
-            found.append(Outcome.from_json(line))
-        except ValueError:
-            break
-    whole = "".join(f"{line}\n" for line in [head, *lines[: len(found)]])
-    rows.write_text(whole, encoding="utf-8")
-    return found
 
 
 def run_trial(trial: Trial, ground: Ground, seed: int) -> Outcome:
@@ -137,36 +140,23 @@ def run_trial(trial: Trial, ground: Ground, seed: int) -> Outcome:
     return outcome_of(trial, made, answer, ready - start, process_time() - ready)
 
 
-def _plan(settings: Settings, lab: Lab) -> tuple[Trial, ...]:
-    return plan(settings.counts, lab.compiled(), settings.seed)
+_grounds: dict[Settings, Ground] = {}  # made once in a process, and the same in every one
 
 
-def _all(trials: Sequence[Trial], ground: Ground, seed: int, cores: int) -> Iterator[Outcome]:
-    """Yield outcomes as they come; workers are forked and have the ground already."""
-    global _shared
-    _shared = (ground, seed)
-    try:
-        if cores == 1 or "fork" not in multiprocessing.get_all_start_methods():
-            yield from map(_run, trials)
-            return
-        with multiprocessing.get_context("fork").Pool(cores, _start_worker) as pool:
-            yield from pool.imap_unordered(_run, trials)
-    finally:
-        _shared = None
+def _ground_of(settings: Settings, executor: Executor = SERIAL) -> Ground:
+    """Return what the campaigns of a study share.
 
-
-def _start_worker() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
-
-
-def _run(trial: Trial) -> Outcome:
-    assert _shared
-    ground, seed = _shared
-    return run_trial(trial, ground, seed)
-
-
-def _restore(name: str, value: str | None) -> None:
-    if value is None:
-        os.environ.pop(name, None)
-    else:
-        os.environ[name] = value
+    Raises:
+        InputError: This process has other code than the one that began the study.
+    """
+    if settings not in _grounds:
+        code = code_of(settings.session)
+        if code != settings.code:
+            raise InputError(
+                f"this worker has other code ({code}) than the study ({settings.code}); install the same version on it."
+            )
+        rng = np.random.default_rng([settings.seed, NULL_STREAM])
+        ground = prepare(Lab(settings.session), catalogue(), rng, executor=executor)
+        _grounds.clear()
+        _grounds[settings] = ground
+    return _grounds[settings]

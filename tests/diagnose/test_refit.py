@@ -17,6 +17,9 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Acting, Effect
+from bench.executor.processes import Processes
+from bench.executor.serial import SERIAL
+from bench.executor.threads import Threads
 from bench.hide.campaign import hide_campaign
 from bench.robot.folder import load_robot
 from tests.diagnose.sweeps import SWEEPS, made, nominal
@@ -105,13 +108,12 @@ def test_a_cause_acts_where_a_size_is_off_its_null_value() -> None:
     assert replace(idle, values=np.array([0.01, -0.03, 3.0])).acts(cause)
 
 
-def test_the_number_of_cores_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_it_is_simulated_changes_nothing() -> None:
     """First guesses of earlier simulations leave traces in the last digits, and a climb may turn on them."""
     effects = {name: catalogue()[name] for name in ("gas_loss", "gas_temperature", "joint_compliance", "softening")}
     campaign = made(SWEEPS, seed=9, hidden={"gas_loss": 0.1})
     found = []
-    for cores in ("1", "2"):
-        monkeypatch.setenv("BENCH_CORES", cores)
-        naming = diagnose(campaign, nominal(), effects, asks=False).naming
+    for executor in (SERIAL, Threads(3), Processes(2)):
+        naming = diagnose(campaign, nominal(), effects, asks=False, executor=executor).naming
         found.append([(sorted(h.keys), h.log_evidence, h.fit.values.tolist()) for h in naming.hypotheses])
-    assert found[0] == found[1]
+    assert found[0] == found[1] == found[2]

@@ -12,6 +12,9 @@ from bench.diagnose.replay.replay import World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting, Effect
 from bench.errors import InputError
+from bench.executor.contract import Executor
+from bench.executor.processes import Processes
+from bench.executor.serial import SERIAL
 from bench.record.campaign import Campaign
 from bench.report.study.write import PAGE, RESULTS, write_study
 from bench.study import study
@@ -19,8 +22,9 @@ from bench.study.labs import Ground, Lab, prepare
 from bench.study.limits import Way, detection_limit
 from bench.study.outcome import Outcome
 from bench.study.plan import Counts, Trial
+from bench.study.rows import ROWS
 from bench.study.scores import scores_of
-from bench.study.study import NULL_STREAM, ROWS, Settings, run_study, run_trial
+from bench.study.study import NULL_STREAM, Settings, run_study, run_trial
 
 SESSION = """
 experiment: session
@@ -54,17 +58,17 @@ def ground(session: str, choice: Mapping[str, Effect]) -> Ground:
     return prepare(Lab(session), choice, np.random.default_rng([SEED, NULL_STREAM]))
 
 
-def run(ground: Ground, folder: Path, cores: int) -> tuple[Outcome, ...]:
+def run(ground: Ground, folder: Path, executor: Executor = SERIAL) -> tuple[Outcome, ...]:
     """Run the study on a ground that was prepared before."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "prepare", lambda *arguments: ground)
-        return run_study(Settings(COUNTS, SEED, ground.lab.session), folder, cores)
+        patch.setattr(study, "prepare", lambda *arguments, executor: ground)
+        return run_study(Settings(COUNTS, SEED, ground.lab.session), folder, executor)
 
 
 @pytest.fixture(scope="module")
 def done(ground: Ground, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study")
-    outcomes = run(ground, folder, cores=2)
+    outcomes = run(ground, folder, Processes(2))
     write_study(outcomes, scores_of(outcomes), Settings(COUNTS, SEED, ground.lab.session), "Two sweeps.", folder)
     return folder
 
@@ -95,7 +99,7 @@ def test_interrupted_study_goes_on(done: Path, ground: Ground, tmp_path: Path, m
         return run_trial(trial, ground, seed)
 
     monkeypatch.setattr(study, "run_trial", noted)
-    outcomes = run(ground, tmp_path, cores=1)
+    outcomes = run(ground, tmp_path)
     lost = Outcome.from_json(rows[-1])
     (again,) = (one for one in outcomes if one.name == lost.name)
     assert ran == [lost.name]
@@ -105,7 +109,7 @@ def test_interrupted_study_goes_on(done: Path, ground: Ground, tmp_path: Path, m
 
 def test_other_settings_are_another_study(done: Path, session: str) -> None:
     with pytest.raises(InputError, match="another folder"):
-        run_study(Settings(COUNTS, SEED + 1, session), done, 1)
+        run_study(Settings(COUNTS, SEED + 1, session), done)
 
 
 def test_diagnosis_is_given_the_campaign_alone(ground: Ground, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,6 +12,8 @@ from bench.diagnose.ask.experiments import experiments_for
 from bench.diagnose.ask.outlook import Expectation, Outlook, expected_log_bayes_factor, narrowing
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.picture.design import Design
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 
 MOST_PROPOSALS = 5
 MOST_FITS = 4  # explanations that are told apart, the best first
@@ -57,7 +59,7 @@ class Rated:
     worth: tuple[float, float]
 
 
-def ask(design: Design, fits: Sequence[Fit]) -> tuple[Proposal, ...]:
+def ask(design: Design, fits: Sequence[Fit], executor: Executor = SERIAL) -> tuple[Proposal, ...]:
     """Return at most five experiments, the best first, each of another kind; none where nothing tried would help.
 
     With several explanations, an experiment is worth what it tells apart; with one, by how much it narrows the size of
@@ -66,6 +68,7 @@ def ask(design: Design, fits: Sequence[Fit]) -> tuple[Proposal, ...]:
     Args:
         design: Today's campaign.
         fits: The explanations that today's data cannot tell apart, the best first.
+        executor: Where to simulate.
 
     Raises:
         ConvergenceError, RobotError: An explanation cannot be simulated in one of the experiments.
@@ -76,11 +79,11 @@ def ask(design: Design, fits: Sequence[Fit]) -> tuple[Proposal, ...]:
     quantities = quantities_with_more(design)
     is_thermal = any(cause.effect.needs for fit in fits for cause in fit.causes)
     experiments = experiments_for(design, is_thermal)
-    quick = Outlook(design, fits, experiments, quantities, is_quick=True)
+    quick = Outlook(design, fits, experiments, quantities, is_quick=True, executor=executor)
     first = [_rate(e.words, e.family, fits, quick.expect(e)) for e in experiments]
     best = sorted(range(len(experiments)), key=lambda i: first[i].worth, reverse=True)[:SIMULATED]
     chosen = [experiments[i] for i in best]
-    full = Outlook(design, fits, chosen, quantities, is_quick=False)
+    full = Outlook(design, fits, chosen, quantities, is_quick=False, executor=executor)
     rated = [_rate(e.words, e.family, fits, full.expect(e)) for e in chosen]
     direct = direct_measurements(design, fits, quick.trace)
     rated += [_rate(d.words, d.family, fits, d.expectations) for d in direct]

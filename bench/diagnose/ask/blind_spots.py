@@ -18,6 +18,8 @@ from bench.diagnose.replay.replay import NOMINAL, Replay, World
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.simulations import simulate_all
 from bench.errors import BenchError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
@@ -51,6 +53,7 @@ def blind_spots(
     quantities: tuple[Quantity, ...],
     screening: Screening,
     causes: Sequence[Cause],
+    executor: Executor = SERIAL,
 ) -> tuple[BlindSpot, ...]:
     """Return what a campaign cannot show.
 
@@ -60,6 +63,7 @@ def blind_spots(
         quantities: That it has.
         screening: Of everything, against the nominal model.
         causes: That were looked for.
+        executor: Where to simulate.
     """
     seen = _seen(screening, causes)
     unseen = [cause for cause in causes if cause.key not in seen]
@@ -72,7 +76,7 @@ def blind_spots(
         sigma = _sigma(compiled, more, replay.predict(NOMINAL))
         worlds = [World(acting=(cause.acting({s.name: s.null + s.high for s in cause.sizes}),)) for cause in unseen]
         nominal = replay.predict(NOMINAL)
-        for i, found in enumerate(simulate_all(replay, worlds)):
+        for i, found in enumerate(simulate_all(replay, worlds, executor)):
             if not isinstance(found, BenchError):
                 shown[i] = _clear(more, (found - nominal) / sigma)
     grouped: dict[tuple[str, tuple[str, ...]], list[str]] = {}

@@ -22,6 +22,8 @@ from bench.diagnose.replay.replay import NOMINAL, Replay, World
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.simulations import simulate_all
 from bench.errors import BenchError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 
 # Relative error of every slope: nuisances are differentiated at the nominal robot, sizes at the explanation. Where two
@@ -86,6 +88,7 @@ class Outlook:
         quantities: Of the experiments.
         is_quick: Leave out the deviations of the model itself, which need a simulation each; what is expected is then
             too much, but sorts out what is hopeless.
+        executor: Where to simulate.
 
     Raises:
         ConvergenceError, RobotError: An explanation cannot be simulated in one of the experiments.
@@ -98,6 +101,7 @@ class Outlook:
         experiments: Sequence[Experiment],
         quantities: tuple[Quantity, ...],
         is_quick: bool,
+        executor: Executor = SERIAL,
     ) -> None:
         self.fits = fits
         self._index: dict[int, int] = {}
@@ -115,7 +119,7 @@ class Outlook:
         simulated = [n for n in nuisances if not (is_quick and _moves(n))]
         unknown_worlds, steps = _unknown_worlds(design, fits)
         worlds = [NOMINAL, *(fit.world(design) for fit in fits), *unknown_worlds]
-        found = simulate_all(self._replay, worlds + [World({n: n.sigma}) for n in simulated])
+        found = simulate_all(self._replay, worlds + [World({n: n.sigma}) for n in simulated], executor)
         nominal, means = _sound(found[0]), [_sound(f) for f in found[1 : len(fits) + 1]]
         columns = [_sound(f) for f in found[len(fits) + 1 : len(worlds)]]
         deviations = [

@@ -15,15 +15,18 @@ from bench.diagnose.extend.fit import Fit, pseudo_residual
 from bench.diagnose.extend.polish import polished
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.measure.measure import HeldOut, held_out
-from bench.diagnose.name.rivals import IN_SET, among_rivals
+from bench.diagnose.name.rivals import IN_SET, among_rivals, ranked
 from bench.diagnose.name.trials import Hypothesis, Stage, one_more
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, raised
 from bench.diagnose.picture.generic import Block, blocks_of
 from bench.diagnose.picture.lack_of_fit import is_adequate
 from bench.diagnose.picture.screening import Entry, Screening, entries_of, rescreen
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
+from bench.executor.watched import Stopped
 
-Kind = Literal["nothing found", "cause", "several causes", "unlisted cause"]
+Kind = Literal["nothing found", "cause", "several causes", "unlisted cause", "nothing found so far"]
 
 
 class Renew(Protocol):
@@ -78,6 +81,7 @@ class Naming:
         leftover: Everything that was tried against the best explanation.
         rungs: The climb.
         design: The linear picture about the best explanation.
+        stopped: Why the climb ended early, and what was found was not held against all rivals; "" where it did not.
     """
 
     kind: Kind
@@ -88,6 +92,7 @@ class Naming:
     leftover: Screening
     rungs: tuple[Rung, ...]
     design: Design
+    stopped: str = ""
 
     @property
     def alternatives(self) -> tuple[Hypothesis, ...]:
@@ -103,16 +108,35 @@ def name_cause(
     screening: Screening,
     renew: Renew,
     progress: Callable[[str], None] = lambda words: None,
+    executor: Executor = SERIAL,
 ) -> Naming:
-    """Name what is wrong with the nominal model.
+    """Name what is wrong with the nominal model, or what of it was found when the work was stopped.
 
     Args:
         design: The campaign.
         screening: Everything that was tried in the linear picture.
         renew: Weighs everything anew about an extended model.
         progress: Called with what is done next.
+        executor: Where to fit.
     """
+    so_far: list[Naming] = []
+    try:
+        return _named(design, screening, renew, progress, executor, so_far.append)
+    except Stopped as stopped:
+        return replace(so_far[-1], stopped=str(stopped))
+
+
+def _named(
+    design: Design,
+    screening: Screening,
+    renew: Renew,
+    progress: Callable[[str], None],
+    executor: Executor,
+    keep: Callable[[Naming], None],
+) -> Naming:
+    """Return the naming; what is found on the way is kept, for it may be stopped."""
     null = refit(design, (), {})
+    keep(Naming("nothing found so far", (), None, null, screening, screening, (), design))
     threshold = screening.threshold
     stage = Stage(design, screening, Hypothesis(null, 0.0))
     rungs: list[Rung] = []
@@ -123,7 +147,7 @@ def name_cause(
             break
         count = len(stage.best.causes) + 1
         progress("single causes" if count == 1 else f"{count} causes")
-        fits = one_more(stage, screening, refused, limit)
+        fits = one_more(stage, screening, refused, limit, executor)
         found = max(fits, key=lambda h: h.log_evidence, default=None)
         if found is None or found.log_evidence <= stage.best.log_evidence + limit:
             break
@@ -137,14 +161,17 @@ def name_cause(
             refused |= {cause.key for cause in added if cause.key not in before}
             continue
         others = tuple(h for h in fits if h is not found and len(h.causes) == len(found.causes))
+        keep(_so_far(replace(stage, best=found, tried=others), null, screening, tuple(rungs)))
         stage = _climbed(stage, found, others, renew, progress)
+        keep(_so_far(stage, null, screening, tuple(rungs)))
         refused.clear()  # what did not pay before may pay beside this
         if len(stage.best.causes) > 1 and _explains_more(stage, design, screening):
             break
     for _ in range(MOST_CHANGES):
         block, is_alone = _unlisted(stage, design, screening)
+        keep(_so_far(stage, null, screening, tuple(rungs), block, is_alone=is_alone))
         stage = _settled(stage, renew)
-        hypotheses = among_rivals(stage, progress) if stage.best.causes and not is_alone else ()
+        hypotheses = among_rivals(stage, progress, executor) if stage.best.causes and not is_alone else ()
         if not hypotheses or hypotheses[0].keys == stage.best.keys:
             break
         stage = _changed(stage, hypotheses[0], renew)  # what the model before left may be no more
@@ -154,6 +181,25 @@ def name_cause(
         return Naming("nothing found", (), None, null, screening, screening, tuple(rungs), design)
     kind: Kind = "cause" if len(stage.best.causes) == 1 else "several causes"
     return Naming(kind, hypotheses, None, null, screening, stage.screening, tuple(rungs), stage.design)
+
+
+def _so_far(
+    stage: Stage,
+    null: Fit,
+    first: Screening,
+    rungs: tuple[Rung, ...],
+    block: Block | None = None,
+    *,
+    is_alone: bool = False,
+) -> Naming:
+    """Return what a climb has found where it stands."""
+    hypotheses = ranked([stage.best, *stage.tried]) if stage.best.causes and not is_alone else ()
+    kind: Kind = "cause" if len(stage.best.causes) == 1 else "several causes"
+    if block is not None:
+        kind = "unlisted cause"
+    elif not hypotheses:
+        kind = "nothing found so far"
+    return Naming(kind, hypotheses, block, null, first, stage.screening, rungs, stage.design)
 
 
 def _climbed(

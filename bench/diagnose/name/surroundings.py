@@ -15,6 +15,8 @@ from bench.diagnose.picture.signatures import Changes, Signatures
 from bench.diagnose.replay.replay import World, edits_in
 from bench.effects.effect import Conditions, Effect
 from bench.errors import InputError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, compile_spec, read_spec
 
@@ -30,15 +32,22 @@ class Surroundings:
         catalogue: Effects.
         measured: Quantities that the campaign has.
         rate: Declared false-alarm rate.
+        executor: Where to simulate.
     """
 
     def __init__(
-        self, compiled: CompiledRobot, catalogue: Mapping[str, Effect], measured: frozenset[str], rate: float
+        self,
+        compiled: CompiledRobot,
+        catalogue: Mapping[str, Effect],
+        measured: frozenset[str],
+        rate: float,
+        executor: Executor = SERIAL,
     ) -> None:
         self.compiled = compiled
         self.catalogue = catalogue
         self.measured = measured
         self.rate = rate
+        self.executor = executor
         self._causes: tuple[Cause, ...] = ()
         self._changes = Changes(np.empty(0), ())
         self._threshold: float | None = None
@@ -83,7 +92,7 @@ class Surroundings:
             nuisances = tuple(design.nuisances[i] for i in which)
             self._causes = tuple(cause for cause in causes if cause.key not in taken)
             signatures = Signatures(self.compiled, design.quantities, nuisances, self._causes, world)
-            self._changes = signatures.changes(design.segments)
+            self._changes = signatures.changes(design.segments, self.executor)
             design = relinearised(design, which, self._changes.nuisances)
             design = self._looked_around(design, white_of)
         elif design is not before:

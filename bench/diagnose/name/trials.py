@@ -16,8 +16,9 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, with_play
 from bench.diagnose.picture.screening import Entry, Screening, rescreen, rewhitened
-from bench.diagnose.replay.simulations import on_all_cores
 from bench.errors import NOT_SIMULATED
+from bench.executor.contract import Executor, Progress, in_order
+from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 
 FINALISTS = 6  # causes that are fitted by simulation
@@ -104,7 +105,9 @@ class Trial:
         return cls((*stage.best.causes, *added), start, nuisances, promise)
 
 
-def one_more(stage: Stage, first: Screening, refused: set[tuple[str, str]], limit: float) -> list[Hypothesis]:
+def one_more(
+    stage: Stage, first: Screening, refused: set[tuple[str, str]], limit: float, executor: Executor = SERIAL
+) -> list[Hypothesis]:
     """Return explanations with one cause more, or with two that hide each other; for two causes, of all pairs."""
     open_ = [e for e in stage.screening.listed if e.cause and e.cause.key not in refused]
     worth = [e for e in open_ if e.log_evidence > PROMISING * limit][:FINALISTS]
@@ -116,7 +119,7 @@ def one_more(stage: Stage, first: Screening, refused: set[tuple[str, str]], limi
         trials += _pairs(stage, first, refused)[:PAIR_FINALISTS]
     unique = {trial.keys: trial for trial in sorted(trials, key=lambda trial: trial.promise)}
     ranked = sorted(unique.values(), key=lambda trial: -trial.promise)
-    return fitted(stage, ranked[: FINALISTS + PAIR_FINALISTS])
+    return fitted(stage, ranked[: FINALISTS + PAIR_FINALISTS], executor)
 
 
 def swaps(stage: Stage) -> list[Trial]:
@@ -149,14 +152,14 @@ def swaps(stage: Stage) -> list[Trial]:
     return sorted(trials, key=lambda trial: -trial.promise)[:MOST_SWAPS]
 
 
-def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:
+def fitted(stage: Stage, trials: Sequence[Trial], executor: Executor = SERIAL) -> list[Hypothesis]:
     """Return the trials as fitted by simulation, without those whose model finds no balance, or does not need a cause.
 
     Raises:
         EffectError: An effect of the user's own fails.
     """
     new = list({trial.keys: trial for trial in trials if trial.keys not in stage.fits}.values())
-    for trial, fit in zip(new, on_all_cores(partial(_fit, stage), new), strict=True):
+    for trial, fit in zip(new, in_order(executor, partial(_fit, stage), new), strict=True):
         if fit is None:
             stage.fits[trial.keys] = None
             continue
@@ -170,7 +173,7 @@ def fitted(stage: Stage, trials: Sequence[Trial]) -> list[Hypothesis]:
     return [hypothesis for hypothesis in found if hypothesis is not None]
 
 
-def _fit(stage: Stage, trial: Trial) -> Fit | None:
+def _fit(stage: Stage, trial: Trial, _: Progress) -> Fit | None:
     """Return the best fit without its causes, which come from a user's file and do not pass between processes.
 
     None where the model finds no balance along the measured motion.

@@ -4,7 +4,7 @@ Two campaigns of one session repeat the same motion within microns, so the deriv
 They are simulated once for every stretch of a session; a study looks them up afterwards. Residuals are never shared.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,8 @@ from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.simulations import simulate_all
 from bench.effects.own import EffectError
 from bench.errors import BenchError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
@@ -80,16 +82,16 @@ class Signatures:
         lost = sorted(self._lost)
         return tuple(dict.fromkeys(f"{self.plan[i].effect.name} {self.plan[i].place}" for i in lost))
 
-    def changes(self, segments: Sequence[Segment], progress: Callable[[float], None] = lambda share: None) -> Changes:
+    def changes(self, segments: Sequence[Segment], executor: Executor = SERIAL) -> Changes:
         """Return the changes of a campaign's readings; stretches that were never seen are simulated first.
 
         Args:
             segments: The campaign.
-            progress: Called with the share of the simulations that is done.
+            executor: Where to simulate.
         """
         new = tuple(segment for segment in segments if self._rows(segment) is None)
         if new:
-            self._learn(new, progress)
+            self._learn(new, executor)
         parts = []
         for segment in segments:
             rows = self._rows(segment)
@@ -109,7 +111,7 @@ class Signatures:
         nearest: Array = np.argmin(np.abs(times[:, None] - known), axis=1)
         return nearest if np.all(np.abs(known[nearest] - times) < SAME_INSTANT) else None
 
-    def _learn(self, segments: tuple[Segment, ...], progress: Callable[[float], None]) -> None:
+    def _learn(self, segments: tuple[Segment, ...], executor: Executor) -> None:
         replay = Replay(self.compiled, segments, self.quantities)
         off, acting = self.around.deviations, self.around.acting
         p = len(self.nuisances)
@@ -123,7 +125,7 @@ class Signatures:
             else:
                 changes[:, :, i] = change
         nominal = replay.predict(self.around)
-        for i, result in zip(worlds, simulate_all(replay, list(worlds.values()), progress), strict=True):
+        for i, result in zip(worlds, simulate_all(replay, list(worlds.values()), executor), strict=True):
             if isinstance(result, BenchError):
                 if i < p or isinstance(result, EffectError):
                     raise result

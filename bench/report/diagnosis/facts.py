@@ -95,9 +95,27 @@ def facts_of(diagnosis: Diagnosis, readings: Readings, campaign: Campaign | None
         data=_data(diagnosis, campaign, len(readings.before)),
         channels=readings.channels,
         learned=curves_of(learned, diagnosis.design) if learned else (),
-        versions={"bench": bench.__version__} | {name: version(name) for name in TOOLS},
+        versions=_versions(),
         command=command,
     )
+
+
+def facts_without(campaign: Campaign, robot: str, command: str) -> Facts:
+    """Return the facts of a campaign of which nothing was weighed.
+
+    Args:
+        campaign: That was to be diagnosed.
+        robot: Title of its robot.
+        command: That was to do it.
+    """
+    runs = tuple(RunFacts(i + 1, run.name, run.kind, len(run), 0) for i, run in enumerate(campaign.runs))
+    started = campaign.started.isoformat(" ") if campaign.started else ""
+    data = Data(robot, started, campaign.notes, runs, sum(run.rows for run in runs), 0, 0)
+    return Facts(data, (), (), _versions(), command)
+
+
+def _versions() -> dict[str, str]:
+    return {"bench": bench.__version__} | {name: version(name) for name in TOOLS}
 
 
 def _data(diagnosis: Diagnosis, campaign: Campaign | None, readings: int) -> Data:

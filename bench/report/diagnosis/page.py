@@ -34,6 +34,7 @@ from bench.report.diagnosis.sentences import (
     rate_sentence,
     scatter_sentence,
     step_left,
+    unfinished_sentence,
     unlisted_name,
 )
 
@@ -123,6 +124,7 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
         tables=[(curve, _table(curve)) for curve in facts.learned],
         headline=headline(verdict),
         set_words=explanation_of_set(verdict),
+        unfinished_words=unfinished_sentence(verdict),
         rate_words=rate_sentence(verdict),
         gain_words=gain_sentence(verdict),
         scatter_words=scatter_sentence(verdict),

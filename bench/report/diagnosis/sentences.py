@@ -30,7 +30,31 @@ DECISIVE = 4.6  # log Bayes factor of odds of 100
 
 
 def headline(verdict: Verdict) -> str:
-    """Return the verdict in one sentence."""
+    """Return the verdict in one sentence; of one that is unfinished, that first."""
+    if not verdict.unfinished:
+        return _headline(verdict)
+    ended = f"Unfinished ({verdict.unfinished.why}, during: {verdict.unfinished.during})"
+    if verdict.kind == "nothing weighed":
+        return f"{ended}: nothing was weighed yet, so nothing is known of any cause."
+    if verdict.kind == "nothing found so far":
+        return f"{ended}: nothing was found so far."
+    return f"{ended}. So far: {_headline(verdict)}"
+
+
+def unfinished_sentence(verdict: Verdict) -> str:
+    """Return what an unfinished verdict means, "" where it is finished."""
+    if not verdict.unfinished:
+        return ""
+    words = "This diagnosis ended before it was done: what is missing here was not looked for."
+    promising = [cause_name(cause) for cause in verdict.unfinished.promising]
+    if promising:
+        words += f" Next it would have fitted {listed(promising, 'or')}: each may explain more, or nothing."
+    if verdict.explanations:
+        words += " What was found was not yet held against everything that could take its place."
+    return words
+
+
+def _headline(verdict: Verdict) -> str:
     if verdict.unlisted:
         words = f"An unlisted cause: {unlisted_name(verdict.unlisted)}, which no effect of the catalogue explains"
         beside = f"; beside it, {_named(verdict)}" if verdict.explanations else ""

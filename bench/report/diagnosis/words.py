@@ -18,6 +18,7 @@ from bench.report.diagnosis.sentences import (
     rate_sentence,
     scatter_sentence,
     step_text,
+    unfinished_sentence,
 )
 
 BEST_CHANNELS = 4
@@ -28,11 +29,13 @@ BEST_LIMITS = 5
 def words_of(verdict: Verdict) -> Iterator[str]:
     """Yield the lines of a verdict for the terminal: what it is, what it is worth, what to do next."""
     yield headline(verdict)
+    if verdict.unfinished:
+        yield unfinished_sentence(verdict)
     for explanation in verdict.explanations:
         yield from _explanation(explanation)
     if len(verdict.explanations) > 1:
         yield explanation_of_set(verdict)
-    if not verdict.explanations and not verdict.unlisted:
+    if verdict.kind == "nothing found":
         yield rate_sentence(verdict)
         yield from _limits(verdict)
     if verdict.rivals and not verdict.unlisted:
@@ -99,7 +102,8 @@ def _limits(verdict: Verdict) -> Iterator[str]:
 def places_of(folder: Path) -> Iterator[str]:
     """Yield where the files are and how to open them."""
     yield f"report     {folder / REPORT}"
-    yield f"recording  {folder / RECORDING}   (bench view {folder})"
+    if (folder / RECORDING).is_file():
+        yield f"recording  {folder / RECORDING}   (bench view {folder})"
     yield f"numbers    {folder / VERDICT}"
     if (folder / EXTENDED).is_file():
         yield f"model      {folder / EXTENDED}   (its change: {DIFFERENCE})"

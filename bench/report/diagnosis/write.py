@@ -6,9 +6,10 @@ from pathlib import Path
 
 from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.replay.replay import World, edits_in
+from bench.diagnose.verdict import Verdict
 from bench.effects.effect import Conditions
 from bench.record.campaign import Campaign
-from bench.report.diagnosis.facts import facts_of
+from bench.report.diagnosis.facts import facts_of, facts_without
 from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT, WORDS
 from bench.report.diagnosis.learned import learned_of
 from bench.report.diagnosis.page import Pictures, page_of
@@ -48,6 +49,21 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path, campaign: Campaign | Non
     )
     made = {name: words for name, words in WORDS.items() if (folder / name).is_file()}
     _write(folder / REPORT, page_of(diagnosis.verdict, facts, pictures, made, difference))
+
+
+def write_unweighed(verdict: Verdict, folder: Path, campaign: Campaign, robot: str, command: str = "") -> None:
+    """Write verdict and report of a diagnosis that ended before anything was weighed, into an existing folder.
+
+    Args:
+        verdict: That says so.
+        folder: Where to.
+        campaign: That was to be diagnosed.
+        robot: Title of its robot.
+        command: That was to do it, for the report.
+    """
+    facts = facts_without(campaign, robot, command)
+    _write(folder / VERDICT, json.dumps(plain(verdict.as_json() | facts.as_json()), indent=2) + "\n")
+    _write(folder / REPORT, page_of(verdict, facts, Pictures(()), {VERDICT: WORDS[VERDICT]}, ""))
 
 
 def _write_extended(diagnosis: Diagnosis, folder: Path) -> str:

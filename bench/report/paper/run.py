@@ -4,6 +4,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+from bench.executor.contract import Executor, Progress
 from bench.identify.table5 import read_table6
 from bench.report.paper.chapter import Chapter, print_chapter
 from bench.report.paper.complementary.run import run_complementary
@@ -16,7 +17,6 @@ from bench.report.paper.methods.trust import run_trust
 from bench.report.paper.rotation.results import as_json as rotation_as_json
 from bench.report.paper.rotation.results import published_rows as rotation_rows
 from bench.report.paper.rotation.run import run_rotation
-from bench.report.parallel import Progress
 from bench.robot.folder import load_robot
 from bench.scenario.complementary import Complementary
 from bench.scenario.files import read_as
@@ -43,12 +43,13 @@ class PaperResult:
     chapters: tuple[Chapter, ...]
 
 
-def run_paper(folder: Path, progress: Progress) -> PaperResult:
+def run_paper(folder: Path, progress: Progress, executor: Executor) -> PaperResult:
     """Run every experiment of the paper; campaigns, truth, recordings, numbers and figures go into an existing folder.
 
     Args:
         folder: Where to write.
         progress: Called with the share that is done.
+        executor: Where to simulate.
     """
     scenario = read_as(Loading, LOADING)
     robot = load_robot(scenario.robot)
@@ -61,16 +62,16 @@ def run_paper(folder: Path, progress: Progress) -> PaperResult:
         done += share
         return lambda inside: progress(begin + share * inside)
 
-    worlds = run_worlds(LOADING, _made(folder, "loading"), part(LOADING_SHARE))
+    worlds = run_worlds(LOADING, _made(folder, "loading"), part(LOADING_SHARE), executor)
     loading = loading_chapter(worlds, robot.folder / PUBLISHED)
     write_loading(loading, folder / "loading")
     part(TABLE_5_SHARE)(1.0)
     names = next(iter(worlds[0].estimates.values())).joint_names
     complementary = run_complementary(read_as(Complementary, "complementary"), _made(folder, "complementary"))
     part(COMPLEMENTARY_SHARE)(1.0)
-    trust = run_trust(scenario, names, table6, _made(folder, "methods"), part(TRUST_SHARE))
-    rotation = _rotation(_made(folder, "rotation"), part(ROTATION_SHARE))
-    line = _line(_made(folder, "line"), loading, part(1 - done))
+    trust = run_trust(scenario, names, table6, _made(folder, "methods"), part(TRUST_SHARE), executor)
+    rotation = _rotation(_made(folder, "rotation"), part(ROTATION_SHARE), executor)
+    line = _line(_made(folder, "line"), loading, part(1 - done), executor)
     result = PaperResult(loading, (complementary, rotation, line, trust))
     content = {LOADING: loading.data} | {chapter.name: chapter.data for chapter in result.chapters}
     (folder / RESULTS).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
@@ -90,8 +91,8 @@ def _made(folder: Path, name: str) -> Path:
     return made
 
 
-def _rotation(folder: Path, progress: Progress) -> Chapter:
-    report = run_rotation(folder, progress)
+def _rotation(folder: Path, progress: Progress, executor: Executor) -> Chapter:
+    report = run_rotation(folder, progress, executor)
     covered = all(score.covered for score in report.scores)
     sentence = (
         "The virtual robot has the paper's C and l_c, so their rows show recovery, not a confirmation: the 95 % "
@@ -106,9 +107,9 @@ def _rotation(folder: Path, progress: Progress) -> Chapter:
     )
 
 
-def _line(folder: Path, loading: LoadingResult, progress: Progress) -> Chapter:
+def _line(folder: Path, loading: LoadingResult, progress: Progress, executor: Executor) -> Chapter:
     """Run the line with what the methods found from the loading experiment in the same world, the robot as it is."""
-    report = run_line(folder, loading.as_model, progress)
+    report = run_line(folder, loading.as_model, progress, executor=executor)
     write_line(report, folder)
     return Chapter(
         name="line",

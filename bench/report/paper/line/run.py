@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.executor.contract import Executor, Progress
+from bench.executor.serial import SERIAL
 from bench.identify.arm import Arm
 from bench.identify.compensation import Compensation, compensation
 from bench.identify.estimate import StiffnessEstimate
@@ -24,7 +26,6 @@ from bench.identify.line_passes import AXES, WAYS
 from bench.identify.link_share import LinkShare, link_share
 from bench.report.paper.line.budget import TrajectoryError, tracker_sigma, trajectory_error
 from bench.report.paper.line.sessions import LineSession, compensated, run_line_sessions
-from bench.report.parallel import Progress
 from bench.robot.bodies import Array
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
@@ -126,7 +127,11 @@ class LineReport:
 
 
 def run_line(
-    folder: Path, estimates: Mapping[str, StiffnessEstimate], progress: Progress, scenario: str | Line = "line"
+    folder: Path,
+    estimates: Mapping[str, StiffnessEstimate],
+    progress: Progress,
+    scenario: str | Line = "line",
+    executor: Executor = SERIAL,
 ) -> LineReport:
     """Run the line out and back, unloaded and loaded; predict; run it again compensated by each method.
 
@@ -135,6 +140,7 @@ def run_line(
         estimates: Method -> stiffness, from an experiment before (`bench.report.identification`).
         progress: Called with the share that is done.
         scenario: Name or file of a line scenario, or the scenario.
+        executor: Where to simulate.
 
     Raises:
         InputError: The scenario is not one of a line, or does not fit its robot.
@@ -143,11 +149,11 @@ def run_line(
     robot = load_robot(base.robot)
     compiled = compile_robot(robot)
     arm = Arm(rigid_bodies(compiled))
-    [first] = run_line_sessions([(base, folder / UNCOMPENSATED)], lambda share: progress(FIRST_SHARE * share))
+    [first] = run_line_sessions([(base, folder / UNCOMPENSATED)], lambda share: progress(FIRST_SHARE * share), executor)
     model = line_model(arm, compiled.counterbalance, first.passes)
     corrections = {name: compensation(model, estimate) for name, estimate in estimates.items()}
     jobs = [(compensated(base, given), folder / f"compensated-{name}") for name, given in corrections.items()]
-    sessions = run_line_sessions(jobs, lambda share: progress(FIRST_SHARE + (1 - FIRST_SHARE) * share))
+    sessions = run_line_sessions(jobs, lambda share: progress(FIRST_SHARE + (1 - FIRST_SHARE) * share), executor)
     nominal = first.passes.of("loaded", "out")
     sigma = tracker_sigma(robot.figures.instruments.tracker, nominal.reflector, nominal.sigma_reflector)
     rng = np.random.default_rng(base.seed)

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.executor.contract import Executor, Progress, in_order
 from bench.identify.compensation import Compensation
 from bench.identify.line_passes import AXES, STATES, WAYS, LinePasses, line_passes
 from bench.record.campaign import Run
 from bench.report.campaigns import open_campaign
-from bench.report.parallel import Progress, run_all
 from bench.report.results import CAMPAIGN, run_and_write
 from bench.robot.bodies import Array
 from bench.scenario.line import Line
@@ -46,18 +46,19 @@ class LineSession:
     stiffness: Array
 
 
-def run_line_sessions(jobs: Sequence[tuple[Line, Path]], progress: Progress) -> list[LineSession]:
-    """Run scenarios on all cores, each into a folder of its own: campaign, truth, recording.
+def run_line_sessions(jobs: Sequence[tuple[Line, Path]], progress: Progress, executor: Executor) -> list[LineSession]:
+    """Run scenarios, each into a folder of its own: campaign, truth, recording.
 
     Args:
         jobs: Scenarios with their folders, which must not exist.
         progress: Called with the share that is done.
+        executor: Where to simulate.
 
     Raises:
         InputError: A scenario does not fit its robot.
         CampaignError: A campaign does not pass its own check.
     """
-    return run_all(run_line_session, jobs, progress)
+    return in_order(executor, run_line_session, jobs, progress)
 
 
 def run_line_session(job: tuple[Line, Path], progress: Progress) -> LineSession:

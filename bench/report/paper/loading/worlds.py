@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.executor.contract import Executor, Progress, in_order
 from bench.identify.estimate import StiffnessEstimate
 from bench.report.identification import identify_campaign
-from bench.report.parallel import Progress, run_all
 from bench.report.results import CAMPAIGN, TRUTH, run_and_forget
 from bench.report.scoring import Score, score_stiffness
 from bench.scenario.files import read_as
@@ -62,13 +62,14 @@ class WorldResult:
         return sum(known), len(known)
 
 
-def run_worlds(scenario: str, folder: Path, progress: Progress) -> list[WorldResult]:
+def run_worlds(scenario: str, folder: Path, progress: Progress, executor: Executor) -> list[WorldResult]:
     """Run the scenario in every world, each into a folder of its own, and identify.
 
     Args:
         scenario: Name or file of a loading scenario; its friction and servo are overridden.
         folder: Existing folder; one folder per world is written into it.
         progress: Called with the share that is done.
+        executor: Where to simulate.
 
     Raises:
         InputError: The scenario is not valid or does not fit its robot.
@@ -77,7 +78,7 @@ def run_worlds(scenario: str, folder: Path, progress: Progress) -> list[WorldRes
     changes = [{"friction": world.friction, "servo": world.servo} for world in WORLDS]
     scenarios = [Loading.model_validate(base.model_dump() | change) for change in changes]
     jobs = [(job, folder / world.name) for job, world in zip(scenarios, WORLDS, strict=True)]
-    run_all(run_and_forget, jobs, progress)
+    in_order(executor, run_and_forget, jobs, progress)
     return [_identified(world, folder / world.name) for world in WORLDS]
 
 

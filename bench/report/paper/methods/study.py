@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from bench.executor.contract import Executor, Progress, in_order
 from bench.identify.arm import Arm
 from bench.identify.from_campaign import static_readings
 from bench.identify.methods import METHODS
 from bench.identify.options import Options
-from bench.report.parallel import Progress, run_all
 from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.edits import proportional_servo, shared_friction
@@ -72,7 +72,7 @@ class ConditionResult:
 
 
 def study_methods(
-    scenario: Loading, conditions: Sequence[Condition], seeds: int, progress: Progress
+    scenario: Loading, conditions: Sequence[Condition], seeds: int, progress: Progress, executor: Executor
 ) -> list[ConditionResult]:
     """Run a loading scenario under every condition, from rest to rest, and identify it with noise of several seeds.
 
@@ -81,8 +81,9 @@ def study_methods(
         conditions: What to go through.
         seeds: Campaigns per condition.
         progress: Called with the share that is done.
+        executor: Where to simulate.
     """
-    return run_all(_study, [(scenario, condition, seeds) for condition in conditions], progress)
+    return in_order(executor, _study, [(scenario, condition, seeds) for condition in conditions], progress)
 
 
 def _study(job: tuple[Loading, Condition, int], progress: Progress) -> ConditionResult:

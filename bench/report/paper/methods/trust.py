@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.executor.contract import Executor, Progress
 from bench.report.figures.style import save
 from bench.report.paper.chapter import Chapter
 from bench.report.paper.methods.figures import ratio_figure, trust_figure
 from bench.report.paper.methods.study import STUDIED, Condition, ConditionResult, study_methods
-from bench.report.parallel import Progress
 from bench.report.plain import plain
 from bench.robot.bodies import Array
 from bench.scenario.loading import Loading
@@ -31,7 +31,12 @@ NUMBERS = "methods.json"
 
 
 def run_trust(
-    scenario: Loading, joint_names: tuple[str, ...], table6: Mapping[str, Array], folder: Path, progress: Progress
+    scenario: Loading,
+    joint_names: tuple[str, ...],
+    table6: Mapping[str, Array],
+    folder: Path,
+    progress: Progress,
+    executor: Executor,
 ) -> Chapter:
     """Study the methods over friction and ways of measuring; write numbers and figures into an existing folder.
 
@@ -41,9 +46,10 @@ def run_trust(
         table6: "current" and "force" -> published stiffness, shape (n,) [Nm/rad].
         folder: Where to write.
         progress: Called with the share that is done.
+        executor: Where to simulate.
     """
     grid = [Condition(friction=amount, link_share=share) for amount in AMOUNTS for share in SHARES]
-    results = study_methods(scenario, [*grid, *WAYS.values()], SEEDS, progress)
+    results = study_methods(scenario, [*grid, *WAYS.values()], SEEDS, progress, executor)
     over_friction, over_ways = results[: len(grid)], dict(zip(WAYS, results[len(grid) :], strict=True))
     published = table6["force"] / table6["current"]
     save(trust_figure(over_friction), folder / "trust.png")

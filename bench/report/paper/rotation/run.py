@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
+from bench.executor.contract import Executor, Progress, ignore, in_order
+from bench.executor.serial import SERIAL
 from bench.report.paper.rotation.identification import identify_rotation
 from bench.report.paper.rotation.results import RotationReport, write_rotation
-from bench.report.parallel import Progress, run_all
 from bench.report.results import CAMPAIGN, TRUTH, run_and_forget
 from bench.report.scoring import score_counterbalance
 from bench.scenario.files import read_as
@@ -13,15 +14,16 @@ from bench.scenario.rotation import Rotation
 SCENARIO, VALIDATION = "rotation", "rotation-validation"  # also the folders of their results
 
 
-def run_rotation(folder: Path, progress: Progress = lambda share: None) -> RotationReport:
+def run_rotation(folder: Path, progress: Progress = ignore, executor: Executor = SERIAL) -> RotationReport:
     """Run both scenarios, identify the counterbalance from the first, predict the second, and write what came out.
 
     Args:
         folder: Existing folder; gets one folder per scenario, `rotation.json`, and Figs. 11 to 13 as PNG.
         progress: Called with the share that is done.
+        executor: Where to simulate.
     """
     jobs = [(read_as(Rotation, name), folder / name) for name in (SCENARIO, VALIDATION)]
-    run_all(run_and_forget, jobs, progress)
+    in_order(executor, run_and_forget, jobs, progress)
     identified = identify_rotation(folder / SCENARIO / CAMPAIGN, folder / VALIDATION / CAMPAIGN)
     report = RotationReport(identified, score_counterbalance(identified.fit, folder / SCENARIO / TRUTH))
     write_rotation(report, folder)

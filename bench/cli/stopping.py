@@ -1,0 +1,53 @@
+"""Work that ends early: after a time, or with the first Ctrl-C; the second one aborts."""
+
+import os
+import re
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from bench.errors import InputError
+from bench.executor.watched import Stop
+
+UNITS_S = {"": 1.0, "s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0}
+UNFINISHED = 7  # exit code
+HEARD = b"\nbench: ends with what was found so far; Ctrl-C once more ends at once, without a result\n"
+
+
+def seconds_of(text: str) -> float:
+    """Return a time in seconds.
+
+    Raises:
+        InputError: It is none, or not more than zero.
+    """
+    match = re.fullmatch(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*([a-z]*)\s*", text)
+    seconds = float(match[1]) * UNITS_S.get(match[2], 0.0) if match else 0.0
+    if seconds <= 0:
+        raise InputError(f"--at-most {text}: is no time; give seconds, minutes or hours, as 90, 60s, 2m or 1h.")
+    return seconds
+
+
+@contextmanager
+def ending_on_interrupt(stop: Stop) -> Iterator[None]:
+    """Let the first Ctrl-C within the block ask the work to end, and only the second one abort it.
+
+    Raises:
+        KeyboardInterrupt: At the second one.
+    """
+    if threading.current_thread() is not threading.main_thread():  # signals are those of the main thread
+        yield
+        return
+
+    def heard(number: int, frame: FrameType | None) -> None:
+        if stop.is_asked:
+            raise KeyboardInterrupt
+        stop.ask("interrupted")
+        os.write(2, HEARD)  # print may be in the middle of a line of its own
+
+    before = signal.signal(signal.SIGINT, heard)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
