@@ -75,12 +75,13 @@ class Prescribed:
 
     Args:
         compiled: The robot.
+        data: To work on, of a model with the same parts; None: data of its own.
     """
 
-    def __init__(self, compiled: CompiledRobot) -> None:
+    def __init__(self, compiled: CompiledRobot, data: mujoco.MjData | None = None) -> None:
         self.compiled = compiled
         model, at = compiled.model, compiled.at
-        self._data = mujoco.MjData(model)
+        self._data = mujoco.MjData(model) if data is None else data
         driven = {*at.theta_dof.tolist(), *at.q_dof.tolist()}
         passive = [dof for dof in range(model.nv) if dof not in driven]
         dofs = np.concatenate([at.theta_dof, np.array(passive, dtype=np.int64)])

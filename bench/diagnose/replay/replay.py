@@ -18,7 +18,8 @@ from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
 from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect, Followed
 from bench.record.campaign import Array
-from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec
+from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.patched import Structure
 from bench.simulate.bare import bare_spec
 from bench.simulate.instruments import Reading
 from bench.simulate.payload import bolt_on
@@ -76,7 +77,7 @@ class Replay:
         self.compiled = compiled
         self.segments = segments
         self.quantities = quantities
-        self._spec = bare_spec(compiled.robot)
+        self._structure = Structure(compiled.robot, bare_spec(compiled.robot))
         self._rows = _slices(len(segment) for segment in segments)
         self._courses = {with_conditions: self._planned(with_conditions) for with_conditions in (False, True)}
         # where links and passive hinges of the nominal robot balance; every search starts there
@@ -189,7 +190,8 @@ class Replay:
 
     def _followed(self, world: World, course: Course) -> tuple[Trace, Array]:
         """Return the truth along a course, at what is read of it, and what the search found at all its instants."""
-        robot = Prescribed(self._robot(world, course.conditions))
+        compiled = self._robot(world, course.conditions)
+        robot = Prescribed(compiled, self._structure.data_for(compiled))
         motion, shift = _moved(course.motion, world)
         trace, found = robot.follow(motion, self._guess(robot, course, shift))
         if np.any(robot.compiled.play):
@@ -219,7 +221,7 @@ class Replay:
         return Trace.concatenate(traces)[order]
 
     def _robot(self, world: World, conditions: Conditions) -> CompiledRobot:
-        return compile_spec(self._spec.copy(), self.compiled.robot, edits_in(world, conditions))
+        return self._structure.robot(edits_in(world, conditions))
 
 
 def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
