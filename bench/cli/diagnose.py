@@ -28,6 +28,8 @@ class Diagnose:
     """Python files with effects of your own (bench/effects/README.md)."""
     despite_doubts: bool = False
     """Go on although channels are hardly what their names say; by default that ends in an error."""
+    no_store: bool = False
+    """Simulate all signatures anew and keep none on disk (bench/store/README.md)."""
 
     def run(self) -> int:
         """Diagnose, print and write; return the exit code."""
@@ -43,6 +45,7 @@ class Diagnose:
         from bench.report.diagnosis.file_names import VERDICT
         from bench.report.diagnosis.words import places_of, words_of
         from bench.report.diagnosis.write import write_diagnosis
+        from bench.store.place import open_store
 
         effects = catalogue(self.file)
         report, compiled = open_campaign(self.campaign)
@@ -55,7 +58,13 @@ class Diagnose:
         for finding in (*report.warnings, *doubts):
             print(f"{finding.level:8}{finding}", file=sys.stderr)
         with new_folder(self.out, VERDICT, replace=False) as folder:
-            found = diagnose(campaign, compiled, effects, progress=lambda words: print(f"... {words}", file=sys.stderr))
+            found = diagnose(
+                campaign,
+                compiled,
+                effects,
+                progress=lambda words: print(f"... {words}", file=sys.stderr),
+                store=None if self.no_store else open_store(),
+            )
             write_diagnosis(found, folder, campaign, self.command)
         for line in words_of(found.verdict):
             print(line)

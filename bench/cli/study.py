@@ -33,6 +33,8 @@ class Study:
     """Of all random numbers."""
     cores: int = 0
     """Processes; 0: one for each core."""
+    no_store: bool = False
+    """Simulate all signatures anew and keep none on disk (bench/store/README.md)."""
 
     def run(self) -> int:
         """Run, print the table and name the folder; return the exit code."""
@@ -42,6 +44,7 @@ class Study:
         from bench.errors import InputError
         from bench.report.study.words import measured_words, met_words
         from bench.report.study.write import PAGE, write_study
+        from bench.store.place import open_store
         from bench.study.labs import Lab
         from bench.study.plan import SMALL, Counts
         from bench.study.scores import scores_of
@@ -54,7 +57,8 @@ class Study:
         except OSError as error:
             raise InputError(f"{self.out}: cannot be made ({error.strerror}); choose another folder") from error
         with progress_bar("campaigns") as progress:
-            outcomes = run_study(settings, self.out, self.cores or os.cpu_count() or 1, progress)
+            store = None if self.no_store else open_store()
+            outcomes = run_study(settings, self.out, self.cores or os.cpu_count() or 1, progress, store)
         scores = scores_of(outcomes)
         write_study(outcomes, scores, settings, Lab(settings.session).words(), self.out)
         for goal in scores.goals:

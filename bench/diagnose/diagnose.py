@@ -26,6 +26,7 @@ from bench.effects.effect import Effect
 from bench.errors import BenchError, InputError
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
+from bench.store.store import Store
 
 FALSE_ALARM_RATE = 0.01
 
@@ -61,6 +62,7 @@ def diagnose(
     signatures: Signatures | None = None,
     most_bins: int = MOST_BINS,
     asks: bool = True,
+    store: Store | None = None,
 ) -> Diagnosis:
     """Say what the nominal model gets wrong about a campaign.
 
@@ -73,6 +75,7 @@ def diagnose(
         signatures: Of other campaigns of the same session, if there were any; from `signatures_of`.
         most_bins: How many bins all motion together may have.
         asks: Whether to look for the next experiment, and for what the campaign could not show.
+        store: Where signatures are kept between processes; None: nowhere. Not used with `signatures`.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
@@ -80,7 +83,7 @@ def diagnose(
         ValueError: Signatures of another kind of session.
     """
     with threadpool_limits(1, "blas"):  # the matrices are small: threads take more than twice the time
-        return _diagnose(campaign, compiled, catalogue, rate, progress, signatures, most_bins, asks)
+        return _diagnose(campaign, compiled, catalogue, rate, progress, signatures, most_bins, asks, store)
 
 
 def _diagnose(
@@ -92,8 +95,9 @@ def _diagnose(
     signatures: Signatures | None,
     most_bins: int,
     asks: bool,
+    store: Store | None,
 ) -> Diagnosis:
-    own = signatures_of(campaign, compiled, catalogue)
+    own = signatures_of(campaign, compiled, catalogue, store)
     signatures = own if signatures is None else signatures
     if signatures.asked != own.asked:
         raise ValueError("these signatures are of other channels or other causes than this campaign and catalogue have")
@@ -133,11 +137,13 @@ def _diagnose(
     return Diagnosis(about, naming, replace(verdict, blind=blind, predicted=predicted), lesson)
 
 
-def signatures_of(campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect]) -> Signatures:
-    """Return an empty store for the signatures of a campaign and of all others of its session."""
+def signatures_of(
+    campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect], store: Store | None = None
+) -> Signatures:
+    """Return the signatures of a campaign and of all others of its session; nothing is simulated yet."""
     quantities = quantities_of(campaign.runs, compiled)
     causes = causes_of(catalogue.values(), compiled, measured_by(campaign))
-    return Signatures(compiled, quantities, nuisances_of(compiled, quantities), causes)
+    return Signatures(compiled, quantities, nuisances_of(compiled, quantities), causes, store=store)
 
 
 def measured_by(campaign: Campaign) -> frozenset[str]:

@@ -18,6 +18,7 @@ from bench.robot.folder import Robot, load_robot
 from bench.scenario.files import read_scenario
 from bench.scenario.rotation import RotationPart
 from bench.scenario.session import SessionScenario
+from bench.store.store import Store
 from bench.study.blind import diagnose_with, signatures_of
 from bench.study.limits import Blur
 
@@ -114,6 +115,7 @@ def prepare(
     catalogue: Mapping[str, Effect],
     rng: np.random.Generator,
     progress: Callable[[str], None] = lambda words: None,
+    store: Store | None = None,
 ) -> Ground:
     """Return what the campaigns of a lab share.
 
@@ -122,11 +124,12 @@ def prepare(
         catalogue: Effects to look for.
         rng: Of the null campaign.
         progress: Called with what is done next.
+        store: Where signatures are kept between processes; None: nowhere.
     """
     compiled = lab.compiled()
     progress("a null campaign")
     campaign = lab.hide((), rng).campaign
-    signatures = signatures_of(campaign, compiled, catalogue)
+    signatures = signatures_of(campaign, compiled, catalogue, store)
     diagnosis = diagnose_with(campaign, signatures, catalogue, progress=progress)
     listed = tuple(entry.what.columns for entry in diagnosis.naming.screening.entries if entry.cause)
     design, threshold = diagnosis.design, diagnosis.verdict.threshold

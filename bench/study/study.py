@@ -15,6 +15,7 @@ from scipy.linalg import LinAlgError
 from bench import __version__
 from bench.effects.catalogue import catalogue
 from bench.errors import BenchError, InputError
+from bench.store.store import Store
 from bench.study.blind import diagnose_with, signatures_of
 from bench.study.labs import Ground, Lab, prepare
 from bench.study.make import make
@@ -52,6 +53,7 @@ def run_study(
     folder: Path,
     cores: int,
     progress: Progress = lambda share: None,
+    store: Store | None = None,
 ) -> tuple[Outcome, ...]:
     """Make and diagnose every campaign of a study; those that stand in the folder already are not done again.
 
@@ -63,6 +65,7 @@ def run_study(
         folder: Where to write; exists.
         cores: Processes.
         progress: Called with the share that is done.
+        store: Where the signatures of the session are kept between processes; None: nowhere.
 
     Raises:
         InputError: The folder holds another study.
@@ -76,7 +79,7 @@ def run_study(
         before = os.environ.get("BENCH_CORES")
         os.environ["BENCH_CORES"] = str(cores)
         try:
-            ground = prepare(lab, catalogue(), np.random.default_rng([settings.seed, NULL_STREAM]))
+            ground = prepare(lab, catalogue(), np.random.default_rng([settings.seed, NULL_STREAM]), store=store)
             os.environ["BENCH_CORES"] = "1"  # of each worker: there is one for each core already
             with rows.open("a", encoding="utf-8") as file:
                 for outcome in _all(missing, ground, settings.seed, cores):

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.diagnose.picture.candidates import Cause, plan_of
+from bench.diagnose.picture.reference_motion import SAME_INSTANT
+from bench.diagnose.picture.signature_key import StoredSignatures
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import NOMINAL, Replay, World
@@ -19,8 +21,7 @@ from bench.effects.own import EffectError
 from bench.errors import BenchError
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
-
-SAME_INSTANT = 1e-6  # [s]; instants come from control periods, so they agree or they do not
+from bench.store.store import Store
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +46,7 @@ class Signatures:
         nuisances: What may be a little wrong.
         causes: What is looked for.
         around: World that is changed.
+        store: Where signatures are kept between processes; None: nowhere.
     """
 
     def __init__(
@@ -54,12 +56,14 @@ class Signatures:
         nuisances: tuple[Nuisance, ...],
         causes: Sequence[Cause],
         around: World = NOMINAL,
+        store: Store | None = None,
     ) -> None:
         self.compiled = compiled
         self.quantities = quantities
         self.nuisances = nuisances
         self.causes = tuple(causes)
         self.around = around
+        self.store = store
         self._plan = tuple(
             cause.acting({**shape, size.name: size.typical}) for cause, shape in plan_of(causes) for size in cause.sizes
         )
@@ -109,24 +113,42 @@ class Signatures:
         return nearest if np.all(np.abs(known[nearest] - times) < SAME_INSTANT) else None
 
     def _learn(self, segments: tuple[Segment, ...], progress: Callable[[float], None]) -> None:
+        about = self.compiled, self.quantities, self.nuisances, self._plan, self.around
+        stored = StoredSignatures(self.store, *about, segments) if self.store else None
+        found = stored.read() if stored else {}
+        count = len(self.nuisances) + len(self._plan)
+        new = [i for i in range(count) if i not in found]
+        if new:
+            found |= self._simulated(stored.segments if stored else segments, new, progress)
+        changes = np.empty((sum(len(segment) for segment in segments), len(self.quantities), count))
+        for i in range(count):
+            changes[:, :, i] = found.pop(i)  # one by one, for all of them twice is much memory
+        if stored and new:
+            stored.write(changes, new)
+        lost = np.all(np.isnan(changes[:, :, len(self.nuisances) :]), axis=(0, 1))
+        self._lost |= set(np.flatnonzero(lost).tolist())
+        edges = np.cumsum([len(segment) for segment in segments])[:-1]
+        for segment, part in zip(segments, np.split(changes, edges), strict=True):
+            self._times[segment.label], self._changes[segment.label] = _instants(segment), part
+
+    def _simulated(
+        self, segments: tuple[Segment, ...], which: Sequence[int], progress: Callable[[float], None]
+    ) -> dict[int, Array]:
+        """Return some columns, shape (T, c) each; nan where there is no balance."""
         replay = Replay(self.compiled, segments, self.quantities)
         off, acting = self.around.deviations, self.around.acting
         worlds = [World({**off, n: off.get(n, 0.0) + n.sigma}, acting) for n in self.nuisances]
         worlds += [World(off, (*acting, one)) for one in self._plan]
         nominal = replay.predict(self.around)
-        found = []
-        for i, result in enumerate(simulate_all(replay, worlds, progress)):
+        found = {}
+        for i, result in zip(which, simulate_all(replay, [worlds[i] for i in which], progress), strict=True):
             if isinstance(result, BenchError):
                 if i < len(self.nuisances) or isinstance(result, EffectError):
                     raise result
-                self._lost.add(i - len(self.nuisances))
-                found.append(np.full_like(nominal, np.nan))
+                found[i] = np.full_like(nominal, np.nan)
             else:
-                found.append(result - nominal)
-        changes = np.stack(found, axis=2)
-        edges = np.cumsum([len(segment) for segment in segments])[:-1]
-        for segment, part in zip(segments, np.split(changes, edges), strict=True):
-            self._times[segment.label], self._changes[segment.label] = _instants(segment), part
+                found[i] = result - nominal
+        return found
 
 
 def _instants(segment: Segment) -> Array:
