@@ -79,4 +79,5 @@ class Diagnose:
 
         files = [word for file in self.file for word in ("--file", str(file))]
         files += ["--despite-doubts"] * self.despite_doubts
+        files += ["--no-store"] * self.no_store
         return shlex.join(["bench", "diagnose", str(self.campaign), "-o", str(self.out), *files])

@@ -11,7 +11,7 @@ from bench.store.store import LIMIT_BYTES, Store
 
 VARIABLE = "BENCH_STORE"  # of the environment; names another folder
 LIMIT_FILE = "limit"  # in the folder: bytes, as text
-UNITS = {"": 1, "B": 1, "KB": 10**3, "MB": 10**6, "GB": 10**9}
+UNITS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9}
 
 
 def store_folder() -> Path:
@@ -54,7 +54,7 @@ def bytes_of(text: str) -> int:
     Raises:
         InputError: It is none.
     """
-    match = re.fullmatch(r"\s*(\d+(?:\.\d*)?)\s*([KMG]?B?)\s*", text.upper())
-    if not match or match[2] not in UNITS:
+    match = re.fullmatch(r"\s*(\d+(?:\.\d*)?)\s*([KMG]?)B?\s*", text.upper())
+    if not match:
         raise InputError(f"{text!r} is no size; write for example 500MB or 2GB.")
     return round(float(match[1]) * UNITS[match[2]])

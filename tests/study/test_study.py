@@ -57,7 +57,7 @@ def ground(session: str, choice: Mapping[str, Effect]) -> Ground:
 def run(ground: Ground, folder: Path, cores: int) -> tuple[Outcome, ...]:
     """Run the study on a ground that was prepared before."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "prepare", lambda *arguments: ground)
+        patch.setattr(study, "prepare", lambda *arguments, **named: ground)
         return run_study(Settings(COUNTS, SEED, ground.lab.session), folder, cores)
 
 
