@@ -6,9 +6,7 @@ from typing import Any
 
 import pytest
 
-from bench.diagnose.picture import signatures
-from bench.diagnose.replay.replay import World
-from bench.diagnose.replay.simulations import simulate_all
+from bench.diagnose.picture.signatures import Signatures
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.store.store import Store
@@ -31,12 +29,14 @@ def compiled(small_robot: Path) -> CompiledRobot:
 
 @pytest.fixture
 def simulated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Return a list that fills with what is simulated: the names of effects, and "nuisance"."""
+    """Return a list that fills with what is not read from the store: the names of effects, and "nuisance"."""
     names: list[str] = []
+    simulate = Signatures._simulated
 
-    def noted(replay: Any, worlds: Sequence[World], progress: Any) -> Any:
-        names.extend(world.acting[-1].effect.name if world.acting else "nuisance" for world in worlds)
-        return simulate_all(replay, worlds, progress)
+    def noted(self: Signatures, segments: Any, which: Sequence[int], progress: Any) -> Any:
+        plan = [one.effect.name for one in self.plan]
+        names.extend((["nuisance"] * len(self.nuisances) + plan)[i] for i in which)
+        return simulate(self, segments, which, progress)
 
-    monkeypatch.setattr(signatures, "simulate_all", noted)
+    monkeypatch.setattr(Signatures, "_simulated", noted)
     return names

@@ -155,7 +155,6 @@ def test_whatever_changes_is_simulated_anew(
             effect = CATALOGUE["coulomb_level"]
             (cause, *_) = causes_of(compiled, [effect])
             other = {"around": World(acting=(cause.acting({"change": 0.3}),))}
-            expected = set(NAMES)  # with an effect around, nuisances are not told from it here
         case "sizes":
             (first, *rest) = causes_of(compiled, [CATALOGUE[name] for name in NAMES])
             sizes = tuple(replace(size, high=2 * size.high) for size in first.sizes)

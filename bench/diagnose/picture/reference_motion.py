@@ -9,7 +9,7 @@ depends on the angle most steeply is periodic, up to 120 cycles per turn: `SAME_
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ SAME_ANGLE = 1e-4  # [rad] or [m]
 SAME_VELOCITY = 1e-3  # of a joint's top speed in the campaign
 SAME_ACCELERATION = 0.02  # of a joint's largest acceleration in the campaign
 SAME_LOAD = 1e-3  # of the largest force, moment or payload in the campaign: as well as weights are usually known
+COMPARED = ("time", "q", "velocity", "acceleration", "wrench")  # of a motion; its other fields have to be equal
 MOST_MOTIONS = 8  # of sessions with the same runs that are looked at, those used last
 
 
@@ -46,7 +47,10 @@ class Session:
 def session_of(segments: Sequence[Segment], store: Store) -> Session:
     """Return a campaign with the nearest motion that the store knows for it, its own if there is none near enough."""
     own = _arrays_of(segments)
-    group = digest("motion", [(s.run, s.label, s.is_static, len(s.motion), s.motion.read) for s in segments])
+    equal = [name for name in (field.name for field in fields(Motion)) if name not in COMPARED]
+    group = digest(
+        [(s.run, s.label, s.is_static, len(s.motion), *(getattr(s.motion, name) for name in equal)) for s in segments]
+    )
     key = group + digest(own)
     known = store.known(group)
     if key in known:
@@ -71,18 +75,17 @@ def remember(session: Session, store: Store, label: str) -> None:
 
 def _arrays_of(segments: Sequence[Segment]) -> dict[str, Array]:
     """Return the motion of all segments, one after the other, and the payload of each, shape (segments,) [kg]."""
-    names = ("time", "q", "velocity", "acceleration", "wrench")
-    arrays = {name: np.concatenate([getattr(segment.motion, name) for segment in segments]) for name in names}
+    arrays = {name: np.concatenate([getattr(segment.motion, name) for segment in segments]) for name in COMPARED}
     return arrays | {"payload": np.array([segment.conditions.payload_kg for segment in segments])}
 
 
 def _with_motion(segments: Sequence[Segment], arrays: dict[str, Array]) -> tuple[Segment, ...]:
     edges = np.cumsum([len(segment.motion) for segment in segments])[:-1]
-    parts = {name: np.split(values, edges) for name, values in arrays.items() if name != "payload"}
+    parts = {name: np.split(arrays[name], edges) for name in COMPARED}
     return tuple(
         replace(
             segment,
-            motion=Motion(**{name: values[i] for name, values in parts.items()}, read=segment.motion.read),
+            motion=replace(segment.motion, **{name: values[i] for name, values in parts.items()}),
             conditions=replace(segment.conditions, payload_kg=float(arrays["payload"][i])),
         )
         for i, segment in enumerate(segments)

@@ -64,7 +64,7 @@ class Signatures:
         self.causes = tuple(causes)
         self.around = around
         self.store = store
-        self._plan = tuple(
+        self.plan = tuple(
             cause.acting({**shape, size.name: size.typical}) for cause, shape in plan_of(causes) for size in cause.sizes
         )
         self._times: dict[str, Array] = {}
@@ -81,7 +81,7 @@ class Signatures:
     def unbalanced(self) -> tuple[str, ...]:
         """Causes whose model found no balance along some motion."""
         lost = sorted(self._lost)
-        return tuple(dict.fromkeys(f"{self._plan[i].effect.name} {self._plan[i].place}" for i in lost))
+        return tuple(dict.fromkeys(f"{self.plan[i].effect.name} {self.plan[i].place}" for i in lost))
 
     def changes(self, segments: Sequence[Segment], progress: Callable[[float], None] = lambda share: None) -> Changes:
         """Return the changes of a campaign's readings; stretches that were never seen are simulated first.
@@ -113,10 +113,10 @@ class Signatures:
         return nearest if np.all(np.abs(known[nearest] - times) < SAME_INSTANT) else None
 
     def _learn(self, segments: tuple[Segment, ...], progress: Callable[[float], None]) -> None:
-        about = self.compiled, self.quantities, self.nuisances, self._plan, self.around
+        about = self.compiled, self.quantities, self.nuisances, self.plan, self.around
         stored = StoredSignatures(self.store, *about, segments) if self.store else None
         found = stored.read() if stored else {}
-        count = len(self.nuisances) + len(self._plan)
+        count = len(self.nuisances) + len(self.plan)
         new = [i for i in range(count) if i not in found]
         if new:
             found |= self._simulated(stored.segments if stored else segments, new, progress)
@@ -138,7 +138,7 @@ class Signatures:
         replay = Replay(self.compiled, segments, self.quantities)
         off, acting = self.around.deviations, self.around.acting
         worlds = [World({**off, n: off.get(n, 0.0) + n.sigma}, acting) for n in self.nuisances]
-        worlds += [World(off, (*acting, one)) for one in self._plan]
+        worlds += [World(off, (*acting, one)) for one in self.plan]
         nominal = replay.predict(self.around)
         found = {}
         for i, result in zip(which, simulate_all(replay, [worlds[i] for i in which], progress), strict=True):
