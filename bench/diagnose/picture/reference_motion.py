@@ -81,11 +81,18 @@ def _arrays_of(segments: Sequence[Segment]) -> dict[str, Array]:
 
 def _with_motion(segments: Sequence[Segment], arrays: dict[str, Array]) -> tuple[Segment, ...]:
     edges = np.cumsum([len(segment.motion) for segment in segments])[:-1]
-    parts = {name: np.split(arrays[name], edges) for name in COMPARED}
+    time, q, velocity, acceleration, wrench = (np.split(arrays[name], edges) for name in COMPARED)
     return tuple(
         replace(
             segment,
-            motion=replace(segment.motion, **{name: values[i] for name, values in parts.items()}),
+            motion=replace(
+                segment.motion,
+                time=time[i],
+                q=q[i],
+                velocity=velocity[i],
+                acceleration=acceleration[i],
+                wrench=wrench[i],
+            ),
             conditions=replace(segment.conditions, payload_kg=float(arrays["payload"][i])),
         )
         for i, segment in enumerate(segments)
