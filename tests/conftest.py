@@ -20,6 +20,14 @@ def floating_point_errors_raise() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def no_store_of_the_user(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Commands that tests run, also in processes of their own, keep signatures in a folder of the test session."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("BENCH_STORE", str(tmp_path_factory.mktemp("store")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def small_robot(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a two-joint robot."""

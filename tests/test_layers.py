@@ -22,16 +22,17 @@ MAY_IMPORT = {
     "paths": {"errors"},
     "actuators": {"errors"},
     "record": {"errors"},
+    "store": {"errors"},
     "robot": {"errors", "paths", "record", "actuators"},
     "scenario": {"errors", "paths", "record", "robot"},
     "simulate": {"errors", "paths", "record", "actuators", "robot", "scenario"},
     "identify": {"errors", "paths", "record", "actuators", "robot"},
     "effects": BELOW | {"simulate"},
     "hide": BELOW | {"simulate", "scenario", "effects"},
-    "diagnose": BELOW | {"simulate", "effects", "identify"},
-    "study": BELOW | {"simulate", "scenario", "effects", "hide", "diagnose"},
+    "diagnose": BELOW | {"store", "simulate", "effects", "identify"},
+    "study": BELOW | {"store", "simulate", "scenario", "effects", "hide", "diagnose"},
     "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study"},
-    "cli": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "report"},
+    "cli": BELOW | {"store", "scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "report"},
 }
 STEPS_OF_DIAGNOSIS = ("replay", "picture", "extend", "measure", "name", "ask")  # each may import those before it
 ENGINES_OF = {"identify": {"mujoco", "gymnasium"}, "record": {"mujoco", "pinocchio", "gymnasium"}}

@@ -19,6 +19,7 @@ from bench.cli.paper import Paper
 from bench.cli.poses import Poses
 from bench.cli.robots import Robots
 from bench.cli.run import Run
+from bench.cli.store import Store
 from bench.cli.study import Study
 from bench.cli.view import View
 from bench.errors import BenchError
@@ -32,6 +33,7 @@ Command = (
     | Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
     | Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Study, tyro.conf.subcommand("study")]
+    | Annotated[Store, tyro.conf.subcommand("store")]
     | Annotated[Effects, tyro.conf.subcommand("effects")]
     | Annotated[Hide, tyro.conf.subcommand("hide")]
     | Annotated[Check, tyro.conf.subcommand("check")]

@@ -32,6 +32,8 @@ class Diagnose:
     """Processes; 0: one for each core. The verdict does not depend on it."""
     at_most: str | None = None
     """Time after which to end with what was found so far, such as 90, 60s or 2m; so does Ctrl-C."""
+    no_store: bool = False
+    """Simulate all signatures anew and keep none on disk (bench/store/README.md)."""
 
     def run(self) -> int:
         """Diagnose, print and write; return the exit code: 0, or 7 for a verdict that is unfinished."""
@@ -53,6 +55,7 @@ class Diagnose:
         from bench.report.diagnosis.file_names import VERDICT
         from bench.report.diagnosis.words import places_of, words_of
         from bench.report.diagnosis.write import write_diagnosis, write_unweighed
+        from bench.store.place import open_store
 
         stop = Stop(inf if self.at_most is None else seconds_of(self.at_most))
         effects = catalogue(self.file)
@@ -75,7 +78,10 @@ class Diagnose:
                 shown.phase(words)
 
             try:
-                found = diagnose(campaign, compiled, effects, progress=phase, executor=executor, check=stop.check)
+                store = None if self.no_store else open_store()
+                found = diagnose(
+                    campaign, compiled, effects, progress=phase, executor=executor, check=stop.check, store=store
+                )
                 verdict = found.verdict
                 write_diagnosis(found, folder, campaign, self.command)
             except Stopped as stopped:
@@ -95,4 +101,5 @@ class Diagnose:
         files = [word for file in self.file for word in ("--file", str(file))]
         files += ["--at-most", self.at_most] if self.at_most is not None else []
         files += ["--despite-doubts"] * self.despite_doubts
+        files += ["--no-store"] * self.no_store
         return shlex.join(["bench", "diagnose", str(self.campaign), "-o", str(self.out), *files])

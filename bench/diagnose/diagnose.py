@@ -29,6 +29,7 @@ from bench.executor.serial import SERIAL
 from bench.executor.watched import Check, Stopped, Watched, never
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
+from bench.store.store import Store
 
 FALSE_ALARM_RATE = 0.01
 
@@ -66,6 +67,7 @@ def diagnose(
     asks: bool = True,
     executor: Executor = SERIAL,
     check: Check = never,
+    store: Store | None = None,
 ) -> Diagnosis:
     """Say what the nominal model gets wrong about a campaign.
 
@@ -81,6 +83,7 @@ def diagnose(
         executor: Where to simulate; results do not depend on it.
         check: Called between steps and between simulations. It may raise `Stopped`, and the diagnosis ends with what it
             has found so far.
+        store: Where signatures are kept between processes; None: nowhere. Not used with `signatures`.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
@@ -91,7 +94,12 @@ def diagnose(
     with threadpool_limits(1, "blas"):  # the matrices are small: threads take more than twice the time
         phases = _Phases(progress, check)
         watched = Watched(executor, check)
-        return _diagnose(campaign, compiled, catalogue, rate, phases, signatures, most_bins, asks, watched)
+        own = signatures_of(campaign, compiled, catalogue, store)
+        if signatures is not None and signatures.asked != own.asked:
+            raise ValueError(
+                "these signatures are of other channels or other causes than this campaign and catalogue have"
+            )
+        return _diagnose(campaign, compiled, catalogue, rate, phases, signatures or own, most_bins, asks, watched)
 
 
 class _Phases:
@@ -113,15 +121,11 @@ def _diagnose(
     catalogue: Mapping[str, Effect],
     rate: float,
     progress: _Phases,
-    signatures: Signatures | None,
+    signatures: Signatures,
     most_bins: int,
     asks: bool,
     executor: Executor,
 ) -> Diagnosis:
-    own = signatures_of(campaign, compiled, catalogue)
-    signatures = own if signatures is None else signatures
-    if signatures.asked != own.asked:
-        raise ValueError("these signatures are of other channels or other causes than this campaign and catalogue have")
     quantities = signatures.quantities
     segments = segments_of(campaign, compiled, quantities, most_bins)
     if not segments or not quantities:
@@ -171,11 +175,13 @@ def _diagnose(
     return Diagnosis(about, naming, verdict, lesson)
 
 
-def signatures_of(campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect]) -> Signatures:
-    """Return an empty store for the signatures of a campaign and of all others of its session."""
+def signatures_of(
+    campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect], store: Store | None = None
+) -> Signatures:
+    """Return the signatures of a campaign and of all others of its session; nothing is simulated yet."""
     quantities = quantities_of(campaign.runs, compiled)
     causes = causes_of(catalogue.values(), compiled, measured_by(campaign))
-    return Signatures(compiled, quantities, nuisances_of(compiled, quantities), causes)
+    return Signatures(compiled, quantities, nuisances_of(compiled, quantities), causes, store=store)
 
 
 def measured_by(campaign: Campaign) -> frozenset[str]:

@@ -11,6 +11,8 @@ import numpy as np
 
 from bench.diagnose.picture.candidates import Cause, plan_of
 from bench.diagnose.picture.first_order import FirstOrder
+from bench.diagnose.picture.reference_motion import SAME_INSTANT
+from bench.diagnose.picture.signature_key import StoredSignatures
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import NOMINAL, Replay, World
@@ -22,8 +24,7 @@ from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
-
-SAME_INSTANT = 1e-6  # [s]; instants come from control periods, so they agree or they do not
+from bench.store.store import Store
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +49,7 @@ class Signatures:
         nuisances: What may be a little wrong.
         causes: What is looked for.
         around: World that is changed.
+        store: Where signatures are kept between processes; None: nowhere.
     """
 
     def __init__(
@@ -57,12 +59,14 @@ class Signatures:
         nuisances: tuple[Nuisance, ...],
         causes: Sequence[Cause],
         around: World = NOMINAL,
+        store: Store | None = None,
     ) -> None:
         self.compiled = compiled
         self.quantities = quantities
         self.nuisances = nuisances
         self.causes = tuple(causes)
         self.around = around
+        self.store = store
         self.plan = tuple(
             cause.acting({**shape, size.name: size.typical}) for cause, shape in plan_of(causes) for size in cause.sizes
         )
@@ -112,30 +116,51 @@ class Signatures:
         return nearest if np.all(np.abs(known[nearest] - times) < SAME_INSTANT) else None
 
     def _learn(self, segments: tuple[Segment, ...], executor: Executor) -> None:
+        about = self.compiled, self.quantities, self.nuisances, self.plan, self.around
+        stored = StoredSignatures(self.store, *about, segments) if self.store else None
+        found = stored.read() if stored else {}
+        count = len(self.nuisances) + len(self.plan)
+        new = [i for i in range(count) if i not in found]
+        if new:
+            found |= self._simulated(stored.segments if stored else segments, new, executor)
+        changes = np.empty((sum(len(segment) for segment in segments), len(self.quantities), count))
+        for i in range(count):
+            changes[:, :, i] = found.pop(i)  # one by one, for all of them twice is much memory
+        if stored and new:
+            stored.write(changes, new)
+        lost = np.all(np.isnan(changes[:, :, len(self.nuisances) :]), axis=(0, 1))
+        self._lost |= set(np.flatnonzero(lost).tolist())
+        edges = np.cumsum([len(segment) for segment in segments])[:-1]
+        for segment, part in zip(segments, np.split(changes, edges), strict=True):
+            self._times[segment.label], self._changes[segment.label] = _instants(segment), part
+
+    def _simulated(self, segments: tuple[Segment, ...], which: Sequence[int], executor: Executor) -> dict[int, Array]:
+        """Return some columns, shape (T, c) each; nan where there is no balance."""
         replay = Replay(self.compiled, segments, self.quantities)
         off, acting = self.around.deviations, self.around.acting
         p = len(self.nuisances)
-        changes = np.empty((*replay.shape, p + len(self.plan)))
-        about = FirstOrder(replay, self.around)
-        worlds = {i: World({**off, n: off.get(n, 0.0) + n.sigma}, acting) for i, n in enumerate(self.nuisances)}
-        for i, one in enumerate(self.plan, start=p):
-            change = about.change(one)
+        first_order = FirstOrder(replay, self.around)
+        found: dict[int, Array] = {}
+        worlds: dict[int, World] = {}
+        for i in which:
+            if i < p:
+                nuisance = self.nuisances[i]
+                worlds[i] = World({**off, nuisance: off.get(nuisance, 0.0) + nuisance.sigma}, acting)
+                continue
+            change = first_order.change(self.plan[i - p])
             if change is None:
-                worlds[i] = World(off, (*acting, one))
+                worlds[i] = World(off, (*acting, self.plan[i - p]))
             else:
-                changes[:, :, i] = change
+                found[i] = change
         nominal = replay.predict(self.around)
         for i, result in zip(worlds, simulate_all(replay, list(worlds.values()), executor), strict=True):
             if isinstance(result, BenchError):
                 if i < p or isinstance(result, EffectError):
                     raise result
-                self._lost.add(i - p)
-                changes[:, :, i] = np.nan
+                found[i] = np.full_like(nominal, np.nan)
             else:
-                changes[:, :, i] = result - nominal
-        edges = np.cumsum([len(segment) for segment in segments])[:-1]
-        for segment, part in zip(segments, np.split(changes, edges), strict=True):
-            self._times[segment.label], self._changes[segment.label] = _instants(segment), part
+                found[i] = result - nominal
+        return found
 
 
 def _instants(segment: Segment) -> Array:

@@ -1,0 +1,1 @@
+"""Arrays that took long to compute, kept on disk by content (README.md)."""

@@ -1,0 +1,60 @@
+"""Where the store of a user lies, and how large it may become."""
+
+import os
+import re
+from pathlib import Path
+
+from platformdirs import user_cache_path
+
+from bench.errors import InputError
+from bench.store.store import LIMIT_BYTES, Store
+
+VARIABLE = "BENCH_STORE"  # of the environment; names another folder
+LIMIT_FILE = "limit"  # in the folder: bytes, as text
+UNITS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9}
+
+
+def store_folder() -> Path:
+    """Return the folder of the store: `BENCH_STORE` if it is set, else one in the user's cache."""
+    named = os.environ.get(VARIABLE)
+    return Path(named) if named else user_cache_path("hh150-bench") / "store"
+
+
+def open_store() -> Store:
+    """Return the user's store with the limit that was set for it; nothing is written."""
+    folder = store_folder()
+    try:
+        limit = int((folder / LIMIT_FILE).read_text(encoding="ascii"))
+    except (OSError, ValueError):
+        limit = LIMIT_BYTES
+    return Store(folder, max(limit, 0))
+
+
+def limited(store: Store, limit_bytes: int) -> Store:
+    """Return the store with another limit, which holds from now on; what exceeds it is removed.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    changed = Store(store.folder, limit_bytes)
+    file = store.folder / LIMIT_FILE
+    try:
+        store.folder.mkdir(parents=True, exist_ok=True)
+        file.write_text(str(limit_bytes), encoding="ascii")
+    except OSError as error:
+        raise InputError(f"{file}: cannot be written ({error.strerror}); choose a folder with {VARIABLE}") from error
+    if why := changed.shrink():
+        raise InputError(why)
+    return changed
+
+
+def bytes_of(text: str) -> int:
+    """Return a size in bytes from text such as "500MB", "1.5 GB" or "800000".
+
+    Raises:
+        InputError: It is none.
+    """
+    match = re.fullmatch(r"\s*(\d+(?:\.\d*)?)\s*([KMG]?)B?\s*", text.upper())
+    if not match:
+        raise InputError(f"{text!r} is no size; write for example 500MB or 2GB.")
+    return round(float(match[1]) * UNITS[match[2]])

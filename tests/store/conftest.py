@@ -1,0 +1,42 @@
+"""A store, a robot, and a list of what is simulated."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bench.diagnose.picture.signatures import Signatures
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import load_robot
+from bench.store.store import Store
+
+
+@pytest.fixture(autouse=True)
+def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("BENCH_CORES", "1")
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    return Store(tmp_path / "store")
+
+
+@pytest.fixture
+def compiled(small_robot: Path) -> CompiledRobot:
+    return compile_robot(load_robot(small_robot))
+
+
+@pytest.fixture
+def simulated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return a list that fills with what is not read from the store: the names of effects, and "nuisance"."""
+    names: list[str] = []
+    simulate = Signatures._simulated
+
+    def noted(self: Signatures, segments: Any, which: Sequence[int], progress: Any) -> Any:
+        plan = [one.effect.name for one in self.plan]
+        names.extend((["nuisance"] * len(self.nuisances) + plan)[i] for i in which)
+        return simulate(self, segments, which, progress)
+
+    monkeypatch.setattr(Signatures, "_simulated", noted)
+    return names
