@@ -1,10 +1,12 @@
 """The linear picture against dense algebra, and the declared false-alarm rate."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from bench.diagnose.picture import threshold as threshold_module
-from bench.diagnose.picture.marginal import Marginal, Nuisances
+from bench.diagnose.picture.marginal import Columns, Marginal, Nuisances
 from bench.diagnose.picture.threshold import family_threshold
 from bench.diagnose.replay.piece import centre_weights
 
@@ -49,13 +51,13 @@ def test_threshold_keeps_the_declared_rate(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(threshold_module, "LEAST", -np.inf)  # chance alone
     rng = np.random.default_rng(2)
     root = 5 * rng.standard_normal((60, 60))
-    marginal = Marginal(0.0, np.zeros(60), root @ root.T, 1000)
+    marginal = Marginal(0.0, np.zeros(60), Columns(root.T), np.empty((0, 60)), 1000)
     blocks = [(np.arange(i, i + 2), np.full(2, 0.1)) for i in range(0, 60, 2)]
     rate = 0.05
     threshold = family_threshold(marginal, blocks, rate, rng)
     alarms = 0
     for _ in range(600):
-        null = Marginal(0.0, root @ rng.standard_normal(60), marginal.information, 1000)
+        null = replace(marginal, scores=root @ rng.standard_normal(60))
         alarms += max(null.log_evidence(columns, prior) for columns, prior in blocks) > threshold
     assert 0.025 < alarms / 600 < 0.085  # three standard deviations of 600 draws and of the threshold's own
 

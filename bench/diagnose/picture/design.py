@@ -80,22 +80,17 @@ class Design:
 
     def whiten(self, values: Array) -> Array:
         """Return whitened values, shape (m, ...), of values of shape (T, c, ...); nan counts as not measured."""
-        factors, rows = self._stacked
-        shape = values.shape
-        flat = np.nan_to_num(values.reshape(*shape[:2], -1))
-        white = (factors @ flat).reshape(shape[0] * shape[1], -1)[rows]
-        start = 0
-        for whitening in self.whitenings:
-            end = start + len(whitening.modes)
-            white[start:end] = whitening.settled(white[start:end])
-            start = end
-        whitened: Array = white.reshape(len(white), *shape[2:])
-        return whitened
+        white = np.empty((self._edges[-1], *values.shape[2:]))
+        at = 0
+        for whitening, start, end in zip(self.whitenings, self._edges[:-1], self._edges[1:], strict=True):
+            length = len(whitening.factors)
+            white[start:end] = whitening(values[at : at + length])
+            at += length
+        return white
 
     def unwhiten(self, whitened: Array) -> Array:
         """Return values, shape (T, c, k), of whitened ones, shape (m, k); 0 where not measured."""
-        edges = np.cumsum([len(whitening.modes) for whitening in self.whitenings])[:-1]
-        parts = np.split(whitened, edges)
+        parts = np.split(whitened, self._edges[1:-1])
         return np.concatenate([w.undone(part) for w, part in zip(self.whitenings, parts, strict=True)])
 
     @cached_property
@@ -104,12 +99,9 @@ class Design:
         return np.concatenate([whitening.log_determinants for whitening in self.whitenings])
 
     @cached_property
-    def _stacked(self) -> tuple[Array, Array]:
-        """Factors, shape (T, c, c), and rows that were measured, shape (T * c,), of all segments."""
-        return (
-            np.concatenate([whitening.factors for whitening in self.whitenings]),
-            np.concatenate([whitening.rows for whitening in self.whitenings]),
-        )
+    def _edges(self) -> list[int]:
+        """Whitened readings before each segment, and of all."""
+        return [0, *np.cumsum([len(whitening.modes) for whitening in self.whitenings]).tolist()]
 
     def split(self, values: Array) -> list[Array]:
         """Return values of shape (T, ...) segment by segment."""
@@ -130,7 +122,7 @@ def design_of(replay: Replay, nuisances: tuple[Nuisance, ...], changes: Array | 
         changes = np.stack([_sound(found) - nominal for found in simulate_all(replay, worlds)], axis=2)
     observed = np.concatenate([segment.observed for segment in replay.segments])
     residual = observed - nominal
-    traces = replay.traces(NOMINAL)
+    traces = replay.nominal
     responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
     held, held_changes = held_friction(replay, traces, responses)
     nuisances, changes = (*nuisances, *held), np.concatenate([changes, held_changes], axis=2)
@@ -159,6 +151,8 @@ def raised(design: Design, factors: Array) -> Design:
         design: The campaign.
         factors: Shape (2, c), for every quantity at rest and in motion.
     """
+    if np.all(factors == 1):
+        return design
     segments = tuple(
         replace(segment, sigma=segment.sigma * factors[0 if segment.is_static else 1]) for segment in design.weighed
     )

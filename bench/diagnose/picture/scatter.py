@@ -6,6 +6,7 @@ anew at every rest. So it is with a link in a gear with play: as long as frictio
 between the flanks. Dividing by scatter (whitening) makes all quantities comparable and independent.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,10 +56,11 @@ class Whitening:
 
     def __call__(self, values: Array) -> Array:
         """Return whitened values, shape (m, ...), of values of shape (T, c, ...); entries not measured are dropped."""
-        shape = values.shape
-        white = (self.factors @ np.nan_to_num(values.reshape(*shape[:2], -1))).reshape(shape[0] * shape[1], -1)
+        length, c, *more = values.shape
+        k = math.prod(more)
+        white = (self.factors @ np.nan_to_num(values.reshape(length, c, k))).reshape(length * c, k)
         whitened: Array = self.settled(white[self.rows])
-        return whitened.reshape(-1, *shape[2:])
+        return whitened.reshape(len(whitened), *more)
 
     def settled(self, white: Array) -> Array:
         """Return values, shape (m, k), that were whitened instant by instant, without what is common to the segment."""

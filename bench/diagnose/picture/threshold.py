@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from bench.diagnose.picture.marginal import Marginal
 from bench.record.campaign import Array
@@ -22,15 +23,23 @@ def family_threshold(
         rate: Declared false-alarm rate.
         rng: For the null campaigns, which are drawn in the space of the scores.
     """
-    values, vectors = np.linalg.eigh(marginal.information)
+    information = marginal.information
+    values, vectors = np.linalg.eigh(information)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     scores = rng.standard_normal((DRAWS, len(values))) @ root.T
     best = np.full(DRAWS, -np.inf)
+    single = [(int(columns[0]), float(prior[0])) for columns, prior in blocks if len(columns) == 1]
+    if single:
+        which, sigma = (np.array(part) for part in zip(*single, strict=True))
+        scale = 1 + sigma**2 * np.diagonal(information)[which]
+        evidence = scores[:, which] ** 2 * (0.5 * sigma**2 / scale) - 0.5 * np.log(scale)
+        np.maximum(best, evidence.max(axis=1), out=best)
     for columns, prior in blocks:
-        h = marginal.information[np.ix_(columns, columns)]
-        whitened = np.eye(len(columns)) + prior[:, None] * h * prior
-        factor = np.linalg.cholesky(whitened)
-        b = np.linalg.solve(factor, (scores[:, columns] * prior).T)
-        evidence = 0.5 * np.sum(b * b, axis=0) - float(np.sum(np.log(np.diag(factor))))
+        if len(columns) == 1:
+            continue
+        h = information[np.ix_(columns, columns)]
+        factor = np.linalg.cholesky(np.eye(len(columns)) + prior[:, None] * h * prior)
+        b = solve_triangular(factor, (scores[:, columns] * prior).T, lower=True)
+        evidence = 0.5 * np.einsum("ij,ij->j", b, b) - float(np.sum(np.log(np.diag(factor))))
         np.maximum(best, evidence, out=best)
     return max(float(np.quantile(best, 1 - rate)), LEAST)
