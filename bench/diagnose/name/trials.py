@@ -15,6 +15,7 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, with_play
 from bench.diagnose.picture.screening import Entry, Screening, rescreen, rewhitened
+from bench.diagnose.replay.segments import Index
 from bench.diagnose.replay.simulations import on_all_cores
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
@@ -123,11 +124,12 @@ def swaps(stage: Stage) -> list[Trial]:
     design, fit = stage.design, stage.fit
     sigma = np.array([unknown.sigma for unknown in fit.unknowns])
     trials: list[Trial] = []
+    here = design.replay.predict(fit.world(design))
     for cause in fit.causes:
         mine = np.array([unknown.cause is cause for unknown in fit.unknowns])
         others = tuple(other for other in fit.causes if other is not cause)
         try:
-            without = fit_without(design, fit, cause)
+            without = fit_without(design, fit, cause, here)
         except NOT_SIMULATED:
             continue  # without it the model finds no balance along the measured motion
         about = with_play(design, without.play)
@@ -263,7 +265,7 @@ def _pairs(stage: Stage, first: Screening, refused: set[tuple[str, str]]) -> lis
     return trials
 
 
-def _joint_evidences(screening: Screening, entries: Sequence[Entry], one: Array, two: Array) -> Array:
+def _joint_evidences(screening: Screening, entries: Sequence[Entry], one: Index, two: Index) -> Array:
     """Return the log evidence for pairs of entries together, shape (E,), for indices of shape (E,) each."""
     if not len(one):
         return np.empty(0)

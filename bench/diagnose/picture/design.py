@@ -5,6 +5,7 @@ is scaled to a prior of one. Effects are named in this picture first, for it is 
 simulation (`bench.diagnose.extend.refit`).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -80,13 +81,13 @@ class Design:
 
     def whiten(self, values: Array) -> Array:
         """Return whitened values, shape (m, ...), of values of shape (T, c, ...); nan counts as not measured."""
-        white = np.empty((self._edges[-1], *values.shape[2:]))
-        at = 0
+        length, c, *more = values.shape
+        k = math.prod(more)
+        factors, rows = self._stacked
+        white = (factors @ np.nan_to_num(values.reshape(length, c, k))).reshape(length * c, k)[rows]
         for whitening, start, end in zip(self.whitenings, self._edges[:-1], self._edges[1:], strict=True):
-            length = len(whitening.factors)
-            white[start:end] = whitening(values[at : at + length])
-            at += length
-        return white
+            whitening.settle(white[start:end])
+        return white.reshape(len(white), *more)
 
     def unwhiten(self, whitened: Array) -> Array:
         """Return values, shape (T, c, k), of whitened ones, shape (m, k); 0 where not measured."""
@@ -102,6 +103,14 @@ class Design:
     def _edges(self) -> list[int]:
         """Whitened readings before each segment, and of all."""
         return [0, *np.cumsum([len(whitening.modes) for whitening in self.whitenings]).tolist()]
+
+    @cached_property
+    def _stacked(self) -> tuple[Array, NDArray[np.int64]]:
+        """Factors, shape (T, c, c), and indices of what was measured, shape (m,), of all segments."""
+        return (
+            np.concatenate([whitening.factors for whitening in self.whitenings]),
+            np.flatnonzero(np.concatenate([whitening.rows for whitening in self.whitenings])),
+        )
 
     def split(self, values: Array) -> list[Array]:
         """Return values of shape (T, ...) segment by segment."""

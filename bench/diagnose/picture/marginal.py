@@ -1,8 +1,9 @@
 """Inner products after nuisances were integrated out: all that comparing linear models needs.
 
 With whitened residuals r, nuisance slopes A (prior one) and columns X of candidates, the covariance of r under the null
-model is M = I + A A^T, and [r X]^T M^-1 [r X] holds every score, every loss of fit and every evidence. With the Cholesky
-factor L of I + A^T A, X^T M^-1 X = X^T X - R^T R, R = L^-1 A^T X: only R depends on the model, so X^T X is formed once.
+model is M = I + A A^T, and [r X]^T M^-1 [r X] holds every score, every loss of fit and every evidence. With the
+Cholesky factor L of I + A^T A, X^T M^-1 X = X^T X - R^T R, R = L^-1 A^T X. Only R depends on the model, so X^T X is
+formed once for all models of a campaign.
 """
 
 from dataclasses import dataclass
@@ -21,11 +22,12 @@ class Columns:
 
     Args:
         matrix: Shape (m, q).
+        is_small: There are so few columns that all their products may be formed at once.
     """
 
-    def __init__(self, matrix: Array) -> None:
+    def __init__(self, matrix: Array, *, is_small: bool = False) -> None:
         self.matrix = matrix
-        self._gram: Array | None = None
+        self._gram: Array | None = matrix.T @ matrix if is_small else None
         self._slopes: Array | None = None
         self._cross: Array = np.empty((0, 0))
 
@@ -34,7 +36,8 @@ class Columns:
         """Shape (q, q), X^T X."""
         if self._gram is None:
             self._gram = self.matrix.T @ self.matrix
-        return self._gram
+        gram: Array = self._gram
+        return gram
 
     @cached_property
     def squares(self) -> Array:
@@ -44,7 +47,8 @@ class Columns:
     def products_of(self, columns: Array) -> Array:
         """Return the inner products of E groups of k columns, shape (E, k, k), for indices of shape (E, k)."""
         if columns.shape[1] == 1:
-            return self.squares[columns][:, :, None]
+            single: Array = self.squares[columns][:, :, None]
+            return single
         if self._gram is not None:
             return np.asarray(self._gram[columns[:, :, None], columns[:, None, :]], dtype=np.float64)
         groups = (self.matrix[:, own] for own in columns)
@@ -59,7 +63,8 @@ class Columns:
             self._cross = self._cross.copy()
             self._cross[new] = slopes[:, new].T @ self.matrix
         self._slopes = slopes
-        return self._cross
+        cross: Array = self._cross
+        return cross
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,9 +123,8 @@ class Marginal:
         return self._gains(self._blocks(columns), columns, prior)
 
     def only(self, columns: Array) -> "Marginal":
-        """Return the products of some columns alone."""
-        some = Columns(self.columns.matrix[:, columns])
-        some.gram  # noqa: B018
+        """Return the products of some columns alone, each with each."""
+        some = Columns(self.columns.matrix[:, columns], is_small=True)
         return Marginal(self.misfit, self.scores[columns], some, self.reduced[:, columns], self.n)
 
     def given(self, columns: Array, prior: Array | None = None) -> "Marginal":
@@ -148,7 +152,7 @@ class Marginal:
         return gains
 
     def _penalised(self, columns: Array, prior: Array | None) -> Array:
-        h = self._blocks(columns[None])[0]
+        h: Array = self._blocks(columns[None])[0]
         diagonal = np.diag(h)
         h[np.diag_indices_from(h)] += JITTER * np.maximum(diagonal, 1.0)
         if prior is not None:

@@ -59,15 +59,14 @@ class Whitening:
         length, c, *more = values.shape
         k = math.prod(more)
         white = (self.factors @ np.nan_to_num(values.reshape(length, c, k))).reshape(length * c, k)
-        whitened: Array = self.settled(white[self.rows])
+        whitened: Array = white[self.rows]
+        self.settle(whitened)
         return whitened.reshape(len(whitened), *more)
 
-    def settled(self, white: Array) -> Array:
-        """Return values, shape (m, k), that were whitened instant by instant, without what is common to the segment."""
-        if not len(self.shrink):
-            return white
-        settled: Array = white - self.modes @ (self.shrink[:, None] * (self.modes.T @ white))
-        return settled
+    def settle(self, white: Array) -> None:
+        """Take what is common to the segment out of values, shape (m, k), that were whitened instant by instant."""
+        if len(self.shrink):
+            white -= self.modes @ (self.shrink[:, None] * (self.modes.T @ white))
 
     def undone(self, whitened: Array) -> Array:
         """Return values, shape (T, c, k), of whitened ones, shape (m, k); 0 where not measured."""
