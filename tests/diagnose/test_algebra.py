@@ -47,6 +47,40 @@ def test_columns_in_the_model_explain_nothing_more(data: tuple[np.ndarray, np.nd
     assert both.given(np.arange(1)).gain(np.array([K])) == pytest.approx(0.0, abs=1e-4)
 
 
+def test_evidence_of_many_groups_is_that_of_each_alone(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+    slopes, white, columns = data
+    groups = np.array([[0, 1], [1, 3], [2, 3]])
+    prior = np.array([[0.5, 2.0], [1.0, 0.1], [3.0, 3.0]])
+    alone = [
+        Nuisances(slopes).products(white, columns[:, group]).log_evidence(np.arange(2), sigma)
+        for group, sigma in zip(groups, prior, strict=True)
+    ]
+    marginal = Nuisances(slopes).products(white, columns)
+    np.testing.assert_allclose(marginal.log_evidences(groups, prior), alone, rtol=1e-9)
+    assert marginal.columns.gram.shape == (K, K)  # formed now, and used from now on
+    np.testing.assert_allclose(marginal.log_evidences(groups, prior), alone, rtol=1e-9)
+    np.testing.assert_allclose(marginal.only(np.array([1, 3])).log_evidences(groups[:1], prior[1:2]), alone[1])
+
+
+def test_columns_serve_another_model_with_a_few_other_slopes(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+    slopes, white, columns = data
+    known = Columns(columns)
+    Nuisances(slopes).products(white, known)
+    other = slopes.copy()
+    other[:, 2] *= -0.3
+    tangent = 2.0 * np.sin(np.outer(np.arange(M), [1.0, 2.0]))
+    found = Nuisances(other, tangent).products(white, known)
+    fresh = Nuisances(np.concatenate([other, tangent], axis=1)).products(white, columns)
+    np.testing.assert_allclose(found.information, fresh.information, rtol=1e-9)
+    np.testing.assert_allclose(found.diagonal, np.diag(fresh.information), rtol=1e-9)
+    np.testing.assert_allclose(found.scores, fresh.scores, rtol=1e-9)
+    given = Nuisances(other).products(white, np.concatenate([columns, tangent], axis=1))
+    given = given.given(np.arange(K, K + 2), np.ones(2))
+    np.testing.assert_allclose(given.scores[:K], fresh.scores, rtol=1e-6)
+    np.testing.assert_allclose(given.information[:K, :K], fresh.information, rtol=1e-6)
+    assert given.misfit == pytest.approx(fresh.misfit)
+
+
 def test_threshold_keeps_the_declared_rate(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(threshold_module, "LEAST", -np.inf)  # chance alone
     rng = np.random.default_rng(2)

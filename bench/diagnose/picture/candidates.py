@@ -136,8 +136,17 @@ def candidates_of(design: Design, causes: Sequence[Cause], changes: Sequence[Arr
         if np.any(visible):
             sizes = tuple(size for (size, _), is_visible in zip(kept, visible, strict=True) if is_visible)
             shown = Cause(cause.effect, cause.place, sizes, cause.shapes)
-            found.append(Candidate(shown, shape, step[visible], prior[visible], white[:, columns[visible]]))
+            found.append(Candidate(shown, shape, step[visible], prior[visible], _view(white, columns[visible])))
     return tuple(found)
+
+
+def _view(white: Array, columns: Array) -> Array:
+    """Return some columns, without a copy where they are neighbours."""
+    first, count = int(columns[0]), len(columns)
+    if int(columns[-1]) - first == count - 1:
+        return white[:, first : first + count]
+    some: Array = white[:, columns]
+    return some
 
 
 def plan_of(causes: Sequence[Cause]) -> list[tuple[Cause, dict[str, float]]]:
