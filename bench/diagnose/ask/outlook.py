@@ -107,7 +107,7 @@ class Outlook:
                 self._index[id(segment.motion)] = len(unique)
                 unique.append(segment)
         self._replay = Replay(design.replay.compiled, tuple(unique), quantities)
-        traces = self._replay.nominal
+        traces = self._replay.traces(NOMINAL)
         self.trace = traces[0]
         self._responses = [torque_response(self._replay.compiled, trace, quantities) for trace in traces]
         held, held_changes = held_friction(self._replay, traces, tuple(self._responses))

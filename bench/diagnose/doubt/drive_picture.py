@@ -50,7 +50,7 @@ class DrivePicture:
 
 def drive_picture(replay: Replay) -> DrivePicture:
     """Return what drives did in a campaign, and what its nominal model makes of it."""
-    trace = Trace.concatenate(replay.nominal)
+    trace = Trace.concatenate(replay.traces(NOMINAL))
     nominal = replay.predict(NOMINAL)
     missing = []
     for effect in (UnstatedPayload(), CounterbalanceGas()):

@@ -139,14 +139,8 @@ def is_simulated(nuisance: Nuisance) -> bool:
     return bool(nuisance.edit or nuisance.on_reading or nuisance.scales_wrench or nuisance.scales_payload)
 
 
-def fit_without(design: Design, fit: Fit, cause: Cause, here: Array) -> Fit:
+def fit_without(design: Design, fit: Fit, cause: Cause) -> Fit:
     """Return a fit with one of its causes taken away and nothing fitted anew.
-
-    Args:
-        design: The campaign.
-        fit: With the cause.
-        cause: To be taken away.
-        here: Shape (T, c), what instruments show in the world of the fit.
 
     Raises:
         ConvergenceError, RobotError: What is left cannot be simulated.
@@ -154,6 +148,7 @@ def fit_without(design: Design, fit: Fit, cause: Cause, here: Array) -> Fit:
     kept = [i for i, unknown in enumerate(fit.unknowns) if unknown.cause is not cause]
     causes = tuple(other for other in fit.causes if other is not cause)
     unknowns, values = tuple(fit.unknowns[i] for i in kept), fit.values[kept]
+    here = design.replay.predict(fit.world(design))
     without = design.replay.predict(world_of(design, causes, unknowns, values, fit.nuisances))
     return replace(
         fit,

@@ -124,12 +124,11 @@ def swaps(stage: Stage) -> list[Trial]:
     design, fit = stage.design, stage.fit
     sigma = np.array([unknown.sigma for unknown in fit.unknowns])
     trials: list[Trial] = []
-    here = design.replay.predict(fit.world(design))
     for cause in fit.causes:
         mine = np.array([unknown.cause is cause for unknown in fit.unknowns])
         others = tuple(other for other in fit.causes if other is not cause)
         try:
-            without = fit_without(design, fit, cause, here)
+            without = fit_without(design, fit, cause)
         except NOT_SIMULATED:
             continue  # without it the model finds no balance along the measured motion
         about = with_play(design, without.play)

@@ -131,7 +131,7 @@ def design_of(replay: Replay, nuisances: tuple[Nuisance, ...], changes: Array | 
         changes = np.stack([_sound(found) - nominal for found in simulate_all(replay, worlds)], axis=2)
     observed = np.concatenate([segment.observed for segment in replay.segments])
     residual = observed - nominal
-    traces = replay.nominal
+    traces = replay.traces(NOMINAL)
     responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
     held, held_changes = held_friction(replay, traces, responses)
     nuisances, changes = (*nuisances, *held), np.concatenate([changes, held_changes], axis=2)

@@ -112,7 +112,7 @@ def hats(values: Array, nodes: Array) -> Array:
 def _shapes(design: Design, angle_nodes: int) -> Iterator[tuple[Block, Array]]:
     """Yield blocks without columns, each with its raw ones, shape (T, c, k)."""
     segments = design.segments
-    trace = Trace.concatenate(design.replay.nominal)
+    trace = Trace.concatenate(design.replay.traces(NOMINAL))
     link = np.concatenate([response.link for response in design.responses])
     motor = np.concatenate([response.motor for response in design.responses])
     stiffness = design.replay.compiled.stiffness

@@ -65,11 +65,6 @@ class Replay:
         """Instants that are read, and quantities."""
         return sum(len(segment) for segment in self.segments), len(self.quantities)
 
-    @property
-    def nominal(self) -> list[Trace]:
-        """The true motion of the nominal robot, segment by segment."""
-        return list(self._nominal)
-
     def predict(self, world: World) -> Array:
         """Return what instruments show in a world, shape (T, c), segment after segment.
 
