@@ -1,10 +1,12 @@
 """The linear picture against dense algebra, and the declared false-alarm rate."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from bench.diagnose.picture import threshold as threshold_module
-from bench.diagnose.picture.marginal import Marginal, Nuisances
+from bench.diagnose.picture.marginal import Columns, Marginal, Nuisances
 from bench.diagnose.picture.threshold import family_threshold
 from bench.diagnose.replay.piece import centre_weights
 
@@ -45,17 +47,51 @@ def test_columns_in_the_model_explain_nothing_more(data: tuple[np.ndarray, np.nd
     assert both.given(np.arange(1)).gain(np.array([K])) == pytest.approx(0.0, abs=1e-4)
 
 
+def test_evidence_of_many_groups_is_that_of_each_alone(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+    slopes, white, columns = data
+    groups = np.array([[0, 1], [1, 3], [2, 3]])
+    prior = np.array([[0.5, 2.0], [1.0, 0.1], [3.0, 3.0]])
+    alone = [
+        Nuisances(slopes).products(white, columns[:, group]).log_evidence(np.arange(2), sigma)
+        for group, sigma in zip(groups, prior, strict=True)
+    ]
+    marginal = Nuisances(slopes).products(white, columns)
+    np.testing.assert_allclose(marginal.log_evidences(groups, prior), alone, rtol=1e-9)
+    assert marginal.columns.gram.shape == (K, K)  # formed now, and used from now on
+    np.testing.assert_allclose(marginal.log_evidences(groups, prior), alone, rtol=1e-9)
+    np.testing.assert_allclose(marginal.only(np.array([1, 3])).log_evidences(groups[:1], prior[1:2]), alone[1])
+
+
+def test_columns_serve_another_model_with_a_few_other_slopes(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+    slopes, white, columns = data
+    known = Columns(columns)
+    Nuisances(slopes).products(white, known)
+    other = slopes.copy()
+    other[:, 2] *= -0.3
+    tangent = 2.0 * np.sin(np.outer(np.arange(M), [1.0, 2.0]))
+    found = Nuisances(other, tangent).products(white, known)
+    fresh = Nuisances(np.concatenate([other, tangent], axis=1)).products(white, columns)
+    np.testing.assert_allclose(found.information, fresh.information, rtol=1e-9)
+    np.testing.assert_allclose(found.diagonal, np.diag(fresh.information), rtol=1e-9)
+    np.testing.assert_allclose(found.scores, fresh.scores, rtol=1e-9)
+    given = Nuisances(other).products(white, np.concatenate([columns, tangent], axis=1))
+    given = given.given(np.arange(K, K + 2), np.ones(2))
+    np.testing.assert_allclose(given.scores[:K], fresh.scores, rtol=1e-6)
+    np.testing.assert_allclose(given.information[:K, :K], fresh.information, rtol=1e-6)
+    assert given.misfit == pytest.approx(fresh.misfit)
+
+
 def test_threshold_keeps_the_declared_rate(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(threshold_module, "LEAST", -np.inf)  # chance alone
     rng = np.random.default_rng(2)
     root = 5 * rng.standard_normal((60, 60))
-    marginal = Marginal(0.0, np.zeros(60), root @ root.T, 1000)
+    marginal = Marginal(0.0, np.zeros(60), Columns(root.T), np.empty((0, 60)), 1000)
     blocks = [(np.arange(i, i + 2), np.full(2, 0.1)) for i in range(0, 60, 2)]
     rate = 0.05
     threshold = family_threshold(marginal, blocks, rate, rng)
     alarms = 0
     for _ in range(600):
-        null = Marginal(0.0, root @ rng.standard_normal(60), marginal.information, 1000)
+        null = replace(marginal, scores=root @ rng.standard_normal(60))
         alarms += max(null.log_evidence(columns, prior) for columns, prior in blocks) > threshold
     assert 0.025 < alarms / 600 < 0.085  # three standard deviations of 600 draws and of the threshold's own
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.measure.floor import floor_variance
@@ -221,5 +221,5 @@ def _one_more(rms: Array) -> tuple[float, float]:
     if k < 2 or not np.all(rms > 0):
         return np.nan, np.nan
     logs = np.log(rms)
-    half = float(student.ppf(HIGH, k - 1)) * logs.std(ddof=1) * np.sqrt(1 + 1 / k)
+    half = float(stdtrit(k - 1, HIGH)) * logs.std(ddof=1) * np.sqrt(1 + 1 / k)
     return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))

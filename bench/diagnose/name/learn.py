@@ -12,7 +12,7 @@ from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, raised, roughened, with_play
 from bench.diagnose.picture.generic import Block, anew
 from bench.diagnose.picture.lack_of_fit import missed, unexplained
-from bench.diagnose.picture.marginal import Nuisances
+from bench.diagnose.picture.marginal import Columns, Nuisances
 from bench.effects.effect import WHOLE, Effect, Place
 from bench.effects.friction_elements import Side
 from bench.effects.learned import Learned, values_at, values_of
@@ -131,7 +131,7 @@ def _factors(design: Design, block: Block, fit: Fit) -> Array:
     plain = raised(design, 1 / design.excess)
     finest = anew(plain, block, ANGLE_NODES[-1])
     prior = np.full(finest.columns.shape[1], finest.prior)
-    least = np.maximum(unexplained(plain, pseudo_residual(plain, fit), finest.columns, prior), 1.0)
+    least = np.maximum(unexplained(plain, pseudo_residual(plain, fit), Columns(finest.columns), prior), 1.0)
     return np.maximum(missed(design, pseudo_residual(design, fit)) * design.excess, least) / design.excess
 
 

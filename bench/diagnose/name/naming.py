@@ -21,7 +21,7 @@ from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, raised
 from bench.diagnose.picture.generic import Block, blocks_of
 from bench.diagnose.picture.lack_of_fit import is_adequate
-from bench.diagnose.picture.screening import Entry, Screening, entries_of, rescreen
+from bench.diagnose.picture.screening import Entry, Screening, rescreen, tried_of
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Stopped
@@ -263,7 +263,7 @@ def _explains_more(stage: Stage, nominal: Design, first: Screening) -> Entry | N
     """
     design = raised(nominal, stage.design.excess / nominal.excess)
     null = Hypothesis(refit(design, (), {}), 0.0)
-    everything = replace(stage.screening, entries=entries_of(blocks_of(design)), taken=frozenset())
+    everything = replace(stage.screening, tried=tried_of(blocks_of(design)), taken=frozenset())
     alone = _about(design, everything, null).free[:1]
     if not alone:
         return None
@@ -310,5 +310,5 @@ def _unlisted(stage: Stage, nominal: Design, first: Screening) -> tuple[Block | 
 def _nearest(stage: Stage) -> tuple[Entry, ...]:
     """Return the free shapes beside a model by what each explains, errors as small as what nothing explains."""
     design = raised(stage.design, stage.design.unexplained / stage.design.excess)
-    everything = replace(stage.screening, entries=entries_of(blocks_of(design)))
+    everything = replace(stage.screening, tried=tried_of(blocks_of(design)))
     return _about(design, everything, stage.best).free

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from bench.diagnose.extend.fit import Fit, is_simulated, pseudo_residual
-from bench.diagnose.picture.candidates import Candidate, Cause, candidates_of, causes_of
+from bench.diagnose.picture.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.picture.design import Design, raised, relinearised, with_play
-from bench.diagnose.picture.generic import Block, blocks_of
+from bench.diagnose.picture.generic import blocks_of
 from bench.diagnose.picture.lack_of_fit import missed, unexplained
-from bench.diagnose.picture.screening import Screening, screen
+from bench.diagnose.picture.screening import Screening, Tried, screen, tried_of
 from bench.diagnose.picture.signatures import Changes, Signatures
 from bench.diagnose.replay.replay import World, edits_in
 from bench.effects.effect import Conditions, Effect
@@ -51,6 +51,8 @@ class Surroundings:
         self._causes: tuple[Cause, ...] = ()
         self._changes = Changes(np.empty(0), ())
         self._threshold: float | None = None
+        self._tried: Tried | None = None
+        self._tried_for: tuple[object, object] = (None, None)  # whitenings and changes
 
     def weighed(self, design: Design, causes: Sequence[Cause], changes: Changes) -> tuple[Design, Screening]:
         """Return the nominal model with everything weighed against it.
@@ -104,18 +106,13 @@ class Surroundings:
     def _looked_around(self, design: Design, white_of: Callable[[Design], Array]) -> Design:
         """Return the design with what not even everything together explains, by the instruments' standard errors."""
         plain = raised(design, 1 / design.excess)
-        tried: tuple[Candidate | Block, ...] = (
-            *candidates_of(plain, self._causes, self._changes.causes),
-            *blocks_of(plain),
-        )
-        if not tried:
+        tried = self._everything(plain)
+        if not tried.entries:
             raise InputError(
                 "nothing of the catalogue would leave a trace in this campaign: log motor currents or torques, a "
                 "reflector, a link encoder, or the gas pressure, beside the motor angles."
             )
-        columns = np.concatenate([what.columns for what in tried], axis=1)
-        prior = np.concatenate([np.broadcast_to(what.prior, what.columns.shape[1]) for what in tried])
-        least = np.maximum(unexplained(plain, white_of(plain), columns, prior), 1.0)
+        least = np.maximum(unexplained(plain, white_of(plain), tried.columns, tried.prior), 1.0)
         return replace(design, unexplained=least)
 
     def _screened(
@@ -126,9 +123,16 @@ class Surroundings:
             if _is_settled(factors):
                 break
             design = raised(design, factors)
-        candidates, blocks = candidates_of(design, self._causes, self._changes.causes), blocks_of(design)
-        screening = screen(design, white_of(design), candidates, blocks, self.rate, self._threshold)
-        return design, screening
+        return design, screen(design, white_of(design), self._everything(design), self.rate, self._threshold)
+
+    def _everything(self, design: Design) -> Tried:
+        """Return every cause and every free shape as a design whitens them."""
+        known = (design.whitenings, self._changes)
+        if self._tried is None or self._tried_for[0] is not known[0] or self._tried_for[1] is not known[1]:
+            self._tried = None  # not two of them at a time: they are the largest matrices of a diagnosis
+            candidates = candidates_of(design, self._causes, self._changes.causes)
+            self._tried, self._tried_for = tried_of([*candidates, *blocks_of(design)]), known
+        return self._tried
 
 
 def _factors(design: Design, white: Array, *, is_last: bool) -> Array:

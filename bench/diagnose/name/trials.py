@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import combinations
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, with_play
 from bench.diagnose.picture.screening import Entry, Screening, rescreen, rewhitened
+from bench.diagnose.replay.segments import Index
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor, Progress, in_order
 from bench.executor.serial import SERIAL
@@ -116,7 +116,7 @@ def one_more(
     trials += _scattering(stage, open_, single, PROMISING * limit)
     trials += _hiding(stage, open_, single + limit)
     if len(stage.best.causes) == 1:
-        trials += _pairs(stage, first, refused)[:PAIR_FINALISTS]
+        trials += _pairs(stage, first, refused)
     unique = {trial.keys: trial for trial in sorted(trials, key=lambda trial: trial.promise)}
     ranked = sorted(unique.values(), key=lambda trial: -trial.promise)
     return fitted(stage, ranked[: FINALISTS + PAIR_FINALISTS], executor)
@@ -240,33 +240,49 @@ def _first_sizes(screening: Screening, entry: Entry) -> dict[Key, float]:
 
 def _hiding(stage: Stage, open_: Sequence[Entry], least: float) -> list[Trial]:
     """Return pairs that explain together what neither does alone, as a payload and missing gas hide each other."""
-    found = []
-    for pair in combinations(open_[:PAIRED], 2):
-        alone = sum(max(entry.log_evidence, 0.0) for entry in pair)
-        evidence = _joint_evidence(stage.screening, pair)
-        if evidence > alone + least:
-            found.append(Trial.extending(stage, *pair, evidence=evidence))
-    return sorted(found, key=lambda trial: -trial.promise)[:PAIR_FINALISTS]
+    near = open_[:PAIRED]
+    alone = np.array([max(entry.log_evidence, 0.0) for entry in near])
+    one, two = np.triu_indices(len(near), 1)
+    evidence = _joint_evidences(stage.screening, near, one, two)
+    hiding = np.flatnonzero(evidence > alone[one] + alone[two] + least)
+    best = hiding[np.argsort(-evidence[hiding], kind="stable")][:PAIR_FINALISTS]
+    return [Trial.extending(stage, near[one[i]], near[two[i]], evidence=float(evidence[i])) for i in best]
 
 
 def _pairs(stage: Stage, first: Screening, refused: set[tuple[str, str]]) -> list[Trial]:
-    """Return all pairs of promising causes in the linear picture about the nominal model, the most promising first."""
+    """Return the most promising pairs of causes in the linear picture about the nominal model."""
     best = {entry.cause.key: entry for entry in first.listed if entry.cause}
     beside = [e.cause.key for e in stage.screening.listed[:PAIRED] if e.cause]
     promising = [*first.listed[:PAIRED], *(best[key] for key in beside if key in best)]
     unique = {entry.cause.key: entry for entry in promising if entry.cause and entry.cause.key not in refused}
+    entries = list(unique.values())
+    one, two = np.triu_indices(len(entries), 1)
+    evidence = _joint_evidences(first, entries, one, two)
     trials = []
-    for pair in combinations(unique.values(), 2):
+    for i in np.argsort(-evidence, kind="stable")[:PAIR_FINALISTS]:
+        pair = entries[one[i]], entries[two[i]]
         causes = tuple(entry.cause for entry in pair if entry.cause)
         start = first.sizes_of(pair[0]) | first.sizes_of(pair[1])
-        trials.append(Trial(causes, start, None, _joint_evidence(first, pair)))
-    return sorted(trials, key=lambda trial: -trial.promise)
+        trials.append(Trial(causes, start, None, float(evidence[i])))
+    return trials
 
 
-def _joint_evidence(screening: Screening, pair: Sequence[Entry]) -> float:
-    columns = np.concatenate([entry.columns for entry in pair])
-    prior = np.concatenate([entry.prior for entry in pair])
-    return screening.marginal.log_evidence(columns, prior)
+def _joint_evidences(screening: Screening, entries: Sequence[Entry], one: Index, two: Index) -> Array:
+    """Return the log evidence for pairs of entries together, shape (E,), for indices of shape (E,) each."""
+    if not len(one):
+        return np.empty(0)
+    marginal = screening.marginal.only(np.concatenate([entry.columns for entry in entries]))
+    sizes = np.array([len(entry.columns) for entry in entries])
+    first = np.cumsum(sizes) - sizes
+    prior = np.concatenate([entry.prior for entry in entries])
+    found = np.empty(len(one))
+    for k, n in {(int(a), int(b)) for a, b in zip(sizes[one], sizes[two], strict=True)}:
+        alike = np.flatnonzero((sizes[one] == k) & (sizes[two] == n))
+        columns = np.concatenate(
+            [first[one[alike], None] + np.arange(k), first[two[alike], None] + np.arange(n)], axis=1
+        )
+        found[alike] = marginal.log_evidences(columns, prior[columns])
+    return found
 
 
 def _reach(evidence: float) -> float:

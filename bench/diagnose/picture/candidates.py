@@ -12,6 +12,7 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
 FEWEST_SHAPES = 3  # values of a shape parameter that are tried at first
+AT_A_TIME = 64  # columns that are whitened together: memory stays small
 INVISIBLE = 1e-3  # norm of a whitened signature at its largest plausible size, below which nobody can see an effect
 
 
@@ -114,7 +115,12 @@ def candidates_of(design: Design, causes: Sequence[Cause], changes: Sequence[Arr
     seen = [i for i, change in enumerate(changes) if change is not None]
     if not seen:
         return ()
-    white = design.whiten(np.stack([change for change in changes if change is not None], axis=2))
+    white = np.empty((len(design.white), len(seen)))
+    for start in range(0, len(seen), AT_A_TIME):
+        there = (changes[i] for i in seen[start : start + AT_A_TIME])
+        some = np.stack([change for change in there if change is not None], axis=2)
+        white[:, start : start + AT_A_TIME] = design.whiten(some)
+    norms = np.sqrt(np.einsum("ij,ij->j", white, white))
     column_of = {i: column for column, i in enumerate(seen)}
     found = []
     i = 0
@@ -125,13 +131,22 @@ def candidates_of(design: Design, causes: Sequence[Cause], changes: Sequence[Arr
             continue
         step = np.array([size.typical - size.null for size, _ in kept])
         prior = np.array([size.high for size, _ in kept]) / np.sqrt(3) / np.abs(step)
-        columns = white[:, [column for _, column in kept]]
-        visible = np.linalg.norm(columns, axis=0) * prior > INVISIBLE
+        columns = np.array([column for _, column in kept])
+        visible = norms[columns] * prior > INVISIBLE
         if np.any(visible):
             sizes = tuple(size for (size, _), is_visible in zip(kept, visible, strict=True) if is_visible)
             shown = Cause(cause.effect, cause.place, sizes, cause.shapes)
-            found.append(Candidate(shown, shape, step[visible], prior[visible], columns[:, visible]))
+            found.append(Candidate(shown, shape, step[visible], prior[visible], _view(white, columns[visible])))
     return tuple(found)
+
+
+def _view(white: Array, columns: Array) -> Array:
+    """Return some columns, without a copy where they are neighbours."""
+    first, count = int(columns[0]), len(columns)
+    if int(columns[-1]) - first == count - 1:
+        return white[:, first : first + count]
+    some: Array = white[:, columns]
+    return some
 
 
 def plan_of(causes: Sequence[Cause]) -> list[tuple[Cause, dict[str, float]]]:

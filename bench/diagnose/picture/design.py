@@ -5,6 +5,7 @@ is scaled to a prior of one. Effects are named in this picture first, for it is 
 simulation (`bench.diagnose.extend.refit`).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -80,22 +81,17 @@ class Design:
 
     def whiten(self, values: Array) -> Array:
         """Return whitened values, shape (m, ...), of values of shape (T, c, ...); nan counts as not measured."""
+        length, c, *more = values.shape
+        k = math.prod(more)
         factors, rows = self._stacked
-        shape = values.shape
-        flat = np.nan_to_num(values.reshape(*shape[:2], -1))
-        white = (factors @ flat).reshape(shape[0] * shape[1], -1)[rows]
-        start = 0
-        for whitening in self.whitenings:
-            end = start + len(whitening.modes)
-            white[start:end] = whitening.settled(white[start:end])
-            start = end
-        whitened: Array = white.reshape(len(white), *shape[2:])
-        return whitened
+        white = (factors @ np.nan_to_num(values.reshape(length, c, k))).reshape(length * c, k)[rows]
+        for whitening, start, end in zip(self.whitenings, self._edges[:-1], self._edges[1:], strict=True):
+            whitening.settle(white[start:end])
+        return white.reshape(len(white), *more)
 
     def unwhiten(self, whitened: Array) -> Array:
         """Return values, shape (T, c, k), of whitened ones, shape (m, k); 0 where not measured."""
-        edges = np.cumsum([len(whitening.modes) for whitening in self.whitenings])[:-1]
-        parts = np.split(whitened, edges)
+        parts = np.split(whitened, self._edges[1:-1])
         return np.concatenate([w.undone(part) for w, part in zip(self.whitenings, parts, strict=True)])
 
     @cached_property
@@ -104,11 +100,16 @@ class Design:
         return np.concatenate([whitening.log_determinants for whitening in self.whitenings])
 
     @cached_property
-    def _stacked(self) -> tuple[Array, Array]:
-        """Factors, shape (T, c, c), and rows that were measured, shape (T * c,), of all segments."""
+    def _edges(self) -> list[int]:
+        """Whitened readings before each segment, and of all."""
+        return [0, *np.cumsum([len(whitening.modes) for whitening in self.whitenings]).tolist()]
+
+    @cached_property
+    def _stacked(self) -> tuple[Array, NDArray[np.int64]]:
+        """Factors, shape (T, c, c), and indices of what was measured, shape (m,), of all segments."""
         return (
             np.concatenate([whitening.factors for whitening in self.whitenings]),
-            np.concatenate([whitening.rows for whitening in self.whitenings]),
+            np.flatnonzero(np.concatenate([whitening.rows for whitening in self.whitenings])),
         )
 
     def split(self, values: Array) -> list[Array]:
@@ -159,6 +160,8 @@ def raised(design: Design, factors: Array) -> Design:
         design: The campaign.
         factors: Shape (2, c), for every quantity at rest and in motion.
     """
+    if np.all(factors == 1):
+        return design
     segments = tuple(
         replace(segment, sigma=segment.sigma * factors[0 if segment.is_static else 1]) for segment in design.weighed
     )

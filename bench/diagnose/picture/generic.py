@@ -4,7 +4,7 @@ Each block is one place and one dependence with a handful of free coefficients. 
 cannot, the cause is unlisted, and the block says where it acts, on what it depends, and how it runs.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from bench.simulate.instruments import HOUR
 from bench.simulate.plant import Trace
 
 ANGLE_NODES = 9
+AT_A_TIME = 64  # columns that are whitened together: memory stays small
 SPEED_NODES = 4
 TORQUE_SHARE = 0.03  # plausible size of an unlisted torque, of the largest that the motor pays
 READING_SHARE = 0.05  # plausible size of an unlisted error of a reading, of the largest reading
@@ -64,27 +65,43 @@ class Block:
 
 def blocks_of(design: Design) -> tuple[Block, ...]:
     """Return the blocks that a campaign can say something about."""
-    blocks = (_whitened(design, shape, raw) for shape, raw in _shapes(design, ANGLE_NODES))
-    return tuple(block for block in blocks if block is not None)
+    return tuple(block for block in _whitened(design, _shapes(design, ANGLE_NODES)) if block is not None)
 
 
 def anew(design: Design, block: Block, angle_nodes: int = ANGLE_NODES) -> Block:
     """Return a block as another design whitens it, and with another number of nodes if it depends on the angle."""
-    shape, raw = next((shape, raw) for shape, raw in _shapes(design, angle_nodes) if str(shape) == str(block))
-    found = _whitened(design, shape, raw)
+    one = next((shape, raw) for shape, raw in _shapes(design, angle_nodes) if str(shape) == str(block))
+    (found,) = _whitened(design, [one])
     assert found
     return found
 
 
-def _whitened(design: Design, shape: Block, raw: Array) -> Block | None:
-    """Return a block with its columns from raw ones, shape (T, c, k); without those that leave no trace."""
-    columns = design.whiten(raw)
-    size = np.linalg.norm(columns, axis=0)
-    seen = size > 1e-9 * max(float(np.max(size)), 1e-300)
-    if not np.any(seen):
-        return None
-    nodes = shape.nodes[seen] if len(shape.nodes) else shape.nodes
-    return replace(shape, nodes=nodes, columns=columns[:, seen], functions=tuple(np.flatnonzero(seen).tolist()))
+def _whitened(design: Design, shapes: Iterable[tuple[Block, Array]]) -> Iterator[Block | None]:
+    """Yield blocks with their columns from raw ones, shape (T, c, k); None for one that leaves no trace."""
+    some: list[tuple[Block, Array]] = []
+    for one in shapes:
+        some.append(one)
+        if sum(raw.shape[2] for _, raw in some) >= AT_A_TIME:
+            yield from _seen(design, some)
+            some = []
+    if some:
+        yield from _seen(design, some)
+
+
+def _seen(design: Design, shapes: Sequence[tuple[Block, Array]]) -> Iterator[Block | None]:
+    """Yield blocks without the columns that leave no trace."""
+    white = design.whiten(np.concatenate([raw for _, raw in shapes], axis=2))
+    start = 0
+    for shape, raw in shapes:
+        columns = white[:, start : start + raw.shape[2]]
+        start += raw.shape[2]
+        size = np.linalg.norm(columns, axis=0)
+        seen = size > 1e-9 * max(float(np.max(size)), 1e-300)
+        if not np.any(seen):
+            yield None
+            continue
+        nodes = shape.nodes[seen] if len(shape.nodes) else shape.nodes
+        yield replace(shape, nodes=nodes, columns=columns[:, seen], functions=tuple(np.flatnonzero(seen).tolist()))
 
 
 def hats(values: Array, nodes: Array) -> Array:

@@ -8,19 +8,21 @@ quantity counts as known better than half of that. As the climb goes on, standar
 """
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg import cho_solve, solve_triangular
 
 from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.marginal import Columns
 from bench.record.campaign import Array
 
 RIDGE = 1.0  # the richest model keeps the priors of its columns
 MOST_ALIKE = 50  # lags over which the correlation of neighbours is summed
 SHARE_OF_MISSES = 0.5  # of what the present model misses, below which no standard error goes
 ADEQUATE = 2.0  # times what nothing explains, in standard errors; up to where a model is not wrong for what it leaves
+AT_A_TIME = 1024  # readings whose leverage is found together: memory stays small
 FEW = 10  # readings that say nothing of their own scatter
 
 
-def unexplained(design: Design, white: Array, columns: Array, prior: Array) -> Array:
+def unexplained(design: Design, white: Array, columns: Columns, prior: Array) -> Array:
     """Return what not even the richest model explains, in standard errors of every quantity, shape (2, c).
 
     The first row holds rests, the second motion; neighbours that err alike count once.
@@ -28,15 +30,28 @@ def unexplained(design: Design, white: Array, columns: Array, prior: Array) -> A
     Args:
         design: The campaign, with the standard errors of the instruments.
         white: Shape (m,), residual of the model so far, nuisances at zero.
-        columns: Shape (m, q), whitened, of everything that could be added to it.
+        columns: Whitened, of everything that could be added to it; q.
         prior: Shape (q,), standard deviations of the columns' sizes.
     """
-    rich = np.concatenate([design.slopes, columns * prior], axis=1)
-    root = np.linalg.cholesky(rich.T @ rich + RIDGE * np.eye(rich.shape[1]))
-    own = solve_triangular(root, rich.T, lower=True)
-    left = white - own.T @ (own @ white)
-    leverage = np.clip(np.sum(own**2, axis=0), 0.0, 0.9)  # what each reading's own fit took away from its scatter
-    return np.sqrt(_by_quantity(design, left, 1 - leverage))
+    p = design.slopes.shape[1]
+    normal = np.empty((p + len(prior), p + len(prior)))
+    normal[:p, :p] = design.slopes.T @ design.slopes
+    normal[p:, :p] = (columns.with_slopes(design.slopes) * prior).T
+    normal[:p, p:] = normal[p:, :p].T
+    normal[p:, p:] = prior[:, None] * columns.gram * prior
+    normal[np.diag_indices_from(normal)] += RIDGE
+    root = np.linalg.cholesky(normal)
+    pull = np.concatenate([design.slopes.T @ white, prior * (columns.matrix.T @ white)])
+    sizes = cho_solve((root, True), pull)
+    left = white - design.slopes @ sizes[:p] - columns.matrix @ (prior * sizes[p:])
+    # what each reading's own fit took away from its scatter
+    leverage = np.empty(len(white))
+    for start in range(0, len(white), AT_A_TIME):
+        rows = slice(start, start + AT_A_TIME)
+        rich = np.concatenate([design.slopes[rows], columns.matrix[rows] * prior], axis=1)
+        own = solve_triangular(root, rich.T, lower=True, overwrite_b=True, check_finite=False)
+        leverage[rows] = np.einsum("ij,ij->j", own, own)
+    return np.sqrt(_by_quantity(design, left, 1 - np.clip(leverage, 0.0, 0.9)))
 
 
 def missed(design: Design, white: Array, *, is_last: bool = False) -> Array:

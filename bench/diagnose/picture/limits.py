@@ -42,13 +42,13 @@ def smallest_found(information: float, prior: float, threshold: float) -> float:
 def detection_limits(screening: Screening) -> tuple[DetectionLimit, ...]:
     """Return the limits of everything that was tried; for a cause of several shapes, that of the one seen best."""
     found: dict[tuple[str, str, str], DetectionLimit] = {}
+    known = screening.marginal.diagonal
     for entry in screening.entries:
         what = entry.what
         if not isinstance(what, Candidate):
             continue
         for size, column, prior, step in zip(what.cause.sizes, entry.columns, entry.prior, what.step, strict=True):
-            information = float(screening.marginal.information[column, column])
-            limit = smallest_found(information, float(prior), screening.threshold) * abs(float(step))
+            limit = smallest_found(float(known[column]), float(prior), screening.threshold) * abs(float(step))
             key = (*what.cause.key, size.name)
             if np.isfinite(limit) and (key not in found or limit < found[key].limit):
                 found[key] = DetectionLimit(*what.cause.key, size.name, limit, size.unit)

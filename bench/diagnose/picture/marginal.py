@@ -1,19 +1,70 @@
 """Inner products after nuisances were integrated out: all that comparing linear models needs.
 
 With whitened residuals r, nuisance slopes A (prior one) and columns X of candidates, the covariance of r under the null
-model is M = I + A A^T, and [r X]^T M^-1 [r X] holds every score, every loss of fit and every evidence.
+model is M = I + A A^T, and [r X]^T M^-1 [r X] holds every score, every loss of fit and every evidence. With the
+Cholesky factor L of I + A^T A, X^T M^-1 X = X^T X - R^T R, R = L^-1 A^T X. Only R depends on the model, so X^T X is
+formed once for all models of a campaign.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import solve_triangular
 
-from bench.diagnose.picture.design import Design
 from bench.record.campaign import Array
 
 JITTER = 1e-9
+
+
+class Columns:
+    """Whitened columns with their inner products, each formed when it is first needed.
+
+    Args:
+        matrix: Shape (m, q).
+        is_small: There are so few columns that all their products may be formed at once.
+    """
+
+    def __init__(self, matrix: Array, *, is_small: bool = False) -> None:
+        self.matrix = matrix
+        self._gram: Array | None = matrix.T @ matrix if is_small else None
+        self._slopes: Array | None = None
+        self._cross: Array = np.empty((0, 0))
+
+    @property
+    def gram(self) -> Array:
+        """Shape (q, q), X^T X."""
+        if self._gram is None:
+            self._gram = self.matrix.T @ self.matrix
+        gram: Array = self._gram
+        return gram
+
+    @cached_property
+    def squares(self) -> Array:
+        """Shape (q,), diagonal of X^T X."""
+        return np.asarray(np.einsum("ij,ij->j", self.matrix, self.matrix), dtype=np.float64)
+
+    def products_of(self, columns: Array) -> Array:
+        """Return the inner products of E groups of k columns, shape (E, k, k), for indices of shape (E, k)."""
+        if columns.shape[1] == 1:
+            single: Array = self.squares[columns][:, :, None]
+            return single
+        if self._gram is not None:
+            return np.asarray(self._gram[columns[:, :, None], columns[:, None, :]], dtype=np.float64)
+        groups = (self.matrix[:, own] for own in columns)
+        return np.stack([group.T @ group for group in groups])
+
+    def with_slopes(self, slopes: Array) -> Array:
+        """Return A^T X, shape (p, q), for slopes of shape (m, p); only slopes that are new are multiplied."""
+        if self._slopes is None or self._slopes.shape != slopes.shape:
+            self._cross = slopes.T @ self.matrix
+        elif slopes is not self._slopes:
+            new = np.flatnonzero(np.any(slopes != self._slopes, axis=0))
+            self._cross = self._cross.copy()
+            self._cross[new] = slopes[:, new].T @ self.matrix
+        self._slopes = slopes
+        cross: Array = self._cross
+        return cross
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,14 +74,28 @@ class Marginal:
     Attributes:
         misfit: Chi-square of the null model.
         scores: Shape (q,), X^T M^-1 r.
-        information: Shape (q, q), X^T M^-1 X.
+        columns: X.
+        reduced: Shape (p, q), R.
         n: Number of readings.
     """
 
     misfit: float
     scores: Array
-    information: Array
+    columns: Columns
+    reduced: Array
     n: int
+
+    @property
+    def information(self) -> Array:
+        """Shape (q, q), X^T M^-1 X."""
+        information: Array = self.columns.gram - self.reduced.T @ self.reduced
+        return information
+
+    @property
+    def diagonal(self) -> Array:
+        """Shape (q,), of the information."""
+        diagonal: Array = self.columns.squares - np.einsum("ij,ij->j", self.reduced, self.reduced)
+        return diagonal
 
     def gain(self, columns: Array, prior: Array | None = None) -> float:
         """Return by how much chi-square falls with some columns; with a prior, by how much the penalised one falls."""
@@ -44,23 +109,50 @@ class Marginal:
 
     def log_evidence(self, columns: Array, prior: Array) -> float:
         """Return the logarithm of the Bayes factor of some columns with normal priors against the null model."""
-        h = self.information[np.ix_(columns, columns)]
-        _, determinant = np.linalg.slogdet(np.eye(len(columns)) + prior[:, None] * h * prior)
-        return 0.5 * self.gain(columns, prior) - 0.5 * float(determinant)
+        return float(self.log_evidences(columns[None], prior[None])[0])
+
+    def log_evidences(self, columns: Array, prior: Array) -> Array:
+        """Return the log evidence of E groups of k columns, shape (E,), for indices and priors of shape (E, k)."""
+        h = self._blocks(columns)
+        scaled = prior[:, :, None] * h * prior[:, None, :] + np.eye(columns.shape[1])
+        found: Array = 0.5 * self._gains(h, columns, prior) - 0.5 * np.linalg.slogdet(scaled)[1]
+        return found
+
+    def gains(self, columns: Array, prior: Array) -> Array:
+        """Return the gain of E groups of k columns, shape (E,), for indices and priors of shape (E, k)."""
+        return self._gains(self._blocks(columns), columns, prior)
+
+    def only(self, columns: Array) -> "Marginal":
+        """Return the products of some columns alone, each with each."""
+        some = Columns(self.columns.matrix[:, columns], is_small=True)
+        return Marginal(self.misfit, self.scores[columns], some, self.reduced[:, columns], self.n)
 
     def given(self, columns: Array, prior: Array | None = None) -> "Marginal":
         """Return the products with some columns in the model already."""
         if len(columns) == 0:
             return self
-        factor = cho_factor(self._penalised(columns, prior))
-        cross = self.information[:, columns]
-        scores = self.scores - cross @ cho_solve(factor, self.scores[columns])
-        information = self.information - cross @ cho_solve(factor, cross.T)
-        misfit = self.misfit - float(self.scores[columns] @ cho_solve(factor, self.scores[columns]))
-        return Marginal(misfit, scores, information, self.n)
+        root = np.linalg.cholesky(self._penalised(columns, prior))
+        own = self.columns.matrix[:, columns]
+        cross = own.T @ self.columns.matrix - self.reduced[:, columns].T @ self.reduced
+        more = solve_triangular(root, np.column_stack([cross, self.scores[columns]]), lower=True)
+        reduced, pull = more[:, :-1], more[:, -1]
+        both = np.concatenate([self.reduced, reduced])
+        return Marginal(self.misfit - float(pull @ pull), self.scores - pull @ reduced, self.columns, both, self.n)
+
+    def _blocks(self, columns: Array) -> Array:
+        own = np.moveaxis(self.reduced[:, columns], 0, 1)
+        blocks: Array = self.columns.products_of(columns) - own.transpose(0, 2, 1) @ own
+        return blocks
+
+    def _gains(self, h: Array, columns: Array, prior: Array) -> Array:
+        b = self.scores[columns][:, :, None]
+        diagonal = np.diagonal(h, axis1=1, axis2=2)
+        extra = JITTER * np.maximum(diagonal, 1.0) + 1 / prior**2
+        gains: Array = np.sum(b * np.linalg.solve(h + extra[:, :, None] * np.eye(h.shape[1]), b), axis=(1, 2))
+        return gains
 
     def _penalised(self, columns: Array, prior: Array | None) -> Array:
-        h: Array = self.information[np.ix_(columns, columns)].copy()
+        h: Array = self._blocks(columns[None])[0]
         diagonal = np.diag(h)
         h[np.diag_indices_from(h)] += JITTER * np.maximum(diagonal, 1.0)
         if prior is not None:
@@ -73,25 +165,24 @@ class Nuisances:
 
     Args:
         slopes: Shape (m, p).
+        tangent: Shape (m, k), further slopes with a prior of one; None: there are none.
     """
 
-    def __init__(self, slopes: Array) -> None:
+    def __init__(self, slopes: Array, tangent: Array | None = None) -> None:
         self.slopes = slopes
-        self._factor = np.linalg.cholesky(np.eye(slopes.shape[1]) + slopes.T @ slopes)
+        self.tangent = tangent
+        every = slopes if tangent is None else np.concatenate([slopes, tangent], axis=1)
+        self._every = every
+        self._factor = np.linalg.cholesky(np.eye(every.shape[1]) + every.T @ every)
 
-    def products(self, white: Array, columns: Array) -> Marginal:
+    def products(self, white: Array, columns: Array | Columns) -> Marginal:
         """Return the inner products of a whitened residual, shape (m,), and columns, shape (m, q)."""
-        both = np.concatenate([white[:, None], columns], axis=1)
-        reduced = solve_triangular(self._factor, self.slopes.T @ both, lower=True)
-        gram = both.T @ both - reduced.T @ reduced
-        return Marginal(float(gram[0, 0]), gram[1:, 0], gram[1:, 1:], len(white))
-
-    @cached_property
-    def log_determinant(self) -> float:
-        """Logarithm of det(I + A^T A)."""
-        return 2 * float(np.sum(np.log(np.diag(self._factor))))
-
-
-def marginal_of(design: Design, columns: Array) -> Marginal:
-    """Return the products of a campaign's residual with some columns, shape (m, q)."""
-    return Nuisances(design.slopes).products(design.white, columns)
+        if not isinstance(columns, Columns):
+            columns = Columns(columns)
+        cross = columns.with_slopes(self.slopes)
+        if self.tangent is not None:
+            cross = np.concatenate([cross, self.tangent.T @ columns.matrix])
+        reduced = solve_triangular(self._factor, cross, lower=True)
+        pull = solve_triangular(self._factor, self._every.T @ white, lower=True)
+        scores = columns.matrix.T @ white - pull @ reduced
+        return Marginal(float(white @ white - pull @ pull), scores, columns, reduced, len(white))

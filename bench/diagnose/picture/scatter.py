@@ -6,6 +6,7 @@ anew at every rest. So it is with a link in a gear with play: as long as frictio
 between the flanks. Dividing by scatter (whitening) makes all quantities comparable and independent.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,17 +56,17 @@ class Whitening:
 
     def __call__(self, values: Array) -> Array:
         """Return whitened values, shape (m, ...), of values of shape (T, c, ...); entries not measured are dropped."""
-        shape = values.shape
-        white = (self.factors @ np.nan_to_num(values.reshape(*shape[:2], -1))).reshape(shape[0] * shape[1], -1)
-        whitened: Array = self.settled(white[self.rows])
-        return whitened.reshape(-1, *shape[2:])
+        length, c, *more = values.shape
+        k = math.prod(more)
+        white = (self.factors @ np.nan_to_num(values.reshape(length, c, k))).reshape(length * c, k)
+        whitened: Array = white[self.rows]
+        self.settle(whitened)
+        return whitened.reshape(len(whitened), *more)
 
-    def settled(self, white: Array) -> Array:
-        """Return values, shape (m, k), that were whitened instant by instant, without what is common to the segment."""
-        if not len(self.shrink):
-            return white
-        settled: Array = white - self.modes @ (self.shrink[:, None] * (self.modes.T @ white))
-        return settled
+    def settle(self, white: Array) -> None:
+        """Take what is common to the segment out of values, shape (m, k), that were whitened instant by instant."""
+        if len(self.shrink):
+            white -= self.modes @ (self.shrink[:, None] * (self.modes.T @ white))
 
     def undone(self, whitened: Array) -> Array:
         """Return values, shape (T, c, k), of whitened ones, shape (m, k); 0 where not measured."""

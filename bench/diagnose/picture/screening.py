@@ -8,11 +8,12 @@ import numpy as np
 from bench.diagnose.picture.candidates import Candidate, Cause
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.generic import Block
-from bench.diagnose.picture.marginal import Marginal, Nuisances
+from bench.diagnose.picture.marginal import Columns, Marginal, Nuisances
 from bench.diagnose.picture.threshold import family_threshold
 from bench.record.campaign import Array
 
 WIDTHS = (1.0, 3.0, 10.0)  # times the prior of a free shape
+AT_A_TIME = 64  # columns that are whitened together: memory stays small
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +22,7 @@ class Entry:
 
     Attributes:
         what: A candidate (a cause with its shape fixed) or a block (a free shape).
-        columns: Indices into the products.
+        columns: Shape (k,), consecutive indices into the columns of all that was tried.
         prior: Shape (k,), of the columns.
         log_evidence: Against the model so far.
     """
@@ -46,6 +47,24 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
+class Tried:
+    """Everything that is tried on a model, whitened.
+
+    Attributes:
+        entries: Not weighed yet.
+        columns: Of all entries.
+    """
+
+    entries: tuple[Entry, ...]
+    columns: Columns
+
+    @property
+    def prior(self) -> Array:
+        """Shape (q,), standard deviations of the columns' sizes."""
+        return np.concatenate([entry.prior for entry in self.entries])
+
+
+@dataclass(frozen=True, eq=False)
 class Screening:
     """What was tried, against one model.
 
@@ -53,12 +72,14 @@ class Screening:
         marginal: Products of residuals and all columns.
         entries: By falling evidence.
         threshold: Log evidence that chance exceeds at the declared rate.
+        tried: The same entries as they are whitened now.
         taken: Causes that the model has already; they are not tried again.
     """
 
     marginal: Marginal
     entries: tuple[Entry, ...]
     threshold: float
+    tried: Tried
     taken: frozenset[tuple[str, str]] = frozenset()
 
     @property
@@ -93,41 +114,33 @@ class Screening:
         return values | {(*key, name): value for name, value in candidate.shape.items()}
 
 
-def screen(
-    design: Design,
-    white: Array,
-    candidates: Sequence[Candidate],
-    blocks: Sequence[Block],
-    rate: float,
-    threshold: float | None = None,
-) -> Screening:
+def tried_of(what: Sequence[Candidate | Block]) -> Tried:
+    """Return things to try with the places of their columns among those of all, in the order given."""
+    edges = np.cumsum([0, *(one.columns.shape[1] for one in what)])
+    matrix = np.empty((len(what[0].columns) if what else 0, int(edges[-1])))
+    entries = []
+    for one, start, end in zip(what, edges[:-1], edges[1:], strict=True):
+        matrix[:, start:end] = one.columns
+        prior = one.prior if isinstance(one, Candidate) else np.full(end - start, one.prior)
+        entries.append(Entry(replace(one, columns=matrix[:, start:end]), np.arange(start, end), prior))
+    return Tried(tuple(entries), Columns(matrix))
+
+
+def screen(design: Design, white: Array, tried: Tried, rate: float, threshold: float | None = None) -> Screening:
     """Return the evidence for everything against a model.
 
     Args:
         design: The campaign, linear about the model.
         white: Shape (m,), residual of the model with nuisances at zero.
-        candidates: Listed causes.
-        blocks: Free shapes.
+        tried: Listed causes and free shapes.
         rate: Declared false-alarm rate of the whole.
         threshold: Log evidence that chance exceeds at that rate; None: to be found.
     """
-    entries = entries_of([*candidates, *blocks])
-    columns = np.concatenate([entry.what.columns for entry in entries], axis=1)
-    marginal = Nuisances(design.slopes).products(white, columns)
+    marginal = Nuisances(design.slopes).products(white, tried.columns)
     if threshold is None:
-        threshold = family_threshold(marginal, [(e.columns, e.prior) for e in entries], rate, np.random.default_rng(0))
-    return Screening(marginal, _ranked(marginal, entries), threshold)
-
-
-def entries_of(tried: Sequence[Candidate | Block]) -> tuple[Entry, ...]:
-    """Return things to try with the places of their columns among those of all, in the order given."""
-    entries, start = [], 0
-    for what in tried:
-        k = what.columns.shape[1]
-        prior = what.prior if isinstance(what, Candidate) else np.full(k, what.prior)
-        entries.append(Entry(what, np.arange(start, start + k), prior))
-        start += k
-    return tuple(entries)
+        blocks = [(entry.columns, entry.prior) for entry in tried.entries]
+        threshold = family_threshold(marginal, blocks, rate, np.random.default_rng(0))
+    return Screening(marginal, _ranked(marginal, tried.entries), threshold, tried)
 
 
 def rescreen(
@@ -148,40 +161,59 @@ def rescreen(
         sigma: Shape (k,), their priors.
         taken: Causes that the extension has.
     """
-    entries = sorted(base.entries, key=lambda entry: int(entry.columns[0]))
-    columns = np.concatenate([entry.what.columns for entry in entries] + [tangent], axis=1)
-    marginal = Nuisances(design.slopes).products(white, columns)
-    own = np.arange(columns.shape[1] - tangent.shape[1], columns.shape[1])
-    marginal = marginal.given(own, sigma)
-    return Screening(marginal, _ranked(marginal, entries), base.threshold, taken)
+    marginal = Nuisances(design.slopes, tangent * sigma).products(white, base.tried.columns)
+    return Screening(marginal, _ranked(marginal, base.tried.entries), base.threshold, base.tried, taken)
 
 
 def rewhitened(base: Screening, before: Design, after: Design) -> Screening:
     """Return a screening with its columns as another design whitens them; evidence is not weighed anew."""
     if after is before:
         return base
-    entries = sorted(base.entries, key=lambda entry: int(entry.columns[0]))
-    columns = after.whiten(before.unwhiten(np.concatenate([entry.what.columns for entry in entries], axis=1)))
-    moved = tuple(replace(entry, what=replace(entry.what, columns=columns[:, entry.columns])) for entry in entries)
-    return replace(base, entries=moved)
+    old = base.tried.columns.matrix
+    matrix = np.empty_like(old)
+    for start in range(0, old.shape[1], AT_A_TIME):
+        part = slice(start, start + AT_A_TIME)
+        matrix[:, part] = after.whiten(before.unwhiten(old[:, part]))
+    entries = tuple(
+        replace(entry, what=replace(entry.what, columns=matrix[:, entry.columns[0] : entry.columns[-1] + 1]))
+        for entry in base.tried.entries
+    )
+    return replace(base, tried=Tried(entries, Columns(matrix)))
 
 
 def _ranked(marginal: Marginal, entries: Sequence[Entry]) -> tuple[Entry, ...]:
-    weighed = [replace(entry, log_evidence=_log_evidence(marginal, entry)) for entry in entries]
-    return tuple(sorted(weighed, key=lambda entry: -entry.log_evidence))
+    evidence = _log_evidences(marginal, entries)
+    order = np.argsort(-evidence, kind="stable")
+    return tuple(replace(entries[i], log_evidence=float(evidence[i])) for i in order)
 
 
-def _log_evidence(marginal: Marginal, entry: Entry) -> float:
-    """Return the evidence for an entry; a single size that has only one sign is not credited with the other.
+def _log_evidences(marginal: Marginal, entries: Sequence[Entry]) -> Array:
+    """Return the evidence for every entry, shape (E,); a single size with one sign is not credited with the other.
 
     Nobody knows how large an unlisted shape is plausible: several widths of its prior count, with equal shares.
     """
+    found = np.empty(len(entries))
+    kinds: dict[tuple[bool, int], list[int]] = {}
+    for i, entry in enumerate(entries):
+        kinds.setdefault((entry.cause is None, len(entry.columns)), []).append(i)
+    for (is_free, _), which in kinds.items():
+        columns = np.stack([entries[i].columns for i in which])
+        prior = np.stack([entries[i].prior for i in which])
+        if is_free:
+            widths = [marginal.log_evidences(columns, width * prior) for width in WIDTHS]
+            found[which] = np.max(widths, axis=0) - np.log(len(WIDTHS))
+            continue
+        found[which] = marginal.log_evidences(columns, prior)
+        wrong = np.array([_has_wrong_sign(marginal, entries[i]) for i in which])
+        if np.any(wrong):
+            found[np.array(which)[wrong]] -= 0.5 * marginal.gains(columns[wrong], prior[wrong])
+    return found
+
+
+def _has_wrong_sign(marginal: Marginal, entry: Entry) -> bool:
+    """Whether a cause of a single size, which has one sign only, fits best with the other sign."""
     cause = entry.cause
-    if cause is None:
-        widths = [marginal.log_evidence(entry.columns, width * entry.prior) for width in WIDTHS]
-        return max(widths) - float(np.log(len(WIDTHS)))
-    if len(cause.sizes) == 1 and not cause.sizes[0].signed:
-        assert isinstance(entry.what, Candidate)
-        if marginal.scores[entry.columns[0]] * np.sign(entry.what.step[0]) < 0:
-            return marginal.log_evidence(entry.columns, entry.prior) - 0.5 * marginal.gain(entry.columns, entry.prior)
-    return marginal.log_evidence(entry.columns, entry.prior)
+    if cause is None or len(cause.sizes) != 1 or cause.sizes[0].signed:
+        return False
+    assert isinstance(entry.what, Candidate)
+    return bool(marginal.scores[entry.columns[0]] * np.sign(entry.what.step[0]) < 0)

@@ -1,13 +1,17 @@
 """How much evidence chance alone produces: the declared false-alarm rate, over everything that was tried at once."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.picture.marginal import Marginal
 from bench.record.campaign import Array
 
 DRAWS = 4000
+AT_A_TIME = 500  # draws: memory stays small
+TINY = 1e-14  # of the largest eigenvalue, up to where one is rounding
 LEAST = 4.6  # log Bayes factor (100 to 1) that is asked for even where chance alone would not come near it
 
 
@@ -22,15 +26,55 @@ def family_threshold(
         rate: Declared false-alarm rate.
         rng: For the null campaigns, which are drawn in the space of the scores.
     """
-    values, vectors = np.linalg.eigh(marginal.information)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    scores = rng.standard_normal((DRAWS, len(values))) @ root.T
+    information = marginal.information
+    values, vectors = np.linalg.eigh(information)
+    seen = values > TINY * values[-1]
+    root = (vectors[:, seen] * np.sqrt(values[seen])).T.astype(np.float32)  # a Monte Carlo study needs no more digits
+    del vectors
+    single, several = _shaped(information, blocks)
     best = np.full(DRAWS, -np.inf)
-    for columns, prior in blocks:
-        h = marginal.information[np.ix_(columns, columns)]
-        whitened = np.eye(len(columns)) + prior[:, None] * h * prior
-        factor = np.linalg.cholesky(whitened)
-        b = np.linalg.solve(factor, (scores[:, columns] * prior).T)
-        evidence = 0.5 * np.sum(b * b, axis=0) - float(np.sum(np.log(np.diag(factor))))
-        np.maximum(best, evidence, out=best)
+    for start in range(0, DRAWS, AT_A_TIME):
+        drawn = rng.standard_normal((min(AT_A_TIME, DRAWS - start), len(values)))[:, seen]
+        scores = drawn.astype(np.float32) @ root
+        mine = best[start : start + AT_A_TIME]
+        if len(single.columns):
+            evidence = scores[:, single.columns] ** 2 * single.weights - single.costs
+            np.maximum(mine, evidence.max(axis=1), out=mine)
+        for group in several:
+            b = np.matmul(scores[:, group.columns].transpose(1, 0, 2), group.weights)
+            evidence = 0.5 * np.einsum("eij,eij->ei", b, b) - group.costs[:, None]
+            np.maximum(mine, evidence.max(axis=0), out=mine)
     return max(float(np.quantile(best, 1 - rate)), LEAST)
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """E blocks of k columns each, whose evidence for scores s is |W s|^2 / 2 less a cost.
+
+    Attributes:
+        columns: Shape (E, k); (E,) for blocks of one column.
+        weights: Shape (E, k, k), transposes of W; (E,), halves of the squares of W for blocks of one column.
+        costs: Shape (E,).
+    """
+
+    columns: NDArray[np.int64]
+    weights: NDArray[np.float32]
+    costs: Array
+
+
+def _shaped(information: Array, blocks: Sequence[tuple[Array, Array]]) -> tuple[_Group, list[_Group]]:
+    """Return the blocks of one column, and the others grouped by their numbers of columns."""
+    by_size: dict[int, list[tuple[Array, Array]]] = {}
+    for block in blocks:
+        by_size.setdefault(len(block[0]), []).append(block)
+    groups = {}
+    for k, alike in by_size.items():
+        columns, prior = (np.stack(part) for part in zip(*alike, strict=True))
+        h = information[columns[:, :, None], columns[:, None, :]]
+        factor = np.linalg.cholesky(np.eye(k) + prior[:, :, None] * h * prior[:, None, :])
+        weights = np.linalg.inv(factor) * prior[:, None, :]
+        costs = np.sum(np.log(np.diagonal(factor, axis1=1, axis2=2)), axis=1)
+        groups[k] = _Group(columns, weights.transpose(0, 2, 1).astype(np.float32), costs)
+    none = _Group(np.empty((0, 1), dtype=np.int64), np.empty((0, 1, 1), dtype=np.float32), np.empty(0))
+    one = groups.pop(1, none)
+    return _Group(one.columns[:, 0], 0.5 * one.weights[:, 0, 0] ** 2, one.costs), list(groups.values())

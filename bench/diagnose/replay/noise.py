@@ -1,6 +1,7 @@
 """How much an instrument scatters: by the campaign's own word, by the robot's figures, and by the data themselves."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,14 +90,21 @@ class Noise:
         n = int(np.median(sizes)) if len(sizes) else 0
         if n < FEWEST:
             return 0.0
-        basis = np.vander(np.linspace(-1, 1, n), 3)
         samples = np.stack([values[group] for group in groups if len(group) == n])
-        left = samples - samples @ np.linalg.pinv(basis).T @ basis.T
+        basis = _orthonormal_parabolas(n)
+        left = samples - samples @ basis @ basis.T
         power = np.sum(left**2, axis=1)
         variance = float(np.median(power)) / (n - 3)
         alike = np.median(np.sum(left[:, 1:] * left[:, :-1], axis=1)) / max(float(np.median(power)), 1e-300)
         alike = float(np.clip(alike, 0.0, MOST_ALIKE))
         return float(np.sqrt(variance * (1 + alike) / (1 - alike)))
+
+
+@lru_cache
+def _orthonormal_parabolas(n: int) -> Array:
+    """Return an orthonormal basis of the parabolas over n samples, shape (n, 3)."""
+    basis: Array = np.linalg.qr(np.vander(np.linspace(-1, 1, n), 3))[0]
+    return basis
 
 
 def torque_sigma(sensor: TorqueSensor, drive: int) -> float:

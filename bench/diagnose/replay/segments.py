@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from bench.diagnose.replay.noise import UNIFORM, Noise
 from bench.diagnose.replay.piece import Piece, centre_weights
@@ -144,17 +144,17 @@ def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Nois
     groups = piece.groups
     shape = (len(groups), len(quantities))
     mean, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
-    sizes = np.array([len(group) for group in groups])
+    weights = [np.full(len(g), 1 / len(g)) if is_static else centre_weights(len(g)) for g in groups]
+    shrinks = np.array([np.linalg.norm(w) for w in weights])
     for c, quantity in enumerate(quantities):
         if quantity.column not in run.columns:
             continue
         values = run.columns[quantity.column]
-        weights = [np.full(n, 1 / n) if is_static else centre_weights(n) for n in sizes]
         mean[:, c] = [w @ values[group] for w, group in zip(weights, groups, strict=True)]
         one = noise.of(quantity, mean[:, c], run)
         if not is_static:
             one = np.maximum(one, max(noise.of_samples(values), noise.of_groups(values, groups)))
-        error = one * [np.linalg.norm(w) for w in weights]
+        error = one * shrinks
         if is_static:
             error = np.maximum(error, _swayed(values, groups, np.hypot(one, noise.rounding(quantity))))
         sigma[:, c] = np.hypot(error, noise.lasting(quantity))
@@ -180,4 +180,4 @@ def _swayed(values: Array, groups: tuple[Index, ...], one: Array) -> Array:
 @lru_cache
 def _most_by_chance(n: int) -> float:
     """Return up to what the variance of n readings comes by chance, as a share of the true one."""
-    return float(chi2.isf(BY_CHANCE, n - 1)) / (n - 1)
+    return float(chdtri(n - 1, BY_CHANCE)) / (n - 1)
