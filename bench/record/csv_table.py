@@ -1,4 +1,8 @@
-"""CSV: commas, decimal points, UTF-8, names in the first line. Numbers come back bit for bit."""
+"""CSV: commas, decimal points, UTF-8, names in the first line. Numbers come back bit for bit.
+
+A table of plain finite numbers is read by PyArrow. Any other goes cell by cell through Python, which knows what every cell
+may be and where it stands; both read a number alike, to the last bit.
+"""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -19,7 +23,10 @@ def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...
     def fault(message: str, remedy: str, row: int | None = None, column: str = "") -> None:
         findings.append(Finding("error", file, row, column, message, remedy))
 
-    text = _text(path.read_bytes())
+    data = path.read_bytes()
+    if healthy := _plain_numbers(data):
+        return healthy
+    text = _text(data)
     if text is None:
         fault("is not UTF-8 text", "save it as UTF-8")
         return None
@@ -69,6 +76,32 @@ def write(path: Path, columns: Mapping[str, Array]) -> None:
 def _number(value: float) -> str:
     text = repr(value)
     return text[:-2] if text.endswith(".0") else text
+
+
+def _plain_numbers(data: bytes) -> tuple[tuple[str, ...], dict[str, Array]] | None:
+    """Return names and columns of a table with nothing but finite numbers under its header; None for any other."""
+    head, _, body = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").partition(b"\n")
+    header, body = _text(head), body.rstrip()
+    if not header or not body:
+        return None
+    names = tuple(_cells(header))
+    import pyarrow as pa  # here, so that what reads no table need not load it
+    from pyarrow import csv
+
+    keys = [str(place) for place in range(len(names))]  # names may repeat
+    try:
+        table = csv.read_csv(
+            pa.py_buffer(body),
+            csv.ReadOptions(use_threads=False, column_names=keys),
+            csv.ParseOptions(quote_char=False, ignore_empty_lines=False),
+            csv.ConvertOptions(column_types=dict.fromkeys(keys, pa.float64()), null_values=[]),
+        )
+    except pa.ArrowException:
+        return None
+    columns = {name: table.column(place).to_numpy() for place, name in reversed([*enumerate(names)])}
+    if not all(np.isfinite(values).all() for values in columns.values()):
+        return None
+    return names, {name: columns[name] for name in names}
 
 
 def _text(data: bytes) -> str | None:

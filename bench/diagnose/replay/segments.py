@@ -97,7 +97,7 @@ def segments_of(
                     piece.rings,
                 )
             )
-    return _rounded_alike(found, quantities, noise)
+    return _rounded_alike(found, quantities, noise) if found else ()
 
 
 def _rounded_alike(found: list[Segment], quantities: tuple[Quantity, ...], noise: Noise) -> tuple[Segment, ...]:

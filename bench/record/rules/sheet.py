@@ -79,4 +79,4 @@ class Sheet:
 
 def rows_where(mask: NDArray[np.bool_]) -> list[int]:
     """Return the rows, counted from 1, where `mask` is true."""
-    return [int(index) + 1 for index in np.flatnonzero(mask)]
+    return (np.flatnonzero(mask) + 1).tolist() if mask.any() else []
