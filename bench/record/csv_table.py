@@ -1,7 +1,7 @@
 """CSV: commas, decimal points, UTF-8, names in the first line. Numbers come back bit for bit.
 
-A table of plain finite numbers is read by PyArrow. Any other goes cell by cell through Python, which knows what every cell
-may be and where it stands; both read a number alike, to the last bit.
+A table of plain finite numbers is read by PyArrow. Any other goes cell by cell through Python, which knows what each
+cell may be and where it stands; both read a number alike, to the last bit.
 """
 
 import re
@@ -80,9 +80,13 @@ def _number(value: float) -> str:
 
 def _plain_numbers(data: bytes) -> tuple[tuple[str, ...], dict[str, Array]] | None:
     """Return names and columns of a table with nothing but finite numbers under its header; None for any other."""
-    head, _, body = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").partition(b"\n")
-    header, body = _text(head), body.rstrip()
-    if not header or not body:
+    if b"\r" in data:
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    first, last = data.find(b"\n") + 1, len(data)
+    while last > first and data[last - 1 : last].isspace():
+        last -= 1
+    header = _text(data[: max(first - 1, 0)])
+    if not header or first == last:
         return None
     names = tuple(_cells(header))
     import pyarrow as pa  # here, so that what reads no table need not load it
@@ -91,17 +95,17 @@ def _plain_numbers(data: bytes) -> tuple[tuple[str, ...], dict[str, Array]] | No
     keys = [str(place) for place in range(len(names))]  # names may repeat
     try:
         table = csv.read_csv(
-            pa.py_buffer(body),
+            pa.py_buffer(memoryview(data)[first:last]),  # no copy: a log may be large
             csv.ReadOptions(use_threads=False, column_names=keys),
             csv.ParseOptions(quote_char=False, ignore_empty_lines=False),
             csv.ConvertOptions(column_types=dict.fromkeys(keys, pa.float64()), null_values=[]),
         )
     except pa.ArrowException:
         return None
-    columns = {name: table.column(place).to_numpy() for place, name in reversed([*enumerate(names)])}
-    if not all(np.isfinite(values).all() for values in columns.values()):
-        return None
-    return names, {name: columns[name] for name in names}
+    columns: dict[str, Array] = {}
+    for name, values in zip(names, table.columns, strict=True):
+        columns.setdefault(name, values.to_numpy()).flags.writeable = False  # a run need not copy it
+    return (names, columns) if all(np.isfinite(values).all() for values in columns.values()) else None
 
 
 def _text(data: bytes) -> str | None:
