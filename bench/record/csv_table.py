@@ -19,13 +19,16 @@ _COMMA_NUMBER = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
 
 def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
     """Read a CSV file; see `bench.record.table.Format`."""
+    data = path.read_bytes()
+    return plain_numbers(data) or cell_by_cell(data, file, findings)
+
+
+def cell_by_cell(data: bytes, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
+    """Read a CSV file, whatever stands in it, and name what is wrong with it; see `bench.record.table.Format`."""
 
     def fault(message: str, remedy: str, row: int | None = None, column: str = "") -> None:
         findings.append(Finding("error", file, row, column, message, remedy))
 
-    data = path.read_bytes()
-    if healthy := _plain_numbers(data):
-        return healthy
     text = _text(data)
     if text is None:
         fault("is not UTF-8 text", "save it as UTF-8")
@@ -78,7 +81,7 @@ def _number(value: float) -> str:
     return text[:-2] if text.endswith(".0") else text
 
 
-def _plain_numbers(data: bytes) -> tuple[tuple[str, ...], dict[str, Array]] | None:
+def plain_numbers(data: bytes) -> tuple[tuple[str, ...], dict[str, Array]] | None:
     """Return names and columns of a table with nothing but finite numbers under its header; None for any other."""
     if b"\r" in data:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
