@@ -1,6 +1,6 @@
 """Import arrows run one way.
 
-errors <- record <- robot <- {simulate, identify} <- {hide, diagnose} <- study <- report <- cli.
+errors <- record <- robot <- {simulate, identify} <- {hide, diagnose} <- {study, benchmark} <- report <- cli.
 """
 
 import ast
@@ -29,8 +29,11 @@ MAY_IMPORT = {
     "hide": BELOW | {"simulate", "scenario", "effects"},
     "diagnose": BELOW | {"simulate", "effects", "identify"},
     "study": BELOW | {"simulate", "scenario", "effects", "hide", "diagnose"},
+    "benchmark": BELOW | {"simulate", "scenario", "effects", "hide", "identify", "diagnose"},
     "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study"},
-    "cli": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "report"},
+    "cli": BELOW
+    | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "report"}
+    | {"benchmark"},
 }
 STEPS_OF_DIAGNOSIS = ("replay", "picture", "extend", "measure", "name", "ask")  # each may import those before it
 ENGINES_OF = {"identify": {"mujoco", "gymnasium"}, "record": {"mujoco", "pinocchio", "gymnasium"}}
