@@ -16,6 +16,8 @@ from bench.errors import CampaignError
 
 Array = NDArray[np.float64]
 
+SHORT = 2000  # rows; in shorter tables a call of NumPy takes longer than what it does
+
 RunKind = Literal["static", "motion"]
 
 
@@ -56,8 +58,11 @@ class Run:
         """Column name -> its smallest and largest value; both nan if any is nan. Empty for a run without rows."""
         if not len(self):
             return {}
-        every = np.stack(list(self.columns.values()))
-        lowest, highest = every.min(axis=1).tolist(), every.max(axis=1).tolist()
+        every = list(self.columns.values())
+        if len(self) < SHORT:
+            lowest, highest = (reduce(np.stack(every), axis=1).tolist() for reduce in (np.min, np.max))
+        else:
+            lowest, highest = ([float(reduce(values)) for values in every] for reduce in (np.min, np.max))
         return dict(zip(self.columns, zip(lowest, highest, strict=True), strict=True))
 
     def stack(self, quantity: str, unit: str, keys: tuple[str, ...]) -> Array:
