@@ -32,6 +32,14 @@ def measure(robots: Sequence[str]) -> list[Row]:
 
         spent = interleaved([one_by_one, at_once], ROUNDS)
         ratio = float(np.median(spent[:, 1] / spent[:, 0]))
-        rows.append(Row(name, PERIODS / float(np.median(spent[:, 0])), "step/s", ratio, "the same periods at once"))
+        rows.append(
+            Row(
+                name,
+                PERIODS / float(np.median(spent[:, 0])),
+                "step/s",
+                ratio,
+                "of the rate of the same periods at once",
+            )
+        )
         env.close()
     return rows

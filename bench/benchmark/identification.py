@@ -68,7 +68,7 @@ def _rows(name: str, found: Sequence[_Found], truth: Array, against: _Found | No
     covered = float(np.mean([(one.interval[0] <= truth) & (truth <= one.interval[1]) for one in found]))
     words = f"{name}, {len(found)} readings" if len(found) > 1 else name
     return [
-        Row(f"{words}: time", took, "s", took / against.took if against else None, "the joint method"),
+        Row(f"{words}: time", took, "s", took / against.took if against else None, "times the joint method"),
         Row(f"{words}: median error", 100 * error, "%"),
         Row(f"{words}: intervals with the truth", 100 * covered, "%"),
     ]

@@ -25,5 +25,5 @@ def measure(robots: Sequence[str]) -> list[Row]:
     spent: dict[str, float] = {}
     for (phase, at), (_, until) in zip(begun, [*begun[1:], ("", end)], strict=True):
         spent[phase] = spent.get(phase, 0.0) + until - at
-    rows = [Row(phase, took, "s", took / (end - start), "all") for phase, took in spent.items()]
+    rows = [Row(phase, took, "s", took / (end - start), "of all") for phase, took in spent.items()]
     return [*rows, Row("all", end - start, "s")]

@@ -12,8 +12,8 @@ class Row:
         name: What was measured.
         value: How much of it, in `unit`; nan if only the ratio says something.
         unit: SI unit, or what is counted.
-        ratio: Against what `ratio_to` names, measured in the same run; None: nothing to compare with.
-        ratio_to: Words for that.
+        ratio: A pure number measured in the same run, most often against something else; None: there is none.
+        ratio_to: What the ratio is, to be read after it.
     """
 
     name: str

@@ -39,7 +39,7 @@ class Benchmark:
             if not self.json:
                 print(f"{name}: {section.title}")
                 for row in rows:
-                    against = "" if row.ratio is None else f"   {row.ratio:8.3f}  of {row.ratio_to}"
+                    against = "" if row.ratio is None else f"   {row.ratio:8.3f}  {row.ratio_to}"
                     print(f"  {row.name:44}{row.value:12.4g} {row.unit:10}{against}".rstrip())
         if self.json:
             print(json.dumps(found, indent=2))

@@ -53,7 +53,7 @@ def test_campaigns_of_any_size() -> None:
 
 def test_command_prints_a_table_or_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     sections = {
-        "one": Section("a section", lambda robots: [Row("speed", 12.0, "m/s", 0.5, "light")]),
+        "one": Section("a section", lambda robots: [Row("speed", 12.0, "m/s", 0.5, "of light")]),
         "two": Section("another", lambda robots: [Row(f"robots {robots}", 1.0, "s")], ("no_such_package", "extra")),
     }
     monkeypatch.setattr("bench.benchmark.sections.SECTIONS", sections)

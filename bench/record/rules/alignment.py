@@ -14,6 +14,7 @@ from bench.record.rules.sheet import Sheet
 # 20 to 100 ms behind its command, never ahead.
 LEAD_S = 0.02
 SEARCH_S = 0.5
+SMALL = 1e5  # numbers; so few are compared directly
 BLOCK = 4096  # samples of one Fourier transform
 LOST = 1e-10  # of the variances, at most, that their difference loses to rounding
 N_LAGS = 100  # at most; longer tables are thinned
@@ -44,10 +45,12 @@ def _lead(values: Array, source: Array, step: float) -> float:
     span = min(N_LAGS, int(SEARCH_S / step), len(values) // 4)
     middle = slice(span, len(values) - span)
     shifted = sliding_window_view(values, len(values) - 2 * span)[::-1]  # by -span, ..., span samples
-    likely = _likely(source[middle], shifted)
-    misfits = np.full(len(shifted), np.inf)
-    for lag in {*likely.tolist(), span}:
-        misfits[lag] = np.std(source[middle] - shifted[lag])
+    if shifted.size < SMALL:
+        misfits = np.std(source[middle] - shifted, axis=1)
+    else:
+        misfits = np.full(len(shifted), np.inf)
+        for lag in {*_likely(source[middle], shifted).tolist(), span}:
+            misfits[lag] = np.std(source[middle] - shifted[lag])
     best = int(np.argmin(misfits))
     return (best - span) * step if bool(misfits[best] < BETTER * misfits[span]) else 0.0
 
