@@ -1,6 +1,6 @@
 """Import arrows run one way.
 
-errors <- executor, record <- robot <- {simulate, identify} <- {hide, diagnose} <- study <- report <- cli.
+errors <- executor, record <- robot <- {simulate, identify} <- {hide, diagnose} <- {study, benchmark} <- report <- cli.
 """
 
 import ast
@@ -31,8 +31,10 @@ MAY_IMPORT = {
     "hide": BELOW | {"simulate", "scenario", "effects"},
     "diagnose": BELOW | {"store", "simulate", "effects", "identify"},
     "study": BELOW | {"store", "simulate", "scenario", "effects", "hide", "diagnose"},
+    "benchmark": BELOW | {"simulate", "scenario", "effects", "hide", "identify", "diagnose"},
     "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study"},
-    "cli": BELOW | {"store", "scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "report"},
+    "cli": BELOW
+    | {"store", "scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "benchmark", "report"},
 }
 STEPS_OF_DIAGNOSIS = ("replay", "picture", "extend", "measure", "name", "ask")  # each may import those before it
 ENGINES_OF = {"identify": {"mujoco", "gymnasium"}, "record": {"mujoco", "pinocchio", "gymnasium"}}

@@ -1,24 +1,46 @@
-"""`bench benchmark`: what the custom actuators cost."""
+"""`bench benchmark`: what the bench costs, in processor time."""
 
-from dataclasses import dataclass
+import json
+import sys
+from dataclasses import asdict, dataclass
 
 import tyro
 
 
 @dataclass(frozen=True)
 class Benchmark:
-    """Step rate with the custom actuators against the same model without them, measured side by side in one run."""
+    """Processor time of what counts, and ratios within one run, so that other work on the machine hardly matters."""
 
     robots: tyro.conf.Positional[tuple[str, ...]] = ()
-    """Names of robot folders, or paths to them; none: all that come along."""
+    """Names of robot folders, or paths to them, for actuators and environment; none: all that come along."""
+    only: tuple[str, ...] = ()
+    """Sections to measure (bench/benchmark/README.md); none: all of them."""
+    json: bool = False
+    """Print JSON instead of a table."""
 
     def run(self) -> int:
         """Measure and print; return the exit code."""
-        from bench.actuators.benchmark import step_rate_ratio
-        from bench.robot.compiled import read_spec
-        from bench.robot.folder import load_robot, robot_names
+        from importlib.util import find_spec
 
-        for name in self.robots or robot_names():
-            ratio = step_rate_ratio(read_spec(load_robot(name)))
-            print(f"{name}: step rate with custom actuators / without: {ratio:.3f}")
+        from bench.benchmark.sections import SECTIONS
+        from bench.errors import InputError, unknown_name
+
+        if problems := [unknown_name("section", name, SECTIONS) for name in self.only if name not in SECTIONS]:
+            raise InputError(problems)
+        found: dict[str, list[dict[str, object]]] = {}
+        for name in self.only or SECTIONS:
+            section = SECTIONS[name]
+            package, extra = section.needs
+            if package and find_spec(package) is None:
+                print(f"{name}: left out; pip install 'hh150-bench[{extra}]' brings what it needs", file=sys.stderr)
+                continue
+            rows = section.measure(self.robots)
+            found[name] = [asdict(row) for row in rows]
+            if not self.json:
+                print(f"{name}: {section.title}")
+                for row in rows:
+                    against = "" if row.ratio is None else f"   {row.ratio:8.3f}  {row.ratio_to}"
+                    print(f"  {row.name:44}{row.value:12.4g} {row.unit:10}{against}".rstrip())
+        if self.json:
+            print(json.dumps(found, indent=2))
         return 0

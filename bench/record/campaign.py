@@ -6,6 +6,7 @@ Truth (hidden effects, true parameters, noise-free readings) is another type in 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 from bench.errors import CampaignError
 
 Array = NDArray[np.float64]
+
+SHORT = 2000  # rows; in shorter tables a call of NumPy takes longer than what it does
 
 RunKind = Literal["static", "motion"]
 
@@ -49,6 +52,18 @@ class Run:
 
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()))) if self.columns else 0
+
+    @cached_property
+    def extremes(self) -> Mapping[str, tuple[float, float]]:
+        """Column name -> its smallest and largest value; both nan if any is nan. Empty for a run without rows."""
+        if not len(self):
+            return {}
+        every = list(self.columns.values())
+        if len(self) < SHORT:
+            lowest, highest = (reduce(np.stack(every), axis=1).tolist() for reduce in (np.min, np.max))
+        else:
+            lowest, highest = ([float(reduce(values)) for values in every] for reduce in (np.min, np.max))
+        return dict(zip(self.columns, zip(lowest, highest, strict=True), strict=True))
 
     def stack(self, quantity: str, unit: str, keys: tuple[str, ...]) -> Array:
         """Return columns `<quantity>_<key>_<unit>` side by side, shape (n_rows, len(keys)); nan where missing."""

@@ -126,8 +126,14 @@ def known_names(like: str) -> list[str]:
 
 def columns_of(names: Iterable[str], *quantities: str) -> list[Column]:
     """Return those columns, taken apart, that hold one of the quantities, in their order."""
+    return list(_columns_of(tuple(names), quantities))
+
+
+@lru_cache(maxsize=1024)
+def _columns_of(names: tuple[str, ...], quantities: tuple[str, ...]) -> tuple[Column, ...]:
+    """Do it once for all runs with the same columns."""
     parsed = (parse_column(name) for name in names)
-    return [column for column in parsed if column is not None and column.channel.quantity in quantities]
+    return tuple(column for column in parsed if column is not None and column.channel.quantity in quantities)
 
 
 def _patterns() -> list[tuple[re.Pattern[str], Channel, str]]:

@@ -1,18 +1,48 @@
 """Read a campaign folder and find everything that is wrong with it. There is no other reader."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from bench.record.campaign import Arm, Campaign, Run
 from bench.record.finding import Finding, Report
-from bench.record.manifest import SUFFIXES, RunEntry, read_manifest
-from bench.record.rules import examine
+from bench.record.manifest import SUFFIXES, Manifest, RunEntry, read_manifest
+from bench.record.rules import examine, suits_arm
 from bench.record.rules.names import SET_ASIDE
 from bench.record.rules.session import no_overlap
 from bench.record.rules.sheet import Sheet
 from bench.record.table import Table, read_table
+
+
+@dataclass(frozen=True, eq=False)
+class _Content:
+    """What stands in a campaign folder, with what is wrong with its files.
+
+    Attributes:
+        folder: Where it stands.
+        manifest: Its `campaign.yaml`.
+        sheets: Tables that could be taken apart, in the order of the manifest; no robot is known to them.
+        faults: What is wrong with the tables as files.
+        forgotten: A warning for each table that no run names.
+    """
+
+    folder: Path
+    manifest: Manifest
+    sheets: tuple[Sheet, ...]
+    faults: tuple[Finding, ...]
+    forgotten: tuple[Finding, ...]
+
+    def report(self, of_sheets: Sequence[Sequence[Finding]]) -> Report:
+        """Return the report, given what the rules find in each sheet."""
+        in_tables = [finding for found in of_sheets for finding in found]
+        findings = (*self.manifest.findings, *self.faults, *in_tables, *no_overlap(self.sheets), *self.forgotten)
+        head = self.manifest.head
+        if head is None or any(finding.level == "error" for finding in findings):
+            return Report(self.folder, findings, None)
+        runs = tuple(sorted((sheet.run for sheet in self.sheets), key=lambda run: run.start_s))
+        return Report(self.folder, findings, Campaign(head.robot, runs, head.started, head.noise, head.notes))
 
 
 def check_campaign(folder: Path, arm: Arm | None = None) -> Report:
@@ -22,31 +52,57 @@ def check_campaign(folder: Path, arm: Arm | None = None) -> Report:
         folder: A folder with a `campaign.yaml`.
         arm: The robot, if it is known; then joints and their limits are checked too.
     """
-    manifest = read_manifest(folder)
-    tables = [(entry, read_table(folder, entry.path)) for entry in manifest.runs]
-    sheets = [_sheet(entry, table, arm) for entry, table in tables if table.names]
-    findings = [
-        *manifest.findings,
-        *(finding for _, table in tables for finding in table.findings),
-        *examine_all(sheets),
-        *(() if manifest.findings else _forgotten(folder, {entry.path for entry in manifest.runs})),
-    ]
-    head = manifest.head
-    if head is None or any(finding.level == "error" for finding in findings):
-        return Report(folder, tuple(findings), None)
-    runs = tuple(sorted((sheet.run for sheet in sheets), key=lambda run: run.start_s))
-    return Report(folder, tuple(findings), Campaign(head.robot, runs, head.started, head.noise, head.notes))
+    content = _content(folder)
+    return content.report([_examine(replace(sheet, arm=arm)) for sheet in content.sheets])
+
+
+def check_with_robot(folder: Path, arm_of: Callable[[str], Arm]) -> Report:
+    """Read a campaign folder once, and check it without its robot; if no error is found, with its robot.
+
+    Args:
+        folder: A folder with a `campaign.yaml`.
+        arm_of: Gives the robot that the campaign names; called only if the campaign can be used without knowing it.
+
+    Raises:
+        Exception: Whatever `arm_of` raises.
+    """
+    content = _content(folder)
+    found = [_examine(sheet) for sheet in content.sheets]
+    report = content.report(found)
+    if report.campaign is None:
+        return report
+    arm = arm_of(report.campaign.robot)
+    sheets = [replace(sheet, arm=arm) for sheet in content.sheets]
+    return content.report(
+        [before if suits_arm(sheet) else _examine(sheet) for sheet, before in zip(sheets, found, strict=True)]
+    )
 
 
 def examine_all(sheets: Sequence[Sheet]) -> list[Finding]:
     """Put all runs of one campaign through the rules."""
+    return [finding for sheet in sheets for finding in _examine(sheet)] + list(no_overlap(sheets))
+
+
+def _examine(sheet: Sheet) -> list[Finding]:
     with np.errstate(under="ignore"):  # squares of readings near zero
-        return [finding for sheet in sheets for finding in examine(sheet)] + list(no_overlap(sheets))
+        return examine(sheet)
 
 
-def _sheet(entry: RunEntry, table: Table, arm: Arm | None) -> Sheet:
+def _content(folder: Path) -> _Content:
+    manifest = read_manifest(folder)
+    tables = [(entry, read_table(folder, entry.path)) for entry in manifest.runs]
+    return _Content(
+        folder,
+        manifest,
+        tuple(_sheet(entry, table) for entry, table in tables if table.names),
+        tuple(finding for _, table in tables for finding in table.findings),
+        () if manifest.findings else tuple(_forgotten(folder, {entry.path for entry in manifest.runs})),
+    )
+
+
+def _sheet(entry: RunEntry, table: Table) -> Sheet:
     columns = {name: values for name, values in table.columns.items() if not name.startswith(SET_ASIDE)}
-    return Sheet(Run(entry.name, entry.kind, entry.start_s, columns, entry.note), entry.path, table.names, arm)
+    return Sheet(Run(entry.name, entry.kind, entry.start_s, columns, entry.note), entry.path, table.names)
 
 
 def _forgotten(folder: Path, listed: set[str]) -> list[Finding]:

@@ -1,4 +1,8 @@
-"""CSV: commas, decimal points, UTF-8, names in the first line. Numbers come back bit for bit."""
+"""CSV: commas, decimal points, UTF-8, names in the first line. Numbers come back bit for bit.
+
+A table of plain finite numbers is read by PyArrow. Any other goes cell by cell through Python, which knows what each
+cell may be and where it stands; both read a number alike, to the last bit.
+"""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -15,11 +19,17 @@ _COMMA_NUMBER = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
 
 def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
     """Read a CSV file; see `bench.record.table.Format`."""
+    data = path.read_bytes()
+    return plain_numbers(data) or cell_by_cell(data, file, findings)
+
+
+def cell_by_cell(data: bytes, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
+    """Read a CSV file, whatever stands in it, and name what is wrong with it; see `bench.record.table.Format`."""
 
     def fault(message: str, remedy: str, row: int | None = None, column: str = "") -> None:
         findings.append(Finding("error", file, row, column, message, remedy))
 
-    text = _text(path.read_bytes())
+    text = _text(data)
     if text is None:
         fault("is not UTF-8 text", "save it as UTF-8")
         return None
@@ -69,6 +79,36 @@ def write(path: Path, columns: Mapping[str, Array]) -> None:
 def _number(value: float) -> str:
     text = repr(value)
     return text[:-2] if text.endswith(".0") else text
+
+
+def plain_numbers(data: bytes) -> tuple[tuple[str, ...], dict[str, Array]] | None:
+    """Return names and columns of a table with nothing but finite numbers under its header; None for any other."""
+    if b"\r" in data:
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    first, last = data.find(b"\n") + 1, len(data)
+    while last > first and data[last - 1 : last].isspace():
+        last -= 1
+    header = _text(data[: max(first - 1, 0)])
+    if not header or first == last:
+        return None
+    names = tuple(_cells(header))
+    import pyarrow as pa  # here, so that what reads no table need not load it
+    from pyarrow import csv
+
+    keys = [str(place) for place in range(len(names))]  # names may repeat
+    try:
+        table = csv.read_csv(
+            pa.py_buffer(memoryview(data)[first:last]),  # no copy: a log may be large
+            csv.ReadOptions(use_threads=False, column_names=keys),
+            csv.ParseOptions(quote_char=False, ignore_empty_lines=False),
+            csv.ConvertOptions(column_types=dict.fromkeys(keys, pa.float64()), null_values=[]),
+        )
+    except pa.ArrowException:
+        return None
+    columns: dict[str, Array] = {}
+    for name, values in zip(names, table.columns, strict=True):
+        columns.setdefault(name, values.to_numpy()).flags.writeable = False  # a run need not copy it
+    return (names, columns) if all(np.isfinite(values).all() for values in columns.values()) else None
 
 
 def _text(data: bytes) -> str | None:

@@ -19,7 +19,8 @@ def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...
 
     data = path.read_bytes()
     try:
-        table = parquet.read_table(pa.BufferReader(data), page_checksum_verification=True, use_threads=False)
+        stored = parquet.ParquetFile(pa.BufferReader(data), page_checksum_verification=True, pre_buffer=False)
+        table = stored.read(use_threads=False)
     except (pa.ArrowException, OSError, ValueError) as error:
         fault(f"is no readable Parquet file ({' '.join(str(error).split())[:200]})", "write it again")
         return None
@@ -29,7 +30,9 @@ def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...
         if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_null(kind)):
             fault(f"holds {kind}, not numbers", "store it as float64", name)
         elif name not in columns:
-            columns[name] = np.asarray(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
+            numbers = column if pa.types.is_float64(kind) else column.cast(pa.float64(), safe=False)
+            columns[name] = np.asarray(numbers.to_numpy(), dtype=np.float64)
+            columns[name].flags.writeable = False  # a run need not copy it
     return tuple(table.column_names), columns
 
 

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from bench.record.campaign import Arm
-from bench.record.check import check_campaign
+from bench.record.check import check_with_robot
 from bench.record.finding import Report
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
@@ -21,12 +21,14 @@ def open_campaign(folder: Path) -> tuple[Report, CompiledRobot | None]:
     Raises:
         RobotError: The campaign's robot is unknown or broken.
     """
-    report = check_campaign(folder)
-    if report.campaign is None:
-        return report, None
-    name = report.campaign.robot
-    compiled = compile_robot(load_robot(folder / name if (folder / name).is_dir() else name))
-    return check_campaign(folder, plain_arm(compiled)), compiled
+    found: list[CompiledRobot] = []
+
+    def arm_of(name: str) -> Arm:
+        found.append(compile_robot(load_robot(folder / name if (folder / name).is_dir() else name)))
+        return plain_arm(found[0])
+
+    report = check_with_robot(folder, arm_of)
+    return report, found[0] if found else None
 
 
 def plain_arm(compiled: CompiledRobot) -> Arm:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.doubt.channels import doubts_of
-from bench.record.campaign import Campaign
+from bench.record.campaign import Campaign, Run
 from bench.record.convert import convert
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
@@ -106,3 +106,12 @@ def test_axis_that_nothing_tells_turned_is_not_called_turned(arm: Campaign, kr30
     for joint in (1, 6):
         names = (f"tau_motor_{joint}_nm", *angles_of(joint))
         assert doubts_of(changed(arm, scale(-1, *names)), kr300) == ()
+
+
+def test_motion_that_always_turns_round_says_nothing() -> None:
+    time = 4e-3 * np.arange(50_000)
+    turn = 2 * np.pi / 0.4 * time  # every bin turns round: 400 of them make the 200 s
+    columns = {"time_s": time, "q_motor_2_rad": 0.01 * np.sin(turn), "gas_pressure_pa": np.full_like(time, 1e7)}
+    columns |= {f"q_cmd_{j}_rad": np.zeros_like(time) for j in (1, 3, 4, 5, 6)}
+    run = Run("shake", "motion", 0.0, columns | {"current_2_a": np.sign(np.cos(turn))})
+    assert doubts_of(Campaign("hh150", (run,)), compile_robot(load_robot("hh150"))) == ()

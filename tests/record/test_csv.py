@@ -5,9 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench.record import check
+from bench.record.campaign import Arm
 from bench.record.check import check_campaign
 from bench.record.finding import Finding, spell_rows
 from bench.record.read import read_campaign
+from bench.record.table import read_table
 from tests.record.build import MANIFEST, only
 
 TABLE = """pose,approach,load_step,q_cmd_1_rad,current_1_a
@@ -97,6 +100,24 @@ def test_refused(name: str, tmp_path: Path) -> None:
 def test_all_faults_are_found_at_once(tmp_path: Path) -> None:
     folder = folder_with(tmp_path, TABLE.replace("0.1,2.25", "x,").replace("approach", "aproach"))
     assert {finding.column for finding in check_campaign(folder).errors} == {"aproach", "q_cmd_1_rad", "current_1_a"}
+
+
+def test_tables_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, read = folder_with(tmp_path, TABLE), []
+    monkeypatch.setattr(check, "read_table", lambda *place: read.append(place) or read_table(*place))
+    arm = Arm(is_slide=(False, False), limits=((-0.05, 0.05), (-1.0, 1.0)))
+    report = check.check_with_robot(folder, lambda name: arm)
+    assert len(read) == 1
+    assert report == check.check_campaign(folder, arm)
+    assert {finding.message.split(",")[0] for finding in report.findings} == {
+        "0.1 rad is no position of this joint",
+        "no angle of drive 2",
+    }
+
+
+def test_robot_of_a_broken_campaign_is_not_looked_for(tmp_path: Path) -> None:
+    report = check.check_with_robot(folder_with(tmp_path, TABLE.replace("2.5", "x")), pytest.fail)
+    assert report.campaign is None
 
 
 def test_missing_table(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench.record.campaign import Array, Run
+from bench.record.rules import alignment
 from tests.record.build import ARM, STEP_S, examine, loading, motion, only, static, sweep
 
 Columns = dict[str, Array]
@@ -267,3 +268,16 @@ def test_joint_without_limits_may_turn_further() -> None:
     columns = {name: values for name, values in columns.items() if name[:2] in ("ti", "q_")}
     assert examine(motion(columns), endless) == []
     assert {finding.level for finding in examine(motion(columns))} == {"error"}
+
+
+@pytest.mark.parametrize("n", [200, 3896, 20_000])
+def test_lag_found_fast_is_the_smallest_of_all(n: int) -> None:
+    rng = np.random.default_rng(n)
+    source = np.cumsum(rng.normal(size=n)) * 1e-3
+    values = np.roll(source, -7) + 1e-5 * rng.normal(size=n)
+    span = 25
+    middle = slice(span, n - span)
+    misfits = [float(np.std(source[middle] - np.roll(values, lag)[middle])) for lag in range(-span, span + 1)]
+    best = int(np.argmin(misfits))
+    assert misfits[best] < alignment.BETTER * misfits[span]
+    assert alignment._lead(values, source, alignment.SEARCH_S / span) == (best - span) * alignment.SEARCH_S / span

@@ -10,11 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bench.errors import CampaignError
+from bench.record import csv_table
 from bench.record.campaign import Arm, Array, Campaign, Run, RunKind
 from bench.record.channels import NAMES
 from bench.record.check import check_campaign
 from bench.record.csv_table import read as read_csv
 from bench.record.csv_table import write as write_csv
+from bench.record.finding import Finding
 from bench.record.read import read_campaign
 from bench.record.write import TableFormat, write_campaign
 from tests.record.build import ARM, examine, loading, session, sweep
@@ -95,6 +97,53 @@ def test_csv_keeps_every_float(values: list[float]) -> None:
         content = read_csv(path, "a.csv", [])
     assert content
     assert content[1]["x"].tobytes() == np.array(values, dtype=np.float64).tobytes()
+
+
+cells = st.sampled_from(
+    [
+        "1",
+        "-0",
+        "+.5",
+        "5.",
+        " 7 ",
+        "1e400",
+        "1e-400",
+        "4.9e-324",
+        "nan",
+        "nan(1)",
+        "inf",
+        "",
+        '"2"',
+        "1_0",
+        "0x1",
+        "٢",
+        "a",
+    ]
+) | st.floats(allow_nan=False, allow_infinity=False).map(repr)
+
+
+@settings(deadline=None, max_examples=300)
+@given(rows=st.lists(st.lists(cells, min_size=2, max_size=2), max_size=4), end=st.sampled_from(["\n", "\r\n", "\r"]))
+def test_both_ways_to_read_csv_agree(rows: list[list[str]], end: str) -> None:
+    data = end.join(["x,y", *(",".join(row) for row in rows), ""]).encode()
+    findings: list[Finding] = []
+    slowly = csv_table.cell_by_cell(data, "a.csv", findings)
+    if quickly := csv_table.plain_numbers(data):
+        assert slowly
+        assert not findings
+        assert quickly[0] == slowly[0]
+        assert {name: values.tobytes() for name, values in quickly[1].items()} == {
+            name: values.tobytes() for name, values in slowly[1].items()
+        }
+
+
+@settings(deadline=None)
+@given(rows=st.lists(st.lists(st.floats(-1e300, 1e300), min_size=2, max_size=2), min_size=1))
+def test_plain_numbers_are_read_quickly(rows: list[list[float]]) -> None:
+    data = "\n".join(["x,y", *(",".join(map(repr, row)) for row in rows)]).encode()
+    content = csv_table.plain_numbers(data)
+    assert content
+    assert np.stack(list(content[1].values()), axis=1).tolist() == rows
 
 
 @settings(deadline=None, max_examples=150)

@@ -6,6 +6,7 @@ well once a channel is read in another way (`mistaken.py`), or on distances far 
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from bench.diagnose.doubt.mistaken_inputs import Recording, mistaken_joints, mis
 from bench.diagnose.doubt.physical_fit import misfit
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import segments_of
+from bench.diagnose.replay.segments import Segment, segments_of
 from bench.effects.places import speed_limit, torque_limit
 from bench.errors import ConvergenceError
 from bench.record.campaign import Array, Campaign
@@ -48,19 +49,30 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     told = {finding.column for finding in known}
     every = quantities_of(campaign.runs, compiled)
     try:
-        found = list(_of_drives(campaign, compiled, tuple(q for q in every if q.is_drive), told))
-        others = tuple(q for q in every if not q.is_drive)
-        if segments := segments_of(campaign, compiled, others, BINS):
-            found += displaced(Replay(compiled, segments, others))
+        segments = segments_of(campaign, compiled, every, BINS)
+        drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
+        found = list(_of_drives(compiled, _readings_of(segments, every, drives), drives, told))
+        if readings := _readings_of(segments, every, others):
+            found += displaced(Replay(compiled, readings, others))
     except ConvergenceError as error:
         return (doubt("", f"the nominal model cannot follow the motion ({error})", "look at angles and their units"),)
     return tuple(finding for finding in found if finding.column not in told)
 
 
+def _readings_of(
+    segments: tuple[Segment, ...], every: tuple[Quantity, ...], kept: tuple[Quantity, ...]
+) -> tuple[Segment, ...]:
+    """Return the segments that have readings of some of the quantities, with those alone."""
+    columns = [every.index(quantity) for quantity in kept]
+    parts = (
+        replace(segment, observed=segment.observed[:, columns], sigma=segment.sigma[:, columns]) for segment in segments
+    )
+    return tuple(part for part in parts if np.any(np.isfinite(part.observed)))
+
+
 def _of_drives(
-    campaign: Campaign, compiled: CompiledRobot, quantities: tuple[Quantity, ...], told: set[str]
+    compiled: CompiledRobot, segments: tuple[Segment, ...], quantities: tuple[Quantity, ...], told: set[str]
 ) -> Iterator[Finding]:
-    segments = segments_of(campaign, compiled, quantities, BINS)
     if not segments:
         return
     picture = drive_picture(Replay(compiled, segments, quantities))

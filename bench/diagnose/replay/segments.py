@@ -97,7 +97,7 @@ def segments_of(
                     piece.rings,
                 )
             )
-    return _rounded_alike(found, quantities, noise)
+    return _rounded_alike(found, quantities, noise) if found else ()
 
 
 def _rounded_alike(found: list[Segment], quantities: tuple[Quantity, ...], noise: Noise) -> tuple[Segment, ...]:
@@ -144,8 +144,9 @@ def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Nois
     groups = piece.groups
     shape = (len(groups), len(quantities))
     mean, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
-    weights = [np.full(len(g), 1 / len(g)) if is_static else centre_weights(len(g)) for g in groups]
-    shrinks = np.array([np.linalg.norm(w) for w in weights])
+    weights = [np.full(len(group), 1 / len(group)) if is_static else centre_weights(len(group)) for group in groups]
+    averaging = np.array([np.linalg.norm(w) for w in weights])
+    any_turning = np.any(piece.turning, axis=1)
     for c, quantity in enumerate(quantities):
         if quantity.column not in run.columns:
             continue
@@ -154,11 +155,11 @@ def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Nois
         one = noise.of(quantity, mean[:, c], run)
         if not is_static:
             one = np.maximum(one, max(noise.of_samples(values), noise.of_groups(values, groups)))
-        error = one * shrinks
+        error = one * averaging
         if is_static:
             error = np.maximum(error, _swayed(values, groups, np.hypot(one, noise.rounding(quantity))))
         sigma[:, c] = np.hypot(error, noise.lasting(quantity))
-        turning = piece.turning[:, quantity.index] if quantity.is_of_drive else np.any(piece.turning, axis=1)
+        turning = piece.turning[:, quantity.index] if quantity.is_of_drive else any_turning
         mean[turning, c] = np.nan
     return mean, sigma
 
@@ -169,11 +170,11 @@ def _swayed(values: Array, groups: tuple[Index, ...], one: Array) -> Array:
     An arm that was read before it had settled sways; neighbours err alike then, so their mean is no better than one.
     """
     found = np.zeros(len(groups))
-    for i, group in enumerate(groups):
-        if len(group) > 1:
-            variance = values[group].var(ddof=1)
-            if variance > one[i] ** 2 * _most_by_chance(len(group)):
-                found[i] = np.sqrt(variance)
+    sizes = np.array([len(group) for group in groups])
+    for n in set(sizes.tolist()) - {1}:
+        alike = np.flatnonzero(sizes == n)
+        variance = values[np.stack([groups[i] for i in alike])].var(axis=1, ddof=1)
+        found[alike] = np.where(variance > one[alike] ** 2 * _most_by_chance(n), np.sqrt(variance), 0.0)
     return found
 
 

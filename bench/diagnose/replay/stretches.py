@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 from scipy.ndimage import maximum_filter1d
-from scipy.signal import savgol_filter
 
 from bench.diagnose.replay.piece import Piece, angles_of, centre_weights, wrench_of
+from bench.diagnose.replay.smooth_derivative import smooth_derivative
 from bench.diagnose.replay.visits import APPROACH
 from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
@@ -45,9 +45,7 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Pi
     samples = max(1, round(width / dt))
     window = 2 * round(min(LONGEST_WINDOW, samples * dt) / dt / 2) + 1
     window = int(np.clip(window, LEAST_WINDOW, 2 * ((len(run) - 1) // 2) - 1))
-    velocity, acceleration = (
-        savgol_filter(angles, window, 3, deriv=order, delta=dt, axis=0, mode="interp") for order in (1, 2)
-    )
+    velocity, acceleration = (smooth_derivative(angles, window, order, dt) for order in (1, 2))
     error = _acceleration_error(angles, acceleration, window, dt)
     edges = np.arange(0, len(run), samples)
     if len(edges) > 1 and len(run) - edges[-1] < samples:
@@ -92,7 +90,7 @@ def lowest_period(compiled: CompiledRobot, q: Array) -> float:
     model, at = compiled.model, compiled.at
     data = mujoco.MjData(model)
     data.qpos[at.theta] = data.qpos[at.q] = q
-    mujoco.mj_forward(model, data)
+    mujoco.mj_fwdPosition(model, data)
     full = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, full)
     inertia = full[np.ix_(at.theta_dof, at.theta_dof)]
@@ -109,7 +107,7 @@ def _acceleration_error(angles: Array, acceleration: Array, window: int, dt: flo
     longer = min(2 * window + 1, 2 * ((len(angles) - 1) // 2) - 1)
     if longer <= window:
         return np.zeros_like(angles)
-    coarse = savgol_filter(angles, longer, 3, deriv=2, delta=dt, axis=0, mode="interp")
+    coarse = smooth_derivative(angles, longer, 2, dt)
     reach = max(longer, 2 * round(RINGS / dt / 2) + 1)
     error: Array = UNRESOLVED * maximum_filter1d(np.abs(acceleration - coarse), reach, axis=0)
     return error

@@ -35,6 +35,14 @@ READING_RULES: tuple[Rule, ...] = (
 )
 
 
+OF_ARM: tuple[Rule, ...] = (names.fits_arm, scale.angles)  # no other rule looks at the robot
+
+
+def suits_arm(sheet: Sheet) -> bool:
+    """Whether knowing the robot adds no finding to what the rules find in a sheet without errors."""
+    return not any(True for rule in OF_ARM if len(sheet.run) or rule in HEADER_RULES for _ in rule(sheet))
+
+
 def examine(sheet: Sheet) -> list[Finding]:
     """Put one sheet through all rules."""
     findings: list[Finding] = []

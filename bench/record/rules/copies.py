@@ -4,10 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from bench.record.campaign import Array
 from bench.record.finding import Finding
 from bench.record.rules.sheet import Sheet
 
 DIFFERENT = 10  # values in a column; with fewer, two drives near rest may agree in every row at a coarse resolution
+FEW = 100  # rows to look at first
 
 
 def identical(sheet: Sheet) -> Iterator[Finding]:
@@ -17,7 +19,7 @@ def identical(sheet: Sheet) -> Iterator[Finding]:
     Two drives that are commanded alike may move alike.
     """
     for quantity in ("q_motor", "q_link", "current", "tau_motor"):
-        rich = [(column, values) for column, values in sheet.columns(quantity) if len(np.unique(values)) >= DIFFERENT]
+        rich = [(column, values) for column, values in sheet.columns(quantity) if _is_rich(values)]
         for place, (column, values) in enumerate(rich):
             for other, others in rich[:place]:
                 if np.array_equal(values, others) and not _commanded_alike(sheet, column.index, other.index):
@@ -26,8 +28,13 @@ def identical(sheet: Sheet) -> Iterator[Finding]:
     for quantity, source in (("q_motor", "q_cmd"), ("q_link", "q_cmd"), ("q_link", "q_motor")):
         for column, values in sheet.columns(quantity) if sheet.run.kind == "motion" else ():
             own = sheet.joint(column.index, source)
-            if own and len(np.unique(values)) >= DIFFERENT and np.array_equal(values, own[1]):
+            if own and np.array_equal(values, own[1]) and _is_rich(values):
                 yield sheet.doubt(column.name, f"is a copy of {own[0].name}", "record the encoder")
+
+
+def _is_rich(values: Array) -> bool:
+    """Whether there are many different values; a few rows often tell."""
+    return len(np.unique(values[:FEW])) >= DIFFERENT or len(np.unique(values)) >= DIFFERENT
 
 
 def _commanded_alike(sheet: Sheet, first: int, second: int) -> bool:

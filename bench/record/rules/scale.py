@@ -27,6 +27,8 @@ def angles(sheet: Sheet) -> Iterator[Finding]:
         if sheet.arm:
             bound = FAR * max(abs(lower), abs(upper))
         beside = BESIDE[column.unit]
+        if sheet.within(column.name, max(lower, -bound), min(upper, bound)):
+            continue
         if rows := rows_where(np.abs(values) > bound):
             guess = "millimetres? multiply by 0.001" if column.is_slide else "degrees? multiply by pi / 180"
             message = f"{values[rows[0] - 1]:g} {column.unit} is no position of this joint"
@@ -39,14 +41,16 @@ def angles(sheet: Sheet) -> Iterator[Finding]:
 def magnitudes(sheet: Sheet) -> Iterator[Finding]:
     """Positions, currents, temperatures and pressures have a size that occurs in a laboratory."""
     for column, values in sheet.columns("reflector"):
-        if rows := rows_where(np.abs(values) > MAX_LENGTH):
+        if not sheet.within(column.name, -MAX_LENGTH, MAX_LENGTH) and (rows := rows_where(np.abs(values) > MAX_LENGTH)):
             yield sheet.error(column.name, f"over {MAX_LENGTH:g} m", "millimetres? multiply by 0.001", rows)
     for column, values in sheet.columns("current"):
-        if rows := rows_where(np.abs(values) > MAX_CURRENT):
+        if not sheet.within(column.name, -MAX_CURRENT, MAX_CURRENT) and (
+            rows := rows_where(np.abs(values) > MAX_CURRENT)
+        ):
             yield sheet.error(column.name, f"over {MAX_CURRENT:g} A", "milliamperes? multiply by 0.001", rows)
     temperatures = ("motor_temperature", "gear_temperature", "gas_temperature", "ambient_temperature")
     for column, values in sheet.columns(*temperatures):
-        if rows := rows_where(values < MIN_TEMPERATURE):
+        if not sheet.within(column.name, MIN_TEMPERATURE, inf) and (rows := rows_where(values < MIN_TEMPERATURE)):
             yield sheet.error(column.name, f"under {MIN_TEMPERATURE:g} K", "degrees Celsius? add 273.15", rows)
     for column, values in sheet.columns("gas_pressure"):
         if 0 < np.max(np.abs(values), initial=0.0) < MIN_PRESSURE:

@@ -68,8 +68,13 @@ class Sheet:
 
     def moves(self, name: str) -> bool:
         """Whether a joint coordinate moves by more than `TRAVEL`."""
-        column, values = parse_column(name), self.run.columns[name]
-        return column is not None and column.unit in TRAVEL and bool(np.ptp(values) > TRAVEL[column.unit])
+        column, (low, high) = parse_column(name), self.run.extremes[name]
+        return column is not None and column.unit in TRAVEL and high - low > TRAVEL[column.unit]
+
+    def within(self, name: str, lower: float, upper: float) -> bool:
+        """Whether all values of a column lie from `lower` to `upper`; none does that is nan."""
+        low, high = self.run.extremes.get(name, (lower, upper))
+        return lower <= low and high <= upper
 
     def _finding(self, level: Level, column: str, message: str, remedy: str, rows: Sequence[int]) -> Finding:
         if not rows:
@@ -79,4 +84,4 @@ class Sheet:
 
 def rows_where(mask: NDArray[np.bool_]) -> list[int]:
     """Return the rows, counted from 1, where `mask` is true."""
-    return [int(index) + 1 for index in np.flatnonzero(mask)]
+    return (np.flatnonzero(mask) + 1).tolist() if mask.any() else []

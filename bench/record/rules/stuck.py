@@ -39,8 +39,9 @@ def frozen_or_saturated(sheet: Sheet) -> Iterator[Finding]:
         is_effort = column.channel.quantity in EFFORT
         if cause is None or len(values) < AT_EXTREME or (is_effort and sheet.run.kind == "static"):
             continue
-        if np.ptp(values) > 0:
-            if not is_effort or _is_noisy(values):
+        low, high = sheet.run.extremes[column.name]
+        if high > low:
+            if _repeats(values) and (not is_effort or _is_noisy(values)):
                 yield from _resting(sheet, column.name, values, cause)
         elif np.ptp(cause.values) > cause.enough:
             what = f"is {values[0]:g} in every row while {cause.name} changes"
@@ -60,6 +61,14 @@ def _stretches(values: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return where stretches of equal samples start and end (exclusive)."""
     edges = np.flatnonzero(np.diff(values)) + 1
     return np.append(0, edges), np.append(edges, len(values))
+
+
+def _repeats(values: Array) -> bool:
+    """Whether any value comes `AT_EXTREME` times in a row."""
+    same = values[1:] == values[:-1]
+    return bool(
+        np.any(np.logical_and.reduce([same[i : len(same) - AT_EXTREME + 2 + i] for i in range(AT_EXTREME - 1)]))
+    )
 
 
 def _is_noisy(values: Array) -> bool:

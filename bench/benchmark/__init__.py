@@ -1,0 +1,1 @@
+"""What the bench costs: processor time and ratios that hold on a busy machine."""

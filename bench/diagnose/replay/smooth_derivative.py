@@ -1,0 +1,42 @@
+"""Derivatives of sampled motion by cubic polynomials through a window of samples (Savitzky and Golay, 1964).
+
+The same as `scipy.signal.savgol_filter` with mode "interp", which makes its polynomials anew in each call.
+"""
+
+from functools import lru_cache
+from math import factorial
+
+import numpy as np
+from scipy.ndimage import correlate1d
+
+from bench.record.campaign import Array
+
+DEGREE = 3
+
+
+def smooth_derivative(values: Array, window: int, order: int, dt: float) -> Array:
+    """Return a derivative of columns over time, shape (n_rows, n) [1 / s^order of the values' unit].
+
+    Args:
+        values: Shape (n_rows, n), equidistant samples.
+        window: Number of samples that one cubic goes through; odd, at most n_rows.
+        order: Of the derivative, 1 or 2.
+        dt: Between samples [s].
+    """
+    weights, half = _weights(window, order), window // 2
+    found: Array = correlate1d(values, weights[half], axis=0, mode="constant")
+    found[:half] = weights[:half] @ values[:window]
+    found[len(values) - half :] = weights[half + 1 :] @ values[-window:]
+    return found / dt**order
+
+
+@lru_cache(maxsize=256)
+def _weights(window: int, order: int) -> Array:
+    """Return what makes the derivative at each sample of a window out of its samples, shape (window, window)."""
+    half = window // 2
+    places = np.arange(-half, half + 1) / half  # powers of numbers up to 1 keep the problem well conditioned
+    powers = np.arange(order, DEGREE + 1)
+    derivative = np.zeros((window, DEGREE + 1))
+    derivative[:, order:] = places[:, None] ** (powers - order) * [factorial(k) // factorial(k - order) for k in powers]
+    weights: Array = derivative @ np.linalg.pinv(np.vander(places, DEGREE + 1, increasing=True)) / half**order
+    return weights
