@@ -114,6 +114,11 @@ class Conditions:
     ambient_k: float = REFERENCE_K
     payload_kg: float = 0.0
 
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What tells conditions apart, for dictionaries."""
+        return self.gear_k.tobytes(), self.winding_k.tobytes(), self.gas_k, self.ambient_k, self.payload_kg
+
     @classmethod
     def reference(cls, n: int, payload_kg: float = 0.0) -> "Conditions":
         """Return the conditions under which the nominal figures hold, for n drives."""

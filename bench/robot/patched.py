@@ -14,7 +14,7 @@ An edit is given something that looks like the `MjSpec` and notes what the edit 
 from collections import OrderedDict
 from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, replace
-from threading import RLock
+from threading import RLock, local
 from typing import Any, cast
 
 import mujoco
@@ -38,6 +38,7 @@ from bench.robot.patching.structure import CompiledStructure
 from bench.robot.plugins import entry_of, name_instances
 
 MOST_STRUCTURES = 64  # kept compiled, besides the robot's own
+MOST_WAYS = 8  # first steps, for each of which the last robot's steps are remembered
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,19 @@ class Unpatched:
     def __call__(self, spec: mujoco.MjSpec, robot: Robot) -> None:
         """Change the spec."""
         self.edit(spec, robot)
+
+
+@dataclass(frozen=True)
+class Step:
+    """Edits that belong together.
+
+    Attributes:
+        key: Steps with equal keys do the same.
+        edits: In order.
+    """
+
+    key: Hashable
+    edits: tuple[SpecEdit, ...]
 
 
 class Structure:
@@ -76,6 +90,7 @@ class Structure:
         name_instances(self._named)
         self._parts = Parts(self._named)
         self._lock = RLock()
+        self._last = local()
         self._values: dict[tuple[Handle, str], Any] = {}
         self._blanks: dict[Add, Blank] = {}
         self._structures: OrderedDict[Hashable, CompiledStructure] = OrderedDict()
@@ -97,25 +112,49 @@ class Structure:
         self._friction = {drive.motor_friction: ("motor", i) for i, drive in enumerate(drives)}
         self._friction |= {drive.link_friction: ("link", i) for i, drive in enumerate(drives)}
 
-    def robot(self, edits: Iterable[SpecEdit]) -> CompiledRobot:
+    def robot(self, steps: Iterable[Step]) -> CompiledRobot:
         """Return the robot with some edits, as `compile_spec` would of a copy of the spec.
 
         The model is the caller's as long as something refers to it; its arrays alone do not count.
 
+        Args:
+            steps: Edits in order. Steps with which the last robot of this thread began are not taken again, of those
+                robots that had the same first step.
+
         Raises:
             RobotError: As `compile_spec`.
         """
-        edits = tuple(edits)
+        steps = tuple(steps)
         try:
-            if any(isinstance(edit, Unpatched) for edit in edits):
+            if any(isinstance(edit, Unpatched) for step in steps for edit in step.edits):
                 raise NotPatchableError("an edit of a user's own")
-            overlay = SpecOverlay(self)
-            for edit in edits:
-                edit(cast(mujoco.MjSpec, overlay), self._folder)
+            overlay = self._noted(steps)
             with self._lock:
                 return self._patched(overlay)
         except NotPatchableError:
-            return compile_spec(self._spec.copy(), self._folder, edits)
+            return compile_spec(self._spec.copy(), self._folder, [edit for step in steps for edit in step.edits])
+
+    def _noted(self, steps: tuple[Step, ...]) -> SpecOverlay:
+        """Return what some steps do; each that was taken is remembered with what was noted until then."""
+        if not steps:
+            return SpecOverlay(self)
+        ways: OrderedDict[Hashable, list[tuple[Hashable, SpecOverlay]]] = self._last.__dict__.setdefault(
+            "ways", OrderedDict()
+        )
+        taken = ways.setdefault(steps[0].key, [])
+        ways.move_to_end(steps[0].key)
+        if len(ways) > MOST_WAYS:
+            ways.popitem(last=False)
+        same = 0
+        while same < min(len(taken), len(steps)) and taken[same][0] == steps[same].key:
+            same += 1
+        del taken[same:]
+        overlay = taken[-1][1].copy() if taken else SpecOverlay(self)
+        for step in steps[same:]:
+            for edit in step.edits:
+                edit(cast(mujoco.MjSpec, overlay), self._folder)
+            taken.append((step.key, overlay.copy()))
+        return overlay
 
     def data_for(self, compiled: CompiledRobot) -> mujoco.MjData:
         """Return data for a robot that was made here, at their beginning; nobody else has them meanwhile."""

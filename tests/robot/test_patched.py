@@ -18,7 +18,7 @@ from bench.effects.unlisted import unlisted
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec
 from bench.robot.folder import Robot, load_robot
-from bench.robot.patched import Structure, Unpatched
+from bench.robot.patched import Step, Structure, Unpatched
 from bench.robot.plugins import configure
 from bench.simulate.bare import bare_spec
 from bench.simulate.payload import bolt_on
@@ -43,6 +43,9 @@ class Both:
         self.before = self.spec.to_xml()
         self.structure = Structure(robot, self.spec)
         self.nominal = self.structure.robot(())
+
+    def patched(self, edits: Iterable[SpecEdit]) -> CompiledRobot:
+        return self.structure.robot(Step(edit, (edit,)) for edit in edits)
 
     def compiled(self, edits: Iterable[SpecEdit]) -> CompiledRobot:
         spec = self.spec.copy()
@@ -141,21 +144,22 @@ def test_every_effect_at_every_place(name: str, both: Both) -> None:
         }
         other = effect.edit(place, effect.complete(values), warm(both.nominal.n_joints))
         assert other
-        both.structure.robot([other])
+        both.patched([other])
         edits = [bolt_on(PAYLOAD), typical_edit(effect, both, place)]
-        assert_same(both.structure.robot(edits), both.compiled(edits))
+        assert_same(both.patched(edits), both.compiled(edits))
 
 
 @pytest.mark.usefixtures("never_compiled")
 def test_every_nominal_parameter(both: Both) -> None:
     for parameter in nominal_parameters(both.nominal):
         edits = [parameter.edit(parameter.sigma)]
-        assert_same(both.structure.robot(edits), both.compiled(edits))
+        assert_same(both.patched(edits), both.compiled(edits))
 
 
 @pytest.mark.usefixtures("never_compiled")
 def test_combinations(both: Both) -> None:
-    """Payload, all deviations and two effects, of which either may come first."""
+    """Payload, all deviations and two effects, of which either may come first; most steps are those of the one before."""
+    payload = bolt_on(PAYLOAD)
     deviations = [one.edit((-1) ** i * one.sigma) for i, one in enumerate(nominal_parameters(both.nominal))]
     acting = [
         typical_edit(effect, both, place) for effect in EFFECTS.values() for place in effect.places(both.nominal)[-1:]
@@ -163,16 +167,16 @@ def test_combinations(both: Both) -> None:
     rng = np.random.default_rng(3)
     for _ in range(30):
         first, second = rng.choice(len(acting), 2, replace=False)
-        edits = [bolt_on(PAYLOAD), *deviations, acting[first], acting[second]]
-        assert_same(both.structure.robot(edits), both.compiled(edits))
+        edits = [payload, *deviations, acting[first], acting[second]]
+        assert_same(both.patched(edits), both.compiled(edits))
 
 
 def test_the_spec_stays_as_it_was(both: Both) -> None:
     for effect in EFFECTS.values():
         for place in effect.places(both.nominal)[:1]:
-            both.structure.robot([typical_edit(effect, both, place)])
+            both.patched([typical_edit(effect, both, place)])
     assert both.spec.to_xml() == both.before
-    assert_same(both.structure.robot(()), both.compiled(()))
+    assert_same(both.patched(()), both.compiled(()))
 
 
 def with_a_stand(spec: mujoco.MjSpec, robot: Robot) -> None:
@@ -209,31 +213,31 @@ def test_refused_as_when_compiled(edit: SpecEdit, both: Both, tmp_path: Path, mo
     with pytest.raises(RobotError) as compiled:
         both.compiled([edit])
     with pytest.raises(RobotError) as patched:
-        both.structure.robot([edit])
+        both.patched([edit])
     assert str(patched.value) == str(compiled.value)
 
 
 @pytest.mark.parametrize("edit", [with_a_stand, with_memory, Unpatched(bolt_on(3.0))])
 def test_what_cannot_be_patched_is_compiled(edit: SpecEdit, both: Both) -> None:
-    assert_same(both.structure.robot([edit]), both.compiled([edit]))
+    assert_same(both.patched([edit]), both.compiled([edit]))
 
 
 def test_several_threads(both: Both) -> None:
     load = both.nominal.at.load_body
 
     def mass(wanted: int) -> float:
-        return float(both.structure.robot([bolt_on(float(wanted))]).model.body_mass[load])
+        return float(both.patched([bolt_on(float(wanted))]).model.body_mass[load])
 
     with ThreadPoolExecutor(4) as pool:
         assert list(pool.map(mass, range(1, 400))) == list(range(1, 400))
 
 
 def test_robots_that_are_alive_share_no_model(both: Both) -> None:
-    kept = [both.structure.robot([bolt_on(float(mass))]) for mass in range(1, 40)]
+    kept = [both.patched([bolt_on(float(mass))]) for mass in range(1, 40)]
     load = both.nominal.at.load_body
     assert [one.model.body_mass[load] for one in kept] == list(range(1, 40))
     data = mujoco.MjData(kept[0].model)
     del kept
-    others = [both.structure.robot([bolt_on(50.0)]) for _ in range(40)]
+    others = [both.patched([bolt_on(50.0)]) for _ in range(40)]
     assert data.model.body_mass[load] == 1.0
     assert len({one.model._address for one in others} | {data.model._address}) == 41

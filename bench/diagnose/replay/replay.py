@@ -19,7 +19,7 @@ from bench.diagnose.replay.segments import Segment
 from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect, Followed
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
-from bench.robot.patched import Structure
+from bench.robot.patched import Step, Structure
 from bench.simulate.bare import bare_spec
 from bench.simulate.instruments import Reading
 from bench.simulate.payload import bolt_on
@@ -221,21 +221,26 @@ class Replay:
         return Trace.concatenate(traces)[order]
 
     def _robot(self, world: World, conditions: Conditions) -> CompiledRobot:
-        return self._structure.robot(edits_in(world, conditions))
+        return self._structure.robot(_steps(world, conditions))
 
 
 def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
     """Return the changes of the model in a world: payload, deviations, effects, in this order."""
-    edits: list[SpecEdit] = []
+    return [edit for step in _steps(world, conditions) for edit in step.edits]
+
+
+def _steps(world: World, conditions: Conditions) -> list[Step]:
     share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_payload)
-    if conditions.payload_kg:
-        edits.append(bolt_on(share * conditions.payload_kg))
-    edits += [nuisance.edit(value) for nuisance, value in world.deviations.items() if nuisance.edit]
+    payload_kg = share * conditions.payload_kg
+    off = [(nuisance, value) for nuisance, value in world.deviations.items() if nuisance.edit]
+    steps = [Step(payload_kg, (bolt_on(payload_kg),) if payload_kg else ())]
+    steps.append(Step(tuple(off), tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit)))
+    during = conditions.key
     for acting in world.acting:
         edit = acting.effect.edit(acting.place, acting.values, conditions)
-        if edit:
-            edits.append(edit)
-    return edits
+        key = acting.effect, acting.place, tuple(acting.values.items()), during
+        steps.append(Step(key, (edit,) if edit else ()))
+    return steps
 
 
 def ideal_reading(compiled: CompiledRobot, trace: Trace) -> Reading:

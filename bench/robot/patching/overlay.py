@@ -44,6 +44,19 @@ class SpecOverlay:
         self._blanks: dict[Handle, Blank] = {}
         self._parts: dict[Handle, Part] = {}
         self._wraps: dict[Handle, int] = {}
+        self._is_shared_anew = False  # whether an actuator of the spec may use other texts, or share them with others
+
+    def copy(self) -> "SpecOverlay":
+        """Return an overlay that goes on from what was noted so far."""
+        other = SpecOverlay(self._below)
+        other.operations = list(self.operations)
+        other._names = {
+            kind: names if names is self._below.names[kind] else list(names) for kind, names in self._names.items()
+        }
+        for name in ("numbers", "configs", "_assigned", "_carriers", "_blanks", "_wraps"):
+            setattr(other, name, dict(getattr(self, name)))
+        other._is_shared_anew = self._is_shared_anew
+        return other
 
     def compiled_with_data(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
         """Return the model with everything that was noted so far, and fresh data for it."""
@@ -113,7 +126,7 @@ class SpecOverlay:
 
     def users_of(self, instance: str) -> list[str]:
         """Return the names of the actuators that use a named plugin instance, in order."""
-        if not self.operations:
+        if instance in self._below.users and not self._is_shared_anew:
             return self._below.users[instance]
         return [one.name for one in self.all("actuator") if one.plugin.name == instance]
 
@@ -123,7 +136,7 @@ class SpecOverlay:
         None where that takes a look at every actuator.
         """
         found = self._below.uses.get(actuator)
-        if found is None or self.operations:
+        if found is None or self._is_shared_anew:
             return None
         handle, index, count = found
         return dict(self.read(handle, CONFIG)), index, count
@@ -131,7 +144,7 @@ class SpecOverlay:
     def configured(self, actuator: str, config: Mapping[str, str]) -> bool:
         """Note the texts that an actuator of the spec uses; whether that was possible without a look at the others."""
         found = self._below.uses.get(actuator)
-        if found is None or self.operations:
+        if found is None or self._is_shared_anew:
             return False
         self.configs[found[0]] = dict(config)
         return True
@@ -192,6 +205,10 @@ class SpecOverlay:
         if known:
             self.numbers[handle, attribute] = value
             return
+        if handle.kind in _SHARING:
+            self._is_shared_anew |= handle.number < len(self._below.names[_SHARING[handle.kind]]) or (
+                value in self._below.users
+            )
         if attribute == "name" and handle.kind != "use":
             self._own_names(handle.kind)[handle.number] = value
         else:
@@ -283,8 +300,9 @@ class _Actuator(Part):
 
 
 _OWN = frozenset(
-    ["operations", "numbers", "configs", "_below", "_assigned", "_names", "_carriers", "_blanks", "_parts", "_wraps"]
+    ["operations", "numbers", "configs", "_below", "_assigned", "_names", "_carriers", "_blanks", "_parts", "_wraps", "_is_shared_anew"]
 )  # what an overlay itself holds
+_SHARING = {"use": "actuator", "actuator": "actuator", "plugin": "plugin"}  # parts that say whose texts are whose
 _CLASSES: dict[str, type[Part]] = {
     "body": _Body,
     "joint": _Carried,
