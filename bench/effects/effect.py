@@ -171,6 +171,8 @@ class Effect(ABC):
         scatters: Whether its `edit` gives an elastic element play (a `springlength` with two ends), which leaves to
             chance where a link rests. Its evidence is then more than what its signature shows, so it is tried wherever
             something at its place comes near the best cause.
+        is_additive: Whether its `torques` are the same where the effect acts already; those of an effect that scales a
+            figure grow with that figure.
     """
 
     name: ClassVar[str]
@@ -181,6 +183,7 @@ class Effect(ABC):
     parameters: tuple[Parameter, ...]  # of the class; of an effect that is made from data, of the instance
     needs: ClassVar[tuple[str, ...]] = ()
     scatters: ClassVar[bool] = False
+    is_additive: ClassVar[bool] = False
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         """Return where it may act on this robot; empty where the robot has no such part."""

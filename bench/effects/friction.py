@@ -59,6 +59,7 @@ class CoulombFriction(_OnFriction):
         "within +-f_C. It is put on the motor side (the effect friction_side moves it)."
     )
     source = f"{ARMSTRONG}; range: 0.2 to 10 % of the drive's torque limit, assumed"
+    is_additive = True
     parameters = (Parameter("level", "Nm", 0.0, 20.0, 1000.0, "f_C; range for a drive of 10 kNm"),)
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
@@ -73,6 +74,15 @@ class CoulombFriction(_OnFriction):
             set_coulomb(spec, drive, "motor", coulomb(spec, drive, "motor") + level)
 
         return change if level else None
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        there = float(followed.compiled.motor_coulomb[place.index])
+        if there > 0:
+            sliding = sliding_friction(followed, "motor", place.index)
+            return None if sliding is None else Torques(motor=values["level"] / there * sliding)
+        if np.any(followed.visit >= 0):
+            return None  # what would hold at rest is not told by a robot without friction
+        return Torques(motor=-values["level"] * np.sign(followed.trace.q_velocity[:, place.index]))
 
 
 class Viscous(_OnFriction):
@@ -104,6 +114,7 @@ class ViscousFriction(_OnFriction):
         "Shear of the lubricant opposes motion in proportion to speed, f = f_v v, mostly in the fast motor-side stages."
     )
     source = f"{ARMSTRONG}; range: 0.2 to 50 % of the torque limit at the speed limit, assumed"
+    is_additive = True
     parameters = (
         Parameter("coefficient", "Nm s/rad", 0.0, 10.0, 2500.0, "f_v; range for a drive of 10 kNm and 2 rad/s"),
     )

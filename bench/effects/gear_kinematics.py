@@ -31,6 +31,7 @@ class TransmissionError(OnDrive):
         "Nye and Kraml, Harmonic drive gear error: characterization and compensation, 1991; Tuttle and Seering, 1996; "
         "range: DESIGN 6, 10 to 60 arcsec"
     )
+    is_additive = True
     parameters = (
         Parameter("sin", "rad", 0.0, 4.8e-5, 2.9e-4, "s; 10 to 60 arcsec", signed=True),
         Parameter("cos", "rad", 0.0, 4.8e-5, 2.9e-4, "c", signed=True),

@@ -117,6 +117,7 @@ class DressPack(OnDrive):
     title = "dress pack"
     physics = "Cables and hoses along the arm act like a spring on a joint: torque = -c (theta - theta_0)."
     source = "range: DESIGN 6, 5 to 100 Nm over about a radian; form assumed"
+    is_additive = True
     parameters = (
         Parameter("stiffness", "Nm/rad", 0.0, 5.0, 100.0, "c; range for a drive of 10 kNm"),
         Parameter("neutral", "rad", 0.0, -1.5, 1.5, "theta_0, where it does not pull", is_shape=True),

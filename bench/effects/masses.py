@@ -202,6 +202,7 @@ class TorqueOffset(OnDrive):
     source = (
         "Janot, Gautier and Brunot, data set of the EMPS, 2019 (offset force); range: 0.05 to 5 % of the limit, assumed"
     )
+    is_additive = True
     parameters = (Parameter("torque", "Nm", 0.0, 5.0, 500.0, "range for a drive of 10 kNm", signed=True),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:

@@ -158,7 +158,7 @@ def test_every_nominal_parameter(both: Both) -> None:
 
 @pytest.mark.usefixtures("never_compiled")
 def test_combinations(both: Both) -> None:
-    """Payload, all deviations and two effects, of which either may come first; most steps are those of the one before."""
+    """Payload, all deviations and two effects, of which either may come first; most steps are those of the last."""
     payload = bolt_on(PAYLOAD)
     deviations = [one.edit((-1) ** i * one.sigma) for i, one in enumerate(nominal_parameters(both.nominal))]
     acting = [

@@ -82,6 +82,8 @@ class Reference:
             slope = None
             if guess is not None:
                 unknown, slope = guess[i]
+                if i:  # what the guess missed an instant ago it is likely to miss again
+                    unknown = unknown + (found[i - 1, 0] - guess[i - 1, 0])
             elif i:
                 unknown = found[i - 1, 0].copy()
                 unknown[:n] += motion.q[i] - motion.q[i - 1]

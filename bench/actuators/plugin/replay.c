@@ -291,8 +291,12 @@ EXPORT int bench_replay(const mjModel* model, mjData* data, const Arm* arm, cons
       data->qacc[arm->q_dof[j]] = data->qacc[arm->theta_dof[j]] = acceleration[j];
     }
     if (course->guess) {
-      mju_copy(w.unknown, course->guess + 2 * (size_t)i * u, u);
-      mju_copy(w.slope, course->guess + 2 * (size_t)i * u + u, u);
+      const double* guess = course->guess + 2 * (size_t)i * u;
+      for (int k = 0; k < u; k++) {
+        // what the guess missed an instant ago it is likely to miss again
+        w.unknown[k] = guess[k] + (course->begins[i] ? 0 : w.unknown[k] - guess[k - 2 * u]);
+      }
+      mju_copy(w.slope, guess + u, u);
     } else {
       if (course->begins[i]) {
         mju_zero(w.unknown, u);

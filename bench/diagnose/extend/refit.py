@@ -1,6 +1,6 @@
 """The last word on an extension: its parameters and all nuisances together, fitted by simulating the extended model."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,6 +8,8 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit, Key, Unknown, is_simulated, play_of, unknowns_of, world_of
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, is_same_play, with_play
+from bench.diagnose.picture.first_order import FirstOrder
+from bench.diagnose.replay.replay import World
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
@@ -126,7 +128,15 @@ def _fitted(design: Design, causes: tuple[Cause, ...], point: _Point) -> Fit:
     best = objective(residual, values, x)
     p = len(x)
     prior = np.diag(np.concatenate([np.ones(p), 1 / sigma**2]))
-    slopes, borrowed = _slopes(left, residual, values, x, unknowns, point.slopes), bool(point.slopes)
+
+    def slopes_at(values: Array, x: Array, residual: Array, known: Mapping[int, Array]) -> Array:
+        def world_at(values: Array) -> World:
+            return world_of(design, causes, unknowns, values, x)
+
+        known = {**_of_torques(design, world_at, causes, unknowns, values, known), **known}
+        return _slopes(left, residual, values, x, unknowns, known)
+
+    slopes, borrowed = slopes_at(values, x, residual, point.slopes), bool(point.slopes)
     tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
     curvature = tangent.T @ tangent + prior
     fell = np.inf
@@ -155,7 +165,7 @@ def _fitted(design: Design, causes: tuple[Cause, ...], point: _Point) -> Fit:
                 x, values, residual, best = new_x, new_values, new_residual, new
                 break
         if fell < FAITHFUL * promised and (borrowed or fell >= ENOUGH):
-            slopes, borrowed = _slopes(left, residual, values, x, unknowns, {}), False
+            slopes, borrowed = slopes_at(values, x, residual, {}), False
             tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
             curvature, fell = tangent.T @ tangent + prior, np.inf
         elif fell == 0:
@@ -210,6 +220,31 @@ def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-u
         except NOT_SIMULATED:
             values = origin + (values - origin) / 2 if halving < HALVINGS - 1 else values
     return values, left(values, x)
+
+
+def _of_torques(
+    design: Design,
+    world_at: Callable[[Array], World],
+    causes: tuple[Cause, ...],
+    unknowns: tuple[Unknown, ...],
+    values: Array,
+    known: Mapping[int, Array],
+) -> dict[int, Array]:
+    """Return the change of the readings with each unknown that is not known and adds a torque, shape (T, c)."""
+    which = [i for i, one in enumerate(unknowns) if i not in known and one.cause.effect.is_additive]
+    if not which:
+        return {}
+    here = world_at(values)
+    about = FirstOrder(design.replay, here)
+    found: dict[int, Array] = {}
+    for i in which:
+        step, moved = unknowns[i].step_from(float(values[i])), values.copy()
+        moved[i] += step
+        number = causes.index(unknowns[i].cause)
+        now, then = (about.change(world.acting[number]) for world in (here, world_at(moved)))
+        if now is not None and then is not None:
+            found[i] = (then - now) / step
+    return found
 
 
 def _slopes(left, residual, values, x, unknowns, known) -> Array:  # type: ignore[no-untyped-def]

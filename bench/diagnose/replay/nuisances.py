@@ -21,7 +21,7 @@ UNKNOWN_ZERO = 1e-3  # [rad] or [m], how well secondary encoders are zeroed wher
 OnReading = Callable[[float, Reading], Reading]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Nuisance:
     """One thing that may be off; zero changes nothing.
 

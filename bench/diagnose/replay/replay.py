@@ -5,13 +5,17 @@ time; nothing here is a linearisation. A replay does not change: what it predict
 may be simulated in any order and in several threads.
 """
 
-from collections.abc import Iterable, Mapping
+from collections import OrderedDict
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.replay.jacobians import reflector_jacobians
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
@@ -25,6 +29,8 @@ from bench.simulate.instruments import Reading
 from bench.simulate.payload import bolt_on
 from bench.simulate.plant import Trace
 from bench.simulate.prescribed import Motion, Prescribed
+
+MOST_KNOWN = 4  # motions kept, for worlds that only read differently
 
 
 @dataclass(frozen=True)
@@ -78,6 +84,8 @@ class Replay:
         self.segments = segments
         self.quantities = quantities
         self._structure = Structure(compiled.robot, bare_spec(compiled.robot))
+        self._known: OrderedDict[Hashable, Trace] = OrderedDict()
+        self._lock = Lock()
         self._rows = _slices(len(segment) for segment in segments)
         self._courses = {with_conditions: self._planned(with_conditions) for with_conditions in (False, True)}
         # where links and passive hinges of the nominal robot balance; every search starts there
@@ -101,7 +109,10 @@ class Replay:
             ConvergenceError: The model finds no balance.
             RobotError: The effect does not fit the model.
         """
-        trace = self.trace(world)
+        return self.read(world, self.trace(world))
+
+    def read(self, world: World, trace: Trace) -> Array:
+        """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
         reading = ideal_reading(self.compiled, trace)
         distorting = [acting for acting in world.acting if type(acting.effect).distort is not Effect.distort]
         if distorting:
@@ -125,8 +136,18 @@ class Replay:
         """
         if not _changes_robot(world):
             return self._nominal
+        key = _key_of_motion(world)
+        with self._lock:
+            if key in self._known:
+                self._known.move_to_end(key)
+                return self._known[key]
         courses = self._courses[_depends_on_conditions(world)]
-        return self._joined(courses, [self._followed(world, course)[0] for course in courses])
+        trace = self._joined(courses, [self._followed(world, course)[0] for course in courses])
+        with self._lock:
+            self._known[key] = trace
+            if len(self._known) > MOST_KNOWN:
+                self._known.popitem(last=False)
+        return trace
 
     def traces(self, world: World) -> list[Trace]:
         """Return the true motion in a world, segment by segment."""
@@ -157,6 +178,11 @@ class Replay:
             )
             found.append((course, followed))
         return found
+
+    @cached_property
+    def jacobians(self) -> Array:
+        """Shape (T, r, 3, n), of the reflectors with respect to the links along the nominal motion [m/rad], [m/m]."""
+        return reflector_jacobians(self.compiled, self._nominal.theta)
 
     def play(self, world: World) -> Array:
         """Return the play of the gears in a world, shape (n,) [rad] or [m].
@@ -229,6 +255,17 @@ def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
     return [edit for step in _steps(world, conditions) for edit in step.edits]
 
 
+def _key_of_motion(world: World) -> Hashable:
+    """Return what decides how the robot of a world moves; what only reads differently does not count."""
+    off = tuple((n, value) for n, value in world.deviations.items() if n.edit or n.scales_wrench or n.scales_payload)
+    acting = tuple((one.effect, one.place, tuple(one.values.items())) for one in world.acting if _moves(one.effect))
+    return off, acting
+
+
+def _moves(effect: Effect) -> bool:
+    return type(effect).edit is not Effect.edit or type(effect).encoder_error is not Effect.encoder_error
+
+
 def _steps(world: World, conditions: Conditions) -> list[Step]:
     share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_payload)
     payload_kg = share * conditions.payload_kg
@@ -265,10 +302,7 @@ def _changes_robot(world: World) -> bool:
     """Whether a world moves differently from the nominal one, or only reads differently."""
     if any(n.edit or n.scales_wrench or n.scales_payload for n in world.deviations):
         return True
-    return any(
-        type(acting.effect).edit is not Effect.edit or type(acting.effect).encoder_error is not Effect.encoder_error
-        for acting in world.acting
-    )
+    return any(_moves(acting.effect) for acting in world.acting)
 
 
 def _depends_on_conditions(world: World) -> bool:

@@ -48,14 +48,20 @@ class SpecOverlay:
 
     def copy(self) -> "SpecOverlay":
         """Return an overlay that goes on from what was noted so far."""
-        other = SpecOverlay(self._below)
-        other.operations = list(self.operations)
-        other._names = {
-            kind: names if names is self._below.names[kind] else list(names) for kind, names in self._names.items()
-        }
-        for name in ("numbers", "configs", "_assigned", "_carriers", "_blanks", "_wraps"):
-            setattr(other, name, dict(getattr(self, name)))
-        other._is_shared_anew = self._is_shared_anew
+        other = object.__new__(SpecOverlay)
+        other.__dict__.update(
+            _below=self._below,
+            operations=list(self.operations),
+            numbers=dict(self.numbers),
+            configs=dict(self.configs),
+            _assigned=dict(self._assigned),
+            _names={kind: n if n is self._below.names[kind] else list(n) for kind, n in self._names.items()},
+            _carriers=dict(self._carriers),
+            _blanks=dict(self._blanks),
+            _parts={},
+            _wraps=dict(self._wraps),
+            _is_shared_anew=self._is_shared_anew,
+        )
         return other
 
     def compiled_with_data(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
@@ -300,7 +306,8 @@ class _Actuator(Part):
 
 
 _OWN = frozenset(
-    ["operations", "numbers", "configs", "_below", "_assigned", "_names", "_carriers", "_blanks", "_parts", "_wraps", "_is_shared_anew"]
+    ["operations", "numbers", "configs", "_below", "_assigned", "_names", "_carriers", "_blanks", "_parts", "_wraps"]
+    + ["_is_shared_anew"]
 )  # what an overlay itself holds
 _SHARING = {"use": "actuator", "actuator": "actuator", "plugin": "plugin"}  # parts that say whose texts are whose
 _CLASSES: dict[str, type[Part]] = {
