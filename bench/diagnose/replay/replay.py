@@ -86,7 +86,7 @@ class Replay:
         self._structure = Structure(compiled.robot, bare_spec(compiled.robot))
         self._known: OrderedDict[Hashable, Trace] = OrderedDict()
         self._lock = Lock()
-        self._rows = _slices(len(segment) for segment in segments)
+        self._rows = _slices(_count(segment) for segment in segments)
         self._courses = {with_conditions: self._planned(with_conditions) for with_conditions in (False, True)}
         # where links and passive hinges of the nominal robot balance; every search starts there
         self._found = np.zeros((sum(len(segment.motion) for segment in segments), 2, 0))
@@ -100,7 +100,7 @@ class Replay:
     @property
     def shape(self) -> tuple[int, int]:
         """Instants that are read, and quantities."""
-        return sum(len(segment) for segment in self.segments), len(self.quantities)
+        return sum(_count(segment) for segment in self.segments), len(self.quantities)
 
     def predict(self, world: World) -> Array:
         """Return what instruments show in a world, shape (T, c), segment after segment.
@@ -164,7 +164,7 @@ class Replay:
         found = []
         for course in self._courses[_depends_on_conditions(world)]:
             segments = [self.segments[i] for i in course.segments]
-            lengths = [len(segment) for segment in segments]
+            lengths = [_count(segment) for segment in segments]
             visits = [
                 first if segment.is_static else -1
                 for segment, first in zip(segments, np.cumsum([0, *lengths[:-1]]), strict=True)
@@ -221,7 +221,7 @@ class Replay:
         motion, shift = _moved(course.motion, world)
         trace, found = robot.follow(motion, self._guess(robot, course, shift))
         if np.any(robot.compiled.play):
-            rows = _slices(len(self.segments[i]) for i in course.segments)
+            rows = _slices(_count(self.segments[i]) for i in course.segments)
             trace = Trace.concatenate(
                 expected(robot.compiled, trace[here], is_static=self.segments[i].is_static)
                 for i, here in zip(course.segments, rows, strict=True)
@@ -322,6 +322,11 @@ def _moved(motion: Motion, world: World) -> tuple[Motion, Array | None]:
             motion = replace(motion, q=motion.q - error)
             shift = -error if shift is None else shift - error
     return motion, shift
+
+
+def _count(segment: Segment) -> int:
+    """Return how many instants of a segment are read."""
+    return int(np.count_nonzero(segment.motion.read))
 
 
 def _slices(lengths: Iterable[int]) -> list[slice]:

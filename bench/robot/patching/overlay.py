@@ -305,10 +305,12 @@ class _Actuator(Part):
         return self.overlay.part(Handle("use", self.handle.number))
 
 
-_OWN = frozenset(
-    ["operations", "numbers", "configs", "_below", "_assigned", "_names", "_carriers", "_blanks", "_parts", "_wraps"]
-    + ["_is_shared_anew"]
-)  # what an overlay itself holds
+_OWN = frozenset({"operations", "numbers", "configs", "_below", "_assigned", "_names", "_carriers"}) | {
+    "_blanks",
+    "_parts",
+    "_wraps",
+    "_is_shared_anew",
+}  # what an overlay itself holds
 _SHARING = {"use": "actuator", "actuator": "actuator", "plugin": "plugin"}  # parts that say whose texts are whose
 _CLASSES: dict[str, type[Part]] = {
     "body": _Body,
