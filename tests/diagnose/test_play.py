@@ -110,7 +110,7 @@ def test_an_instant_in_which_a_link_crosses_its_gap_is_a_mean() -> None:
     theta[:, 1] += torque / compiled.stiffness[1] + np.sign(torque) * GAP / 2
     velocity[:, 1] = 0.3
     made_up = replace(trace, time=np.arange(4.0), theta=theta, q_velocity=velocity)
-    shift = (expected(gapped, made_up, is_static=False).theta - theta)[:, 1]
+    shift = (expected(gapped, made_up, [(slice(None), False)]).theta - theta)[:, 1]
     # third interval: from 1.5 over 1 to -1; fourth: from -1 to -3
     mean = np.array([1.0, 1.0, (1 + 0.0) / 2, -1.0])
     np.testing.assert_allclose(shift, (mean - np.sign(torque)) * GAP / 2, atol=1e-12)

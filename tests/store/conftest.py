@@ -12,11 +12,6 @@ from bench.robot.folder import load_robot
 from bench.store.store import Store
 
 
-@pytest.fixture(autouse=True)
-def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("BENCH_CORES", "1")
-
-
 @pytest.fixture
 def store(tmp_path: Path) -> Store:
     return Store(tmp_path / "store")
@@ -31,12 +26,12 @@ def compiled(small_robot: Path) -> CompiledRobot:
 def simulated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return a list that fills with what is not read from the store: the names of effects, and "nuisance"."""
     names: list[str] = []
-    simulate = Signatures._simulated
+    simulate = Signatures._simulate
 
-    def noted(self: Signatures, segments: Any, which: Sequence[int], progress: Any) -> Any:
+    def noted(self: Signatures, changes: Any, which: Sequence[int], *about: Any) -> None:
         plan = [one.effect.name for one in self.plan]
         names.extend((["nuisance"] * len(self.nuisances) + plan)[i] for i in which)
-        return simulate(self, segments, which, progress)
+        simulate(self, changes, which, *about)
 
-    monkeypatch.setattr(Signatures, "_simulated", noted)
+    monkeypatch.setattr(Signatures, "_simulate", noted)
     return names

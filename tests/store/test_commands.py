@@ -9,7 +9,6 @@ from bench.cli import main
 from bench.errors import InputError
 from bench.record.write import write_campaign
 from bench.store.place import open_store
-from bench.study import study
 from tests.diagnose.sweeps import SWEEP, made
 
 
@@ -31,12 +30,5 @@ def test_diagnose(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_campaign(made(SWEEP, seed=5), tmp_path / "campaign")
     stores = spy_on(monkeypatch, module, "diagnose")
     command = ["diagnose", str(tmp_path / "campaign"), "-o", str(tmp_path / "out")]
-    assert main(command) == main([*command, "--no-store"]) == 2
-    assert stores == [open_store(), None]
-
-
-def test_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    stores = spy_on(monkeypatch, study, "prepare")
-    command = ["study", "--small", "-o", str(tmp_path / "out")]
     assert main(command) == main([*command, "--no-store"]) == 2
     assert stores == [open_store(), None]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.picture.design import Design
 from bench.effects.effect import Acting, Effect, Parameter, Place
@@ -103,7 +104,9 @@ def shape_grid(cause: Cause) -> list[dict[str, float]]:
     return [dict(point) for point in product(*axes)]
 
 
-def candidates_of(design: Design, causes: Sequence[Cause], changes: Sequence[Array | None]) -> tuple[Candidate, ...]:
+def candidates_of(
+    design: Design, causes: Sequence[Cause], changes: Sequence[NDArray[np.floating] | None]
+) -> tuple[Candidate, ...]:
     """Return the visible candidates of a campaign: every cause at every shape that leaves a trace in it.
 
     Args:

@@ -4,11 +4,12 @@ There is an entry for the nuisances, and one for every effect with all its place
 that a simulation of its columns depends on: robot, figures, code, engine, motion, channels, and the effect itself.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.picture.effect_source import source_of, source_of_bench
 from bench.diagnose.picture.reference_motion import Session, remember, session_of
@@ -17,7 +18,6 @@ from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import World
 from bench.diagnose.replay.segments import Segment
 from bench.effects.effect import Acting, Effect
-from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.bare import bare_spec
 from bench.store.digest import digest
@@ -77,17 +77,15 @@ class StoredSignatures:
         )
         self._groups = groups_of(compiled, quantities, nuisances, plan, around, self._session)
 
-    def read(self) -> dict[int, Array]:
-        """Return what is known: column -> change of the readings, shape (T, c), nan where there is no balance."""
-        found: dict[int, Array] = {}
+    def read(self) -> Iterator[tuple[int, NDArray[np.floating]]]:
+        """Yield what is known: column, and change of the readings, shape (T, c), nan where there is no balance."""
         for group in self._groups:
             kept = self._store.get(group.key) if group.key else None
             columns = kept.get(COLUMNS) if kept else None
             if columns is not None and columns.shape == (len(group.columns), *self._shape[::-1]):
-                found |= {at: column.T for at, column in zip(group.columns, columns, strict=True)}
-        return found
+                yield from ((at, column.T) for at, column in zip(group.columns, columns, strict=True))
 
-    def write(self, changes: Array, new: Sequence[int]) -> None:
+    def write(self, changes: NDArray[np.floating], new: Collection[int]) -> None:
         """Keep what was simulated.
 
         Args:

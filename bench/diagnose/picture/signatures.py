@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.picture.candidates import Cause, plan_of
 from bench.diagnose.picture.first_order import FirstOrder
@@ -26,6 +27,9 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
+Digits = NDArray[np.float32]
+DIGITS = np.float32  # kept of a signature: balances are found within 1e-6, and half the memory serves twice the causes
+
 
 @dataclass(frozen=True, eq=False)
 class Changes:
@@ -33,11 +37,12 @@ class Changes:
 
     Attributes:
         nuisances: Shape (T, c, p), of one standard deviation each.
-        causes: One for each size of each shape of each cause, in the order of `plan_of`, shape (T, c); None: fails.
+        causes: One for each size of each shape of each cause, in the order of `plan_of`, shape (T, c), of `DIGITS`;
+            None: fails.
     """
 
     nuisances: Array
-    causes: tuple[Array | None, ...]
+    causes: tuple[Digits | None, ...]
 
 
 class Signatures:
@@ -72,7 +77,7 @@ class Signatures:
         )
         self._times: dict[str, Array] = {}
         self._lost: set[int] = set()
-        self._changes: dict[str, Array] = {}  # shape (T of the stretch, c, p + causes), nan where there is no balance
+        self._changes: dict[str, Digits] = {}  # shape (T of the stretch, c, p + causes), nan where there is no balance
 
     @property
     def asked(self) -> tuple[tuple[Quantity, ...], tuple[str, ...], tuple[tuple[str, str], ...]]:
@@ -94,17 +99,19 @@ class Signatures:
             executor: Where to simulate.
         """
         new = tuple(segment for segment in segments if self._rows(segment) is None)
-        if new:
-            self._learn(new, executor)
-        parts = []
-        for segment in segments:
-            rows = self._rows(segment)
-            assert rows is not None
-            parts.append(self._changes[segment.label][rows])
-        found = np.concatenate(parts)
+        found = self._learn(new, executor) if new else None
+        if found is None or len(new) < len(segments):
+            parts = []
+            for segment in segments:
+                rows = self._rows(segment)
+                assert rows is not None
+                parts.append(self._changes[segment.label][rows])
+            found = np.concatenate(parts)
         p = len(self.nuisances)
         causes = (found[:, :, i] for i in range(p, found.shape[2]))
-        return Changes(found[:, :, :p], tuple(None if np.any(np.isnan(one)) else one for one in causes))
+        return Changes(
+            found[:, :, :p].astype(np.float64), tuple(None if np.any(np.isnan(one)) else one for one in causes)
+        )
 
     def _rows(self, segment: Segment) -> Array | None:
         """Return which known instants are those of a segment, None if some are not known."""
@@ -115,17 +122,18 @@ class Signatures:
         nearest: Array = np.argmin(np.abs(times[:, None] - known), axis=1)
         return nearest if np.all(np.abs(known[nearest] - times) < SAME_INSTANT) else None
 
-    def _learn(self, segments: tuple[Segment, ...], executor: Executor) -> None:
+    def _learn(self, segments: tuple[Segment, ...], executor: Executor) -> Digits:
+        """Return what was simulated or read, shape (T, c, p + causes), and keep it by stretches."""
         about = self.compiled, self.quantities, self.nuisances, self.plan, self.around
         stored = StoredSignatures(self.store, *about, segments) if self.store else None
-        found = stored.read() if stored else {}
-        count = len(self.nuisances) + len(self.plan)
-        new = [i for i in range(count) if i not in found]
+        count, rows = len(self.nuisances) + len(self.plan), sum(len(segment) for segment in segments)
+        changes: Digits = np.empty((rows, len(self.quantities), count), dtype=DIGITS)
+        new = set(range(count))
+        for i, column in stored.read() if stored else ():
+            changes[:, :, i] = column
+            new.remove(i)
         if new:
-            found |= self._simulated(stored.segments if stored else segments, new, executor)
-        changes = np.empty((sum(len(segment) for segment in segments), len(self.quantities), count))
-        for i in range(count):
-            changes[:, :, i] = found.pop(i)  # one by one, for all of them twice is much memory
+            self._simulate(changes, sorted(new), stored.segments if stored else segments, executor)
         if stored and new:
             stored.write(changes, new)
         lost = np.all(np.isnan(changes[:, :, len(self.nuisances) :]), axis=(0, 1))
@@ -133,14 +141,16 @@ class Signatures:
         edges = np.cumsum([len(segment) for segment in segments])[:-1]
         for segment, part in zip(segments, np.split(changes, edges), strict=True):
             self._times[segment.label], self._changes[segment.label] = _instants(segment), part
+        return changes
 
-    def _simulated(self, segments: tuple[Segment, ...], which: Sequence[int], executor: Executor) -> dict[int, Array]:
-        """Return some columns, shape (T, c) each; nan where there is no balance."""
+    def _simulate(
+        self, changes: Digits, which: Sequence[int], segments: tuple[Segment, ...], executor: Executor
+    ) -> None:
+        """Write some columns of the changes; nan where there is no balance."""
         replay = Replay(self.compiled, segments, self.quantities)
         off, acting = self.around.deviations, self.around.acting
         p = len(self.nuisances)
         first_order = FirstOrder(replay, self.around)
-        found: dict[int, Array] = {}
         worlds: dict[int, World] = {}
         for i in which:
             if i < p:
@@ -151,16 +161,15 @@ class Signatures:
             if change is None:
                 worlds[i] = World(off, (*acting, self.plan[i - p]))
             else:
-                found[i] = change
+                changes[:, :, i] = change
         nominal = replay.predict(self.around)
         for i, result in zip(worlds, simulate_all(replay, list(worlds.values()), executor), strict=True):
             if isinstance(result, BenchError):
                 if i < p or isinstance(result, EffectError):
                     raise result
-                found[i] = np.full_like(nominal, np.nan)
+                changes[:, :, i] = np.nan
             else:
-                found[i] = result - nominal
-        return found
+                changes[:, :, i] = result - nominal
 
 
 def _instants(segment: Segment) -> Array:

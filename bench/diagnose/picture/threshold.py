@@ -11,7 +11,7 @@ from bench.record.campaign import Array
 
 DRAWS = 4000
 AT_A_TIME = 500  # draws: memory stays small
-TINY = 1e-14  # of the largest eigenvalue, up to where one is rounding
+TINY = 1e-9  # of a column's variance, that is added to it; rounding of products is a thousandth of that
 LEAST = 4.6  # log Bayes factor (100 to 1) that is asked for even where chance alone would not come near it
 
 
@@ -27,15 +27,14 @@ def family_threshold(
         rng: For the null campaigns, which are drawn in the space of the scores.
     """
     information = marginal.information
-    values, vectors = np.linalg.eigh(information)
-    seen = values > TINY * values[-1]
-    root = (vectors[:, seen] * np.sqrt(values[seen])).T.astype(np.float32)  # a Monte Carlo study needs no more digits
-    del vectors
+    scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
+    alike = information / scale[:, None] / scale + TINY * np.eye(len(scale))  # columns may be copies of each other
+    root = (np.linalg.cholesky(alike) * scale[:, None]).T.astype(np.float32)  # a Monte Carlo study needs no more digits
     single, several = _shaped(information, blocks)
     best = np.full(DRAWS, -np.inf)
     for start in range(0, DRAWS, AT_A_TIME):
-        drawn = rng.standard_normal((min(AT_A_TIME, DRAWS - start), len(values)))[:, seen]
-        scores = drawn.astype(np.float32) @ root
+        drawn = rng.standard_normal((min(AT_A_TIME, DRAWS - start), len(scale)), dtype=np.float32)
+        scores = drawn @ root
         mine = best[start : start + AT_A_TIME]
         if len(single.columns):
             evidence = scores[:, single.columns] ** 2 * single.weights - single.costs

@@ -72,32 +72,48 @@ class Noise:
         return fitted.accuracy_rad if quantity.kind == "q_link" and fitted else 0.0
 
     @staticmethod
-    def of_samples(values: Array) -> float:
-        """Return the scatter of a smooth signal's samples, from their third differences; robust against jumps."""
-        if len(values) < 8:
-            return 0.0
-        third = np.diff(values, 3)
-        return float(NORMAL_MAD * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))
+    def of_samples(values: Array) -> Array:
+        """Return the scatter of smooth signals' samples, from their third differences; robust against jumps.
+
+        Args:
+            values: Shape (rows, c).
+
+        Returns:
+            Shape (c,).
+        """
+        if len(values) < FEWEST:
+            return np.zeros(values.shape[1])
+        third = np.diff(values, 3, axis=0)
+        spread: Array = np.median(np.abs(third - np.median(third, axis=0)), axis=0)
+        scatter: Array = NORMAL_MAD * spread / np.sqrt(20.0)
+        return scatter
 
     @staticmethod
-    def of_groups(values: Array, groups: Sequence[NDArray[np.int64]]) -> float:
+    def of_groups(values: Array, groups: Sequence[NDArray[np.int64]]) -> Array:
         """Return the scatter of samples about a parabola through each group of them, as of white noise.
 
         Third differences see what changes from sample to sample; this sees all that a group averages, such as torque
         that rings, and takes into account that neighbours ring alike.
+
+        Args:
+            values: Shape (rows, c).
+            groups: Rows that follow each other.
+
+        Returns:
+            Shape (c,).
         """
         sizes = np.array([len(group) for group in groups])
         n = int(np.median(sizes)) if len(sizes) else 0
         if n < FEWEST:
-            return 0.0
-        samples = np.stack([values[group] for group in groups if len(group) == n])
+            return np.zeros(values.shape[1])
+        samples = np.stack([values[group] for group in groups if len(group) == n]).transpose(0, 2, 1)
         basis = _orthonormal_parabolas(n)
         left = samples - samples @ basis @ basis.T
-        power = np.sum(left**2, axis=1)
-        variance = float(np.median(power)) / (n - 3)
-        alike = np.median(np.sum(left[:, 1:] * left[:, :-1], axis=1)) / max(float(np.median(power)), 1e-300)
-        alike = float(np.clip(alike, 0.0, MOST_ALIKE))
-        return float(np.sqrt(variance * (1 + alike) / (1 - alike)))
+        power = np.median(np.sum(left**2, axis=2), axis=0)
+        follows = np.median(np.sum(left[:, :, 1:] * left[:, :, :-1], axis=2), axis=0)
+        alike = np.clip(follows / np.maximum(power, 1e-300), 0.0, MOST_ALIKE)
+        scatter: Array = np.sqrt(power / (n - 3) * (1 + alike) / (1 - alike))
+        return scatter
 
 
 @lru_cache

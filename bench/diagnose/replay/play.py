@@ -1,5 +1,6 @@
 """Gears with play: where a link that nothing pushes to a flank may rest, nobody can say but that it is in the gap."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import mujoco
@@ -41,7 +42,7 @@ def is_loose(compiled: CompiledRobot, load: Array) -> NDArray[np.bool_]:
     return loose
 
 
-def expected(compiled: CompiledRobot, trace: Trace, *, is_static: bool) -> Trace:
+def expected(compiled: CompiledRobot, trace: Trace, stretches: Iterable[tuple[slice, bool]]) -> Trace:
     """Return a trace with links where they are to be expected, within what play leaves open.
 
     At rest a loose link is expected in the middle: by friction alone it would lag behind its motor, but stopping throws
@@ -51,17 +52,21 @@ def expected(compiled: CompiledRobot, trace: Trace, *, is_static: bool) -> Trace
     Args:
         compiled: The robot.
         trace: As replayed: instants of a stretch of motion are the middles of equal intervals.
-        is_static: Whether it is of rests.
+        stretches: Where each stretch is, and whether it is of rests.
     """
     half = compiled.play / 2
     if not np.any(half):
         return trace
-    if is_static:
-        torsion = np.clip(trace.theta - trace.q, -half, half)
-        return _shifted(compiled, trace, np.where(is_loose(compiled, link_load(compiled, trace)), -torsion, 0.0))
-    torque = transmitted(compiled, trace)
-    flank = np.where(trace.q_velocity != 0, _mean_sign(torque, trace.time) - np.sign(torque), 0.0)
-    return _shifted(compiled, trace, flank * half)
+    torsion = np.clip(trace.theta - trace.q, -half, half)
+    torque, load = transmitted(compiled, trace), link_load(compiled, trace)
+    shift = np.zeros_like(torsion)
+    for rows, is_static in stretches:
+        if is_static:
+            shift[rows] = np.where(is_loose(compiled, load[rows]), -torsion[rows], 0.0)
+        else:
+            flank = _mean_sign(torque[rows], trace.time[rows]) - np.sign(torque[rows])
+            shift[rows] = np.where(trace.q_velocity[rows] != 0, flank, 0.0) * half
+    return _shifted(compiled, trace, shift)
 
 
 def _mean_sign(values: Array, time: Array) -> Array:

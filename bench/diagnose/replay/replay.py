@@ -220,13 +220,10 @@ class Replay:
         robot = Prescribed(compiled, self._structure.data_for(compiled))
         motion, shift = _moved(course.motion, world)
         trace, found = robot.follow(motion, self._guess(robot, course, shift))
-        if np.any(robot.compiled.play):
-            rows = _slices(_count(self.segments[i]) for i in course.segments)
-            trace = Trace.concatenate(
-                expected(robot.compiled, trace[here], is_static=self.segments[i].is_static)
-                for i, here in zip(course.segments, rows, strict=True)
-            )
-        return trace, found
+        segments = [self.segments[i] for i in course.segments]
+        rows = _slices(_count(segment) for segment in segments)
+        stretches = [(here, segment.is_static) for segment, here in zip(segments, rows, strict=True)]
+        return expected(compiled, trace, stretches), found
 
     def _guess(self, robot: Prescribed, course: Course, shift: Array | None) -> Array | None:
         """Return where to search first, shape (T, 2, u): where the nominal robot balanced; `shift` of its motors."""
@@ -251,7 +248,7 @@ class Replay:
 
 
 def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
-    """Return the changes of the model in a world: payload, deviations, effects, in this order."""
+    """Return the changes of the model in a world: deviations, payload, effects, in this order."""
     return [edit for step in _steps(world, conditions) for edit in step.edits]
 
 
@@ -270,8 +267,10 @@ def _steps(world: World, conditions: Conditions) -> list[Step]:
     share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_payload)
     payload_kg = share * conditions.payload_kg
     off = [(nuisance, value) for nuisance, value in world.deviations.items() if nuisance.edit]
-    steps = [Step(payload_kg, (bolt_on(payload_kg),) if payload_kg else ())]
-    steps.append(Step(tuple(off), tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit)))
+    steps = [
+        Step(tuple(off), tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit)),
+        Step(payload_kg, (bolt_on(payload_kg),) if payload_kg else ()),
+    ]
     during = conditions.key
     for acting in world.acting:
         edit = acting.effect.edit(acting.place, acting.values, conditions)

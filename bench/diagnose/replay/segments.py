@@ -147,14 +147,17 @@ def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Nois
     weights = [np.full(len(group), 1 / len(group)) if is_static else centre_weights(len(group)) for group in groups]
     averaging = np.array([np.linalg.norm(w) for w in weights])
     any_turning = np.any(piece.turning, axis=1)
-    for c, quantity in enumerate(quantities):
-        if quantity.column not in run.columns:
-            continue
-        values = run.columns[quantity.column]
-        mean[:, c] = [w @ values[group] for w, group in zip(weights, groups, strict=True)]
-        one = noise.of(quantity, mean[:, c], run)
-        if not is_static:
-            one = np.maximum(one, max(noise.of_samples(values), noise.of_groups(values, groups)))
+    present = [c for c, quantity in enumerate(quantities) if quantity.column in run.columns]
+    if not present:
+        return mean, sigma
+    readings = np.stack([run.columns[quantities[c].column] for c in present], axis=1)
+    mean[:, present] = [w @ readings[group] for w, group in zip(weights, groups, strict=True)]
+    scatter = np.zeros(len(present)) if is_static else noise.of_samples(readings)
+    if not is_static:
+        scatter = np.maximum(scatter, noise.of_groups(readings, groups))
+    for c, values, least in zip(present, readings.T, scatter, strict=True):
+        quantity = quantities[c]
+        one = np.maximum(noise.of(quantity, mean[:, c], run), least)
         error = one * averaging
         if is_static:
             error = np.maximum(error, _swayed(values, groups, np.hypot(one, noise.rounding(quantity))))
