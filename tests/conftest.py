@@ -5,6 +5,7 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices, and pytest-xdist has the cores already
 os.environ.setdefault("MUJOCO_GL", "egl")  # read when MuJoCo is imported; machines that run tests have no display
 
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +13,9 @@ import numpy as np
 import pytest
 
 from tests.small_robot import write_small_robot
+
+# A shell that runs the tests in the background lets them ignore Ctrl-C, and so the processes that they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(autouse=True)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from bench.benchmark import actuators, environment, growth, identification, phases
+from bench.benchmark import actuators, environment, growth, identification, phases, replay
 from bench.benchmark.section import Section
 
 SECTIONS: Mapping[str, Section] = {
@@ -11,6 +11,7 @@ SECTIONS: Mapping[str, Section] = {
     "identification": Section(
         "stiffness from 108 states at rest, against mujoco.sysid", identification.measure, ("tabulate", "sysid")
     ),
+    "replay": Section("replay in C, against the same in NumPy", replay.measure),
     "growth": Section("time over rows, runs and candidates", growth.measure),
     "phases": Section("one diagnosis by phase", phases.measure),
 }

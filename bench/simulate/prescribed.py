@@ -7,7 +7,7 @@ hinge of the model is a passive compliance and finds its balance in the same way
 the path from one instant to the next.
 
 The search itself is in C (`bench/actuators/plugin/replay.c`), one call for any number of motions, without the
-interpreter's lock; `tests/simulate/reference_replay.py` is the same in NumPy, instant by instant.
+interpreter's lock; `reference_replay.py` is the same in NumPy, instant by instant, to read and to test against.
 """
 
 import ctypes

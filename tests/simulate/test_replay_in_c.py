@@ -13,10 +13,9 @@ from bench.effects.effect import Conditions
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.folder import Robot, load_robot
-from bench.simulate import prescribed
+from bench.simulate import prescribed, reference_replay
 from bench.simulate.prescribed import Motion, Prescribed
-from tests.simulate import reference_replay
-from tests.simulate.reference_replay import Reference
+from bench.simulate.reference_replay import Reference
 
 AGREE = 1e-10  # of angles [rad] and of the largest torque
 LENGTH = 40

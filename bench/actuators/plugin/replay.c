@@ -2,7 +2,7 @@
 //
 // At every instant the links, and any passive hinges, are put where gravity, inertia, counterbalance, friction, load and
 // elastic elements balance; friction elements and gas then take over the state of that instant. The readable NumPy
-// version, instant by instant, is tests/simulate/reference_replay.py; the two agree to 1e-10.
+// version, instant by instant, is bench/simulate/reference_replay.py; the two agree to 1e-10.
 
 #include <math.h>
 #include <stdbool.h>

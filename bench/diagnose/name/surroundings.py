@@ -12,13 +12,12 @@ from bench.diagnose.picture.generic import blocks_of
 from bench.diagnose.picture.lack_of_fit import missed, unexplained
 from bench.diagnose.picture.screening import Screening, Tried, screen, tried_of
 from bench.diagnose.picture.signatures import Changes, Signatures
-from bench.diagnose.replay.replay import World, edits_in
-from bench.effects.effect import Conditions, Effect
+from bench.effects.effect import Effect
 from bench.errors import InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
-from bench.robot.compiled import CompiledRobot, compile_spec, read_spec
+from bench.robot.compiled import CompiledRobot
 
 ENOUGH = 1.2  # times; standard errors that have to be raised by less are settled
 ROUNDS = 6
@@ -85,9 +84,7 @@ class Surroundings:
 
         before, design = design, with_play(design, fit.play)
         world = fit.world(design)
-        edits = edits_in(World(acting=world.acting), Conditions.reference(self.compiled.n_joints))
-        extended = compile_spec(read_spec(self.compiled.robot), self.compiled.robot, edits)
-        causes = causes_of(self.catalogue.values(), extended, self.measured)
+        causes = causes_of(self.catalogue.values(), design.replay.robot(world), self.measured)
         taken = {cause.key for cause in fit.causes}
         if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
             which = [i for i, nuisance in enumerate(design.nuisances) if is_simulated(nuisance)]

@@ -192,7 +192,15 @@ class Replay:
         """
         if not any(acting.effect.scatters for acting in world.acting):
             return self.compiled.play
-        return self._robot(World(acting=world.acting), Conditions.reference(self.compiled.n_joints)).play
+        return self.robot(world).play
+
+    def robot(self, world: World) -> CompiledRobot:
+        """Return the robot in which the effects of a world act, with nominal figures, unloaded.
+
+        Raises:
+            RobotError: The effect does not fit the model.
+        """
+        return self._robot(World(acting=world.acting), Conditions.reference(self.compiled.n_joints))
 
     def _planned(self, with_conditions: bool) -> tuple[Course, ...]:
         """Return what each model follows: one for each payload and, where temperatures count, for each run."""

@@ -1,4 +1,4 @@
-"""The replay of `bench/simulate/prescribed.py` in NumPy, instant by instant: what the C version is held against."""
+"""The replay of `prescribed.py` in NumPy, instant by instant: to read, and what the C version is held against."""
 
 import mujoco
 import numpy as np
