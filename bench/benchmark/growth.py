@@ -15,8 +15,9 @@ from bench.diagnose.doubt.channels import doubts_of
 from bench.diagnose.picture.candidates import causes_of
 from bench.diagnose.picture.signatures import Signatures
 from bench.diagnose.replay.quantities import quantities_of
-from bench.diagnose.replay.replay import NOMINAL, Replay
+from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
+from bench.diagnose.replay.world import NOMINAL
 from bench.effects.catalogue import catalogue
 from bench.record.campaign import Campaign
 from bench.record.check import check_campaign

@@ -8,8 +8,9 @@ import numpy as np
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.limits import smallest_found
 from bench.diagnose.picture.marginal import Nuisances
-from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.effect import Acting, Effect, Parameter, Place
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot

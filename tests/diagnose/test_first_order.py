@@ -10,8 +10,9 @@ from bench.diagnose.diagnose import signatures_of
 from bench.diagnose.picture.design import Design, design_of
 from bench.diagnose.picture.first_order import FirstOrder
 from bench.diagnose.picture.signatures import Signatures
-from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
+from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting, Effect
 from bench.hide.campaign import hide_campaign

@@ -11,8 +11,9 @@ from bench.diagnose.picture.scatter import PLACED, STIRS
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.play import expected, is_loose, link_load
 from bench.diagnose.replay.quantities import quantities_of
-from bench.diagnose.replay.replay import Replay, World
+from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
+from bench.diagnose.replay.world import World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
 from bench.hide.campaign import hide_campaign

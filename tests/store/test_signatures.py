@@ -9,8 +9,8 @@ import pytest
 from bench.diagnose.picture import signature_key
 from bench.diagnose.picture.reference_motion import SAME_ACCELERATION, SAME_ANGLE, SAME_LOAD, SAME_VELOCITY
 from bench.diagnose.replay.nuisances import nuisances_of
-from bench.diagnose.replay.replay import World
 from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.world import World
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.store.store import Store
 from tests.store.small_signatures import CATALOGUE, NAMES, QUANTITIES, causes_of, learned, same, sweep

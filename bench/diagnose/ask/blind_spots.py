@@ -14,9 +14,10 @@ from bench.diagnose.picture.limits import detection_limits
 from bench.diagnose.picture.screening import Screening
 from bench.diagnose.replay.noise import UNIFORM
 from bench.diagnose.replay.quantities import AXES, Quantity
-from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.simulations import simulate_all
+from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL

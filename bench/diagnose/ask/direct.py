@@ -10,7 +10,8 @@ from bench.diagnose.extend.fit import Fit, world_of
 from bench.diagnose.measure.leave_out import tangent_of
 from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.nuisances import THERMOMETER_K
-from bench.diagnose.replay.replay import NOMINAL, World, edits_in, ideal_reading
+from bench.diagnose.replay.replay import ideal_reading
+from bench.diagnose.replay.world import NOMINAL, World, edits_in
 from bench.effects.effect import REFERENCE_K, Conditions
 from bench.robot.compiled import compile_robot
 from bench.simulate.plant import Trace

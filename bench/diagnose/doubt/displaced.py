@@ -7,7 +7,8 @@ import numpy as np
 
 from bench.diagnose.doubt.mistaken import doubt
 from bench.diagnose.replay.quantities import AXES
-from bench.diagnose.replay.replay import NOMINAL, Replay
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.world import NOMINAL
 from bench.record.campaign import Array
 from bench.record.finding import Finding
 

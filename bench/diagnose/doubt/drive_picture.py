@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.effect import Acting
 from bench.effects.gas import CounterbalanceGas
 from bench.effects.masses import UnstatedPayload

@@ -7,7 +7,7 @@ import numpy as np
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.nuisances import Nuisance
-from bench.diagnose.replay.replay import World
+from bench.diagnose.replay.world import World
 from bench.effects.effect import Parameter
 from bench.record.campaign import Array
 

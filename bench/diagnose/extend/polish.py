@@ -5,7 +5,7 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit, is_simulated
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.picture.design import Design, relinearised
-from bench.diagnose.replay.replay import World
+from bench.diagnose.replay.world import World
 from bench.errors import NOT_SIMULATED
 
 TINY = 1e-300

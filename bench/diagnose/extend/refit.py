@@ -9,7 +9,7 @@ from bench.diagnose.extend.fit import Fit, Key, Unknown, is_simulated, play_of, 
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, is_same_play, with_play
 from bench.diagnose.picture.first_order import FirstOrder
-from bench.diagnose.replay.replay import World
+from bench.diagnose.replay.world import World
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 

@@ -18,9 +18,10 @@ from bench.diagnose.picture.scatter import Whitening, whitening_of
 from bench.diagnose.picture.torque_response import TorqueResponse, torque_response
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.simulations import simulate_all
+from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError
 from bench.record.campaign import Array
 from bench.simulate.plant import Trace

@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnose.replay.replay import Replay, World
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.world import World
 from bench.effects.effect import Acting, Effect
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot

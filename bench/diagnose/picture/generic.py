@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bench.diagnose.picture.design import Design
-from bench.diagnose.replay.replay import NOMINAL
+from bench.diagnose.replay.world import NOMINAL
 from bench.effects.learned_readings import force_of, in_room, in_time, of_reading, under_force
 from bench.effects.learned_torques import LearnedDrag
 from bench.record.campaign import Array

@@ -15,8 +15,8 @@ from bench.diagnose.picture.effect_source import source_of, source_of_bench
 from bench.diagnose.picture.reference_motion import Session, remember, session_of
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.replay import World
 from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.world import World
 from bench.effects.effect import Acting, Effect
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.bare import bare_spec

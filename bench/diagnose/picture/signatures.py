@@ -16,9 +16,10 @@ from bench.diagnose.picture.reference_motion import SAME_INSTANT
 from bench.diagnose.picture.signature_key import StoredSignatures
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.replay import NOMINAL, Replay, World
+from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.simulations import simulate_all
+from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.own import EffectError
 from bench.errors import BenchError
 from bench.executor.contract import Executor

@@ -1,13 +1,13 @@
 """Replay: the model repeats a campaign, and says what every instrument should have shown.
 
-A `World` is the nominal robot with some deviations and some effects. Its prediction is a simulation in MuJoCo each
+The prediction of a `World` (`world.py`) is a simulation in MuJoCo each
 time; nothing here is a linearisation. A replay does not change: what it predicts depends on the world alone, so worlds
 may be simulated in any order and in several threads.
 """
 
 from collections import OrderedDict
-from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Hashable, Iterable
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from threading import Lock
@@ -16,37 +16,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.replay.jacobians import reflector_jacobians
-from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
-from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect, Followed
+from bench.diagnose.replay.world import (
+    NOMINAL,
+    World,
+    changes_robot,
+    depends_on_conditions,
+    key_of_motion,
+    moved,
+    steps_of,
+)
+from bench.effects.effect import REFERENCE_K, Conditions, Effect, Followed
 from bench.record.campaign import Array
-from bench.robot.compiled import CompiledRobot, SpecEdit
-from bench.robot.patched import Step, Structure
+from bench.robot.compiled import CompiledRobot
+from bench.robot.patched import Structure
 from bench.simulate.bare import bare_spec
 from bench.simulate.instruments import Reading
-from bench.simulate.payload import bolt_on
 from bench.simulate.plant import Trace
 from bench.simulate.prescribed import Motion, Prescribed
 
 MOST_KNOWN = 4  # motions kept, for worlds that only read differently
-
-
-@dataclass(frozen=True)
-class World:
-    """A hypothesis about robot and instruments.
-
-    Attributes:
-        deviations: Nuisance -> value.
-        acting: Effects that act.
-    """
-
-    deviations: Mapping[Nuisance, float] = field(default_factory=dict)
-    acting: tuple[Acting, ...] = ()
-
-
-NOMINAL = World()
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,14 +125,14 @@ class Replay:
         Raises:
             ConvergenceError, RobotError: As `predict`.
         """
-        if not _changes_robot(world):
+        if not changes_robot(world):
             return self._nominal
-        key = _key_of_motion(world)
+        key = key_of_motion(world)
         with self._lock:
             if key in self._known:
                 self._known.move_to_end(key)
                 return self._known[key]
-        courses = self._courses[_depends_on_conditions(world)]
+        courses = self._courses[depends_on_conditions(world)]
         trace = self._joined(courses, [self._followed(world, course)[0] for course in courses])
         with self._lock:
             self._known[key] = trace
@@ -162,7 +153,7 @@ class Replay:
         """
         trace = self.trace(world)
         found = []
-        for course in self._courses[_depends_on_conditions(world)]:
+        for course in self._courses[depends_on_conditions(world)]:
             segments = [self.segments[i] for i in course.segments]
             lengths = [_count(segment) for segment in segments]
             visits = [
@@ -226,7 +217,7 @@ class Replay:
         """Return the truth along a course, at what is read of it, and what the search found at all its instants."""
         compiled = self._robot(world, course.conditions)
         robot = Prescribed(compiled, self._structure.data_for(compiled))
-        motion, shift = _moved(course.motion, world)
+        motion, shift = moved(course.motion, world)
         trace, found = robot.follow(motion, self._guess(robot, course, shift))
         segments = [self.segments[i] for i in course.segments]
         rows = _slices(_count(segment) for segment in segments)
@@ -252,39 +243,7 @@ class Replay:
         return Trace.concatenate(traces)[order]
 
     def _robot(self, world: World, conditions: Conditions) -> CompiledRobot:
-        return self._structure.robot(_steps(world, conditions))
-
-
-def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
-    """Return the changes of the model in a world: deviations, payload, effects, in this order."""
-    return [edit for step in _steps(world, conditions) for edit in step.edits]
-
-
-def _key_of_motion(world: World) -> Hashable:
-    """Return what decides how the robot of a world moves; what only reads differently does not count."""
-    off = tuple((n, value) for n, value in world.deviations.items() if n.edit or n.scales_wrench or n.scales_payload)
-    acting = tuple((one.effect, one.place, tuple(one.values.items())) for one in world.acting if _moves(one.effect))
-    return off, acting
-
-
-def _moves(effect: Effect) -> bool:
-    return type(effect).edit is not Effect.edit or type(effect).encoder_error is not Effect.encoder_error
-
-
-def _steps(world: World, conditions: Conditions) -> list[Step]:
-    share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_payload)
-    payload_kg = share * conditions.payload_kg
-    off = [(nuisance, value) for nuisance, value in world.deviations.items() if nuisance.edit]
-    steps = [
-        Step(tuple(off), tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit)),
-        Step(payload_kg, (bolt_on(payload_kg),) if payload_kg else ()),
-    ]
-    during = conditions.key
-    for acting in world.acting:
-        edit = acting.effect.edit(acting.place, acting.values, conditions)
-        key = acting.effect, acting.place, tuple(acting.values.items()), during
-        steps.append(Step(key, (edit,) if edit else ()))
-    return steps
+        return self._structure.robot(steps_of(world, conditions))
 
 
 def ideal_reading(compiled: CompiledRobot, trace: Trace) -> Reading:
@@ -303,32 +262,6 @@ def ideal_reading(compiled: CompiledRobot, trace: Trace) -> Reading:
         gas_pressure=trace.counterbalance_force / area,
         gas_temperature=np.full(len(trace), REFERENCE_K),
     )
-
-
-def _changes_robot(world: World) -> bool:
-    """Whether a world moves differently from the nominal one, or only reads differently."""
-    if any(n.edit or n.scales_wrench or n.scales_payload for n in world.deviations):
-        return True
-    return any(_moves(acting.effect) for acting in world.acting)
-
-
-def _depends_on_conditions(world: World) -> bool:
-    """Whether the robot of a world differs between warm and cold."""
-    return any("temperature" in need for acting in world.acting for need in acting.effect.needs)
-
-
-def _moved(motion: Motion, world: World) -> tuple[Motion, Array | None]:
-    """Return the true motion where encoders and weights are wrong, and how far off the motors are, shape (T, n)."""
-    share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_wrench)
-    if share != 1.0:
-        motion = replace(motion, wrench=share * motion.wrench)
-    shift = None
-    for acting in world.acting:
-        error = acting.effect.encoder_error(acting.place, acting.values, motion.q, motion.velocity)
-        if error is not None:
-            motion = replace(motion, q=motion.q - error)
-            shift = -error if shift is None else shift - error
-    return motion, shift
 
 
 def _count(segment: Segment) -> int:

@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from bench.diagnose.replay.replay import Replay, World
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.world import World
 from bench.errors import BenchError
 from bench.executor.contract import Executor, Progress, ignore, in_order
 from bench.executor.serial import SERIAL

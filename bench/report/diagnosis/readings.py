@@ -11,8 +11,8 @@ from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.measure.folds import instant_of
 from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.replay import World
 from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.world import World
 from bench.record.campaign import Array
 from bench.report.diagnosis.learned import learned_of
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bench.diagnose.diagnose import Diagnosis
-from bench.diagnose.replay.replay import World
+from bench.diagnose.replay.world import World
 from bench.diagnose.verdict import Verdict
 from bench.report.diagnosis.curves import plots_of
 from bench.report.diagnosis.names import explanation_name, percent

@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 
 from bench.diagnose.diagnose import Diagnosis
-from bench.diagnose.replay.replay import World, edits_in
+from bench.diagnose.replay.world import World, edits_in
 from bench.diagnose.verdict import Verdict
 from bench.effects.effect import Conditions
 from bench.record.campaign import Campaign

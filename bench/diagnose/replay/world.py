@@ -1,0 +1,87 @@
+"""A hypothesis about robot and instruments, and what it does to the robot's model and motion."""
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field, replace
+
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.effects.effect import Acting, Conditions, Effect
+from bench.record.campaign import Array
+from bench.robot.compiled import SpecEdit
+from bench.robot.patched import Step
+from bench.simulate.payload import bolt_on
+from bench.simulate.prescribed import Motion
+
+
+@dataclass(frozen=True)
+class World:
+    """A hypothesis about robot and instruments.
+
+    Attributes:
+        deviations: Nuisance -> value.
+        acting: Effects that act.
+    """
+
+    deviations: Mapping[Nuisance, float] = field(default_factory=dict)
+    acting: tuple[Acting, ...] = ()
+
+
+NOMINAL = World()
+
+
+def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
+    """Return the changes of the model in a world: deviations, payload, effects, in this order."""
+    return [edit for step in steps_of(world, conditions) for edit in step.edits]
+
+
+def key_of_motion(world: World) -> Hashable:
+    """Return what decides how the robot of a world moves; what only reads differently does not count."""
+    off = tuple((n, value) for n, value in world.deviations.items() if n.edit or n.scales_wrench or n.scales_payload)
+    acting = tuple((one.effect, one.place, tuple(one.values.items())) for one in world.acting if _moves(one.effect))
+    return off, acting
+
+
+def _moves(effect: Effect) -> bool:
+    return type(effect).edit is not Effect.edit or type(effect).encoder_error is not Effect.encoder_error
+
+
+def steps_of(world: World, conditions: Conditions) -> list[Step]:
+    """Return the same, as steps that another world may have in common with this one."""
+    share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_payload)
+    payload_kg = share * conditions.payload_kg
+    off = [(nuisance, value) for nuisance, value in world.deviations.items() if nuisance.edit]
+    steps = [
+        Step(tuple(off), tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit)),
+        Step(payload_kg, (bolt_on(payload_kg),) if payload_kg else ()),
+    ]
+    during = conditions.key
+    for acting in world.acting:
+        edit = acting.effect.edit(acting.place, acting.values, conditions)
+        key = acting.effect, acting.place, tuple(acting.values.items()), during
+        steps.append(Step(key, (edit,) if edit else ()))
+    return steps
+
+
+def changes_robot(world: World) -> bool:
+    """Whether a world moves differently from the nominal one, or only reads differently."""
+    if any(n.edit or n.scales_wrench or n.scales_payload for n in world.deviations):
+        return True
+    return any(_moves(acting.effect) for acting in world.acting)
+
+
+def depends_on_conditions(world: World) -> bool:
+    """Whether the robot of a world differs between warm and cold."""
+    return any("temperature" in need for acting in world.acting for need in acting.effect.needs)
+
+
+def moved(motion: Motion, world: World) -> tuple[Motion, Array | None]:
+    """Return the true motion where encoders and weights are wrong, and how far off the motors are, shape (T, n)."""
+    share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_wrench)
+    if share != 1.0:
+        motion = replace(motion, wrench=share * motion.wrench)
+    shift = None
+    for acting in world.acting:
+        error = acting.effect.encoder_error(acting.place, acting.values, motion.q, motion.velocity)
+        if error is not None:
+            motion = replace(motion, q=motion.q - error)
+            shift = -error if shift is None else shift - error
+    return motion, shift
