@@ -11,7 +11,7 @@ import tyro
 class Study:
     """Hide effects in hundreds of campaigns, diagnose them blind, and hold the answers against the truth.
 
-    About an hour on two cores. Every campaign that is done stands in the folder; after an interruption the
+    A quarter of an hour on two cores. Every campaign that is done stands in the folder; after an interruption the
     same command goes on from there, as long as the code is the same.
     """
 

@@ -1,8 +1,8 @@
 """Replay: the model repeats a campaign, and says what every instrument should have shown.
 
-The prediction of a `World` (`world.py`) is a simulation in MuJoCo each
-time; nothing here is a linearisation. A replay does not change: what it predicts depends on the world alone, so worlds
-may be simulated in any order and in several threads.
+The prediction of a `World` (`world.py`) is a simulation in MuJoCo each time; nothing here is a linearisation. A replay
+does not change: what it predicts depends on the world alone, so worlds may be simulated in any order and in several
+threads.
 """
 
 from collections import OrderedDict

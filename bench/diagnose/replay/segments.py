@@ -22,7 +22,7 @@ from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
 BY_CHANCE = 1e-4  # probability up to which the scatter of repeats is taken for their instrument's
-MOST_BINS = 700  # over all motion of a campaign: what half a minute of diagnosis can replay some hundred times
+MOST_BINS = 700  # over all motion of a campaign; a replay of so many takes some milliseconds
 
 
 Index = NDArray[np.int64]
