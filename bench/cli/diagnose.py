@@ -16,8 +16,9 @@ WAYS_OUT = (
 class Diagnose:
     """Say what the nominal model gets wrong about measured data, name the cause, and write the extended model.
 
-    Ten seconds where little is wrong, a minute where the model lacks much. A cause is taken only where it pays on runs it was not fitted to; the
-    threshold is such that chance alone passes it in 1 of 100 campaigns. How often it is right stands in the README.
+    Ten seconds where little is wrong, a minute where the model lacks much. A cause is taken only where it pays on runs
+    it was not fitted to; the threshold is such that chance alone passes it in 1 of 100 campaigns. How often it is right
+    stands in the README.
     """
 
     campaign: tyro.conf.Positional[Path]
