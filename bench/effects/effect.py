@@ -185,6 +185,12 @@ class Effect(ABC):
     scatters: ClassVar[bool] = False
     is_additive: ClassVar[bool] = False
 
+    def __init_subclass__(cls) -> None:
+        """Let a class with another `edit` than its base not inherit what that said of torques."""
+        if "edit" in vars(cls) and "torques" not in vars(cls):
+            cls.torques = Effect.torques  # type: ignore[method-assign]
+            cls.is_additive = False
+
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         """Return where it may act on this robot; empty where the robot has no such part."""
         return (WHOLE,)

@@ -9,14 +9,14 @@ from typing import Any, get_args
 
 import numpy as np
 
-from bench.effects.effect import Conditions, Effect, Family, Parameter
+from bench.effects.effect import Conditions, Effect, Family, Parameter, Torques
 from bench.errors import BenchError, InputError
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.patched import Unpatched
 from bench.simulate.instruments import Reading
 
 REQUIRED = ("name", "family", "title", "physics", "source", "parameters")
-METHODS = ("places", "parameters_at", "edit", "encoder_error", "distort")
+METHODS = ("places", "parameters_at", "edit", "torques", "encoder_error", "distort")
 
 
 class EffectError(InputError):
@@ -105,6 +105,13 @@ def _wrong_result(method: str, args: tuple[Any, ...], found: Any) -> str:
     """Return what is wrong with what a method returned, or nothing."""
     if method == "edit" and found is not None and not callable(found):
         return "must return a function of spec and robot, or None."
+    if method == "torques" and found is not None:
+        if not isinstance(found, Torques):
+            return "must return Torques, or None."
+        length = (len(args[3].trace),)
+        for side in (found.motor, found.link):
+            if np.shape(side) not in ((), length) or not np.all(np.isfinite(side)):
+                return f"must return a finite number for each of {length[0]} instants, or one for all."
     if method == "encoder_error" and found is not None:
         shape = np.shape(args[3])
         if np.shape(found) != shape:

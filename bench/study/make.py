@@ -1,13 +1,14 @@
 """Make the campaign of a trial: draw where an effect acts, how large it is and how it is shaped, then hide it."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from bench.effects.effect import Acting, Effect, Place
 from bench.effects.unlisted import unlisted
-from bench.errors import BenchError
+from bench.errors import BenchError, ConvergenceError
 from bench.hide.campaign import Hidden
 from bench.robot.compiled import CompiledRobot
 from bench.study.labs import Ground, Lab
@@ -43,16 +44,26 @@ class Made:
 
 
 def make(trial: Trial, ground: Ground, seed: int) -> Made:
-    """Return the campaign of a trial.
+    """Return the campaign of a trial; where a robot with what was drawn finds no rest, it is drawn again.
 
     Args:
         trial: What to hide.
         ground: Of the ordinary lab, for detection limits.
         seed: Of the study.
+
+    Raises:
+        ConvergenceError: None of several draws finds a rest.
     """
-    rng = trial.rng(seed)
+    rng, lab = trial.rng(seed), lab_of(trial, ground)
+    for _ in range(TRIES - 1):
+        with suppress(ConvergenceError):
+            return _made(trial, ground, lab, rng)
+    return _made(trial, ground, lab, rng)
+
+
+def _made(trial: Trial, ground: Ground, lab: Lab, rng: np.random.Generator) -> Made:
     effects = tuple(_drawn(trial, ground, rng))
-    return Made(lab_of(trial, ground).hide(tuple(one.acting for one in effects), rng), effects)
+    return Made(lab.hide(tuple(one.acting for one in effects), rng), effects)
 
 
 def lab_of(trial: Trial, ground: Ground) -> Lab:

@@ -1,12 +1,15 @@
 """The catalogue as a whole, entries from own files, and what is said of bad ones."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from bench.cli import main
 from bench.effects.catalogue import catalogue
+from bench.effects.effect import Effect, Place
 from bench.effects.listing import entry, listing
+from bench.effects.own import EffectError
 from bench.effects.unlisted import unlisted
 from bench.errors import InputError
 from bench.robot.compiled import CompiledRobot
@@ -125,3 +128,43 @@ def test_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file.write_text(OWN)
     assert main(["effects", "gremlin", "--file", str(file)]) == 0
     assert "It is in there" in capsys.readouterr().out
+
+
+def test_another_edit_has_other_torques(tmp_path: Path, hh150_compiled: CompiledRobot) -> None:
+    """Friction that a user makes of an entry of the catalogue is not first-order of what that entry does."""
+    file = tmp_path / "own.py"
+    file.write_text(
+        "from bench.effects.friction import ViscousFriction\n"
+        "class Sticky(ViscousFriction):\n"
+        "    name = 'sticky'\n"
+        "    def edit(self, place, values, conditions):\n"
+        "        return None\n"
+    )
+    effect = catalogue([file])["sticky"]
+    assert type(effect).torques is Effect.torques
+    assert not effect.is_additive
+    assert type(catalogue()["viscous_friction"]).torques is not Effect.torques
+
+
+@pytest.mark.parametrize(
+    ("returned", "said"),
+    [("1.0", "must return Torques"), ("Torques(motor=float('nan'))", "finite"), ("Torques(link=[1.0])", "instants")],
+)
+def test_wrong_torques_of_an_own_effect_are_named(
+    returned: str, said: str, tmp_path: Path, hh150_compiled: CompiledRobot
+) -> None:
+    file = tmp_path / "own.py"
+    file.write_text(
+        "from bench.effects.effect import Torques\n"
+        "from bench.effects.friction import ViscousFriction\n"
+        "class Sticky(ViscousFriction):\n"
+        "    name = 'sticky'\n"
+        "    def edit(self, place, values, conditions):\n"
+        "        return None\n"
+        "    def torques(self, place, values, followed):\n"
+        f"        return {returned}\n"
+    )
+    effect = catalogue([file])["sticky"]
+    followed = SimpleNamespace(trace=range(3))
+    with pytest.raises(EffectError, match=said):
+        effect.torques(Place("joint"), {}, followed)  # type: ignore[arg-type]

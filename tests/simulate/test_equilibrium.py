@@ -5,6 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Conditions
+from bench.effects.nominal import nominal_parameters
 from bench.errors import ConvergenceError
 from bench.robot.compiled import compile_robot
 from bench.robot.edits import friction_on, proportional_servo
@@ -104,3 +107,17 @@ def test_giving_motor_slips_in_its_friction(small_robot: Path) -> None:
 def test_says_when_there_is_no_rest(frictionless: Equilibrium) -> None:
     with pytest.raises(ConvergenceError, match="Nm are left"):
         frictionless.solve(np.array([0.3, 0.2]), np.array([0, 0, 1e9, 0, 0, 0]))
+
+
+def test_a_link_that_hardly_anything_pushes_comes_through_its_gap() -> None:
+    """On a foot that gives, gravity pushes a link with play by less than a thousandth of a newton metre."""
+    robot = load_robot("hh150")
+    nominal, effects, usual = compile_robot(robot), catalogue(), Conditions.reference(robot.n_joints)
+    edits = []
+    for name, values in (("backlash", {"gap": 4.4e-4}), ("base_compliance", {"compliance": 1.96e-7})):
+        edit = effects[name].edit(effects[name].places(nominal)[0], values, usual)
+        assert edit
+        edits.append(edit)
+    for parameter in nominal_parameters(nominal):
+        edits.append(parameter.edit(0.5 * parameter.sigma))
+    Plant(robot, edits)  # and is at rest there
