@@ -171,6 +171,23 @@ def test_combinations(both: Both) -> None:
         assert_same(both.patched(edits), both.compiled(edits))
 
 
+@pytest.mark.parametrize("name", ["transmission_error", "payload_com", "bearing_tilt", "wrist_coupling"])
+@pytest.mark.parametrize(
+    "other", ["gas_loss", "counterbalance_gas", "friction_ripple", "coulomb_friction", "link_mass"]
+)
+def test_a_structure_keeps_nothing_of_the_robot_in_which_it_was_first_met(name: str, other: str, both: Both) -> None:
+    """Gas that was there when a gear error was met first once stayed in every later robot with a gear error."""
+    fresh = Both(both.robot)
+    where = [EFFECTS[one].places(fresh.nominal) for one in (name, other)]
+    if not all(where):
+        return  # this robot has no such part
+    structural, numbers = (
+        typical_edit(EFFECTS[one], fresh, places[0]) for one, places in zip((name, other), where, strict=True)
+    )
+    for edits in ([bolt_on(PAYLOAD), numbers, structural], [bolt_on(PAYLOAD), structural]):
+        assert_same(fresh.patched(edits), fresh.compiled(edits))
+
+
 def test_the_spec_stays_as_it_was(both: Both) -> None:
     for effect in EFFECTS.values():
         for place in effect.places(both.nominal)[:1]:

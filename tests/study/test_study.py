@@ -11,12 +11,13 @@ import pytest
 from bench.diagnose.replay.world import World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting, Effect
-from bench.errors import InputError
+from bench.errors import ConvergenceError, InputError
 from bench.executor.contract import Executor
 from bench.executor.processes import Processes
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Campaign
 from bench.report.study.write import PAGE, RESULTS, write_study
+from bench.study import make as make_module
 from bench.study import study
 from bench.study.labs import Ground, Lab, prepare
 from bench.study.limits import Way, detection_limit
@@ -161,3 +162,20 @@ def test_what_is_narrower_than_a_bin_is_seen_as_little_as_its_data_show_it(groun
         sizes[name] = np.nanstd(ground.blur.change(world)) / np.nanstd(at_instants)
     assert sizes["fine"] < 0.6
     assert sizes["even"] == pytest.approx(1.0)
+
+
+def test_what_finds_no_rest_is_drawn_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One robot of 688 once ended the whole study."""
+    tried: list[object] = []
+
+    def made(*about: object) -> str:
+        tried.append(about)
+        if len(tried) < make_module.TRIES:
+            raise ConvergenceError("no equilibrium")
+        return "a campaign"
+
+    monkeypatch.setattr(make_module, "_made", made)
+    monkeypatch.setattr(make_module, "lab_of", lambda *about: None)
+    trial = Trial("single", "single")
+    assert make_module.make(trial, None, 1) == "a campaign"  # type: ignore[arg-type, comparison-overlap]
+    assert len({id(about[-1]) for about in tried if isinstance(about, tuple)}) == 1  # the random numbers go on

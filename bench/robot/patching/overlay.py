@@ -155,6 +155,15 @@ class SpecOverlay:
         self.configs[found[0]] = dict(config)
         return True
 
+    def texts_to_begin_with(self, plugin: Handle) -> Mapping[str, str]:
+        """Return the texts of a plugin instance before any edit: those of the spec, or those it was added with."""
+        found: Mapping[str, str]
+        if plugin.number < len(self._below.names["plugin"]):
+            found = self._below.value(plugin, CONFIG)
+        else:
+            found = self.configs.get(plugin, {})
+        return found
+
     def names(self, kinds: Iterable[str]) -> set[str]:
         """Return the names of all parts of some kinds."""
         return set().union(*(self._names[kind] for kind in kinds))

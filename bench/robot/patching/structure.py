@@ -11,7 +11,7 @@ from bench.robot.compiled import addresses_of
 from bench.robot.folder import Robot
 from bench.robot.patching.numbers import PATCHES, UNSET_LENGTH, NotPatchableError, Patch, set_frames
 from bench.robot.patching.overlay import SpecOverlay
-from bench.robot.patching.parts import CONFIG, Add, Handle, repeated
+from bench.robot.patching.parts import Add, Handle, repeated
 from bench.robot.patching.plugin_room import LAWS, padded, widths, write
 from bench.robot.patching.pool import Pool, engine
 
@@ -35,7 +35,7 @@ class CompiledStructure:
         tendons = [str(tendon.name) for tendon in self._spec.tendons]
         for instance in overlay.all("plugin"):
             if instance.name and instance.plugin_name in LAWS:
-                config = overlay.read(instance.handle, CONFIG)
+                config = overlay.texts_to_begin_with(instance.handle)
                 room = widths(instance.plugin_name, config, len(overlay.users_of(instance.name)), tendons)
                 self._rooms[instance.handle] = room
                 self._parts[instance.handle].config = padded(config, room)
