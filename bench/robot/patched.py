@@ -16,6 +16,7 @@ from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, replace
 from threading import RLock, local
 from typing import Any, cast
+from weakref import proxy
 
 import mujoco
 import numpy as np
@@ -107,7 +108,7 @@ class Structure:
             for instance, sharing in self.users.items()
             for index, actuator in enumerate(sharing)
         }
-        self._own = CompiledStructure(robot, self._named, SpecOverlay(self))
+        self._own = CompiledStructure(robot, self._named, SpecOverlay(proxy(self)))
         drives = robot.figures.drives
         self._friction = {drive.motor_friction: ("motor", i) for i, drive in enumerate(drives)}
         self._friction |= {drive.link_friction: ("link", i) for i, drive in enumerate(drives)}
@@ -137,7 +138,7 @@ class Structure:
     def _noted(self, steps: tuple[Step, ...]) -> SpecOverlay:
         """Return what some steps do; each that was taken is remembered with what was noted until then."""
         if not steps:
-            return SpecOverlay(self)
+            return SpecOverlay(proxy(self))
         ways: OrderedDict[Hashable, list[tuple[Hashable, SpecOverlay]]] = self._last.__dict__.setdefault(
             "ways", OrderedDict()
         )
@@ -149,7 +150,7 @@ class Structure:
         while same < min(len(taken), len(steps)) and taken[same][0] == steps[same].key:
             same += 1
         del taken[same:]
-        overlay = taken[-1][1].copy() if taken else SpecOverlay(self)
+        overlay = taken[-1][1].copy() if taken else SpecOverlay(proxy(self))
         for step in steps[same:]:
             for edit in step.edits:
                 edit(cast(mujoco.MjSpec, overlay), self._folder)

@@ -1,5 +1,7 @@
 """A patched model is the compiled one: every number that physics uses, its forces, and the figures of the robot."""
 
+import gc
+import weakref
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -237,6 +239,21 @@ def test_refused_as_when_compiled(edit: SpecEdit, both: Both, tmp_path: Path, mo
 @pytest.mark.parametrize("edit", [with_a_stand, with_memory, Unpatched(bolt_on(3.0))])
 def test_what_cannot_be_patched_is_compiled(edit: SpecEdit, both: Both) -> None:
     assert_same(both.patched([edit]), both.compiled([edit]))
+
+
+def test_a_structure_goes_with_who_made_it(both: Both) -> None:
+    """At once, not when garbage is collected next: a study grew by gigabytes of models that nobody used any more."""
+    fresh = Both(both.robot)
+    for effect in list(EFFECTS.values())[:12]:
+        for place in effect.places(fresh.nominal)[:1]:
+            fresh.patched([bolt_on(PAYLOAD), typical_edit(effect, fresh, place)])
+    kept = weakref.ref(fresh.structure)
+    gc.disable()
+    try:
+        del fresh
+        assert kept() is None
+    finally:
+        gc.enable()
 
 
 def test_several_threads(both: Both) -> None:

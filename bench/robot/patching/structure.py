@@ -1,6 +1,7 @@
 """A structure of a robot's model, compiled once; what edits change in its numbers is written into copies of it."""
 
 import copy
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -52,8 +53,8 @@ class CompiledStructure:
             raise NotPatchableError("a part that does not play its role")
         self.at = addresses_of(robot, self.model)
         self.data = mujoco.MjData(self.model)
-        self._models = Pool(lambda: copy.copy(self.model))
-        self._data = Pool(lambda: mujoco.MjData(self.model))
+        self._models = Pool(partial(copy.copy, self.model))
+        self._data = Pool(partial(mujoco.MjData, self.model))
         self._indices: dict[Handle, int] = {}
         self._carried: dict[tuple[Handle, str], list[Handle]] = {}
         self._checked: set[tuple[Handle, str]] = set()
