@@ -14,6 +14,7 @@ from bench.cli.diagnose import Diagnose
 from bench.cli.effects import Effects
 from bench.cli.hide import Hide
 from bench.cli.identify import Identify
+from bench.cli.memory import return_what_is_free
 from bench.cli.new_robot import NewRobot
 from bench.cli.paper import Paper
 from bench.cli.poses import Poses
@@ -57,6 +58,7 @@ def main(arguments: list[str] | None = None) -> int:
             description=__doc_for_users__,
             config=(tyro.conf.OmitSubcommandPrefixes,),
         )
+        return_what_is_free()
         return command.run()
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)
