@@ -42,7 +42,7 @@ class Equilibrium:
         self.data = mujoco.MjData(compiled.model) if data is None else data
         model, at, k = compiled.model, compiled.at, compiled.stiffness
         self._command = np.array(self.data.qpos[at.q])
-        self._passive = _passive_dofs(compiled)
+        self._passive = passive_dofs(compiled)
         self._is_plain = len(self._passive) == 0 and compiled.has_plain_elements
         self._gives = model.actuator_actnum[at.servo] == 0
         servo = np.where(self._gives, -model.actuator_biasprm[at.servo, 1], 0.0)
@@ -126,12 +126,7 @@ class Equilibrium:
     def _forces(self) -> Array:
         """Return the torque that is left on every degree of freedom, shape (nv,) [Nm]."""
         model, data, at = self.compiled.model, self.data, self.compiled.at
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_tendon(model, data)
-        mujoco.mj_transmission(model, data)
-        mujoco.mj_fwdVelocity(model, data)
-        mujoco.mj_fwdActuation(model, data)
+        evaluate_forces(model, data)
         forces: Array = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
         push = data.xfrc_applied[at.load_body]
         mujoco.mj_applyFT(model, data, push[:3], push[3:], data.xipos[at.load_body], at.load_body, forces)
@@ -147,7 +142,7 @@ class Equilibrium:
         data.time, data.act[:] = time, act
 
 
-def _passive_dofs(compiled: CompiledRobot) -> NDArray[np.int64]:
+def passive_dofs(compiled: CompiledRobot) -> NDArray[np.int64]:
     """Return the degrees of freedom that are neither link nor rotor, shape (p,)."""
     driven = {*compiled.at.theta_dof.tolist(), *compiled.at.q_dof.tolist()}
     return np.array([dof for dof in range(compiled.model.nv) if dof not in driven], dtype=np.int64)
@@ -166,3 +161,13 @@ def settle(compiled: CompiledRobot, data: mujoco.MjData, command: Array) -> None
     servo = at.servo[integrating]
     data.act[model.actuator_actadr[servo]] = equilibrium.motor_torque()[integrating] / model.actuator_gainprm[servo, 0]
     mujoco.mj_forward(model, data)
+
+
+def evaluate_forces(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Compute all forces of a state at rest or in motion, but nothing that follows from them."""
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_tendon(model, data)
+    mujoco.mj_transmission(model, data)
+    mujoco.mj_fwdVelocity(model, data)
+    mujoco.mj_fwdActuation(model, data)

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from bench.actuators import library
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
+from bench.simulate.equilibrium import passive_dofs
 from bench.simulate.plant import Array, Trace
 
 TOLERANCE = 1e-6  # of the torques on the links, where a balance counts as found; a tenth of that takes 4 % longer
@@ -82,9 +83,8 @@ class Prescribed:
         self.compiled = compiled
         model, at = compiled.model, compiled.at
         self._data = mujoco.MjData(model) if data is None else data
-        driven = {*at.theta_dof.tolist(), *at.q_dof.tolist()}
-        passive = [dof for dof in range(model.nv) if dof not in driven]
-        dofs = np.concatenate([at.theta_dof, np.array(passive, dtype=np.int64)])
+        passive = passive_dofs(compiled)
+        dofs = np.concatenate([at.theta_dof, passive])
         joints = model.dof_jntid[dofs]
         springs = np.array([np.ravel(model.jnt_stiffness[joint])[0] for joint in joints[compiled.n_joints :]])
         self.stiffness = np.concatenate([compiled.stiffness, springs])

@@ -6,15 +6,15 @@ from numpy.typing import NDArray
 
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
+from bench.simulate.equilibrium import evaluate_forces
 from bench.simulate.plant import Array, Trace
 from bench.simulate.prescribed import (
-    LEAST_SLOPE,
     MAX_ITERATIONS,
-    MOST_SLOPE,
     PATIENCE,
     STEP_RESOLUTION,
     TOLERANCE,
     Motion,
+    Prescribed,
 )
 
 EXPLICIT = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)  # a drag that was learned may fall with speed; nothing moves
@@ -29,22 +29,11 @@ class Reference:
 
     def __init__(self, compiled: CompiledRobot) -> None:
         self.compiled = compiled
-        model, at = compiled.model, compiled.at
-        self._data = mujoco.MjData(model)
-        driven = {*at.theta_dof.tolist(), *at.q_dof.tolist()}
-        passive = [dof for dof in range(model.nv) if dof not in driven]
-        self._dofs = np.concatenate([at.theta_dof, np.array(passive, dtype=np.int64)])
-        joints = model.dof_jntid[self._dofs]
-        self._positions = model.jnt_qposadr[joints]
-        stiffness = np.concatenate([compiled.stiffness, model.jnt_stiffness[joints[compiled.n_joints :], ...]])
-        stiffness = stiffness.reshape(len(self._dofs), -1)[:, 0]
-        self._sliding = stiffness
-        self._softest = np.where(_is_linear(compiled, len(passive)) > 0, 1.0, LEAST_SLOPE) * stiffness
-        self._sticking = stiffness.copy()
-        self._sticking[: compiled.n_joints] += compiled.link_presliding
-        self._stiffest = np.where(_is_linear(compiled, len(passive)) > 0, 1.0, MOST_SLOPE) * self._sticking
+        self._data = mujoco.MjData(compiled.model)
+        same = Prescribed(compiled)  # its unknowns and slopes; the search is what stands here once more
+        self._dofs, self._positions, self._slopes = same.dofs, same.positions, same.slopes
         self._wrench: Array | None = None
-        self._bias = np.zeros(model.nv)
+        self._bias = np.zeros(compiled.model.nv)
 
     @property
     def n_unknowns(self) -> int:
@@ -123,7 +112,7 @@ class Reference:
     def _balance(self, unknown: Array, slope: Array | None, accelerates: bool, time: float) -> tuple[Array, Array]:
         data = self._data
         if slope is None:
-            slope = self._sliding if data.qvel.any() else self._sticking
+            slope = self._slopes.sliding if data.qvel.any() else self._slopes.sticking
         data.qpos[self._positions] = unknown
         residual, limit = self._residual(accelerates)
         before = step = residual
@@ -134,15 +123,15 @@ class Reference:
             if iteration:
                 moved = np.abs(step) > STEP_RESOLUTION
                 secant = (before - residual) / np.where(moved, step, 1.0)
-                softest = self._softest
+                softest = self._slopes.softest
                 if iteration > PATIENCE:  # where nothing is transmitted, steps grow until they meet the other flank
                     softest = softest * 0.5 ** (iteration - PATIENCE)
-                slope = np.where(moved, np.minimum(np.maximum(secant, softest), self._stiffest), slope)
+                slope = np.where(moved, np.minimum(np.maximum(secant, softest), self._slopes.stiffest), slope)
             step = residual / slope
             if iteration >= PATIENCE:
                 if bracket is None:
                     bracket = np.stack([np.full_like(unknown, -np.inf), np.full_like(unknown, np.inf)])
-                near = residual / self._stiffest
+                near = residual / self._slopes.stiffest
                 halves = residual**2 > limit / len(residual) if iteration % 2 else np.zeros(len(residual), dtype=bool)
                 step = _bracketed(bracket, unknown, near, step, halves)
             unknown = unknown + step
@@ -156,12 +145,7 @@ class Reference:
     def _residual(self, accelerates: bool) -> tuple[Array, float]:
         """Return the torque left on every unknown, shape (u,) [Nm], and the square of what may be left [Nm^2]."""
         model, data, at = self.compiled.model, self._data, self.compiled.at
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_tendon(model, data)
-        mujoco.mj_transmission(model, data)
-        mujoco.mj_fwdVelocity(model, data)
-        mujoco.mj_fwdActuation(model, data)
+        evaluate_forces(model, data)
         if accelerates:
             mujoco.mj_rne(model, data, 1, self._bias)  # without armature, which only the rotors have
             bias = self._bias
@@ -221,12 +205,3 @@ def _bracketed(bracket: Array, at: Array, near: Array, step: Array, halves: NDAr
     outside = known & (halves | (aim <= low) | (aim >= high))
     limited: Array = np.where(outside, middle, aim) - at
     return limited
-
-
-def _is_linear(compiled: CompiledRobot, n_passive: int) -> Array:
-    """Return 1 for every unknown on a linear spring, else 0: elements first, then passive hinges (all linear)."""
-    model, element = compiled.model, compiled.at.element
-    rest = model.tendon_lengthspring[element]
-    curved = np.any(model.tendon_stiffnesspoly[element] != 0, axis=1) | (rest[:, 0] != rest[:, 1])
-    plastic = model.tendon_plasticadr[element] >= 0
-    return np.concatenate([np.where(curved | plastic, 0.0, 1.0), np.ones(n_passive)])

@@ -7,13 +7,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.design import WHITENED_TOGETHER, Design
 from bench.effects.effect import Acting, Effect, Parameter, Place
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
 FEWEST_SHAPES = 3  # values of a shape parameter that are tried at first
-AT_A_TIME = 64  # columns that are whitened together: memory stays small
 INVISIBLE = 1e-3  # norm of a whitened signature at its largest plausible size, below which nobody can see an effect
 
 
@@ -119,10 +118,10 @@ def candidates_of(
     if not seen:
         return ()
     white = np.empty((len(design.white), len(seen)))
-    for start in range(0, len(seen), AT_A_TIME):
-        there = (changes[i] for i in seen[start : start + AT_A_TIME])
+    for start in range(0, len(seen), WHITENED_TOGETHER):
+        there = (changes[i] for i in seen[start : start + WHITENED_TOGETHER])
         some = np.stack([change for change in there if change is not None], axis=2)
-        white[:, start : start + AT_A_TIME] = design.whiten(some)
+        white[:, start : start + WHITENED_TOGETHER] = design.whiten(some)
     norms = np.sqrt(np.einsum("ij,ij->j", white, white))
     column_of = {i: column for column, i in enumerate(seen)}
     found = []

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.design import WHITENED_TOGETHER, Design
 from bench.diagnose.replay.world import NOMINAL
 from bench.effects.learned_readings import force_of, in_room, in_time, of_reading, under_force
 from bench.effects.learned_torques import LearnedDrag
@@ -18,7 +18,6 @@ from bench.simulate.instruments import HOUR
 from bench.simulate.plant import Trace
 
 ANGLE_NODES = 9
-AT_A_TIME = 64  # columns that are whitened together: memory stays small
 SPEED_NODES = 4
 TORQUE_SHARE = 0.03  # plausible size of an unlisted torque, of the largest that the motor pays
 READING_SHARE = 0.05  # plausible size of an unlisted error of a reading, of the largest reading
@@ -81,7 +80,7 @@ def _whitened(design: Design, shapes: Iterable[tuple[Block, Array]]) -> Iterator
     some: list[tuple[Block, Array]] = []
     for one in shapes:
         some.append(one)
-        if sum(raw.shape[2] for _, raw in some) >= AT_A_TIME:
+        if sum(raw.shape[2] for _, raw in some) >= WHITENED_TOGETHER:
             yield from _seen(design, some)
             some = []
     if some:

@@ -6,14 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.diagnose.picture.candidates import Candidate, Cause
-from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.design import WHITENED_TOGETHER, Design
 from bench.diagnose.picture.generic import Block
 from bench.diagnose.picture.marginal import Columns, Marginal, Nuisances
 from bench.diagnose.picture.threshold import family_threshold
 from bench.record.campaign import Array
 
 WIDTHS = (1.0, 3.0, 10.0)  # times the prior of a free shape
-AT_A_TIME = 64  # columns that are whitened together: memory stays small
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,8 +170,8 @@ def rewhitened(base: Screening, before: Design, after: Design) -> Screening:
         return base
     old = base.tried.columns.matrix
     matrix = np.empty_like(old)
-    for start in range(0, old.shape[1], AT_A_TIME):
-        part = slice(start, start + AT_A_TIME)
+    for start in range(0, old.shape[1], WHITENED_TOGETHER):
+        part = slice(start, start + WHITENED_TOGETHER)
         matrix[:, part] = after.whiten(before.unwhiten(old[:, part]))
     entries = tuple(
         replace(entry, what=replace(entry.what, columns=matrix[:, entry.columns[0] : entry.columns[-1] + 1]))
