@@ -31,7 +31,7 @@ from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
-FALSE_ALARM_RATE = 0.01
+FALSE_ALARM_RATE = 0.01  # of the whole catalogue at once, declared where the caller declares no other
 
 
 @dataclass(frozen=True, eq=False)

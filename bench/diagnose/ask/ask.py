@@ -15,7 +15,7 @@ from bench.diagnose.picture.design import Design
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 
-MOST_PROPOSALS = 5
+MOST_PROPOSALS = 5  # in the verdict, the best first
 MOST_FITS = 4  # explanations that are told apart, the best first
 SIMULATED = 8  # experiments that are simulated with every deviation of the model
 TOLD_APART = 6.0  # log Bayes factor; more than that is as good

@@ -23,9 +23,9 @@ APPROACH = 0.1  # of a sweep, before its first instant that is read
 LOADS = (1 / 3, 2 / 3, 1.0)  # of the rated force
 POSES = 3  # at which a force is put on
 WARM_K = 25.0  # [K], by which gears and motors are warmer after an hour of motion; assumed
-DWELL_S = (1.0, 60.0, 300.0, 1800.0, 7200.0)
+DWELL_S = (1.0, 60.0, 300.0, 1800.0, 7200.0)  # of rest, at which everything is read: gas and gears settle over decades
 REPEATED = 10  # segments of today that stand for all
-REPEATED_INSTANTS = 4
+REPEATED_INSTANTS = 4  # of each of them that are read
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from bench.record.campaign import Array
 
 MOST_RUNS = 40  # folds; beyond that, runs far apart in the campaign share one
 ALONE = 0.9  # of all that an extension changes; a run with more than that cannot be checked with the others
-BLOCKS = 8
+BLOCKS = 8  # of the only run, or of one that has to be checked with itself
 GAP = 0.25  # of a block, on both sides of it
 
 

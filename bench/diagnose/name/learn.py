@@ -42,7 +42,7 @@ OVER = {"angle": "rad", "angle and direction": "rad", "speed": "rad/s", "load": 
 
 ANGLE_NODES = (9, 17, 33)  # tried over an angle; each has those of the one before
 WIDTHS = (1.0, 3.0, 10.0)  # of the prior, tried: a shape that is found may be larger than anyone thought plausible
-ROUNDS = 3
+ROUNDS = 3  # fits in turn, each with the standard errors that the one before asks for
 SETTLED = 1.2  # times; standard errors that change by less are settled
 KEPT = 0.5  # of the evidence in the linear picture, which the simulated model has to keep
 NOT_THERE = "nothing in the simulator can act so: the shape is known, but no model runs with it"

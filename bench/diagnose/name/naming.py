@@ -38,8 +38,8 @@ class Renew(Protocol):
         """Return design and screening; `is_last`: nothing will be added, what is missed now is noise."""
 
 
-MOST_CAUSES = 30
-MOST_REFUSED = 8
+MOST_CAUSES = 30  # of an extension; that of the KR300 has 17
+MOST_REFUSED = 8  # causes in turn that predict no better, before the climb ends
 MOST_CHANGES = 2  # times that the end is weighed: once more where a rival takes the model's place
 # What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.
 UNEXPLAINED = 0.02
