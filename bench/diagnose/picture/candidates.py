@@ -37,6 +37,11 @@ class Cause:
         """Name of the effect and place, in words."""
         return self.effect.name, str(self.place)
 
+    @property
+    def drive(self) -> int:
+        """Index of the drive at which it acts, or -1."""
+        return self.place.index if self.place.kind == "joint" else -1
+
     def __str__(self) -> str:
         where = "" if self.place.kind == "robot" else f" of {self.place}"
         return f"{self.effect.title}{where}"
