@@ -13,6 +13,7 @@ from bench.diagnose.picture.design import Design, raised, roughened, with_play
 from bench.diagnose.picture.generic import Block, anew
 from bench.diagnose.picture.lack_of_fit import missed, unexplained
 from bench.diagnose.picture.marginal import Columns, Nuisances
+from bench.diagnose.picture.screening import WIDTHS
 from bench.diagnose.picture.threshold import LEAST
 from bench.effects.effect import WHOLE, Effect, Place
 from bench.effects.friction_elements import Side
@@ -42,7 +43,6 @@ OVER = {"angle": "rad", "angle and direction": "rad", "speed": "rad/s", "load": 
 
 
 ANGLE_NODES = (9, 17, 33)  # tried over an angle; each has those of the one before
-WIDTHS = (1.0, 3.0, 10.0)  # of the prior, tried: a shape that is found may be larger than anyone thought plausible
 ROUNDS = 3  # fits in turn, each with the standard errors that the one before asks for
 SETTLED = 1.2  # times; standard errors that change by less are settled
 KEPT = 0.5  # of the evidence in the linear picture, which the simulated model has to keep

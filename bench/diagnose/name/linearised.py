@@ -7,8 +7,10 @@ and the sensitivities of S are corrected so that taking one cause away is exact 
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.extend.fit import Fit, Key, fit_without, pseudo_residual
 from bench.diagnose.name.models import Model, Trial
@@ -17,11 +19,11 @@ from bench.diagnose.picture.candidates import Candidate, Cause
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.generic import Block
 from bench.diagnose.picture.marginal import Columns, Nuisances
-from bench.diagnose.picture.screening import Entry, Tried
+from bench.diagnose.picture.screening import WIDTHS, Entry, Tried
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
-FREE_SHAPE = "free shape"  # of which a model has one at most
+MAINLY = 0.8  # of what a free shape explains; causes that explain as much are not given up for it
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,25 +34,85 @@ class Linearised:
         model: To search.
         about: The model.
         what: Of each term: something that was screened, or a cause of the model.
+        tangents: Of each cause of the model, shape (m, k), whitened.
+        white: Shape (m,), residual without any finding, whitened.
+        nuisances: That are integrated out.
+        threshold: Log evidence that chance exceeds at the declared rate.
     """
 
     model: LinearModel
     about: Model
     what: tuple[Entry | Cause, ...]
+    tangents: tuple[Array, ...]
+    white: Array
+    nuisances: Nuisances
+    threshold: float
 
     def cause(self, i: int) -> Cause | None:
         """Return the cause that a term stands for; None for a free shape."""
         what = self.what[i]
         return what if isinstance(what, Cause) else what.cause
 
+    @cached_property
+    def _shapes(self) -> NDArray[np.intp]:
+        """Indices of the free shapes."""
+        return np.array([i for i, term in enumerate(self.model.terms) if not term.is_listed], dtype=np.intp)
+
+    def beside(self) -> Trial | None:
+        """Return the model that it is linearised about with the free shape that is needed most, None where none is.
+
+        What is not listed is orthogonal to what the causes at its drive can do (Plumlee, Bayesian calibration of
+        inexact computer models, 2017): else it would take the constant part of a friction from the level.
+        """
+        rise = self.model.additions(self.present)[self._shapes]
+        if not len(rise) or np.max(rise) < 0:
+            return None
+        found = self.what[int(self._shapes[np.argmax(rise)])]
+        assert isinstance(found, Entry)
+        assert isinstance(found.what, Block)
+        mine = [cause.drive == found.drive for cause in self.about.causes]
+        tangents = [tangent for tangent, is_mine in zip(self.tangents, mine, strict=True) if is_mine]
+        columns = found.what.columns
+        if tangents:
+            own = np.concatenate(tangents, axis=1)
+            columns = np.asarray(columns - own @ self.nuisances.regression(own, columns))
+        every = np.concatenate([*self.tangents, columns], axis=1)
+        products = self.nuisances.products(self.white, every)
+        terms = [i for i in self.present if isinstance(self.what[i], Cause)]
+        prior = np.concatenate([np.empty(0), *(self.model.terms[i].prior for i in terms)])
+        count = np.array(range(every.shape[1]))
+        marginal, which = products.given(count[: len(prior)], prior), count[len(prior) :]
+        evidence = [marginal.log_evidence(which, width) + share for width, share in found.priors]
+        width, share = found.priors[int(np.argmax(evidence))]
+        trial = self.trial_of(self.present)
+        shape = replace(found.what, columns=columns, prior=float(width[0]))
+        return replace(trial, shape=shape, log_odds=trial.log_odds + share - self.threshold)
+
+    def instead(self, which: Sequence[int]) -> tuple[int, ...]:
+        """Return the free shape that is more probable than listed terms that it does without, with the others; or none.
+
+        It may stand for all of them, or for those at its drive. One that merely does as well as causes that explain
+        most of it is not preferred to them: a robot that only lacks Coulomb friction would be called unlisted, for a
+        torque over angle and direction holds that too.
+        """
+        model, listed = self.model, self.model.log_posterior(which)
+        found: tuple[int, ...] = ()
+        best = listed
+        for drive in {None} | {self.what[i].drive for i in which}:
+            rest = [i for i in which if drive is not None and self.what[i].drive != drive]
+            shapes = [i for i in self._shapes if drive is None or self.what[i].drive == drive]
+            if not shapes:
+                continue
+            base, rise = model.log_posterior(rest), model.additions(rest)[shapes]
+            total = base + float(np.max(rise))
+            if total > best and listed - base < MAINLY * (total - base):
+                found, best = (*rest, int(shapes[np.argmax(rise)])), total
+        return found
+
     @property
     def present(self) -> tuple[int, ...]:
         """The terms of the model that it is linearised about."""
-        shape = str(self.about.shape) if self.about.shape else None
-        mine = [i for i, one in enumerate(self.what) if isinstance(one, Cause)]
-        same = [i for i, one in enumerate(self.what) if isinstance(one, Entry) and str(one.what) == shape]
-        widths = sorted(same, key=lambda i: -self.model.log_posterior((*mine, i)))
-        return (*mine, *widths[:1])
+        return tuple(range(len(self.what) - len(self.about.keys), len(self.what)))
 
     def trial_of(self, which: Sequence[int]) -> Trial:
         """Return the model of some terms, to be fitted from what the linearised model says of their sizes."""
@@ -99,9 +161,11 @@ def linearised(
         removed, tangent = _removal(its_design, fit, cause)
         white = white + removed
         own.append(tangent)
-    mine = np.concatenate(own, axis=1) if own else np.empty((len(white), 0))
-    marginal = Nuisances(design.slopes).products(white, tried.columns)
-    second = Nuisances(design.slopes).products(white, Columns(mine))
+    shape = [about.shape.columns] if about.shape else []
+    mine = np.concatenate([*own, *shape], axis=1) if about.keys else np.empty((len(white), 0))
+    nuisances = Nuisances(design.slopes)
+    marginal = nuisances.products(white, tried.columns)
+    second = nuisances.products(white, Columns(mine))
     cross = tried.columns.matrix.T @ mine - marginal.reduced.T @ second.reduced
     information = np.block([[marginal.information, cross], [cross.T, second.information]])
     scores = np.concatenate([marginal.scores, second.scores])
@@ -110,11 +174,10 @@ def linearised(
     what: list[Entry | Cause] = []
     for entry in tried.entries:
         key = entry.cause.key if entry.cause else str(entry.what)
-        if key in taken or key in refused:
-            continue
+        if key in taken or key in refused or (about.shape and not entry.cause):
+            continue  # a model has one free shape at most
         for prior, log_odds in entry.priors:
-            kind = None if entry.cause else FREE_SHAPE
-            terms.append(Term(key, entry.columns, prior, log_odds - threshold, entry.sign, kind))
+            terms.append(Term(key, entry.columns, prior, log_odds - threshold, entry.sign, entry.cause is not None))
             what.append(entry)
     start = len(marginal.scores)
     for cause, tangent in zip(about.causes, own, strict=True):
@@ -125,7 +188,14 @@ def linearised(
         sign = np.array([0.0 if u.parameter.is_shape or u.parameter.signed else 1.0 for u in unknowns])
         terms.append(Term(cause.key, columns, sigma, -threshold, sign))
         what.append(cause)
-    return Linearised(LinearModel(information, scores, terms), about, tuple(what))
+    if about.shape:
+        log_odds = -float(np.log(len(WIDTHS)))
+        its = np.array(range(start, len(scores)))
+        entry = Entry(about.shape, its, ((about.shape.plausible, log_odds),))
+        terms.append(Term(str(about.shape), its, about.shape.plausible, log_odds - threshold, entry.sign, False))
+        what.append(entry)
+    model = LinearModel(information, scores, terms)
+    return Linearised(model, about, tuple(what), tuple(own), white, nuisances, threshold)
 
 
 def _removal(design: Design, fit: Fit, cause: Cause) -> tuple[Array, Array]:

@@ -110,7 +110,7 @@ class Fitter:
         null: Fit of the nominal model to it.
         executor: Where to fit.
         known: Fit near all of them, whose derivatives will do as long as they promise what comes true; or None.
-        models: Keys -> model; None where it finds no balance, or does not need one of its causes.
+        models: Keys -> model; None where it finds no balance, is not plausible, or does not need one of its causes.
     """
 
     design: Design
@@ -120,7 +120,7 @@ class Fitter:
     models: dict[frozenset[Hashable], Model | None] = field(default_factory=dict)
 
     def fitted(self, trials: Sequence[Trial]) -> list[Model]:
-        """Return the models of trials, without those that cannot be simulated or do not need one of their causes.
+        """Return the models of trials, without those that `models` has None for.
 
         Raises:
             EffectError: An effect of the user's own fails.
@@ -139,7 +139,7 @@ class Fitter:
 
     def _model(self, trial: Trial, fit: Fit) -> Model | None:
         fit = replace(fit, causes=trial.causes, unknowns=unknowns_of(trial.causes))
-        if not all(fit.acts(cause) for cause in trial.causes):
+        if not (fit.is_plausible and all(fit.acts(cause) for cause in trial.causes)):
             return None
         evidence = fit.log_evidence - self.null.log_evidence + log_of_signs(fit)
         return Model(fit, trial.shape, evidence, evidence + trial.log_odds)

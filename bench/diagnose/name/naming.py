@@ -25,6 +25,7 @@ from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.generic import Block
 from bench.diagnose.picture.screening import Screening, Tried
+from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Stopped
@@ -41,8 +42,9 @@ class Renew(Protocol):
 
 MOST_ROUNDS = 12  # of linearising and searching; the KR300 takes 6
 LEADERS = 6  # alternatives of a search that are simulated; half of them while the best model still changes
+MOST_PLAYS = 12  # models with a play that are tried; one of 20 findings would be tried for minutes
 IN_SET = 6.0  # log posterior odds behind the best, up to where a model is not told apart from it (odds of 400)
-MOST_REFUSED = 8  # findings that do not predict better, before they are no more replaced
+MOST_REFUSED = 20  # findings that do not predict better, before they are no more replaced
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +171,10 @@ class _Selection:
         )
 
     def run(self) -> None:
-        """Search until the best model repeats, then with honest errors, and keep what pays on what was held out."""
+        """Search until the best model repeats, then with honest errors, and keep what pays on what was held out.
+
+        What is listed comes first; what is not is looked for beside it, and in its place where it explains far more.
+        """
         seen: set[frozenset[Hashable]] = set()
         is_last = False
         for _ in range(MOST_ROUNDS):
@@ -192,19 +197,27 @@ class _Selection:
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
         threshold, refused = self.screening.threshold, frozenset(self.refused)
         about = linearised(self.design, self.tried, threshold, self.best, refused)
-        found = alternatives_of(about.model, search(about.model, [about.present]))
+        shape = about.present[-1:] if self.best.shape else ()
+        found = alternatives_of(about.model, search(about.model, [about.present], shape))
         causes = [about.cause(i) for i in found[0].best.terms]
         self.promising = tuple(cause for cause in causes if cause)
-        near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
-        leaders = _leaders(near, LEADERS if is_last else LEADERS // 2)
-        trials = [about.trial_of(one.best.terms) for one in leaders]
-        trials += _scattering(about, leaders[0]) if is_last else []
+        count = LEADERS if is_last else LEADERS // 2
+        leaders = [one.best.terms for one in _leaders(found, count)]
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.design, self.null, self.executor, known)
-        trials.append(fitter.knows(self.best, about.trial_of(about.present)))
+        present = fitter.knows(self.best, about.trial_of(about.present))
+        alone = tuple(i for i in found[0].best.terms if i not in shape)
+        others = [*leaders, alone if shape else about.instead(alone)]
+        trials = [present, *(about.trial_of(terms) for terms in others if len(terms))]
+        trials += _scattering(about, found[0]) if is_last else []
         self.progress(f"fitting {len(trials) - 1} models")
-        models = sorted(fitter.fitted(trials), key=lambda model: -model.log_posterior)
-        self.models = with_probabilities(models, found)
+        models = fitter.fitted(trials)
+        if not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
+            beside = about.beside()
+            models += fitter.fitted([beside] if beside else [])
+        models = sorted(set(models), key=lambda model: -model.log_posterior)
+        fell = {keys for keys, model in fitter.models.items() if model is None}  # whatever was promised of them
+        self.models = with_probabilities(models, [one for one in found if one.keys not in fell])
         self.best = self.models[0]
 
     def _relinearise(self, *, is_last: bool = False) -> None:
@@ -221,38 +234,51 @@ class _Selection:
         if self.design is not before:
             self.null = refit(self.design, (), {})
         if old := model.shape:  # as it is whitened now
-            (new,) = (e.what for e in self.tried.entries if isinstance(e.what, Block) and str(e.what) == str(old))
-            model = replace(model, shape=replace(new, prior=old.prior))
+            columns = self.design.whiten(before.unwhiten(old.columns))
+            model = replace(model, shape=replace(old, columns=columns))
         self.best = replace(model, fit=refitted(model.design(self.design), model.fit))
 
     def _refuse(self) -> bool:
-        """Hold each finding against what was held out; refuse the worst that does not pay, and say whether one was."""
+        """Hold each finding against what was held out; refuse those that do not pay, and say whether there were any.
+
+        The worst is refused first, and the others that did not pay are held against it anew without that one: of two
+        findings of which either will do, one stays.
+        """
         self.progress("gain of each finding on what was held out")
-        design, best = self.best.design(self.design), self.best.fit
-        worst: Finding | None = None
-        for cause in best.causes:
-            others = tuple(other for other in best.causes if other is not cause)
-            start = {key: value for key, value in best.start.items() if key[:2] != cause.key}
-            without = refit(design, others, start, best.nuisances, best)
-            worth = held_out(design, without, best)
-            rise = best.log_evidence - without.log_evidence
-            finding = Finding(cause, best, rise, worth, worth.pays)
-            self.findings[cause.key] = finding
-            if not worth.pays and (worst is None or worth.low < worst.held_out.low):
-                worst = finding
-        if worst is None or len(self.refused) >= MOST_REFUSED:
-            return False
-        self.refused[worst.cause.key] = worst
-        kept = tuple(cause for cause in best.causes if cause is not worst.cause)
-        fit = refit(design, kept, best.start, best.nuisances, best)
-        self.best = replace(self.best, fit=fit)
-        return True
+        held: dict[Hashable, Finding] = {one.cause.key: one for one in map(self._held, self.best.causes) if one}
+        count = len(self.refused)
+        while (failed := [one for one in held.values() if not one.is_taken]) and len(self.refused) < MOST_REFUSED:
+            worst = min(failed, key=lambda one: one.held_out.low)
+            self.refused[worst.cause.key] = held.pop(worst.cause.key)
+            self.best = replace(self.best, fit=self._without(worst.cause))
+            again = map(self._held, [one.cause for one in failed if one is not worst])
+            held |= {one.cause.key: one for one in again if one}
+        self.findings = held
+        return len(self.refused) > count
+
+    def _held(self, cause: Cause) -> Finding | None:
+        """Return what a cause of the best model is worth beside the others; None where nothing balances without it."""
+        best = self.best.fit
+        try:
+            without = self._without(cause)
+        except NOT_SIMULATED:
+            return None
+        worth = held_out(self.best.design(self.design), without, best)
+        return Finding(cause, best, best.log_evidence - without.log_evidence, worth, worth.pays)
+
+    def _without(self, cause: Cause) -> Fit:
+        """Return the best model fitted without one of its causes."""
+        best = self.best.fit
+        others = tuple(other for other in best.causes if other.key != cause.key)
+        start = {key: value for key, value in best.start.items() if key[:2] != cause.key}
+        return refit(self.best.design(self.design), others, start, best.nuisances, best)
 
 
 def _leaders(found: Sequence[Alternative], count: int) -> list[Alternative]:
     """Return what is worth a simulation: the best, and the best of those that have all of a better one and more."""
-    larger = [one for i, one in enumerate(found) if any(better.keys < one.keys for better in found[:i])]
-    return [*[one for one in found if one not in larger][:count], *larger[:1]]
+    near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
+    larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
+    return [*[one for one in near if one not in larger][:count], *larger[:1]]
 
 
 def _scattering(about: Linearised, leader: Alternative) -> list[Trial]:
@@ -270,7 +296,7 @@ def _scattering(about: Linearised, leader: Alternative) -> list[Trial]:
             if about.what[i].drive == what.drive and not (other and other.effect.scatters):
                 rest = tuple(one for one in terms if one != i)
                 trials += [about.trial_of((*rest, play)), about.trial_of((*terms, play))]
-    return trials
+    return trials[:MOST_PLAYS]
 
 
 def with_probabilities(models: Sequence[Model], found: Sequence[Alternative]) -> tuple[Model, ...]:

@@ -37,7 +37,7 @@ class Term:
         prior: Shape (k,), standard deviations of the columns' sizes.
         log_odds: Logarithm of its prior odds.
         sign: Shape (k,), of the columns whose size can only be positive (1) or negative (-1); 0: either.
-        kind: Of one kind a subset has one at most; None: any number.
+        is_listed: Whether a search may add it; other terms are in its subsets only where it is told so.
     """
 
     key: Hashable
@@ -45,7 +45,7 @@ class Term:
     prior: Array
     log_odds: float
     sign: Array
-    kind: Hashable | None = None
+    is_listed: bool = True
 
 
 @dataclass(frozen=True)
@@ -110,8 +110,7 @@ class LinearModel:
             h = own - there.transpose(0, 2, 1) @ there + _diagonal(1 / prior**2)
             rise[members] = log_evidences_of(h, score[columns], prior, sign) + odds
         excluded = {self.terms[i].key for i in which}
-        kinds = {self.terms[i].kind for i in which} - {None}
-        rise[[i for i, term in enumerate(self.terms) if term.key in excluded or term.kind in kinds]] = -np.inf
+        rise[[i for i, term in enumerate(self.terms) if term.key in excluded]] = -np.inf
         return rise
 
     def _root(self, which: Sequence[int]) -> tuple[Array, Array]:
@@ -141,12 +140,13 @@ class LinearModel:
         return groups
 
 
-def search(model: LinearModel, start: Iterable[Sequence[int]] = ((),)) -> list[Subset]:
+def search(model: LinearModel, start: Iterable[Sequence[int]] = ((),), always: tuple[int, ...] = ()) -> list[Subset]:
     """Return all subsets that were visited, the most probable first.
 
     Args:
         model: What may be added to what.
         start: Subsets to begin with.
+        always: Terms that are in every subset.
     """
     visited: dict[tuple[int, ...], float] = {}
     queue: list[tuple[float, tuple[int, ...]]] = []
@@ -160,22 +160,23 @@ def search(model: LinearModel, start: Iterable[Sequence[int]] = ((),)) -> list[S
 
     def best_additions(terms: tuple[int, ...], count: int) -> list[int]:
         if terms not in rises:
-            rises[terms] = model.additions(terms)
+            rises[terms] = np.where(is_optional, model.additions(terms), -np.inf)
         rise = rises[terms]
         if not len(rise):
             return []
         order = np.argpartition(-rise, min(count, len(rise) - 1))[:count]
         return [int(i) for i in order if np.isfinite(rise[i])]
 
+    is_optional = np.array([term.is_listed for term in model.terms], dtype=bool)
     for which in ((), *start):
-        visit(which)
+        visit({*which, *always})
     for _ in range(MOST_EXPANDED):
         if not queue or -queue[0][0] < max(visited.values()) - WINDOW:
             break
         terms = heapq.heappop(queue)[1]
         for i in best_additions(terms, ADDITIONS):
             visit((*terms, i))
-        for gone in terms:
+        for gone in set(terms) - set(always):
             rest = tuple(i for i in terms if i != gone)
             visit(rest)
             for i in best_additions(rest, EXCHANGES):

@@ -69,6 +69,11 @@ class Candidate:
     prior: Array
     columns: Array
 
+    @property
+    def plausible(self) -> Array:
+        """Shape (k,), standard deviations of the sizes, in steps."""
+        return self.prior
+
 
 def causes_of(catalogue: Iterable[Effect], compiled: CompiledRobot, measured: frozenset[str]) -> tuple[Cause, ...]:
     """Return every effect at every place where it may act on this robot, as far as these channels could show it.

@@ -190,6 +190,14 @@ class Nuisances:
         self._every = every
         self._factor = np.linalg.cholesky(np.eye(every.shape[1]) + every.T @ every)
 
+    def regression(self, known: Array, columns: Array) -> Array:
+        """Return the coefficients of columns, shape (m, k), on known ones, shape (m, n): shape (n, k)."""
+        reduced = [solve_triangular(self._factor, self._every.T @ some, lower=True) for some in (known, columns)]
+        information = known.T @ known - reduced[0].T @ reduced[0]
+        information[np.diag_indices_from(information)] += JITTER * np.maximum(np.diag(information), 1.0)
+        cross = known.T @ columns - reduced[0].T @ reduced[1]
+        return np.asarray(np.linalg.solve(information, cross), dtype=np.float64)
+
     def products(self, white: Array, columns: Array | Columns) -> Marginal:
         """Return the inner products of a whitened residual, shape (m,), and columns, shape (m, q)."""
         if not isinstance(columns, Columns):

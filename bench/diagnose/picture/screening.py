@@ -13,8 +13,8 @@ from bench.diagnose.picture.marginal import Columns, Marginal, Nuisances
 from bench.diagnose.picture.threshold import family_threshold
 from bench.record.campaign import Array
 
-# times the prior of a free shape; nobody knows how large what is not listed may be
-WIDTHS = (1.0, 3.0, 10.0)
+# times the prior of a free shape: nobody knows how large what is not listed may be; beside a listed cause it is small
+WIDTHS = (0.1, 0.3, 1.0, 3.0, 10.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class Tried:
     @property
     def prior(self) -> Array:
         """Shape (q,), standard deviations of the columns' sizes."""
-        return np.concatenate([entry.priors[0][0] for entry in self.entries])
+        return np.concatenate([entry.what.plausible for entry in self.entries])
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +129,7 @@ def screen(design: Design, white: Array, tried: Tried, rate: float) -> Screening
         rate: Declared false-alarm rate of the whole.
     """
     marginal = Nuisances(design.slopes).products(white, tried.columns)
-    blocks = [(entry.columns, *entry.priors[0]) for entry in tried.entries]
+    blocks = [(entry.columns, *prior) for entry in tried.entries for prior in entry.priors]
     threshold = family_threshold(marginal, blocks, rate, np.random.default_rng(0))
     return Screening(marginal, _ranked(marginal, tried.entries), threshold, tried)
 
