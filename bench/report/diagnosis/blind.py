@@ -1,7 +1,7 @@
 """What a campaign could not show, in sentences: the missing instruments with what each would show."""
 
 from bench.diagnose.verdict import BlindSpot, Verdict
-from bench.report.diagnosis.names import listed
+from bench.report.diagnosis.names import listed, places_text
 
 INSTRUMENTS = {
     "current": "motor currents or torques (current_i_a, tau_motor_i_nm)",
@@ -43,13 +43,6 @@ def _named(spots: list[BlindSpot]) -> str:
     places: dict[str, list[str]] = {}
     for spot in spots:
         places.setdefault(spot.effect.replace("_", " "), []).extend(spot.places)
-    named = [f"{effect}{_where(where)}" for effect, where in places.items()]
+    named = [f"{effect} ({where})" if (where := places_text(some)) else effect for effect, some in places.items()]
     more = [f"{len(named) - MOST} more (blind in verdict.json)"] if len(named) > MOST else []
     return ", ".join([*named[:MOST], *more])
-
-
-def _where(places: list[str]) -> str:
-    joints = sorted(place.removeprefix("joint ") for place in places if place.startswith("joint "))
-    others = [place.replace("_", " ") for place in places if not place.startswith("joint ") and place != "robot"]
-    words = ([f"joint{'s' * (len(joints) > 1)} {', '.join(joints)}"] if joints else []) + others
-    return f" ({', '.join(words)})" if words else ""

@@ -5,13 +5,13 @@ import json
 from pathlib import Path
 
 from bench.diagnose.diagnose import Diagnosis
+from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.replay.world import World, edits_in
 from bench.diagnose.verdict import Verdict
 from bench.effects.effect import Conditions
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.facts import facts_of, facts_without
 from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT, WORDS
-from bench.report.diagnosis.learned import learned_of
 from bench.report.diagnosis.page import Pictures, page_of
 from bench.report.diagnosis.pictures import learned_picture, pictures_of
 from bench.report.diagnosis.readings import readings_of

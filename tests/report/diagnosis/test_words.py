@@ -7,10 +7,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.diagnose.verdict import Explanation, NamedCause, NoisyChannel, ParameterValue
-from bench.report.diagnosis.names import cause_names, channel_name, name_beside, parameter_text, percent, shown
+from bench.diagnose.verdict import Explanation, NamedCause, NoisyChannel, ParameterValue, PredictedError, Unlisted
+from bench.report.diagnosis.headline import MOST, headline
+from bench.report.diagnosis.names import (
+    cause_names,
+    channel_name,
+    error_text,
+    name_beside,
+    parameter_text,
+    percent,
+    shown,
+    unlisted_name,
+)
 from bench.report.diagnosis.words import places_of, words_of
 from tests.report.diagnosis.made import GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO
+
+OIL = replace(MASS, place="forearm")
 
 
 @pytest.mark.parametrize(
@@ -24,17 +36,60 @@ from tests.report.diagnosis.made import GAS, MASS, NO_GAIN, NOTHING, VERDICTS, W
             "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction, which no effect "
             "of the catalogue explains.",
         ),
+        (
+            "unlisted beside a listed one",
+            "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152); and an unlisted cause: an error of the readings "
+            "of tracker that depends on place.",
+        ),
+        ("a remainder", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
+        ("small", "Only small findings: loss of gas."),
+        ("messy", "2 causes act together: mass of a link (upper arm) and zero of a joint (joint 2)."),
     ],
 )
 def test_the_first_line_is_the_verdict(kind: str, first: str) -> None:
     assert next(words_of(VERDICTS[kind])) == first
 
 
+@pytest.mark.parametrize("count", [1, 3, 20])
+@pytest.mark.parametrize("explanations", [1, 2, 6])
+@pytest.mark.parametrize("unlisted", [None, Unlisted("joint 2", "motor torque", "angle and direction")])
+def test_a_headline_has_two_lines_at_most(count: int, explanations: int, unlisted: Unlisted | None) -> None:
+    long = "friction of the seal of the counterbalance that the model leaves out"
+    causes = tuple(replace(ZERO, title=f"{long} {i}", share=0.5, sigmas=5.0 + i) for i in range(count))
+    one = tuple(Explanation((*causes, replace(GAS, title=f"{long}, {i}")), 0.1, 90.0) for i in range(explanations))
+    words = headline(replace(VERDICTS["several"], explanations=one, unlisted=unlisted))
+    assert len(words) <= MOST
+    assert "nan" not in words
+
+
+def test_the_surest_stand_in_a_long_headline() -> None:
+    causes = tuple(replace(ZERO, place=f"link {i}", share=0.5, sigmas=float(i)) for i in range(20))
+    words = headline(replace(VERDICTS["several"], explanations=(Explanation(causes, 1.0, 90.0),)))
+    assert words.startswith("20 causes act together: zero of a joint (link 19), zero of a joint (link 18)")
+    assert words.endswith("and others.")
+
+
+def test_small_causes_that_are_open_are_no_either_or_of_the_headline() -> None:
+    one = (
+        Explanation((GAS, replace(MASS, share=0.1)), 0.6, 90.0),
+        Explanation((GAS, replace(OIL, share=0.1)), 0.4, 89.0),
+    )
+    assert headline(replace(VERDICTS["set"], explanations=one)).startswith("Loss of gas: lost 0.133")
+
+
+def test_on_a_slide_there_are_forces_and_positions() -> None:
+    force = ParameterValue("at_1", -10.2, -12.7, -7.7, "N", "at 0.035 m/s")
+    shape = Unlisted("joint 1", "link torque", "angle", (force,))
+    assert unlisted_name(shape) == "a force on the link of joint 1 that depends on position"
+    assert unlisted_name(replace(shape, parameters=(replace(force, unit="Nm"),))).startswith("a torque on the link")
+
+
 def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
     text = "\n".join(words_of(VERDICTS["cause"]))
     for words in (
         "lost 0.133 (0.113 to 0.152)",
-        "motor current 2: 0.612 -> 0.081 A (floor 0.074), gain 87 % (83 % to 90 %)",
+        "motor current 2: 0.405 -> 0.081 A of 2.310 measured (nominal fitted 0.612, floor 0.074), "
+        "gain 80 % (74 % to 86 %)",
         "Refused: mass of a link (upper arm): held-out runs do not become more probable.",
         "Next: the sweeps again, slower",
         "variance is 1.7 times",
@@ -83,6 +138,22 @@ def test_nothing_found_says_what_would_have_been() -> None:
     text = "\n".join(words_of(VERDICTS["nothing"]))
     assert "chance would still find something in 1 % of such campaigns" in text
     assert "joint zero, joint 2: offset 0.012 deg" in text
+    assert "transmission error, joint 2: sin 0.0018 to 0.0054 deg, by its shape" in text
+    assert "18391" not in text
+    assert "Not detectable at a plausible size: link length (length) of upper arm" in text
+
+
+def test_what_to_expect_is_in_the_unit_that_stands_beside_it() -> None:
+    error = PredictedError("q_link_1_rad", "rad", "motion", 4, 1.9e-4, 1.1e-4, 3.3e-4)
+    assert error_text(error) == "link angle 1: 0.0109 deg (0.0063 to 0.0189)"
+    force = replace(error, channel="tau_motor_1_n", unit="N", rms=4.48, low=2.61, high=6.94)
+    assert error_text(force) == "motor force 1: 4.48 N (2.61 to 6.94)"
+
+
+def test_a_remainder_without_a_shape_is_said() -> None:
+    lines = list(words_of(VERDICTS["a remainder"]))
+    assert not any("unlisted" in line for line in lines)
+    assert any(line.startswith("Something is left that is too small to give a shape") for line in lines)
 
 
 def test_nothing_found_in_a_channel_that_is_all_noise_is_not_praised() -> None:
@@ -105,6 +176,8 @@ def test_files_are_named(tmp_path: Path) -> None:
     [
         ("current_2_a", "motor current 2"),
         ("tau_motor_3_nm", "motor torque 3"),
+        ("tau_motor_1_n", "motor force 1"),
+        ("q_link_2_m", "link position 2"),
         ("reflector_1_x_m", "reflector 1 x"),
         ("gas_pressure_pa", "gas pressure"),
         ("oil_level_m", "oil_level_m"),
