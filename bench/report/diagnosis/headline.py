@@ -16,9 +16,9 @@ from bench.report.diagnosis.names import (
     unlisted_name,
 )
 
-# Characters of two lines of the page's title: 56 rem between the margins at 1.6 rem a letter height, half of that its
-# mean width (70 a line).
-MOST = 140
+# Characters of two lines of the page's title: 56 rem between the margins, a letter of 1.4 rem is 0.65 of that wide in a
+# wide bold face (61 a line).
+MOST = 120
 UNDECIDED = ", which these data cannot tell apart"
 
 
@@ -42,11 +42,13 @@ def _headline(verdict: Verdict, room: int) -> str:
     shape = verdict.unlisted if verdict.unlisted and verdict.unlisted.stands_out else None
     large = any(not cause.is_small for explanation in verdict.explanations for cause in explanation.causes)
     if shape:
-        unlisted = f"an unlisted cause: {unlisted_name(shape)}"
+        name = unlisted_name(shape)
         if large:
-            return capital(f"{_large(verdict, room - len(unlisted) - len('; and .'))}; and {unlisted}.")
-        words = f"{capital(unlisted)}, which no effect of the catalogue explains."
-        return words if len(words) <= room else f"{capital(unlisted)}."
+            beside = f"; and an unlisted {name.partition(' ')[2]}."
+            return capital(_large(verdict, room - len(beside)) + beside)
+        words = f"An unlisted cause: {name}"
+        why = ", which no effect of the catalogue explains."
+        return words + (why if len(words + why) <= room else ".")
     if large:
         return capital(f"{_large(verdict, room - 1)}.")
     if verdict.explanations:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.record.campaign import Array
-from bench.report.diagnosis.names import WORKSHOP, channel_name, of_slide, unit_name
+from bench.report.diagnosis.names import WORKSHOP, channel_name, of_slide, shown, unit_name
 from bench.report.diagnosis.readings import Readings
 from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure
 
@@ -163,13 +163,15 @@ def _measured(readings: Readings, column: int) -> NDArray[np.intp]:
 
 
 def _stages(readings: Readings, column: int, at: NDArray[np.intp]) -> list[_Stage]:
-    unit, scale = WORKSHOP.get(readings.quantities[column].unit, (readings.quantities[column].unit, 1.0))
+    unit = readings.quantities[column].unit
     models = [("nominal model", readings.nominal), ("with what was found", readings.left)]
     found = []
     for words, left in models:
         if left is not None:
-            values = scale * left[at, column]
-            found.append(_Stage(f"{words}: root mean square {np.sqrt(np.mean(values**2)):.3g} {unit}", values))
+            size = float(np.sqrt(np.mean(left[at, column] ** 2)))
+            (text,) = shown((size,), unit, size / 10)  # three digits
+            scale = WORKSHOP.get(unit, (unit, 1.0))[1]
+            found.append(_Stage(f"{words}: RMS {text} {unit_name(unit)}", scale * left[at, column]))
     return found
 
 

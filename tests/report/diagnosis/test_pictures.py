@@ -66,8 +66,8 @@ def test_residuals_are_drawn_in_the_unit_of_the_channel_over_time_and_angle(read
     nominal = np.sqrt(np.mean(left.nominal[:, 1] ** 2))
     for words in (
         "[N]",
-        f"nominal model: root mean square {nominal:.3g} N",
-        "with what was found: root mean square 0.25 N",
+        f"nominal model: RMS {nominal:.2f} N",
+        "with what was found: RMS 0.250 N",
     ):
         assert words in text_of(over_angle), words
         assert words in text_of(over_time), words

@@ -33,13 +33,11 @@ OIL = replace(MASS, place="forearm")
         ("several", "2 causes act together: loss of gas and zero of a joint (joint 2)."),
         (
             "unlisted",
-            "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction, which no effect "
-            "of the catalogue explains.",
+            "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction.",
         ),
         (
             "unlisted beside a listed one",
-            "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152); and an unlisted cause: an error of the readings "
-            "of tracker that depends on place.",
+            "Loss of gas; and an unlisted error of the readings of tracker that depends on place.",
         ),
         ("a remainder", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
         ("small", "Only small findings: loss of gas."),
