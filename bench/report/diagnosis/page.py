@@ -39,6 +39,7 @@ from bench.report.diagnosis.sentences import (
     remainder_sentence,
     scatter_sentence,
     step_left,
+    steps_sentence,
     undetectable_sentence,
     unfinished_sentence,
 )
@@ -139,6 +140,7 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
         unfinished_words=unfinished_sentence(verdict),
         rate_words=rate_sentence(verdict),
         gain_words=gain_sentence(verdict),
+        steps_words=steps_sentence(verdict),
         scatter_words=scatter_sentence(verdict),
         unlisted_name=unlisted_name(verdict.unlisted) if verdict.unlisted and has_shape else "",
         remainder_words=remainder_sentence(verdict),

@@ -17,7 +17,7 @@ from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import World
 from bench.record.campaign import Array
-from bench.report.diagnosis.reel_time import reel_time_of
+from bench.report.diagnosis.recording_clock import recording_clock_of
 
 STANDS_OUT = 1.2  # root mean square from where on a channel is worth a picture
 Index = NDArray[np.int64]
@@ -127,7 +127,7 @@ def readings_of(diagnosis: Diagnosis) -> Readings:
     found = _comparison(diagnosis, measured)
     moved = [np.sign(s.motion.velocity[s.motion.read]) * _moves(s) for s in segments]
     there = measured_at(design)
-    clock = reel_time_of(design)
+    clock = recording_clock_of(design)
     return Readings(
         quantities=design.quantities,
         nominal=np.where(there, design.residual, np.nan),

@@ -58,10 +58,11 @@ def rate_sentence(verdict: Verdict) -> str:
 
 def scatter_sentence(verdict: Verdict) -> str:
     """Return what the scale of the noise means, "" where it is as expected."""
-    if verdict.noise_scale <= 1:
+    times = f"{verdict.noise_scale:.3g}"
+    if not float(times) > 1:  # nan where nothing was weighed
         return ""
     words = (
-        f"The data scatter more than the instruments explain: their variance is {verdict.noise_scale:.3g} times as "
+        f"The data scatter more than the instruments explain: their variance is {times} times as "
         "large, and all intervals are wider for it."
     )
     if not verdict.noisy:
@@ -123,6 +124,13 @@ def undetectable_sentence(verdict: Verdict) -> str:
             found.setdefault(words, []).append(limit.place)
     named = [f"{words} of {where}" if (where := places_text(places)) else words for words, places in found.items()]
     return f"Not detectable at a plausible size: {', '.join(named)}." if named else ""
+
+
+def steps_sentence(verdict: Verdict) -> str:
+    """Return what became of the steps that were taken where no cause of theirs is named, "" elsewhere."""
+    if verdict.explanations or not any(step.accepted for step in verdict.steps):
+        return ""
+    return "No cause of these steps is kept: what is unlisted explains more than they do."
 
 
 def step_text(step: Step) -> str:

@@ -1,4 +1,4 @@
-"""A verdict in plain words for the terminal."""
+"""A verdict in words for the terminal."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -28,6 +28,7 @@ from bench.report.diagnosis.sentences import (
     remainder_sentence,
     scatter_sentence,
     step_text,
+    steps_sentence,
     undetectable_sentence,
     unfinished_sentence,
 )
@@ -63,8 +64,8 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     for proposal in verdict.next[:BEST_PROPOSALS]:
         yield f"Next: {proposal.experiment}"
         yield f"      {proposal_text(proposal)}"
-    if verdict.noise_scale > 1:
-        yield scatter_sentence(verdict)
+    if scatter := scatter_sentence(verdict):
+        yield scatter
     yield from blind_sentences(verdict)
     for effect in verdict.not_simulated:
         yield f"Not looked for: {effect}, whose model found no balance."
@@ -84,6 +85,8 @@ def _selection(verdict: Verdict) -> Iterator[str]:
         yield "Step by step, evidence and that of data held out with its 90 % interval, in nats:"
         for step in taken:
             yield f"  {step_text(step)}"
+        if given_up := steps_sentence(verdict):
+            yield given_up
 
 
 def _gain(verdict: Verdict) -> Iterator[str]:

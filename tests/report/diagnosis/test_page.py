@@ -12,7 +12,7 @@ from bench.diagnose.verdict import Verdict
 from bench.report.diagnosis.names import WORKSHOP
 from bench.report.diagnosis.page import Pictures, page_of
 from bench.report.diagnosis.pictures import learned_picture
-from bench.report.plain import plain
+from bench.report.jsonable import to_jsonable
 from tests.report.diagnosis.made import CURVE, HOSTILE, VERDICTS, facts_for, has_shape
 
 LEVELS = {95.0, 90.0, 1.0}  # of intervals, and the unit of residuals: said in words, of no campaign
@@ -118,7 +118,7 @@ def is_known(text: str, numbers: list[float]) -> bool:
 
 
 def test_every_number_is_in_the_file(page: Page, verdict: Verdict) -> None:
-    content = plain(verdict.as_json() | facts_for(verdict).as_json())
+    content = to_jsonable(verdict.as_json() | facts_for(verdict).as_json())
     known = list(leaves(content))
     numbers = [float(leaf) for leaf in known if isinstance(leaf, int | float)]
     numbers += [-number for number in numbers]
@@ -136,7 +136,7 @@ def test_sections_are_those_with_something_to_say(page: Page, verdict: Verdict) 
         ("How causes were selected", verdict.steps),
         ("The next experiment", verdict.next),
         ("What would have been found", verdict.detectable),
-        ("Evidence and rivals", verdict.explanations),
+        ("Evidence and competing explanations", verdict.explanations),
         ("The learned shape", has_shape(verdict)),
     ):
         assert (words in page.text) == bool(content), words

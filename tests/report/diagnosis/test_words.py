@@ -163,6 +163,19 @@ def test_nothing_found_in_a_channel_that_is_all_noise_is_not_praised() -> None:
     assert "and 1 more" in scatter
 
 
+def test_a_scatter_that_rounds_to_that_of_the_instruments_is_none() -> None:
+    assert not any("scatter" in line for line in words_of(replace(NOTHING, noise_scale=1.0002)))
+    assert not any("scatter" in line for line in words_of(replace(NOTHING, noise_scale=float("nan"))))
+    assert any("1.02 times as large" in line for line in words_of(replace(NOTHING, noise_scale=1.02)))
+
+
+def test_steps_that_an_unlisted_shape_replaced_are_not_told_as_kept() -> None:
+    steps = (VERDICTS["cause"].steps[0],) * 2
+    lines = list(words_of(replace(VERDICTS["unlisted"], steps=steps)))
+    assert "No cause of these steps is kept: what is unlisted explains more than they do." in lines
+    assert not any(line.startswith("No cause of these") for line in words_of(replace(VERDICTS["cause"], steps=steps)))
+
+
 def test_files_are_named(tmp_path: Path) -> None:
     assert not any("model" in line for line in places_of(tmp_path))
     (tmp_path / "extended.xml").touch()
