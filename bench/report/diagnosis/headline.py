@@ -90,7 +90,7 @@ def _together(causes: Sequence[NamedCause], room: int) -> str:
         size = f"{first.name} {value} {unit_name(first.unit)}".rstrip()
         words = f"{cause_name(cause)}: {size} (95 % interval {low} to {high})"
         return words if len(words) <= room else cause_name(cause)
-    for start in (f"{len(causes)} causes act together: ", ""):
+    for start in (f"{len(causes)} causes act together: ", f"{len(causes)} causes: ", ""):
         if names := _fitting(cause_names(causes), "and", room - len(start)):
             return start + names
     return f"{len(causes)} causes, listed below"

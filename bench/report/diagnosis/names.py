@@ -116,7 +116,7 @@ def listed(names: Sequence[str], last: str) -> str:
 
 def places_text(places: Sequence[str]) -> str:
     """Return places in words: "joints 1, 3, upper arm"; "" for the robot as a whole."""
-    joints = sorted(place.removeprefix("joint ") for place in places if place.startswith("joint "))
+    joints = sorted((p.removeprefix("joint ") for p in places if p.startswith("joint ")), key=int)
     others = [place.replace("_", " ") for place in places if not place.startswith("joint ") and place != "robot"]
     return ", ".join(([f"joint{'s' * (len(joints) > 1)} {', '.join(joints)}"] if joints else []) + others)
 

@@ -164,14 +164,13 @@ def _measured(readings: Readings, column: int) -> NDArray[np.intp]:
 
 def _stages(readings: Readings, column: int, at: NDArray[np.intp]) -> list[_Stage]:
     unit = readings.quantities[column].unit
-    models = [("nominal model", readings.nominal), ("with what was found", readings.left)]
+    fitted = "with its figures fitted" if readings.after is None else "with what was found"
     found = []
-    for words, left in models:
-        if left is not None:
-            size = float(np.sqrt(np.mean(left[at, column] ** 2)))
-            (text,) = shown((size,), unit, size / 10)  # three digits
-            scale = WORKSHOP.get(unit, (unit, 1.0))[1]
-            found.append(_Stage(f"{words}: RMS {text} {unit_name(unit)}", scale * left[at, column]))
+    for words, left in (("nominal model", readings.nominal), (fitted, readings.left)):
+        size = float(np.sqrt(np.mean(left[at, column] ** 2)))
+        (text,) = shown((size,), unit, size / 10)  # three digits
+        scale = WORKSHOP.get(unit, (unit, 1.0))[1]
+        found.append(_Stage(f"{words}: RMS {text} {unit_name(unit)}", scale * left[at, column]))
     return found
 
 
@@ -180,8 +179,7 @@ def _panels(readings: Readings, column: int, at: NDArray[np.intp]) -> tuple["Fig
     stages = _stages(readings, column, at)
     unit = readings.quantities[column].unit
     noise = WORKSHOP.get(unit, (unit, 1.0))[1] * float(np.median(readings.noise[at, column]))
-    height = SIZE[1] if len(stages) > 1 else 0.68 * SIZE[1]
-    figure, rows = small_figure(len(stages), 1, SIZE[0], height, sharex=True)
+    figure, rows = small_figure(len(stages), 1, *SIZE, sharex=True)
     panels = [(row[0], stage) for row, stage in zip(rows, stages, strict=True)]
     for panel, stage in panels:
         reach = max(LEAST_REACH * noise, _nearly_all(stage.left))

@@ -54,7 +54,8 @@ class Readings:
         quantities: What is compared.
         nominal: Shape (T, c), measured less what the nominal model says as it stands, nothing fitted; nan where not
             measured.
-        left: Shape (T, c), measured less what the model with what was found says; None where nothing was found.
+        left: Shape (T, c), measured less what the model with what was found says; where nothing was found, the nominal
+            model with its uncertain figures fitted.
         noise: Shape (T, c), standard deviation of what cannot be predicted; nan where not measured.
         before: Shape (m,), residual without what was found; 1 is what cannot be predicted.
         after: Shape (m,), residual with it; None where nothing was found.
@@ -72,7 +73,7 @@ class Readings:
 
     quantities: tuple[Quantity, ...]
     nominal: Array
-    left: Array | None
+    left: Array
     noise: Array
     before: Array
     after: Array | None
@@ -112,7 +113,7 @@ class Readings:
 class _Comparison:
     """Residuals and simulations of `Readings`, of the same names."""
 
-    left: Array | None
+    left: Array
     before: Array
     after: Array | None
     simulated: Array
@@ -131,7 +132,7 @@ def readings_of(diagnosis: Diagnosis) -> Readings:
     return Readings(
         quantities=design.quantities,
         nominal=np.where(there, design.residual, np.nan),
-        left=None if found.left is None else np.where(there, found.left, np.nan),
+        left=np.where(there, found.left, np.nan),
         noise=np.sqrt(floor_variance(design)),
         before=found.before,
         after=found.after,
@@ -166,7 +167,7 @@ def _comparison(diagnosis: Diagnosis, measured: Array) -> _Comparison:
     before = after + shape + design.whiten(change)
     is_found = bool(np.any(shape)) or bool(fit.causes)
     return _Comparison(
-        left if is_found else None,
+        left,
         before,
         after if is_found else None,
         extended - change,

@@ -1,8 +1,10 @@
 """What a verdict says in sentences, for the page and the terminal alike."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, Verdict
+from bench.diagnose.verdict import BlindSpot, ChannelGain, NamedCause, Proposal, Step, Verdict
 from bench.report.diagnosis.names import (
     cause_name,
     channel_name,
@@ -114,16 +116,24 @@ def remainder_sentence(verdict: Verdict) -> str:
     )
 
 
-def undetectable_sentence(verdict: Verdict) -> str:
-    """Return the sizes that this campaign would not have shown as far as they are plausible, "" where there is none."""
-    found: dict[str, list[str]] = {}
+def undetectable_sentence(verdict: Verdict, but: Sequence[BlindSpot] = ()) -> str:
+    """Return the sizes that this campaign would not have shown as far as they are plausible, "" where there is none.
+
+    Args:
+        verdict: Of the campaign.
+        but: What is said elsewhere.
+    """
+    said = {(spot.effect, place) for spot in but for place in spot.places}
+    sizes: dict[tuple[str, str], list[str]] = {}
     for limit in verdict.detectable:
-        if not limit.is_plausible:
-            shapes = ", of some shapes" if limit.limit <= limit.plausible else ""
-            words = f"{limit.effect.replace('_', ' ')} ({limit.parameter.replace('_', ' ')}{shapes})"
-            found.setdefault(words, []).append(limit.place)
-    named = [f"{words} of {where}" if (where := places_text(places)) else words for words, places in found.items()]
-    return f"Not detectable at a plausible size: {', '.join(named)}." if named else ""
+        if not limit.is_plausible and (limit.effect, limit.place) not in said:
+            shapes = " of some shapes" if limit.limit <= limit.plausible else ""
+            sizes.setdefault((limit.effect, limit.place), []).append(limit.parameter.replace("_", " ") + shapes)
+    places: dict[str, list[str]] = {}
+    for (effect, place), names in sizes.items():
+        places.setdefault(f"{effect.replace('_', ' ')} ({', '.join(names)})", []).append(place)
+    named = [f"{words} of {where}" if (where := places_text(some)) else words for words, some in places.items()]
+    return f"Not detectable at a plausible size: {'; '.join(named)}." if named else ""
 
 
 def steps_sentence(verdict: Verdict) -> str:

@@ -113,7 +113,7 @@ def _limits(verdict: Verdict) -> Iterator[str]:
         for limit in best[:BEST_LIMITS]:
             place = "" if limit.place == "robot" else f", {limit.place}"
             yield f"  {limit.effect.replace('_', ' ')}{place}: {limit_text(limit)}"
-    if unseen := undetectable_sentence(verdict):
+    if unseen := undetectable_sentence(verdict, but=verdict.blind):
         yield unseen
 
 

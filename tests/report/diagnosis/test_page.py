@@ -168,7 +168,7 @@ def test_no_limit_is_beyond_what_is_plausible() -> None:
     text = Page(html_of_kind("nothing")).text
     assert "18391" not in text
     assert (
-        "Not detectable at a plausible size: link length (length) of upper arm, stribeck (rise, of some shapes) of "
+        "Not detectable at a plausible size: link length (length) of upper arm; stribeck (rise of some shapes) of "
         "joints 1, 2." in text
     )
 

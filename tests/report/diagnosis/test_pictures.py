@@ -75,6 +75,11 @@ def test_residuals_are_drawn_in_the_unit_of_the_channel_over_time_and_angle(read
     assert "time [s]" in text_of(over_time)
 
 
+def test_where_nothing_was_found_the_figures_are_fitted(readings: Readings) -> None:
+    ((_, (over_angle, _)),) = pictures_of(replace(readings, after=None))
+    assert "with its figures fitted: RMS" in text_of(over_angle)
+
+
 def test_a_slide_has_a_position(readings: Readings) -> None:
     ((_, (over_position, _)),) = pictures_of(replace(readings, is_slide=np.ones(2, dtype=bool)))
     assert "position of joint 2 [mm]" in text_of(over_position)

@@ -7,7 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.diagnose.verdict import Explanation, NamedCause, NoisyChannel, ParameterValue, PredictedError, Unlisted
+from bench.diagnose.verdict import (
+    BlindSpot,
+    Explanation,
+    NamedCause,
+    NoisyChannel,
+    ParameterValue,
+    PredictedError,
+    Unlisted,
+)
 from bench.report.diagnosis.headline import MOST, headline
 from bench.report.diagnosis.names import (
     cause_names,
@@ -138,7 +146,9 @@ def test_nothing_found_says_what_would_have_been() -> None:
     assert "joint zero, joint 2: offset 0.012 deg" in text
     assert "transmission error, joint 2: sin 0.0018 to 0.0054 deg, by its shape" in text
     assert "18391" not in text
-    assert "Not detectable at a plausible size: link length (length) of upper arm" in text
+    assert "Not detectable at a plausible size: link length (length) of upper arm; stribeck" in text
+    blind = replace(VERDICTS["nothing"], blind=(BlindSpot("link_length", ("upper_arm",), ()),))
+    assert "Not detectable at a plausible size: stribeck (rise of some shapes) of joints 1, 2." in words_of(blind)
 
 
 def test_what_to_expect_is_in_the_unit_that_stands_beside_it() -> None:
