@@ -53,6 +53,10 @@ def test_a_shape_is_no_size() -> None:
     assert size_of(CAUSE, fitted(0.0, 1e-3, 1e-4)).share == pytest.approx(0.1)
 
 
+def test_a_cause_that_was_not_fitted_has_no_size() -> None:
+    assert np.isnan(size_of(PLAIN, fitted(0.0, 1e-3, 1e-4)).share)
+
+
 def test_small_is_less_than_a_fifth_of_what_is_plausible() -> None:
     assert NamedCause("shift", "shift", "robot", (), share=SMALL - 1e-6).is_small
     assert not NamedCause("shift", "shift", "robot", (), share=SMALL).is_small

@@ -13,7 +13,7 @@ class Size:
     """The size of a cause.
 
     Attributes:
-        share: Its distance from none against the largest plausible one.
+        share: Its distance from none against the largest plausible one; nan where the fit has not the cause.
         sigmas: The same in standard errors; inf where it has none.
     """
 
@@ -33,4 +33,6 @@ def size_of(cause: Cause, fit: Fit) -> Size:
             off = abs(float(value) - unknown.parameter.null)
             sizes.append(Size(off / unknown.parameter.high, off / float(sigma) if sigma > 0 else float("inf")))
     clear = [size for size in sizes if size.sigmas > NORMAL_95]
-    return max(clear, key=lambda size: size.share) if clear else sizes[0]
+    if clear:
+        return max(clear, key=lambda size: size.share)
+    return sizes[0] if sizes else Size(float("nan"), float("nan"))

@@ -4,9 +4,9 @@ from bench.diagnose.verdict import BlindSpot, Verdict
 from bench.report.diagnosis.names import listed, places_text
 
 INSTRUMENTS = {
-    "current": "motor currents or torques (current_i_a, tau_motor_i_nm)",
+    "current": "motor currents or torques (current_i_a, tau_motor_i_nm; of a slide tau_motor_i_n)",
     "reflector": "a laser tracker (reflector_k_x_m, _y_m, _z_m)",
-    "q_link": "link encoders (q_link_i_rad)",
+    "q_link": "link encoders (q_link_i_rad; of a slide q_link_i_m)",
     "force": "a force sensor (force_x_n, _y_n, _z_n)",
     "moment": "a moment sensor (moment_x_nm, _y_nm, _z_nm)",
     "gas_pressure": "a gauge of the gas (gas_pressure_pa)",

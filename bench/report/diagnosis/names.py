@@ -167,6 +167,12 @@ def parameter_text(parameter: ParameterValue) -> str:
     return " ".join(filter(None, (parameter.name, value, unit_name(parameter.unit), f"({low} to {high})")))
 
 
+def meaning_of(parameter: ParameterValue) -> str:
+    """Return what a parameter is, without the range that the catalogue states for some other drive ("of 10 kNm")."""
+    parts = parameter.words.split("; ")
+    return "; ".join(part for part in parts if not part.startswith("range "))
+
+
 def limit_of(limit: DetectionLimit) -> str:
     """Return the smallest size that would have been found, without its unit: of the best shape to the worst."""
     best, worst = shown((limit.limit, limit.worst), limit.unit, limit.limit)

@@ -13,6 +13,7 @@ from bench.report.diagnosis.names import (
     cause_name,
     error_text,
     limit_text,
+    meaning_of,
     name_beside,
     ordered,
     parameter_text,
@@ -76,7 +77,8 @@ def _explanation(explanation: Explanation) -> Iterator[str]:
         mark = f"{percent(explanation.probability):>9}  " if i == 0 else " " * 11
         yield mark + ", ".join(filter(None, (cause_name(cause), small_text(cause))))
         for parameter in cause.parameters:
-            yield f"{'':13}{parameter_text(parameter)}" + (f"   {parameter.words}" if parameter.words else "")
+            meaning = meaning_of(parameter)
+            yield f"{'':13}{parameter_text(parameter)}" + (f"   {meaning}" if meaning else "")
 
 
 def _selection(verdict: Verdict) -> Iterator[str]:

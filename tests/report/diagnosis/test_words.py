@@ -21,6 +21,7 @@ from bench.report.diagnosis.names import (
     cause_names,
     channel_name,
     error_text,
+    meaning_of,
     name_beside,
     parameter_text,
     percent,
@@ -206,6 +207,18 @@ def test_files_are_named(tmp_path: Path) -> None:
 )
 def test_channels_have_names(column: str, name: str) -> None:
     assert channel_name(column) == name
+
+
+@pytest.mark.parametrize(
+    ("words", "meaning"),
+    [
+        ("f_C; range for a drive of 10 kNm", "f_C"),
+        ("range for a drive of 10 kNm", ""),
+        ("s; 10 to 60 arcsec", "s; 10 to 60 arcsec"),
+    ],
+)
+def test_the_range_of_another_drive_is_not_told(words: str, meaning: str) -> None:
+    assert meaning_of(ParameterValue("level", 20.0, 19.0, 21.0, "N", words)) == meaning
 
 
 @pytest.mark.parametrize(
