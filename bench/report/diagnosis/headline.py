@@ -44,13 +44,16 @@ def _headline(verdict: Verdict, room: int) -> str:
     if shape:
         name = unlisted_name(shape)
         if large:
-            beside = f"; and an unlisted {name.partition(' ')[2]}."
-            return capital(_large(verdict, room - len(beside)) + beside)
+            besides = (f"; and an unlisted {name.partition(' ')[2]}.", f"; and something unlisted at {shape.place}.")
+            for beside in besides:
+                if words := _large(verdict, room - len(beside)):
+                    return capital(words + beside)
+            return f"Several causes, listed below{besides[1]}"
         words = f"An unlisted cause: {name}"
         why = ", which no effect of the catalogue explains."
         return words + (why if len(words + why) <= room else ".")
     if large:
-        return capital(f"{_large(verdict, room - 1)}.")
+        return capital(f"{_large(verdict, room - 1) or 'Several causes, listed below'}.")
     if verdict.explanations:
         names = cause_names(ordered(verdict.explanations[0].causes))
         start = "Only small findings: "
@@ -64,12 +67,13 @@ def _headline(verdict: Verdict, room: int) -> str:
 
 
 def _large(verdict: Verdict, room: int) -> str:
-    """Return the large causes that all explanations share, and those that are open between them."""
+    """Return the large causes that all explanations share, and those that are open between them; "" without room."""
     keys = [{_key(cause) for cause in e.causes} for e in verdict.explanations]
     shared = set.intersection(*keys)
-    common = [c for c in ordered(verdict.explanations[0].causes) if _key(c) in shared and not c.is_small]
+    large = {_key(cause) for e in verdict.explanations for cause in e.causes if not cause.is_small}
+    common = [cause for cause in ordered(verdict.explanations[0].causes) if _key(cause) in shared & large]
     rests = [[cause for cause in ordered(e.causes) if _key(cause) not in shared] for e in verdict.explanations]
-    if not any(not cause.is_small for rest in rests for cause in rest):
+    if large <= shared:
         return _together(common, room)
     rest = [" with ".join(cause_names(causes)) or "nothing else" for causes in rests]
     shared_words = [listed(cause_names(common), "and"), f"{len(common)} causes"] if common else [""]
@@ -82,18 +86,18 @@ def _large(verdict: Verdict, room: int) -> str:
 
 
 def _together(causes: Sequence[NamedCause], room: int) -> str:
-    """Return causes of one explanation; a single one with its size."""
+    """Return causes of one explanation, a single one with its size; "" where there is room for none."""
     if len(causes) == 1:
         (cause,) = causes
         first = cause.parameters[0]
         value, low, high = interval_of(first)
         size = f"{first.name} {value} {unit_name(first.unit)}".rstrip()
         words = f"{cause_name(cause)}: {size} (95 % interval {low} to {high})"
-        return words if len(words) <= room else cause_name(cause)
+        return words if len(words) <= room else _fitting([cause_name(cause)], "and", room)
     for start in (f"{len(causes)} causes act together: ", f"{len(causes)} causes: ", ""):
         if names := _fitting(cause_names(causes), "and", room - len(start)):
             return start + names
-    return f"{len(causes)} causes, listed below"
+    return ""
 
 
 def _fitting(names: Sequence[str], last: str, room: int) -> str:

@@ -29,7 +29,7 @@ from bench.report.diagnosis.names import (
     unlisted_name,
 )
 from bench.report.diagnosis.words import places_of, words_of
-from tests.report.diagnosis.made import GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO
+from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO
 
 OIL = replace(MASS, place="forearm")
 
@@ -74,6 +74,18 @@ def test_the_surest_stand_in_a_long_headline() -> None:
     words = headline(replace(VERDICTS["several"], explanations=(Explanation(causes, 1.0, 90.0),)))
     assert words.startswith("20 causes act together: zero of a joint (link 19), zero of a joint (link 18)")
     assert words.endswith("and others.")
+
+
+def test_a_shape_makes_room_for_the_name_of_a_cause() -> None:
+    causes = tuple(replace(ZERO, title=f"Coulomb friction that the model leaves out, {i}", share=0.5) for i in range(2))
+    one = replace(BESIDE, explanations=(Explanation(causes, 1.0, 90.0),))
+    first = "Coulomb friction that the model leaves out, 0 (joint 2)"
+    assert headline(one) == f"2 causes: {first} and others; and something unlisted at tracker."
+
+
+def test_what_is_large_in_one_explanation_is_large() -> None:
+    one = (Explanation((replace(GAS, share=0.1), ZERO), 0.6, 90.0), Explanation((GAS, MASS), 0.4, 89.0))
+    assert headline(replace(VERDICTS["set"], explanations=one)).startswith("Loss of gas, and either zero of a joint")
 
 
 def test_small_causes_that_are_open_are_no_either_or_of_the_headline() -> None:
