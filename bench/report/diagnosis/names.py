@@ -205,6 +205,8 @@ def percent(share: float) -> str:
         return "-"
     if 0 < value < 0.1:
         return "< 0.1 %"
+    if -0.1 < value < 0:
+        return "> -0.1 %"
     if 99.9 < value < 100:
         return "> 99.9 %"
     if 99 < value < 100:

@@ -124,7 +124,7 @@ def test_every_number_is_in_the_file(page: Page, verdict: Verdict) -> None:
     numbers += [-number for number in numbers]
     words = " ".join(leaf for leaf in known if isinstance(leaf, str))
     in_words = set(NUMBER.findall(words.replace("_", " ")))
-    shown = NUMBER.findall(re.sub(r"[<>] (0\.1|99\.9) %", "", page.text))
+    shown = NUMBER.findall(re.sub(r"[<>] -?(0\.1|99\.9) %", "", page.text))
     assert shown
     for text in shown:
         assert text in in_words or float(text) in LEVELS or is_known(text, numbers), text

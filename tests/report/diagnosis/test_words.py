@@ -254,6 +254,11 @@ def test_what_is_shown_is_near_the_value(value: float, resolution: float) -> Non
     assert abs(float(text) - value) <= max(0.1 * resolution, 1e-2 * abs(value), 1e-6)
 
 
+@pytest.mark.parametrize(("share", "text"), [(-1.8e-7, "> -0.1 %"), (3e-4, "< 0.1 %"), (-0.0067, "-0.67 %")])
+def test_a_gain_of_nearly_nothing_has_no_exponent(share: float, text: str) -> None:
+    assert percent(share) == text
+
+
 @given(st.floats(0, 1, exclude_min=True, exclude_max=True))
 def test_no_probability_is_rounded_to_certainty(share: float) -> None:
     assert percent(share) not in ("0 %", "100 %")
