@@ -16,7 +16,7 @@ class Check:
     """Campaign folder (format: bench/record/README.md)."""
 
     def run(self) -> int:
-        """Check and print; return the exit code: 0, or 3 with errors or doubts."""
+        """Check and print; return the exit code: 0, or 3 with errors or failed plausibility checks."""
         from typing import get_args
 
         from bench.cli.progress import progress_bar
@@ -35,6 +35,6 @@ class Check:
             print(f"{finding.level:8}{finding}")
         runs = f"{len(report.campaign.runs)} runs on {report.campaign.robot}" if report.campaign else "not usable"
         count = {level: sum(finding.level == level for finding in findings) for level in get_args(Level)}
-        doubts = f"{count['doubt']} doubts, " if count["doubt"] else ""
+        doubts = f"{count['doubt']} failed plausibility checks, " if count["doubt"] else ""
         print(f"{self.campaign}: {count['error']} errors, {doubts}{count['warning']} warnings; {runs}")
         return CampaignError.exit_code if count["error"] or count["doubt"] else 0

@@ -15,7 +15,7 @@ from bench.identify.from_campaign import static_readings
 from bench.identify.methods import METHODS
 from bench.identify.options import Options
 from bench.report.campaigns import open_campaign
-from bench.report.plain import plain
+from bench.report.jsonable import to_jsonable
 from bench.robot.links import rigid_bodies
 
 MNM = 1e6  # [Nm/rad] per 10^6 Nm/rad, the unit of Table 6
@@ -69,22 +69,22 @@ def as_json(estimate: StiffnessEstimate, level: float = 0.95) -> dict[str, objec
     content: dict[str, object] = {
         "method": estimate.method,
         "joints": list(estimate.joint_names),
-        "stiffness_nm_per_rad": plain(estimate.stiffness),
-        "standard_error_nm_per_rad": plain(estimate.standard_error),
+        "stiffness_nm_per_rad": to_jsonable(estimate.stiffness),
+        "standard_error_nm_per_rad": to_jsonable(estimate.standard_error),
         "interval_level": level,
-        "interval_nm_per_rad": plain(estimate.interval(level)),
-        "compliance_rad_per_nm": plain(estimate.compliance),
-        "compliance_covariance_rad2_per_nm2": plain(estimate.covariance),
+        "interval_nm_per_rad": to_jsonable(estimate.interval(level)),
+        "compliance_rad_per_nm": to_jsonable(estimate.compliance),
+        "compliance_covariance_rad2_per_nm2": to_jsonable(estimate.covariance),
         "observable": [bool(seen) for seen in estimate.observable],
-        "condition_number": plain(estimate.condition_number),
+        "condition_number": to_jsonable(estimate.condition_number),
         "residual_rms_in_sigma": {
-            channel: plain(np.sqrt(np.mean(np.square(values)))) for channel, values in estimate.residuals.items()
+            channel: to_jsonable(np.sqrt(np.mean(np.square(values)))) for channel, values in estimate.residuals.items()
         },
         "notes": list(estimate.notes),
     }
     if isinstance(estimate, JointEstimate):
-        content["link_side_share_of_friction"] = plain(estimate.link_share)
-        content["link_side_share_sigma"] = plain(estimate.link_share_sigma)
+        content["link_side_share_of_friction"] = to_jsonable(estimate.link_share)
+        content["link_side_share_sigma"] = to_jsonable(estimate.link_share_sigma)
     return content
 
 

@@ -10,7 +10,7 @@ from bench.errors import InputError
 from bench.identify.counterbalance_fit import CounterbalanceFit
 from bench.identify.estimate import StiffnessEstimate
 from bench.record.truth import TrueValue, read_truth
-from bench.report.plain import plain
+from bench.report.jsonable import to_jsonable
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def score_counterbalance(fit: CounterbalanceFit, truth_folder: Path) -> tuple[Sc
 
 def as_json(scores: Iterable[Score]) -> object:
     """Return scores as plain data; what is undefined is null."""
-    return plain([asdict(score) | {"error": score.error, "covered": score.covered} for score in scores])
+    return to_jsonable([asdict(score) | {"error": score.error, "covered": score.covered} for score in scores])
 
 
 def _true_values(folder: Path, names: Collection[str]) -> list[TrueValue]:

@@ -10,15 +10,16 @@ import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.name.learn import NOT_THERE, effect_of, learn
+from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.picture.generic import Block, blocks_of
+from bench.diagnose.verdict import verdict_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
 from bench.effects.learned_torques import LearnedTorque
 from bench.effects.unlisted import Detent, SnappingCable
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Array
-from bench.report.diagnosis.learned import curves_of, learned_of
 from bench.report.diagnosis.write import write_diagnosis
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
@@ -138,8 +139,14 @@ def test_a_shape_that_does_not_pay_is_refused(case: Case) -> None:
     refused = replace(case.found, lesson=again)
     assert refused.extension is None
     drawn = learned_of(naming, again)
-    assert drawn  # as the linear picture has it
-    assert len(curves_of(drawn, refused.design)[0].at) == len(drawn.block.nodes) == 9
+    assert drawn  # as the linearised model has it
+    (curve,) = drawn.curves
+    assert len(curve.at) == len(drawn.block.nodes) == 9
+    unlisted = verdict_of(naming, 0.01, {}, (), lesson=again).unlisted
+    assert unlisted
+    assert curve.value == tuple(p.value for p in unlisted.parameters)
+    assert curve.high == pytest.approx([p.high for p in unlisted.parameters])
+    assert {p.unit for p in unlisted.parameters} == {curve.unit}
 
 
 def _block(naming: Naming, *what: str) -> Block:

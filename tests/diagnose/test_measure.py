@@ -250,6 +250,28 @@ def test_a_perfect_model_is_as_good_as_its_floor() -> None:
     assert channel.gain == pytest.approx(0.0, abs=1e-9)
 
 
+def test_the_nominal_model_as_it_stands_and_what_was_measured_stand_beside_the_gain(rng: np.random.Generator) -> None:
+    runs = 6
+    column = rng.standard_normal(runs * LENGTH)
+    design = design_with(noise(rng, runs) + 2 * column + 0.7, changes(rng, runs), runs)
+    (found,) = held_out(design, fit_of(design), fit_of(design, column)).channels
+    # all readings weigh alike here, and the replay of this made-up campaign predicts nothing at all
+    assert found.nominal == pytest.approx(np.sqrt(np.mean(design.residual**2)))
+    assert found.measured == pytest.approx(np.std(design.residual))
+    assert found.measured < found.nominal
+
+
+def test_a_nominal_model_that_the_other_runs_bend_is_no_straw_man(rng: np.random.Generator) -> None:
+    slopes = changes(rng, 2, p=1)
+    away = np.repeat([3.0, -3.0], LENGTH)  # two runs that want the opposite of the same figure
+    design = design_with(noise(rng, 2) + away * slopes[:, 0], slopes, 2)
+    before, after = fit_of(design), fit_of(design, away * slopes[:, 0])
+    (found,) = held_out(design, before, after).channels
+    assert found.before > 1.5 * found.nominal
+    assert found.over_better == pytest.approx(1 - found.after / found.nominal)
+    assert found.over_better_low < found.over_better < found.over_better_high
+
+
 def test_raised_errors_do_not_raise_the_floor(rng: np.random.Generator) -> None:
     design = design_with(noise(rng, 3), changes(rng, 3), 3)
     heavier = replace(

@@ -15,7 +15,7 @@ from bench.executor.processes import Processes
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Stop, Stopped
 from bench.record.campaign import Campaign
-from bench.report.diagnosis.sentences import headline
+from bench.report.diagnosis.headline import headline
 from tests.diagnose.sweeps import SWEEPS, made, nominal
 
 CHOICE = ("coulomb_level", "gas_loss", "gas_temperature")

@@ -48,6 +48,11 @@ class ChannelGain:
         floor: What noise and friction at rest would leave of a perfect model.
         gain: 1 - after / before.
         low, high: 90 % interval of the gain, over the runs.
+        measured: Root mean square of what was measured about its mean, with the same weights.
+        nominal: What the nominal model leaves as it stands, nothing fitted.
+        over_better: 1 - after / min(before, nominal): the gain over the better of the two, for a model whose figures
+            were bent by the other runs may predict a run worse than the nominal one does.
+        over_better_low, over_better_high: 90 % interval of it.
     """
 
     channel: str
@@ -58,6 +63,11 @@ class ChannelGain:
     gain: float
     low: float
     high: float
+    measured: float
+    nominal: float
+    over_better: float
+    over_better_low: float
+    over_better_high: float
 
 
 @dataclass(frozen=True)
@@ -132,6 +142,7 @@ def _channels(design: Design, folds: Folds, before: Array, after: Array, weights
         weights: Shape (draws, K), of the bootstrap.
     """
     variance = floor_variance(design)
+    observed = np.concatenate([segment.observed for segment in design.segments])
     found = []
     for c, quantity in enumerate(design.quantities):
         seen = np.isfinite(variance[:, c])
@@ -139,18 +150,31 @@ def _channels(design: Design, folds: Folds, before: Array, after: Array, weights
         total = float(precision.sum())
         if total == 0:
             continue
-        one, two = (folds.sums(precision * np.where(seen, error[:, c], 0.0) ** 2) for error in (before, after))
-        low, high = np.quantile(_gain(weights @ one, weights @ two), (LOW, HIGH))
+        about = np.where(seen, observed[:, c], 0.0)
+        about = about - float(precision @ about) / total
+        values = (before[:, c], after[:, c], design.residual[:, c], about)
+        one, two, zero, raw = (folds.sums(precision * np.where(seen, value, 0.0) ** 2) for value in values)
+        drawn_one, drawn_two, drawn_zero = weights @ one, weights @ two, weights @ zero
+        low, high = np.quantile(_gain(drawn_one, drawn_two), (LOW, HIGH))
+        better_low, better_high = np.quantile(_gain(np.minimum(drawn_one, drawn_zero), drawn_two), (LOW, HIGH))
+        sums = np.array([one.sum(), two.sum(), zero.sum(), raw.sum()])
+        left, better, nominal, measured = np.sqrt(sums / total).tolist()
+        gain, over_better = _gain(np.array([sums[0], min(sums[0], sums[2])]), sums[[1, 1]]).tolist()
         found.append(
             ChannelGain(
                 channel=quantity.column,
                 unit=quantity.unit,
-                before=float(np.sqrt(one.sum() / total)),
-                after=float(np.sqrt(two.sum() / total)),
+                before=left,
+                after=better,
                 floor=float(np.sqrt(np.count_nonzero(seen) / total)),
-                gain=float(_gain(one.sum(keepdims=True), two.sum(keepdims=True))[0]),
+                gain=gain,
                 low=float(low),
                 high=float(high),
+                measured=measured,
+                nominal=nominal,
+                over_better=over_better,
+                over_better_low=float(better_low),
+                over_better_high=float(better_high),
             )
         )
     return tuple(found)

@@ -1,12 +1,12 @@
 """What a campaign could not show, in sentences: the missing instruments with what each would show."""
 
 from bench.diagnose.verdict import BlindSpot, Verdict
-from bench.report.diagnosis.names import listed
+from bench.report.diagnosis.names import listed, places_text
 
 INSTRUMENTS = {
-    "current": "motor currents or torques (current_i_a, tau_motor_i_nm)",
+    "current": "motor currents or torques (current_i_a, tau_motor_i_nm; of a slide tau_motor_i_n)",
     "reflector": "a laser tracker (reflector_k_x_m, _y_m, _z_m)",
-    "q_link": "link encoders (q_link_i_rad)",
+    "q_link": "link encoders (q_link_i_rad; of a slide q_link_i_m)",
     "force": "a force sensor (force_x_n, _y_n, _z_n)",
     "moment": "a moment sensor (moment_x_nm, _y_nm, _z_nm)",
     "gas_pressure": "a gauge of the gas (gas_pressure_pa)",
@@ -43,13 +43,6 @@ def _named(spots: list[BlindSpot]) -> str:
     places: dict[str, list[str]] = {}
     for spot in spots:
         places.setdefault(spot.effect.replace("_", " "), []).extend(spot.places)
-    named = [f"{effect}{_where(where)}" for effect, where in places.items()]
+    named = [f"{effect} ({where})" if (where := places_text(some)) else effect for effect, some in places.items()]
     more = [f"{len(named) - MOST} more (blind in verdict.json)"] if len(named) > MOST else []
     return ", ".join([*named[:MOST], *more])
-
-
-def _where(places: list[str]) -> str:
-    joints = sorted(place.removeprefix("joint ") for place in places if place.startswith("joint "))
-    others = [place.replace("_", " ") for place in places if not place.startswith("joint ") and place != "robot"]
-    words = ([f"joint{'s' * (len(joints) > 1)} {', '.join(joints)}"] if joints else []) + others
-    return f" ({', '.join(words)})" if words else ""

@@ -7,7 +7,7 @@ import numpy as np
 from bench.record.campaign import Array
 from bench.report.diagnosis.names import WORKSHOP, capital, channel_name
 from bench.report.diagnosis.readings import Readings
-from bench.report.diagnosis.reel_time import ReelTime
+from bench.report.diagnosis.recording_clock import RecordingClock
 from bench.report.recording.curves import Colour, Curve, Plot
 
 WORST = 3  # channels under the first tab
@@ -18,7 +18,7 @@ WITH: Colour = (86, 180, 233)
 MEASURED_WIDTH, SIMULATED_WIDTH = 4.0, 1.5  # [px], so that a simulation that is right lies within what was measured
 
 
-def plots_of(readings: Readings, time: ReelTime) -> tuple[Plot, ...]:
+def plots_of(readings: Readings, time: RecordingClock) -> tuple[Plot, ...]:
     """Return the plots: the worst channels with what is left of them, all channels by kind, everything that is left."""
     found = []
     for c in readings.worst(WORST):
@@ -29,7 +29,7 @@ def plots_of(readings: Readings, time: ReelTime) -> tuple[Plot, ...]:
     return tuple(found)
 
 
-def _channel(tab: str, readings: Readings, column: int, time: ReelTime) -> Plot:
+def _channel(tab: str, readings: Readings, column: int, time: RecordingClock) -> Plot:
     quantity = readings.quantities[column]
     unit, scale = WORKSHOP.get(quantity.unit, (quantity.unit, 1.0))
 
@@ -46,13 +46,13 @@ def _channel(tab: str, readings: Readings, column: int, time: ReelTime) -> Plot:
     return Plot(tab, f"{name} [{unit}]", f"channels/{quantity.column}", tuple(curves))
 
 
-def _left(tab: str, readings: Readings, column: int, time: ReelTime) -> Plot:
+def _left(tab: str, readings: Readings, column: int, time: RecordingClock) -> Plot:
     column_name = readings.quantities[column].column
     name = f"{capital(channel_name(column_name))}, left over [1: cannot be predicted]"
     return Plot(tab, name, f"left/{column_name}", tuple(_left_curves(readings, column, time)))
 
 
-def _left_curves(readings: Readings, column: int, time: ReelTime, prefix: str = "") -> Iterator[Curve]:
+def _left_curves(readings: Readings, column: int, time: RecordingClock, prefix: str = "") -> Iterator[Curve]:
     mine = readings.column == column
     for name, values, colour in (("without", readings.before, WITHOUT), ("with", readings.after, WITH)):
         if values is not None:
@@ -61,7 +61,7 @@ def _left_curves(readings: Readings, column: int, time: ReelTime, prefix: str = 
             yield Curve(prefix + name, time.curve(full), colour, SIMULATED_WIDTH)
 
 
-def _all_left(readings: Readings, seen: list[int], time: ReelTime) -> Iterator[Plot]:
+def _all_left(readings: Readings, seen: list[int], time: RecordingClock) -> Iterator[Plot]:
     for path in dict.fromkeys(readings.quantities[c].kind for c in seen):
         curves = []
         for c in seen:

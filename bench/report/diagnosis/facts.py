@@ -9,8 +9,8 @@ from typing import Any
 
 import bench
 from bench.diagnose.diagnose import Diagnosis
+from bench.diagnose.name.learned_shape import LearnedCurve, learned_of
 from bench.record.campaign import Campaign
-from bench.report.diagnosis.learned import LearnedCurve, curves_of, learned_of
 from bench.report.diagnosis.readings import Channel, Readings
 
 TOOLS = ("mujoco", "numpy", "scipy")
@@ -94,7 +94,7 @@ def facts_of(diagnosis: Diagnosis, readings: Readings, campaign: Campaign | None
     return Facts(
         data=_data(diagnosis, campaign, len(readings.before)),
         channels=readings.channels,
-        learned=curves_of(learned, diagnosis.design) if learned else (),
+        learned=learned.curves if learned and learned.stands_out else (),
         versions=_versions(),
         command=command,
     )

@@ -4,7 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.diagnose.verdict import DetectionLimit, Explanation, NamedCause, ParameterValue
+from bench.diagnose.verdict import (
+    DetectionLimit,
+    Explanation,
+    NamedCause,
+    ParameterValue,
+    PredictedError,
+    Unlisted,
+)
 
 KINDS = {
     "current": "motor current",
@@ -20,17 +27,39 @@ KINDS = {
 WORKSHOP = {"m": ("mm", 1e3), "rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi), "Pa": ("bar", 1e-5)}
 SIGNIFICANT = 2  # digits of half an interval
 MOST_DECIMALS = 7
-UNSEEN = 100.0  # a relative size beyond which nothing would be left of the robot
 LARGE = 1e5  # from where on numbers have an exponent
+ACTS = {
+    "link torque": "a torque on the link of {place}",
+    "motor torque": "a torque on the motor of {place}",
+    "gear angle": "an error of the gear of {place}",
+    "reading": "an error of the readings of {place}",
+}
+SLIDES = {"torque": "force", "angle": "position"}  # what a turning drive has -> what a sliding one has
 
 
 def channel_name(column: str) -> str:
-    """Return what people call a column: "current_2_a" is motor current 2."""
+    """Return what people call a column: "current_2_a" is motor current 2, "tau_motor_1_n" motor force 1."""
     for kind, words in KINDS.items():
         if column.startswith(f"{kind}_"):
-            parts = column.removeprefix(f"{kind}_").split("_")[:-1]
-            return " ".join([words, *parts])
+            *parts, unit = column.removeprefix(f"{kind}_").split("_")
+            slides = (kind, unit) in (("tau_motor", "n"), ("q_link", "m"))
+            return " ".join([of_slide(words) if slides else words, *parts])
     return column
+
+
+def of_slide(words: str) -> str:
+    """Return words on a turning drive as they are said of a sliding one."""
+    for turning, sliding in SLIDES.items():
+        words = words.replace(turning, sliding)
+    return words
+
+
+def unlisted_name(unlisted: Unlisted) -> str:
+    """Return where an unlisted cause acts, and on what it depends."""
+    acts = ACTS.get(unlisted.kind, unlisted.kind + " at {place}")
+    words = f"{acts} that depends on {unlisted.depends_on}"
+    slides = unlisted.kind != "reading" and any(p.unit in ("N", "m") for p in unlisted.parameters)
+    return (of_slide(words) if slides else words).format(place=unlisted.place)
 
 
 def cause_name(cause: NamedCause) -> str:
@@ -39,9 +68,19 @@ def cause_name(cause: NamedCause) -> str:
     return cause.title if place == "robot" else f"{cause.title} ({place})"
 
 
+def ordered(causes: Sequence[NamedCause]) -> list[NamedCause]:
+    """Return causes as they are reported: the large ones first, the surest before the others."""
+    return sorted(causes, key=lambda cause: (cause.is_small, -np.nan_to_num(cause.sigmas)))
+
+
+def small_text(cause: NamedCause) -> str:
+    """Return that a finding is small, "" for one that is not."""
+    return f"small: {percent(cause.share)} of the largest plausible size" if cause.is_small else ""
+
+
 def explanation_name(explanation: Explanation) -> str:
     """Return the causes of an explanation in a row."""
-    return " with ".join(cause_names(explanation.causes))
+    return " with ".join(cause_names(ordered(explanation.causes)))
 
 
 def name_beside(explanation: Explanation, best: Explanation) -> str:
@@ -73,6 +112,13 @@ def cause_names(causes: Sequence[NamedCause]) -> list[str]:
 def listed(names: Sequence[str], last: str) -> str:
     """Return names in a row, the last after a word: "a, b and c"."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
+
+
+def places_text(places: Sequence[str]) -> str:
+    """Return places in words: "joints 1, 3, upper arm"; "" for the robot as a whole."""
+    joints = sorted((p.removeprefix("joint ") for p in places if p.startswith("joint ")), key=int)
+    others = [place.replace("_", " ") for place in places if not place.startswith("joint ") and place != "robot"]
+    return ", ".join(([f"joint{'s' * (len(joints) > 1)} {', '.join(joints)}"] if joints else []) + others)
 
 
 def letter(index: int) -> str:
@@ -121,16 +167,35 @@ def parameter_text(parameter: ParameterValue) -> str:
     return " ".join(filter(None, (parameter.name, value, unit_name(parameter.unit), f"({low} to {high})")))
 
 
+def meaning_of(parameter: ParameterValue) -> str:
+    """Return what a parameter is, without the range that the catalogue states for some other drive ("of 10 kNm")."""
+    parts = parameter.words.split("; ")
+    return "; ".join(part for part in parts if not part.startswith("range "))
+
+
 def limit_of(limit: DetectionLimit) -> str:
-    """Return the smallest size that a campaign would have shown, without its unit."""
-    if not limit.unit and limit.limit > UNSEEN:
-        return "unseen at any size"
-    return shown((limit.limit,), limit.unit, limit.limit)[0]
+    """Return the smallest size that would have been found, without its unit: of the best shape to the worst."""
+    best, worst = shown((limit.limit, limit.worst), limit.unit, limit.limit)
+    return worst if best == worst else f"{best} to {worst}, by its shape"
 
 
 def limit_text(limit: DetectionLimit) -> str:
-    """Return it with its parameter and unit: "offset 0.012 deg"."""
-    return f"{limit.parameter} {limit_of(limit)} {unit_name(limit.unit)}".rstrip()
+    """Return it with its parameter and unit: "offset 0.012 deg", "sin 0.02 to 0.05 Nm, by its shape"."""
+    size, comma, by_shape = limit_of(limit).partition(",")
+    return f"{limit.parameter} {size} {unit_name(limit.unit)}".rstrip() + comma + by_shape
+
+
+def error_of(error: PredictedError) -> tuple[str, str, str]:
+    """Return the expected error and its interval as they are shown, in the unit that `unit_name` gives."""
+    rms, low, high = shown((error.rms, error.low, error.high), error.unit, error.rms / 10)  # three digits
+    return rms, low, high
+
+
+def error_text(error: PredictedError) -> str:
+    """Return an expected error in a line: "link angle 1: 0.0082 deg (0.0041 to 0.0170)"."""
+    rms, low, high = error_of(error)
+    interval = f" ({low} to {high})" if np.isfinite(error.low) else ""
+    return f"{channel_name(error.channel)}: {rms} {unit_name(error.unit)}{interval}"
 
 
 def percent(share: float) -> str:
@@ -140,6 +205,8 @@ def percent(share: float) -> str:
         return "-"
     if 0 < value < 0.1:
         return "< 0.1 %"
+    if -0.1 < value < 0:
+        return "> -0.1 %"
     if 99.9 < value < 100:
         return "> 99.9 %"
     if 99 < value < 100:

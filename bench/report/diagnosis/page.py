@@ -7,35 +7,42 @@ from importlib.resources import files
 
 import numpy as np
 
+from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.diagnose.verdict import ChannelGain, Verdict
 from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.facts import Facts
-from bench.report.diagnosis.learned import LearnedCurve
+from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
     capital,
     cause_name,
     channel_name,
+    error_of,
     explanation_name,
     interval_of,
     letter,
     limit_of,
+    meaning_of,
     name_beside,
+    ordered,
     percent,
     shown,
+    small_text,
     unit_name,
+    unlisted_name,
 )
-from bench.report.diagnosis.pictures import Picture
+from bench.report.diagnosis.pictures import Picture, over_name
 from bench.report.diagnosis.readings import Channel
 from bench.report.diagnosis.sentences import (
     explanation_of_set,
     gain_sentence,
-    headline,
     proposal_text,
     rate_sentence,
+    remainder_sentence,
     scatter_sentence,
     step_left,
+    steps_sentence,
+    undetectable_sentence,
     unfinished_sentence,
-    unlisted_name,
 )
 
 TEMPLATE = "page.html.j2"
@@ -79,7 +86,9 @@ class GainRow:
     gain: ChannelGain
     name: str
     unit: str
-    before: str
+    measured: str
+    nominal: str
+    fitted: str
     after: str
     floor: str
     bars: Bars
@@ -107,13 +116,19 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
         "name_beside": name_beside,
         "interval": interval_of,
         "letter": letter,
+        "meaning": meaning_of,
         "limit": limit_of,
+        "error": error_of,
+        "ordered": ordered,
+        "over": over_name,
+        "small": small_text,
         "percent": percent,
         "proposal": proposal_text,
         "step_left": step_left,
         "spaced": lambda name: name.replace("_", " "),
         "unit": unit_name,
     }
+    has_shape = verdict.unlisted is not None and verdict.unlisted.stands_out
     template = environment.from_string(files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8"))
     return template.render(
         v=verdict,
@@ -127,12 +142,17 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
         unfinished_words=unfinished_sentence(verdict),
         rate_words=rate_sentence(verdict),
         gain_words=gain_sentence(verdict),
+        steps_words=steps_sentence(verdict),
         scatter_words=scatter_sentence(verdict),
-        unlisted_name=unlisted_name(verdict.unlisted) if verdict.unlisted else "",
+        unlisted_name=unlisted_name(verdict.unlisted) if verdict.unlisted and has_shape else "",
+        remainder_words=remainder_sentence(verdict),
+        undetectable_words=undetectable_sentence(verdict),
+        detectable=[limit for limit in verdict.detectable if limit.is_plausible],
         cause_title=_cause_title(verdict),
         held_out_words=HELD_OUT.get(verdict.held_out_by, ""),
         missing=_by_channels(verdict.missing),
         blind=blind_sentences(replace(verdict, missing={})),
+        has_shape=has_shape,
         has_after=any(channel.after is not None for channel in facts.channels),
         channels=_channels(facts.channels),
         gains=[_gain_row(gain) for gain in verdict.gain],
@@ -143,7 +163,7 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
 
 
 def _cause_title(verdict: Verdict) -> str:
-    if verdict.unlisted:
+    if verdict.unlisted and verdict.unlisted.stands_out:
         return "Listed causes beside it"
     if len(verdict.explanations) > 1:
         return f"{len(verdict.explanations)} explanations that these data cannot tell apart"
@@ -168,17 +188,22 @@ def _channels(channels: tuple[Channel, ...]) -> list[tuple[Channel, Bars]]:
 
 
 def _gain_row(gain: ChannelGain) -> GainRow:
-    before, after, floor = shown((gain.before, gain.after, gain.floor), gain.unit, gain.floor or gain.after)
-    name, unit = channel_name(gain.channel), unit_name(gain.unit)
-    sizes = (gain.before, gain.after, gain.floor)
+    values = (gain.measured, gain.nominal, gain.before, gain.after, gain.floor)
+    measured, nominal, fitted, after, floor = shown(values, gain.unit, gain.floor or gain.after)
+    row = GainRow(
+        gain, channel_name(gain.channel), unit_name(gain.unit), measured, nominal, fitted, after, floor, Bars(0.0)
+    )
+    better = min(gain.before, gain.nominal)  # that `over_better` is over
+    sizes = (gain.nominal, gain.after, gain.floor)
     if not np.all(np.isfinite(sizes)) or max(sizes) <= 0:
-        return GainRow(gain, name, unit, before, after, floor, Bars(0.0))
+        return row
     scale = 100 / max(sizes)
-    bars = Bars(gain.before * scale, gain.after * scale, mark=gain.floor * scale)
-    if np.isfinite(gain.low) and np.isfinite(gain.high):
-        ends = (float(np.clip((1 - g) * gain.before * scale, 0.0, 100.0)) for g in (gain.high, gain.low))
-        bars = replace(bars, low=next(ends), high=next(ends))
-    return GainRow(gain, name, unit, before, after, floor, bars)
+    bars = Bars(gain.nominal * scale, gain.after * scale, mark=gain.floor * scale)
+    if np.isfinite(gain.over_better_low) and np.isfinite(gain.over_better_high):
+        shares = (1 - gain.over_better_high, 1 - gain.over_better_low)
+        low, high = (float(np.clip(share * better * scale, 0.0, 100.0)) for share in shares)
+        bars = replace(bars, low=low, high=high)
+    return replace(row, bars=bars)
 
 
 def _table(curve: LearnedCurve) -> list[tuple[str, ...]]:

@@ -1,6 +1,5 @@
-"""Pictures of a diagnosis as small SVGs: what the worst channels leave, before and after, and a learned shape."""
+"""Pictures of a diagnosis as small SVGs: what is left of the worst channels, in their own unit, and learned shapes."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING
@@ -8,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.record.campaign import Array
-from bench.report.diagnosis.learned import LearnedCurve
-from bench.report.diagnosis.names import WORKSHOP, channel_name, unit_name
+from bench.report.diagnosis.names import WORKSHOP, channel_name, of_slide, shown, unit_name
 from bench.report.diagnosis.readings import Readings
 from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure
 
@@ -20,8 +19,8 @@ if TYPE_CHECKING:
 
 WORST = 3  # channels that are drawn at most
 SIZE = (4.6, 3.5)  # [inch]; on a telephone it fills the width
-BAND = 2.0  # holds 95 % of what cannot be predicted
-LEAST_REACH = 4.0  # of an axis of residuals
+BAND = 2.0  # standard deviations; holds 95 % of what cannot be predicted
+LEAST_REACH = 4.0  # standard deviations, of an axis of residuals
 RARE = 0.5  # [%] of residuals at either end that may lie outside
 LEAST_RANGE = np.deg2rad(2.0)  # [rad]; a joint that moves less shows no dependence on its angle
 BINS = 12  # of an angle, by which structure is looked for
@@ -45,11 +44,11 @@ class Picture:
 
 
 def pictures_of(readings: Readings) -> tuple[tuple[str, tuple[Picture, ...]], ...]:
-    """Return the worst channels, each with its pictures: over the runs, and over an angle where it depends on one."""
+    """Return the worst channels, each with its pictures: over an angle where it depends on one, and over time."""
     found = []
     for c in readings.worst(WORST):
         name = channel_name(readings.quantities[c].column)
-        pictures = [_over_runs(readings, c, name)]
+        pictures = [_over_time(readings, c, name)]
         joint = telling_joint(readings, c)
         if joint is not None:
             pictures.insert(0, _over_angle(readings, c, joint, name))
@@ -60,7 +59,7 @@ def pictures_of(readings: Readings) -> tuple[tuple[str, tuple[Picture, ...]], ..
 def telling_joint(readings: Readings, column: int) -> int | None:
     """Return the moving joint whose angle and direction explain most of a channel's residual; None if none moves."""
     mine = readings.column == column
-    reach = _reach(readings, np.flatnonzero(mine))  # one stray reading is no structure
+    reach = max(LEAST_REACH, _nearly_all(readings.before[mine]))  # one stray reading is no structure
     instant, residual = readings.instant[mine], np.clip(readings.before[mine], -reach, reach)
     explained: dict[int, float] = {}
     for j in range(readings.angle.shape[1]):
@@ -90,12 +89,17 @@ def learned_picture(curve: LearnedCurve, what: str) -> Picture:
     panel.fill_between(at, low, high, color=COLOURS[0], alpha=0.2, linewidth=0, label="95 % interval")
     panel.plot(at, value, color=COLOURS[0], marker="o" if len(at) < BINS else "", label="learned")
     panel.axhline(0.0, color=GREY, linewidth=0.8)
-    over_words = "angle" if curve.over.startswith("angle") else curve.over
-    panel.set_xlabel(f"{over_words} [{over}]")
+    what = of_slide(what) if curve.unit in ("N", "m") else what
+    panel.set_xlabel(f"{over_name(curve).removesuffix(' and direction')} [{over}]")
     panel.set_ylabel(f"{what} [{unit}]")
     _legend(figure, panel, 1.0)
     named = f", {curve.name}" if curve.name else ""
-    return Picture(svg_of(figure), f"{what} as learned over {curve.over}{named}, with its 95 % interval")
+    return Picture(svg_of(figure), f"{what} as learned over {over_name(curve)}{named}, with its 95 % interval")
+
+
+def over_name(curve: LearnedCurve) -> str:
+    """Return what a learned curve depends on; of a slide the position."""
+    return of_slide(curve.over) if curve.over_unit == "m" else curve.over
 
 
 def svg_of(figure: "Figure") -> str:
@@ -108,73 +112,95 @@ def svg_of(figure: "Figure") -> str:
     return file.getvalue().decode()
 
 
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """What a model leaves of one channel at the k instants where it was measured, shape (k,), in the unit shown."""
+
+    words: str
+    left: Array
+
+
 def _over_angle(readings: Readings, column: int, joint: int, name: str) -> Picture:
-    mine = np.flatnonzero(readings.column == column)
-    instant = readings.instant[mine]
-    way = readings.direction[instant, joint]
-    unit = "rad"
-    angle = WORKSHOP[unit][1] * readings.angle[instant, joint]
-    figure, panels = _panels(readings)
-    reach = _reach(readings, mine)
-    for panel, values in zip(panels, _stages(readings), strict=True):
+    at = _measured(readings, column)
+    way = readings.direction[at, joint]
+    slides = bool(readings.is_slide[joint])
+    unit, scale = WORKSHOP["m" if slides else "rad"]
+    over = f"{'position' if slides else 'angle'} of joint {joint + 1}"
+    figure, panels = _panels(readings, column, at)
+    for panel, stage in panels:
         for sign, words, marker, colour in WAYS:
             moving = way == sign
-            _points(panel, angle[moving], values[mine][moving], reach, marker, colour, words)
-    panels[-1].set_xlabel(f"angle of joint {joint + 1} [{unit_name(unit)}]")
-    _legend(figure, panels[0])
-    return Picture(svg_of(figure), f"Residual of {name} over the angle of joint {joint + 1}, by direction")
+            words = of_slide(words) if slides else words
+            _points(panel, scale * readings.angle[at, joint][moving], stage.left[moving], marker, colour, words)
+    panels[-1][0].set_xlabel(f"{over} [{unit}]")
+    _legend(figure, panels[0][0])
+    return Picture(svg_of(figure), f"Residual of {name} over the {over}, by direction")
 
 
-def _over_runs(readings: Readings, column: int, name: str) -> Picture:
-    mine = np.flatnonzero(readings.column == column)
-    run = readings.run[readings.instant[mine]]
-    moving = np.any(readings.direction[readings.instant[mine]] != 0, axis=1)
-    order = np.arange(len(mine), dtype=np.float64)
-    figure, panels = _panels(readings)
-    reach = _reach(readings, mine)
-    begins = np.flatnonzero(np.diff(run, prepend=-1))
-    for panel, values in zip(panels, _stages(readings), strict=True):
+def _over_time(readings: Readings, column: int, name: str) -> Picture:
+    at = _measured(readings, column)
+    moving = np.any(readings.direction[at] != 0, axis=1)
+    seconds = readings.seconds[at]
+    begins = np.flatnonzero(np.diff(readings.run[at], prepend=-1))
+    figure, panels = _panels(readings, column, at)
+    for panel, stage in panels:
         for begin in begins[1:]:
-            panel.axvline(begin - 0.5, color=PALE, linewidth=0.7, zorder=0.6)
+            panel.axvline(float(seconds[begin]), color=PALE, linewidth=0.7, zorder=0.6)
         for chosen, words, marker, colour in (
             (moving, "motion", "o", COLOURS[0]),
             (~moving, "at rest", "D", COLOURS[3]),
         ):
-            _points(panel, order[chosen], values[mine][chosen], reach, marker, colour, words)
+            _points(panel, seconds[chosen], stage.left[chosen], marker, colour, words)
         panel.grid(visible=False, axis="x")
-    centres = (begins + np.append(begins[1:], len(mine))) / 2 - 0.5
-    shown = _apart(centres, len(mine))
-    panels[-1].set_xticks(centres[shown], [str(run[begins[i]] + 1) for i in shown])
-    panels[-1].set_xlabel("run (number as in the list), readings in their order")
-    _legend(figure, panels[0])
-    return Picture(svg_of(figure), f"Residual of {name} over all runs in their order")
+    several = len(begins) > 1
+    panels[-1][0].set_xlabel("time of the recording, runs one after another [s]" if several else "time [s]")
+    _legend(figure, panels[0][0])
+    return Picture(svg_of(figure), f"Residual of {name} over time, all runs one after another")
 
 
-def _panels(readings: Readings) -> tuple["Figure", "Sequence[Axes]"]:
-    stages = ("nominal model",) if readings.after is None else ("without what was found", "with what was found")
-    height = SIZE[1] if len(stages) > 1 else 0.68 * SIZE[1]
-    figure, rows = small_figure(len(stages), 1, SIZE[0], height, sharex=True, sharey=True)
-    panels = [row[0] for row in rows]
-    for panel, words in zip(panels, stages, strict=True):
-        panel.set_title(words, loc="left")
+def _measured(readings: Readings, column: int) -> NDArray[np.intp]:
+    return np.flatnonzero(np.isfinite(readings.nominal[:, column]))
+
+
+def _stages(readings: Readings, column: int, at: NDArray[np.intp]) -> list[_Stage]:
+    unit = readings.quantities[column].unit
+    fitted = "with its figures fitted" if readings.after is None else "with what was found"
+    found = []
+    for words, left in (("nominal model", readings.nominal), (fitted, readings.left)):
+        size = float(np.sqrt(np.mean(left[at, column] ** 2)))
+        (text,) = shown((size,), unit, size / 10)  # three digits
+        scale = WORKSHOP.get(unit, (unit, 1.0))[1]
+        found.append(_Stage(f"{words}: RMS {text} {unit_name(unit)}", scale * left[at, column]))
+    return found
+
+
+def _panels(readings: Readings, column: int, at: NDArray[np.intp]) -> tuple["Figure", list[tuple["Axes", _Stage]]]:
+    """Return a figure with one panel for each model, each with a scale of its own and the same band of noise."""
+    stages = _stages(readings, column, at)
+    unit = readings.quantities[column].unit
+    noise = WORKSHOP.get(unit, (unit, 1.0))[1] * float(np.median(readings.noise[at, column]))
+    figure, rows = small_figure(len(stages), 1, *SIZE, sharex=True)
+    panels = [(row[0], stage) for row, stage in zip(rows, stages, strict=True)]
+    for panel, stage in panels:
+        reach = max(LEAST_REACH * noise, _nearly_all(stage.left))
+        panel.set_title(stage.words, loc="left")
+        panel.set_ylabel(f"[{unit_name(unit)}]")
+        panel.axhspan(-BAND * noise, BAND * noise, color=PALE, alpha=0.5, linewidth=0, zorder=0.5)
+        panel.axhline(0.0, color=INK, linewidth=0.6, zorder=0.7)
+        panel.set_ylim(-1.04 * reach, 1.04 * reach)
     return figure, panels
 
 
-def _stages(readings: Readings) -> tuple[Array, ...]:
-    return (readings.before,) if readings.after is None else (readings.before, readings.after)
+def _nearly_all(values: Array) -> float:
+    """Return the size below which all but the rarest values lie, with a margin."""
+    return 1.1 * float(np.percentile(np.abs(values), 100 - RARE))
 
 
-def _reach(readings: Readings, mine: NDArray[np.intp]) -> float:
-    return max(LEAST_REACH, 1.1 * float(np.percentile(np.abs(readings.before[mine]), 100 - RARE)))
-
-
-def _points(panel: "Axes", x: Array, y: Array, reach: float, marker: str, colour: str, words: str) -> None:
-    panel.axhspan(-BAND, BAND, color=PALE, alpha=0.5, linewidth=0, zorder=0.5)
-    panel.axhline(0.0, color=INK, linewidth=0.6, zorder=0.7)
-    inside = np.clip(y, -reach, reach)
+def _points(panel: "Axes", x: Array, y: Array, marker: str, colour: str, words: str) -> None:
+    low, high = panel.get_ylim()
+    inside = np.clip(y, low / 1.04, high / 1.04)
     if len(x):
         panel.plot(x, inside, marker, color=colour, markersize=2.2, markeredgewidth=0, label=words, rasterized=True)
-    panel.set_ylim(-1.04 * reach, 1.04 * reach)
 
 
 def _legend(figure: "Figure", panel: "Axes", markerscale: float = 2.0) -> None:
@@ -188,12 +214,3 @@ def _legend(figure: "Figure", panel: "Axes", markerscale: float = 2.0) -> None:
         frameon=False,
         fontsize=SMALL_TEXT,
     )
-
-
-def _apart(centres: Array, length: int) -> list[int]:
-    """Return the ticks that have room for a number."""
-    found: list[int] = []
-    for i, centre in enumerate(centres):
-        if not found or centre - centres[found[-1]] > 0.045 * length:
-            found.append(i)
-    return found

@@ -8,13 +8,16 @@ from numpy.typing import NDArray
 
 from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.extend.fit import pseudo_residual
+from bench.diagnose.measure.floor import floor_variance
+from bench.diagnose.measure.floor import measured as measured_at
 from bench.diagnose.measure.folds import instant_of
+from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import World
 from bench.record.campaign import Array
-from bench.report.diagnosis.learned import learned_of
+from bench.report.diagnosis.recording_clock import recording_clock_of
 
 STANDS_OUT = 1.2  # root mean square from where on a channel is worth a picture
 Index = NDArray[np.int64]
@@ -49,6 +52,11 @@ class Readings:
 
     Attributes:
         quantities: What is compared.
+        nominal: Shape (T, c), measured less what the nominal model says as it stands, nothing fitted; nan where not
+            measured.
+        left: Shape (T, c), measured less what the model with what was found says; where nothing was found, the nominal
+            model with its uncertain figures fitted.
+        noise: Shape (T, c), standard deviation of what cannot be predicted; nan where not measured.
         before: Shape (m,), residual without what was found; 1 is what cannot be predicted.
         after: Shape (m,), residual with it; None where nothing was found.
         measured: Shape (T, c); nan where not measured.
@@ -57,11 +65,16 @@ class Readings:
         instant: Shape (m,), index into the T instants.
         column: Shape (m,), index into the quantities.
         run: Shape (T,), index of the run among those that were compared.
+        seconds: Shape (T,), runs one after another, as in the recording of the diagnosis.
+        is_slide: Shape (n,), which drives slide.
         angle: Shape (T, n) [rad] or [m], of the motors.
         direction: Shape (T, n), sign of the velocity; 0 at rest.
     """
 
     quantities: tuple[Quantity, ...]
+    nominal: Array
+    left: Array
+    noise: Array
     before: Array
     after: Array | None
     measured: Array
@@ -70,6 +83,8 @@ class Readings:
     instant: Index
     column: Index
     run: Index
+    seconds: Array
+    is_slide: NDArray[np.bool_]
     angle: Array
     direction: Array
 
@@ -98,6 +113,7 @@ class Readings:
 class _Comparison:
     """Residuals and simulations of `Readings`, of the same names."""
 
+    left: Array
     before: Array
     after: Array | None
     simulated: Array
@@ -111,8 +127,13 @@ def readings_of(diagnosis: Diagnosis) -> Readings:
     measured = np.concatenate([segment.observed for segment in segments])
     found = _comparison(diagnosis, measured)
     moved = [np.sign(s.motion.velocity[s.motion.read]) * _moves(s) for s in segments]
+    there = measured_at(design)
+    clock = recording_clock_of(design)
     return Readings(
         quantities=design.quantities,
+        nominal=np.where(there, design.residual, np.nan),
+        left=np.where(there, found.left, np.nan),
+        noise=np.sqrt(floor_variance(design)),
         before=found.before,
         after=found.after,
         measured=measured,
@@ -121,6 +142,8 @@ def readings_of(diagnosis: Diagnosis) -> Readings:
         instant=instant_of(design),
         column=design.column_of.astype(np.int64),
         run=np.concatenate([np.full(len(s), design.runs.index(s.run)) for s in segments]),
+        seconds=clock.seconds[~clock.is_break],
+        is_slide=np.array(design.replay.compiled.is_slide, dtype=bool),
         angle=np.concatenate([s.motion.q[s.motion.read] for s in segments]),
         direction=np.concatenate(moved),
     )
@@ -135,15 +158,21 @@ def _comparison(diagnosis: Diagnosis, measured: Array) -> _Comparison:
         world = fit.world(design)
         change = design.replay.predict(world) - design.replay.predict(World(world.deviations))
     extended = measured - fit.residual
-    after = design.whiten(fit.residual)
-    before = after + design.whiten(change)
-    if learned is not None:
+    left, shape = fit.residual, np.zeros(len(design.white))
+    if learned is not None and learned.stands_out:
         shape = learned.block.columns @ learned.value
-        pseudo = pseudo_residual(design, fit) - shape
-        after = pseudo - design.slopes @ _nuisances(design, pseudo)
-        before = after + shape + design.whiten(change)
-    is_found = learned is not None or bool(fit.causes)
-    return _Comparison(before, after if is_found else None, extended - change, extended if fit.causes else None)
+        nuisances = _nuisances(design, pseudo_residual(design, fit) - shape)
+        left = left + design.changes @ (fit.nuisances - nuisances) - design.unwhiten(shape[:, None])[:, :, 0]
+    after = design.whiten(left)
+    before = after + shape + design.whiten(change)
+    is_found = bool(np.any(shape)) or bool(fit.causes)
+    return _Comparison(
+        left,
+        before,
+        after if is_found else None,
+        extended - change,
+        extended if fit.causes else None,
+    )
 
 
 def _moves(segment: Segment) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ from bench.diagnose.verdict import Verdict
 from bench.report.diagnosis.curves import plots_of
 from bench.report.diagnosis.names import explanation_name, percent
 from bench.report.diagnosis.readings import Readings
-from bench.report.diagnosis.reel_time import ReelTime, reel_time_of
+from bench.report.diagnosis.recording_clock import RecordingClock, recording_clock_of
 from bench.report.diagnosis.words import words_of
 from bench.report.recording.arm import log_arm, log_standing_bodies
 from bench.report.recording.curves import JOINT_COLOURS, Plot, log_plots
@@ -19,10 +19,10 @@ from bench.report.recording.cylinder import log_cylinder
 from bench.report.recording.events import log_events
 from bench.report.recording.layout import event_view, robot_view, with_plots
 from bench.report.recording.poses import Poses, elastic_poses, rigid_poses
-from bench.report.recording.reel import Reel, identity_of, recording_to
 from bench.report.recording.scene import floor_height, scene_of
 from bench.report.recording.surroundings import log_load
 from bench.report.recording.write import RIGID, extent_of
+from bench.report.recording.writer import RecordingWriter, identity_of, recording_to
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.plant import Trace
 
@@ -46,7 +46,7 @@ def write_diagnosis_recording(path: Path, diagnosis: Diagnosis, readings: Readin
         RobotError: The scene that the robot's figures name does not compile.
     """
     compiled = diagnosis.design.replay.compiled
-    time = reel_time_of(diagnosis.design)
+    time = recording_clock_of(diagnosis.design)
     trace, robot, ghost = _poses(diagnosis, time)
     scene = scene_of(compiled)
     plots = plots_of(readings, time)
@@ -56,19 +56,19 @@ def write_diagnosis_recording(path: Path, diagnosis: Diagnosis, readings: Readin
     floor = floor_height(scene)
     blueprint = _layout(words, floor, compiled, robot, diagnosis.verdict, plots)
     identity = identity_of((readings.before, np.nan_to_num(readings.measured), trace.theta, time.seconds))
-    with recording_to(path, time.seconds, identity, f"Diagnosis of {title}", blueprint) as reel:
-        log_standing_bodies(reel, "scene", scene)
-        log_arm(reel, ROBOT, compiled, robot)
-        log_cylinder(reel, f"{ROBOT}/counterbalance", compiled, robot)
-        log_arm(reel, GHOST, compiled, ghost, RIGID)
+    with recording_to(path, time.seconds, identity, f"Diagnosis of {title}", blueprint) as writer:
+        log_standing_bodies(writer, "scene", scene)
+        log_arm(writer, ROBOT, compiled, robot)
+        log_cylinder(writer, f"{ROBOT}/counterbalance", compiled, robot)
+        log_arm(writer, GHOST, compiled, ghost, RIGID)
         load_point = robot.site_position[:, compiled.at.load_point]
-        log_load(reel, "robot/load", load_point, trace.wrench[:, :3], compiled.robot.figures.rating.force_n)
-        log_plots(reel, tuple({plot.path: plot for plot in plots}.values()))
-        log_events(reel, time.begins)
-        _log_verdict(reel, diagnosis.verdict)
+        log_load(writer, "robot/load", load_point, trace.wrench[:, :3], compiled.robot.figures.rating.force_n)
+        log_plots(writer, tuple({plot.path: plot for plot in plots}.values()))
+        log_events(writer, time.begins)
+        _log_verdict(writer, diagnosis.verdict)
 
 
-def _poses(diagnosis: Diagnosis, time: ReelTime) -> tuple[Trace, Poses, Poses]:
+def _poses(diagnosis: Diagnosis, time: RecordingClock) -> tuple[Trace, Poses, Poses]:
     """Return the motion as found, and the poses of the robot and of what it is compared with, frame by frame."""
     design, naming = diagnosis.design, diagnosis.naming
     fit = diagnosis.extension or naming.null
@@ -81,18 +81,18 @@ def _poses(diagnosis: Diagnosis, time: ReelTime) -> tuple[Trace, Poses, Poses]:
     return trace, robot, elastic_poses(design.replay.compiled, nominal, MAGNIFICATION)
 
 
-def _log_verdict(reel: Reel, verdict: Verdict) -> None:
+def _log_verdict(writer: RecordingWriter, verdict: Verdict) -> None:
     """Log the verdict in words, and one bar for each explanation that was fitted."""
     import rerun as rr
 
     head, *lines = words_of(verdict)
     text = "\n".join([f"## {head}", "```", *lines, "```"] if lines else [f"## {head}"])
-    reel.fixed("verdict", rr.TextDocument(text, media_type="text/markdown"))
+    writer.fixed("verdict", rr.TextDocument(text, media_type="text/markdown"))
     for i, explanation in enumerate((*verdict.explanations, *verdict.rivals)):
         name = f"{i + 1}: {explanation_name(explanation)} ({percent(explanation.probability)})"
         colour = JOINT_COLOURS[i % len(JOINT_COLOURS)]
         bar = rr.BarChart([100 * explanation.probability], abscissa=[i + 1], widths=[0.8], color=colour)
-        reel.fixed(f"probability/{rr.escape_entity_path_part(name)}", bar)
+        writer.fixed(f"probability/{rr.escape_entity_path_part(name)}", bar)
 
 
 def _layout(

@@ -1,44 +1,27 @@
 """What a verdict says in sentences, for the page and the terminal alike."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, Unlisted, Verdict
+from bench.diagnose.verdict import BlindSpot, ChannelGain, NamedCause, Proposal, Step, Verdict
 from bench.report.diagnosis.names import (
-    capital,
     cause_name,
-    cause_names,
     channel_name,
     explanation_name,
-    interval_of,
     letter,
     listed,
     parameter_text,
     percent,
+    places_text,
     shown,
     unit_name,
+    unlisted_name,
 )
 
-ACTS = {
-    "link torque": "a torque on the link of {place}",
-    "motor torque": "a torque on the motor of {place}",
-    "gear angle": "an error of the gear of {place}",
-    "reading": "an error of the readings of {place}",
-}
 CLEARLY = 0.05  # gain of a channel by one step that is worth a word
 WORST = 3  # noisy channels that are named
 DECISIVE = 4.6  # log Bayes factor of odds of 100
-
-
-def headline(verdict: Verdict) -> str:
-    """Return the verdict in one sentence; of one that is unfinished, that first."""
-    if not verdict.unfinished:
-        return _headline(verdict)
-    ended = f"Unfinished ({verdict.unfinished.why}, during: {verdict.unfinished.during})"
-    if verdict.kind == "nothing weighed":
-        return f"{ended}: nothing was weighed yet, so nothing is known of any cause."
-    if verdict.kind == "nothing found so far":
-        return f"{ended}: nothing was found so far."
-    return f"{ended}. So far: {_headline(verdict)}"
 
 
 def unfinished_sentence(verdict: Verdict) -> str:
@@ -52,19 +35,6 @@ def unfinished_sentence(verdict: Verdict) -> str:
     if verdict.explanations:
         words += " What was found was not yet held against everything that could take its place."
     return words
-
-
-def _headline(verdict: Verdict) -> str:
-    if verdict.unlisted:
-        words = f"An unlisted cause: {unlisted_name(verdict.unlisted)}, which no effect of the catalogue explains"
-        beside = f"; beside it, {_named(verdict)}" if verdict.explanations else ""
-        return f"{words}{beside}."
-    if not verdict.explanations:
-        if verdict.noisy:
-            worst = channel_name(verdict.noisy[0].column)
-            return f"Nothing found, but {worst} scatters {verdict.noisy[0].times:.3g} times as much as its instrument."
-        return "Nothing found: the nominal model explains this campaign."
-    return capital(f"{_named(verdict)}.")
 
 
 def explanation_of_set(verdict: Verdict) -> str:
@@ -90,10 +60,11 @@ def rate_sentence(verdict: Verdict) -> str:
 
 def scatter_sentence(verdict: Verdict) -> str:
     """Return what the scale of the noise means, "" where it is as expected."""
-    if verdict.noise_scale <= 1:
+    times = f"{verdict.noise_scale:.3g}"
+    if not float(times) > 1:  # nan where nothing was weighed
         return ""
     words = (
-        f"The data scatter more than the instruments explain: their variance is {verdict.noise_scale:.3g} times as "
+        f"The data scatter more than the instruments explain: their variance is {times} times as "
         "large, and all intervals are wider for it."
     )
     if not verdict.noisy:
@@ -107,35 +78,73 @@ def scatter_sentence(verdict: Verdict) -> str:
     return f"{words} Worst: {worst}{more}. Nothing that was tried explains that, and a cause may hide in it."
 
 
-def unlisted_name(unlisted: Unlisted) -> str:
-    """Return where an unlisted cause acts, and on what it depends."""
-    acts = ACTS.get(unlisted.kind, unlisted.kind + " at {place}").format(place=unlisted.place)
-    return f"{acts} that depends on {unlisted.depends_on}"
-
-
 def gain_sentence(verdict: Verdict) -> str:
     """Return what the extension is worth on data that it has not seen, "" where nobody tried."""
-    known = [gain for gain in verdict.gain if np.isfinite(gain.low) and np.isfinite(gain.high)]
-    better = [gain for gain in known if gain.low > 0]
-    worse = [gain for gain in known if gain.high < 0]
+    known = [gain for gain in verdict.gain if np.isfinite(gain.over_better_low) and np.isfinite(gain.over_better_high)]
+    better = [gain for gain in known if gain.over_better_low > 0]
+    worse = [gain for gain in known if gain.over_better_high < 0]
     if not known:
         return ""
     held_out = {"run": "runs", "block": "stretches of runs"}.get(verdict.held_out_by, "data")
-    words = f"On {held_out} that were not fitted, {len(better)} of {len(known)} channels are predicted better"
+    words = (
+        f"On {held_out} that were not fitted, {len(better)} of {len(known)} channels are predicted better than by the "
+        "nominal model, as it stands or with its figures fitted"
+    )
     return f"{words}, {len(worse)} worse." if worse else f"{words}, none worse."
 
 
 def gain_text(gain: ChannelGain) -> str:
     """Return the gain of one channel in a line."""
-    before, after, floor = shown((gain.before, gain.after, gain.floor), gain.unit, gain.floor or gain.after)
+    values = (gain.measured, gain.nominal, gain.before, gain.after, gain.floor)
+    measured, nominal, fitted, after, floor = shown(values, gain.unit, gain.floor or gain.after)
+    unit = unit_name(gain.unit)
     return (
-        f"{channel_name(gain.channel)}: {before} -> {after} {unit_name(gain.unit)} (floor {floor}), "
-        f"gain {percent(gain.gain)} ({percent(gain.low)} to {percent(gain.high)})"
+        f"{channel_name(gain.channel)}: {nominal} -> {after} {unit} of {measured} measured (nominal fitted {fitted}, "
+        f"floor {floor}), gain {percent(gain.over_better)} ({percent(gain.over_better_low)} to "
+        f"{percent(gain.over_better_high)})"
     )
 
 
+def remainder_sentence(verdict: Verdict) -> str:
+    """Return that something is left without a shape, "" where that is not so."""
+    unlisted = verdict.unlisted
+    if unlisted is None or unlisted.stands_out:
+        return ""
+    return (
+        f"Something is left that is too small to give a shape: nearest to it comes {unlisted_name(unlisted)}, whose "
+        "95 % band holds zero everywhere."
+    )
+
+
+def undetectable_sentence(verdict: Verdict, but: Sequence[BlindSpot] = ()) -> str:
+    """Return the sizes that this campaign would not have shown as far as they are plausible, "" where there is none.
+
+    Args:
+        verdict: Of the campaign.
+        but: What is said elsewhere.
+    """
+    said = {(spot.effect, place) for spot in but for place in spot.places}
+    sizes: dict[tuple[str, str], list[str]] = {}
+    for limit in verdict.detectable:
+        if not limit.is_plausible and (limit.effect, limit.place) not in said:
+            shapes = " of some shapes" if limit.limit <= limit.plausible else ""
+            sizes.setdefault((limit.effect, limit.place), []).append(limit.parameter.replace("_", " ") + shapes)
+    places: dict[str, list[str]] = {}
+    for (effect, place), names in sizes.items():
+        places.setdefault(f"{effect.replace('_', ' ')} ({', '.join(names)})", []).append(place)
+    named = [f"{words} of {where}" if (where := places_text(some)) else words for words, some in places.items()]
+    return f"Not detectable at a plausible size: {'; '.join(named)}." if named else ""
+
+
+def steps_sentence(verdict: Verdict) -> str:
+    """Return what became of the steps that were taken where no cause of theirs is named, "" elsewhere."""
+    if verdict.explanations or not any(step.accepted for step in verdict.steps):
+        return ""
+    return "No cause of these steps is kept: what is unlisted explains more than they do."
+
+
 def step_text(step: Step) -> str:
-    """Return what a step of the climb added and what that was worth, in a line."""
+    """Return what a step of the selection added and what that was worth, in a line."""
     added = " with ".join(cause_name(cause) for cause in step.added)
     held_out = f"held out {step.held_out:+.0f} ({step.low:.0f} to {step.high:.0f})"
     left = step_left(step)
@@ -167,20 +176,3 @@ def proposal_text(proposal: Proposal) -> str:
 def cause_text(cause: NamedCause) -> str:
     """Return a cause with its parameters in a line."""
     return f"{cause_name(cause)}: {', '.join(parameter_text(p) for p in cause.parameters)}"
-
-
-def _named(verdict: Verdict) -> str:
-    """Return the causes that all explanations share, and those that are open between them."""
-    sets = [[cause_name(cause) for cause in e.causes] for e in verdict.explanations]
-    common = [name for name in sets[0] if all(name in names for names in sets)]
-    if len(sets) == 1:
-        (only,) = verdict.explanations
-        if len(only.causes) == 1:
-            first = only.causes[0].parameters[0]
-            value, low, high = interval_of(first)
-            size = f"{first.name} {value} {unit_name(first.unit)}".rstrip()
-            return f"{common[0]}: {size} (95 % interval {low} to {high})"
-        return f"{len(common)} causes act together: {listed(cause_names(only.causes), 'and')}"
-    rest = [" with ".join(name for name in names if name not in common) or "nothing else" for names in sets]
-    either = "either " + listed(rest, "or") + ", which these data cannot tell apart"
-    return f"{listed(common, 'and')}, and {either}" if common else either

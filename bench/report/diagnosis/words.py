@@ -1,4 +1,4 @@
-"""A verdict in plain words for the terminal."""
+"""A verdict in words for the terminal."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,16 +8,29 @@ import numpy as np
 from bench.diagnose.verdict import Explanation, Verdict
 from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT
-from bench.report.diagnosis.names import cause_name, limit_text, name_beside, parameter_text, percent
+from bench.report.diagnosis.headline import headline
+from bench.report.diagnosis.names import (
+    cause_name,
+    error_text,
+    limit_text,
+    meaning_of,
+    name_beside,
+    ordered,
+    parameter_text,
+    percent,
+    small_text,
+)
 from bench.report.diagnosis.sentences import (
     explanation_of_set,
     gain_sentence,
     gain_text,
-    headline,
     proposal_text,
     rate_sentence,
+    remainder_sentence,
     scatter_sentence,
     step_text,
+    steps_sentence,
+    undetectable_sentence,
     unfinished_sentence,
 )
 
@@ -35,13 +48,15 @@ def words_of(verdict: Verdict) -> Iterator[str]:
         yield from _explanation(explanation)
     if len(verdict.explanations) > 1:
         yield explanation_of_set(verdict)
+    if remainder := remainder_sentence(verdict):
+        yield remainder
     if verdict.kind == "nothing found":
         yield rate_sentence(verdict)
         yield from _limits(verdict)
     if verdict.rivals and not verdict.unlisted:
         ruled_out = ", ".join(name_beside(rival, verdict.explanations[0]) for rival in verdict.rivals)
         yield f"Fitted, and ruled out: {ruled_out}."
-    yield from _climb(verdict)
+    yield from _selection(verdict)
     yield from _gain(verdict)
     yield from _predicted(verdict)
     for step in verdict.steps:
@@ -50,34 +65,37 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     for proposal in verdict.next[:BEST_PROPOSALS]:
         yield f"Next: {proposal.experiment}"
         yield f"      {proposal_text(proposal)}"
-    if verdict.noise_scale > 1:
-        yield scatter_sentence(verdict)
+    if scatter := scatter_sentence(verdict):
+        yield scatter
     yield from blind_sentences(verdict)
     for effect in verdict.not_simulated:
         yield f"Not looked for: {effect}, whose model found no balance."
 
 
 def _explanation(explanation: Explanation) -> Iterator[str]:
-    for i, cause in enumerate(explanation.causes):
+    for i, cause in enumerate(ordered(explanation.causes)):
         mark = f"{percent(explanation.probability):>9}  " if i == 0 else " " * 11
-        yield f"{mark}{cause_name(cause)}"
+        yield mark + ", ".join(filter(None, (cause_name(cause), small_text(cause))))
         for parameter in cause.parameters:
-            yield f"{'':13}{parameter_text(parameter)}" + (f"   {parameter.words}" if parameter.words else "")
+            meaning = meaning_of(parameter)
+            yield f"{'':13}{parameter_text(parameter)}" + (f"   {meaning}" if meaning else "")
 
 
-def _climb(verdict: Verdict) -> Iterator[str]:
+def _selection(verdict: Verdict) -> Iterator[str]:
     taken = [step for step in verdict.steps if step.accepted]
     if len(taken) > 1:
         yield "Step by step, evidence and that of data held out with its 90 % interval, in nats:"
         for step in taken:
             yield f"  {step_text(step)}"
+        if given_up := steps_sentence(verdict):
+            yield given_up
 
 
 def _gain(verdict: Verdict) -> Iterator[str]:
     if verdict.gain:
         yield gain_sentence(verdict)
-        known = [gain for gain in verdict.gain if np.isfinite(gain.gain)]
-        for gain in sorted(known, key=lambda gain: -gain.gain)[:BEST_CHANNELS]:
+        known = [gain for gain in verdict.gain if np.isfinite(gain.over_better)]
+        for gain in sorted(known, key=lambda gain: -gain.over_better)[:BEST_CHANNELS]:
             yield f"  {gain_text(gain)}"
 
 
@@ -86,17 +104,19 @@ def _predicted(verdict: Verdict) -> Iterator[str]:
     if drives:
         yield "Expected of the next recording in motion, root mean square of what the model leaves (90 % interval):"
     for one in drives:
-        interval = f"[{one.low:.3g}, {one.high:.3g}] " if np.isfinite(one.low) else ""
-        yield f"  {one.channel}: {one.rms:.3g} {interval}{one.unit}"
+        yield f"  {error_text(one)}"
 
 
 def _limits(verdict: Verdict) -> Iterator[str]:
-    if verdict.detectable:
+    shown = [limit for limit in verdict.detectable if limit.is_plausible]
+    if shown:
         yield "Larger ones would have been found, for instance of more than:"
-        best = sorted(verdict.detectable, key=lambda limit: (bool(limit.unit), limit.limit))
+        best = sorted(shown, key=lambda limit: (bool(limit.unit), limit.worst))
         for limit in best[:BEST_LIMITS]:
             place = "" if limit.place == "robot" else f", {limit.place}"
             yield f"  {limit.effect.replace('_', ' ')}{place}: {limit_text(limit)}"
+    if unseen := undetectable_sentence(verdict, but=verdict.blind):
+        yield unseen
 
 
 def places_of(folder: Path) -> Iterator[str]:

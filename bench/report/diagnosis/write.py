@@ -5,18 +5,18 @@ import json
 from pathlib import Path
 
 from bench.diagnose.diagnose import Diagnosis
+from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.replay.world import World, edits_in
 from bench.diagnose.verdict import Verdict
 from bench.effects.effect import Conditions
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.facts import facts_of, facts_without
 from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT, WORDS
-from bench.report.diagnosis.learned import learned_of
 from bench.report.diagnosis.page import Pictures, page_of
 from bench.report.diagnosis.pictures import learned_picture, pictures_of
 from bench.report.diagnosis.readings import readings_of
 from bench.report.diagnosis.recording import write_diagnosis_recording
-from bench.report.plain import plain
+from bench.report.jsonable import to_jsonable
 from bench.robot.compiled import read_spec
 
 
@@ -38,7 +38,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path, campaign: Campaign | Non
     readings = readings_of(diagnosis)
     facts = facts_of(diagnosis, readings, campaign, command)
     content = diagnosis.verdict.as_json() | facts.as_json()
-    _write(folder / VERDICT, json.dumps(plain(content), indent=2) + "\n")
+    _write(folder / VERDICT, json.dumps(to_jsonable(content), indent=2) + "\n")
     difference = _write_extended(diagnosis, folder)
     write_diagnosis_recording(folder / RECORDING, diagnosis, readings)
     learned = learned_of(diagnosis.naming, diagnosis.lesson)
@@ -62,7 +62,7 @@ def write_unweighed(verdict: Verdict, folder: Path, campaign: Campaign, robot: s
         command: That was to do it, for the report.
     """
     facts = facts_without(campaign, robot, command)
-    _write(folder / VERDICT, json.dumps(plain(verdict.as_json() | facts.as_json()), indent=2) + "\n")
+    _write(folder / VERDICT, json.dumps(to_jsonable(verdict.as_json() | facts.as_json()), indent=2) + "\n")
     _write(folder / REPORT, page_of(verdict, facts, Pictures(()), {VERDICT: WORDS[VERDICT]}, ""))
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from bench.identify.pose_precision import Precision
 from bench.record.yaml_text import dump_yaml
 from bench.report.files import replacing
+from bench.report.jsonable import to_jsonable
 from bench.report.measuring_poses.plan import PosePlan
-from bench.report.plain import plain
 from bench.report.tables import Column, Measured, Row, print_table
 from bench.scenario.loading import Loading
 
@@ -91,7 +91,7 @@ def print_json(plan: PosePlan) -> None:
         "after": plan.after,
         "against": plan.against,
         "expected_against": None if plan.reference is None else _as_json(plan.reference),
-        "d_efficiency": None if plan.efficiency is None else plain(plan.efficiency),
+        "d_efficiency": None if plan.efficiency is None else to_jsonable(plan.efficiency),
         "notes": list(precision.notes),
     }
     print(json.dumps(content, indent=2))
@@ -99,8 +99,8 @@ def print_json(plan: PosePlan) -> None:
 
 def _as_json(precision: Precision) -> dict[str, object]:
     return {
-        "stiffness_nm_per_rad": plain(precision.stiffness),
-        "standard_error_nm_per_rad": plain(precision.standard_error),
-        "standard_error_with_gain_nm_per_rad": plain(precision.total_standard_error),
-        "condition_number": plain(precision.condition_number),
+        "stiffness_nm_per_rad": to_jsonable(precision.stiffness),
+        "standard_error_nm_per_rad": to_jsonable(precision.standard_error),
+        "standard_error_with_gain_nm_per_rad": to_jsonable(precision.total_standard_error),
+        "condition_number": to_jsonable(precision.condition_number),
     }

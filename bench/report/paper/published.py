@@ -6,7 +6,7 @@ from typing import Literal
 
 from scipy import stats
 
-from bench.report.plain import plain
+from bench.report.jsonable import to_jsonable
 
 Relation = Literal["equal", "less", "more"]
 
@@ -59,4 +59,4 @@ def interval(value: float, standard_error: float) -> tuple[float, float]:
 
 def as_json(rows: Iterable[PublishedRow]) -> object:
     """Return rows as plain data; what is undefined is null."""
-    return plain([asdict(row) | {"difference": row.difference, "holds": row.holds} for row in rows])
+    return to_jsonable([asdict(row) | {"difference": row.difference, "holds": row.holds} for row in rows])

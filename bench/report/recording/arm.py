@@ -3,18 +3,20 @@
 import mujoco
 
 from bench.report.recording.poses import Poses
-from bench.report.recording.reel import Reel, xyzw
 from bench.report.recording.shapes import Rgba, colour_of, shape_of, visible_geoms
+from bench.report.recording.writer import RecordingWriter, xyzw
 from bench.robot.compiled import CompiledRobot
 
 TINTED_SCALE = 0.985
 
 
-def log_arm(reel: Reel, root: str, compiled: CompiledRobot, poses: Poses, tint: Rgba | None = None) -> None:
+def log_arm(
+    writer: RecordingWriter, root: str, compiled: CompiledRobot, poses: Poses, tint: Rgba | None = None
+) -> None:
     """Log the bodies that the joints move, under the entity `root`.
 
     Args:
-        reel: Where to.
+        writer: Where to.
         root: Entity path, such as "robot/elastic".
         compiled: The robot.
         poses: T instants.
@@ -25,11 +27,11 @@ def log_arm(reel: Reel, root: str, compiled: CompiledRobot, poses: Poses, tint: 
     geoms = [geom for geom in visible_geoms(model) if model.body_weldid[model.geom_bodyid[geom]] != 0]
     for body in _bodies_of(model, geoms):
         path = f"{root}/{_body_name(model, body)}"
-        reel.pose(path, poses.body_position[:, body], poses.body_quaternion[:, body])
-    _log_geoms(reel, root, model, geoms, tint)
+        writer.pose(path, poses.body_position[:, body], poses.body_quaternion[:, body])
+    _log_geoms(writer, root, model, geoms, tint)
 
 
-def log_standing_bodies(reel: Reel, root: str, model: mujoco.MjModel) -> None:
+def log_standing_bodies(writer: RecordingWriter, root: str, model: mujoco.MjModel) -> None:
     """Log the bodies of a model that no joint moves, under the entity `root`."""
     import rerun as rr
 
@@ -38,15 +40,15 @@ def log_standing_bodies(reel: Reel, root: str, model: mujoco.MjModel) -> None:
     geoms = [geom for geom in visible_geoms(model) if model.body_weldid[model.geom_bodyid[geom]] == 0]
     for body in _bodies_of(model, geoms):
         pose = rr.Transform3D(translation=data.xpos[body], quaternion=rr.Quaternion(xyzw=xyzw(data.xquat[body])))
-        reel.fixed(f"{root}/{_body_name(model, body)}", pose)
-    _log_geoms(reel, root, model, geoms, None)
+        writer.fixed(f"{root}/{_body_name(model, body)}", pose)
+    _log_geoms(writer, root, model, geoms, None)
 
 
 def _bodies_of(model: mujoco.MjModel, geoms: list[int]) -> list[int]:
     return sorted({int(model.geom_bodyid[geom]) for geom in geoms})
 
 
-def _log_geoms(reel: Reel, root: str, model: mujoco.MjModel, geoms: list[int], tint: Rgba | None) -> None:
+def _log_geoms(writer: RecordingWriter, root: str, model: mujoco.MjModel, geoms: list[int], tint: Rgba | None) -> None:
     import rerun as rr
 
     for geom in geoms:
@@ -57,7 +59,7 @@ def _log_geoms(reel: Reel, root: str, model: mujoco.MjModel, geoms: list[int], t
             quaternion=rr.Quaternion(xyzw=xyzw(model.geom_quat[geom])),
             scale=1.0 if tint is None else TINTED_SCALE,
         )
-        reel.fixed(path, pose, shape_of(model, geom, colour_of(model, geom) if tint is None else tint))
+        writer.fixed(path, pose, shape_of(model, geom, colour_of(model, geom) if tint is None else tint))
 
 
 def _body_name(model: mujoco.MjModel, body: int) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.report.recording.deflection import deflection_of
-from bench.report.recording.reel import Reel
+from bench.report.recording.writer import RecordingWriter
 from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.session import Film
@@ -76,15 +76,15 @@ def plots_of(film: Film, compiled: CompiledRobot) -> tuple[Plot, ...]:
     return tuple(plot for plot in plots if plot.curves)
 
 
-def log_plots(reel: Reel, plots: Sequence[Plot]) -> None:
+def log_plots(writer: RecordingWriter, plots: Sequence[Plot]) -> None:
     """Log the curves of all plots, with their names and colours."""
     import rerun as rr
 
     for plot in plots:
         for curve in plot.curves:
             path = f"{plot.path}/{rr.escape_entity_path_part(curve.name)}"
-            reel.fixed(path, rr.SeriesLines(names=[curve.name], colors=[curve.colour], widths=[curve.width]))
-            reel.moving(path, rr.Scalars.columns(scalars=curve.values))
+            writer.fixed(path, rr.SeriesLines(names=[curve.name], colors=[curve.colour], widths=[curve.width]))
+            writer.moving(path, rr.Scalars.columns(scalars=curve.values))
 
 
 def _all_plots(film: Film, compiled: CompiledRobot) -> Iterator[Plot]:

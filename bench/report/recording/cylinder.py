@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 
 from bench.report.recording.poses import Poses
-from bench.report.recording.reel import Reel
 from bench.report.recording.shapes import Rgba
+from bench.report.recording.writer import RecordingWriter
 from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot
 
@@ -45,7 +45,9 @@ def anchors_of(compiled: CompiledRobot, poses: Poses) -> tuple[Array, Array]:
     return poses.site_position[:, sites[0]], poses.site_position[:, sites[-1]]
 
 
-def log_cylinder(reel: Reel, root: str, compiled: CompiledRobot, poses: Poses, tint: Rgba | None = None) -> None:
+def log_cylinder(
+    writer: RecordingWriter, root: str, compiled: CompiledRobot, poses: Poses, tint: Rgba | None = None
+) -> None:
     """Log housing and rod under the entity `root`; nothing for a robot without one. Arguments as in `log_arm`."""
     import rerun as rr
 
@@ -58,7 +60,7 @@ def log_cylinder(reel: Reel, root: str, compiled: CompiledRobot, poses: Poses, t
         ("housing", fixed, along, parts.housing, HOUSING_RADIUS, HOUSING),
         ("rod", moving, -along, parts.rod, ROD_RADIUS, ROD),
     ):
-        reel.pose(f"{root}/{name}", start, turned_to(direction))
+        writer.pose(f"{root}/{name}", start, turned_to(direction))
         shape = rr.Cylinders3D(
             lengths=[reach],
             radii=[radius],
@@ -66,7 +68,7 @@ def log_cylinder(reel: Reel, root: str, compiled: CompiledRobot, poses: Poses, t
             colors=[colour if tint is None else tint],
             fill_mode="solid",
         )
-        reel.fixed(f"{root}/{name}", shape)
+        writer.fixed(f"{root}/{name}", shape)
 
 
 def turned_to(direction: Array) -> Array:

@@ -2,16 +2,16 @@
 
 from collections.abc import Sequence
 
-from bench.report.recording.reel import TIMELINE, Reel
+from bench.report.recording.writer import TIMELINE, RecordingWriter
 
 
-def log_events(reel: Reel, events: Sequence[tuple[float, str]], path: str = "events") -> None:
+def log_events(writer: RecordingWriter, events: Sequence[tuple[float, str]], path: str = "events") -> None:
     """Log events, each (time [s], words)."""
     import rerun as rr
 
     if events:
         times = [time for time, _ in events]
         lines = [f"{time:8.1f} s   {text}" for time, text in events]
-        reel.stream.send_columns(
+        writer.stream.send_columns(
             path, indexes=[rr.TimeColumn(TIMELINE, duration=times)], columns=rr.TextLog.columns(text=lines)
         )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bench.report.recording.curves import Plot
-from bench.report.recording.reel import TIMELINE
+from bench.report.recording.writer import TIMELINE
 from bench.robot.bodies import Array
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from bench.report.recording.cylinder import turned_to
 from bench.report.recording.deflection import UNLOADED_SHARE
-from bench.report.recording.reel import Reel
+from bench.report.recording.writer import RecordingWriter
 from bench.robot.bodies import Array
 
 Colour = tuple[int, int, int]
@@ -22,11 +22,11 @@ STAND_RADIUS = 0.03  # [m]
 LINE_WIDTH = 1.0  # [px]
 
 
-def log_load(reel: Reel, path: str, point: Array, force: Array, rating: float) -> None:
+def log_load(writer: RecordingWriter, path: str, point: Array, force: Array, rating: float) -> None:
     """Log the load as an arrow with its size in N; no arrow while there is none.
 
     Args:
-        reel: Where to.
+        writer: Where to.
         path: Entity path.
         point: Shape (T, 3) [m], where it acts.
         force: Shape (T, 3) [N].
@@ -41,20 +41,22 @@ def log_load(reel: Reel, path: str, point: Array, force: Array, rating: float) -
         origins=point[loaded],
         labels=[f"{newtons:.0f} N" for newtons in size[loaded]],
     )
-    reel.fixed(path, rr.Arrows3D.from_fields(colors=[LOAD], radii=[0.025]))
-    reel.moving(path, arrows.partition(loaded.astype(int)))
+    writer.fixed(path, rr.Arrows3D.from_fields(colors=[LOAD], radii=[0.025]))
+    writer.moving(path, arrows.partition(loaded.astype(int)))
 
 
-def log_point(reel: Reel, path: str, position: Array, colour: Colour, radius: float, label: str | None = None) -> None:
+def log_point(
+    writer: RecordingWriter, path: str, position: Array, colour: Colour, radius: float, label: str | None = None
+) -> None:
     """Log a point, shape (T, 3) [m]; it is left out where it is nan."""
     import rerun as rr
 
     seen = np.all(np.isfinite(position), axis=1)
-    reel.fixed(path, rr.Points3D.from_fields(colors=[colour], radii=[radius], labels=label and [label]))
-    reel.moving(path, rr.Points3D.columns(positions=position[seen]).partition(seen.astype(int)))
+    writer.fixed(path, rr.Points3D.from_fields(colors=[colour], radii=[radius], labels=label and [label]))
+    writer.moving(path, rr.Points3D.columns(positions=position[seen]).partition(seen.astype(int)))
 
 
-def log_path(reel: Reel, path: str, position: Array, shown: NDArray[np.bool_], colour: Colour) -> None:
+def log_path(writer: RecordingWriter, path: str, position: Array, shown: NDArray[np.bool_], colour: Colour) -> None:
     """Log the way of a point, shape (T, 3) [m], as the step since the instant before; `shown`, shape (T,), says where.
 
     The layout keeps the steps of the last seconds in view, so that they join to a trail.
@@ -64,11 +66,11 @@ def log_path(reel: Reel, path: str, position: Array, shown: NDArray[np.bool_], c
     joined = shown & np.roll(shown, 1)
     joined[0] = False
     steps = np.stack([np.roll(position, 1, axis=0), position], axis=1)[joined]
-    reel.fixed(path, rr.LineStrips3D.from_fields(colors=[colour], radii=rr.Radius.ui_points(LINE_WIDTH)))
-    reel.moving(path, rr.LineStrips3D.columns(strips=steps).partition(joined.astype(int)))
+    writer.fixed(path, rr.LineStrips3D.from_fields(colors=[colour], radii=rr.Radius.ui_points(LINE_WIDTH)))
+    writer.moving(path, rr.LineStrips3D.columns(strips=steps).partition(joined.astype(int)))
 
 
-def log_tracker(reel: Reel, root: str, station: Sequence[float], floor: float, target: Array) -> None:
+def log_tracker(writer: RecordingWriter, root: str, station: Sequence[float], floor: float, target: Array) -> None:
     """Log a laser tracker that looks at `target`, shape (T, 3) [m], with its line of sight; nan: it sees nothing."""
     import rerun as rr
 
@@ -77,7 +79,7 @@ def log_tracker(reel: Reel, root: str, station: Sequence[float], floor: float, t
         return
     eye = np.array(station, dtype=np.float64)
     stand = float(eye[2]) - floor
-    reel.fixed(
+    writer.fixed(
         f"{root}/stand",
         rr.Cylinders3D(
             lengths=[stand],
@@ -87,11 +89,11 @@ def log_tracker(reel: Reel, root: str, station: Sequence[float], floor: float, t
             fill_mode="solid",
         ),
     )
-    reel.fixed(f"{root}/head", rr.Boxes3D(half_sizes=[HEAD], colors=[TRACKER], fill_mode="solid"))
+    writer.fixed(f"{root}/head", rr.Boxes3D(half_sizes=[HEAD], colors=[TRACKER], fill_mode="solid"))
     towards = np.where(seen[:, None], target - eye, [0.0, 0.0, 1.0])
-    reel.pose(f"{root}/head", np.tile(eye, (len(target), 1)), turned_to(towards))
-    reel.fixed(
+    writer.pose(f"{root}/head", np.tile(eye, (len(target), 1)), turned_to(towards))
+    writer.fixed(
         f"{root}/line_of_sight", rr.LineStrips3D.from_fields(colors=[BEAM], radii=rr.Radius.ui_points(LINE_WIDTH))
     )
     beams = rr.LineStrips3D.columns(strips=np.stack([np.tile(eye, (seen.sum(), 1)), target[seen]], axis=1))
-    reel.moving(f"{root}/line_of_sight", beams.partition(seen.astype(int)))
+    writer.moving(f"{root}/line_of_sight", beams.partition(seen.astype(int)))

@@ -13,9 +13,9 @@ from bench.report.recording.deflection import deflection_of, is_standing
 from bench.report.recording.events import log_events
 from bench.report.recording.layout import layout
 from bench.report.recording.poses import Poses, elastic_poses, rigid_poses
-from bench.report.recording.reel import Reel, identity_of, recording_to
 from bench.report.recording.scene import floor_height, scene_of
 from bench.report.recording.surroundings import Colour, log_load, log_path, log_point, log_tracker
+from bench.report.recording.writer import RecordingWriter, identity_of, recording_to
 from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.session import Film
@@ -58,36 +58,44 @@ def write_recording(
         trails=(RIGID_PATH, ELASTIC_PATH),
         with_events=bool(film.events),
     )
-    with recording_to(path, film.trace.time, _identity(film), name or compiled.robot.figures.title, blueprint) as reel:
-        log_standing_bodies(reel, "scene", scene)
-        log_arm(reel, "robot/elastic", compiled, elastic)
-        log_cylinder(reel, "robot/elastic/counterbalance", compiled, elastic)
-        log_arm(reel, "robot/rigid", compiled, rigid, RIGID)
-        _log_points(reel, compiled, film, rigid, elastic, magnification, floor)
-        log_plots(reel, plots)
-        log_events(reel, film.events)
+    with recording_to(
+        path, film.trace.time, _identity(film), name or compiled.robot.figures.title, blueprint
+    ) as writer:
+        log_standing_bodies(writer, "scene", scene)
+        log_arm(writer, "robot/elastic", compiled, elastic)
+        log_cylinder(writer, "robot/elastic/counterbalance", compiled, elastic)
+        log_arm(writer, "robot/rigid", compiled, rigid, RIGID)
+        _log_points(writer, compiled, film, rigid, elastic, magnification, floor)
+        log_plots(writer, plots)
+        log_events(writer, film.events)
 
 
 def _log_points(
-    reel: Reel, compiled: CompiledRobot, film: Film, rigid: Poses, elastic: Poses, magnification: float, floor: float
+    writer: RecordingWriter,
+    compiled: CompiledRobot,
+    film: Film,
+    rigid: Poses,
+    elastic: Poses,
+    magnification: float,
+    floor: float,
 ) -> None:
     """Log what hangs on the points of the two robots: load, reference points, and the tracker with what it measured."""
     at, figures = compiled.at, compiled.robot.figures
     site = at.reflectors[0] if len(at.reflectors) else at.load_point
     rigid_reference, reference = (poses.site_position[:, site] for poses in (rigid, elastic))
-    log_point(reel, "robot/rigid/reference_point", rigid_reference, RIGID_POINT, POINT_RADIUS)
-    log_point(reel, "robot/elastic/reference_point", reference, ELASTIC_POINT, POINT_RADIUS)
-    log_path(reel, RIGID_PATH, rigid_reference, np.full(len(film.trace), True), RIGID_POINT)
-    log_path(reel, ELASTIC_PATH, reference, is_standing(film), ELASTIC_POINT)  # links ring while it moves
+    log_point(writer, "robot/rigid/reference_point", rigid_reference, RIGID_POINT, POINT_RADIUS)
+    log_point(writer, "robot/elastic/reference_point", reference, ELASTIC_POINT, POINT_RADIUS)
+    log_path(writer, RIGID_PATH, rigid_reference, np.full(len(film.trace), True), RIGID_POINT)
+    log_path(writer, ELASTIC_PATH, reference, is_standing(film), ELASTIC_POINT)  # links ring while it moves
     load_point = elastic.site_position[:, at.load_point]
-    log_load(reel, "robot/load", load_point, film.trace.wrench[:, :3], figures.rating.force_n)
+    log_load(writer, "robot/load", load_point, film.trace.wrench[:, :3], figures.rating.force_n)
     tracker = figures.instruments.tracker
     if tracker is not None:
         # The error of the deflection, not of the position: what is wrong with the tracker's frame cancels in it.
         deflection = deflection_of(film)
         measured = reference + magnification * (deflection.measured - deflection.true)
-        log_point(reel, "tracker/measured", measured, MEASURED_POINT, POINT_RADIUS)
-        log_tracker(reel, "tracker", tracker.position_m, floor, np.where(np.isnan(measured), reference, measured))
+        log_point(writer, "tracker/measured", measured, MEASURED_POINT, POINT_RADIUS)
+        log_tracker(writer, "tracker", tracker.position_m, floor, np.where(np.isnan(measured), reference, measured))
 
 
 def extent_of(compiled: CompiledRobot, poses: Poses, floor: float) -> Array:

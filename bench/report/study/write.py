@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.report.files import replacing
-from bench.report.plain import plain
+from bench.report.jsonable import to_jsonable
 from bench.report.study.page import page_of
 from bench.study.outcome import Outcome
 from bench.study.score import marks_of
@@ -36,7 +36,7 @@ def write_study(outcomes: Sequence[Outcome], scores: Scores, settings: Settings,
         "campaigns": [json.loads(one.as_json()) | {"marks": asdict(marks_of(one))} for one in outcomes],
     }
     with replacing(folder / RESULTS) as file:
-        file.write_text(json.dumps(plain(content), indent=1) + "\n", encoding="utf-8")
+        file.write_text(json.dumps(to_jsonable(content), indent=1) + "\n", encoding="utf-8")
     with replacing(folder / PAGE) as file:
         file.write_text(page_of(scores, settings, len(outcomes), session), encoding="utf-8")
 

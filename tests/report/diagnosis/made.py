@@ -2,21 +2,20 @@
 
 from dataclasses import replace
 
-import numpy as np
-
+from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.diagnose.verdict import (
     ChannelGain,
     DetectionLimit,
     Explanation,
     NamedCause,
     ParameterValue,
+    PredictedError,
     Proposal,
     Step,
     Unlisted,
     Verdict,
 )
 from bench.report.diagnosis.facts import Data, Facts, RunFacts
-from bench.report.diagnosis.learned import LearnedCurve
 from bench.report.diagnosis.readings import Channel
 
 HOSTILE = "<script>alert('x')</script> & \"quoted\""
@@ -35,8 +34,37 @@ OFF = ParameterValue("offset", 3.1e-4, 2.2e-4, 4.0e-4, "rad")
 ZERO = NamedCause("joint_zero", "zero of a joint", "joint 2", (OFF,))
 MASS = NamedCause("link_mass", "mass of a link", "upper_arm", (ParameterValue("change", 0.0327, 0.0028, 0.0626, ""),))
 
-STEP_GAIN = ChannelGain("current_2_a", "A", 0.612, 0.081, 0.074, 0.868, 0.83, 0.904)
-NO_GAIN = ChannelGain("reflector_1_z_m", "m", 2.11e-4, 2.14e-4, 2.0e-4, -0.0142, -0.05, 0.021)
+STEP_GAIN = ChannelGain(
+    channel="current_2_a",
+    unit="A",
+    before=0.612,
+    after=0.081,
+    floor=0.074,
+    gain=0.868,
+    low=0.83,
+    high=0.904,
+    measured=2.31,
+    nominal=0.405,
+    over_better=0.8,
+    over_better_low=0.742,
+    over_better_high=0.855,
+)
+NO_GAIN = ChannelGain(
+    channel="reflector_1_z_m",
+    unit="m",
+    before=2.11e-4,
+    after=2.14e-4,
+    floor=2.0e-4,
+    gain=-0.0142,
+    low=-0.05,
+    high=0.021,
+    measured=0.35,
+    nominal=3.2e-4,
+    over_better=-0.0142,
+    over_better_low=-0.05,
+    over_better_high=0.021,
+)
+UNKNOWN_GAIN = ChannelGain("reflector_1_x_m", "m", *[float("nan")] * 11)
 NOTHING = Verdict(
     kind="nothing found",
     false_alarm_rate=0.01,
@@ -47,7 +75,17 @@ NOTHING = Verdict(
     unlisted=None,
     missing={"friction_temperature": ("gear_temperature",), "torque_constant_temperature": ("motor_temperature",)},
     not_simulated=("backlash",),
-    detectable=(DetectionLimit("joint_zero", "joint 2", "offset", 2.1e-4, "rad"),),
+    detectable=(
+        DetectionLimit("joint_zero", "joint 2", "offset", 2.1e-4, "rad", 2.1e-4, 2e-3, 1),
+        DetectionLimit("transmission_error", "joint 2", "sin", 3.1e-5, "rad", 9.4e-5, 3e-4, 14),
+        DetectionLimit("link_length", "upper_arm", "length", 18.391, "m", 18.391, 1e-3, 1),
+        DetectionLimit("stribeck", "joint 1", "rise", 0.2, "", 1.7, 0.5, 5),
+        DetectionLimit("stribeck", "joint 2", "rise", 0.1, "", 1.7, 0.5, 5),
+    ),
+    predicted=(
+        PredictedError("q_link_1_rad", "rad", "motion", 4, 1.9e-4, 1.1e-4, 3.3e-4),
+        PredictedError("tau_motor_1_n", "N", "motion", 1, 4.48, float("nan"), float("nan")),
+    ),
 )
 CAUSE = replace(
     NOTHING,
@@ -57,7 +95,7 @@ CAUSE = replace(
     rivals=(Explanation((MASS,), 0.0003, 82.1),),
     gain=(
         STEP_GAIN,
-        ChannelGain("reflector_1_x_m", "m", np.nan, np.nan, np.nan, np.nan, np.nan, np.nan),
+        UNKNOWN_GAIN,
         NO_GAIN,
     ),
     held_out_by="run",
@@ -77,6 +115,13 @@ UNLISTED = replace(
     NOTHING, kind="unlisted cause", unlisted=Unlisted("joint 2", "motor torque", "angle and direction"), detectable=()
 )
 BESIDE = replace(CAUSE, kind="unlisted cause", unlisted=Unlisted("tracker", "reading", "place"))
+REMAINDER = replace(
+    CAUSE, kind="unlisted cause", unlisted=Unlisted("joint 2", "motor torque", "speed", stands_out=False)
+)
+LITTLE = replace(GAS, share=0.11, sigmas=6.2)
+LARGE = replace(ZERO, share=0.62, sigmas=4.4)
+SMALL = replace(CAUSE, explanations=(Explanation((LITTLE,), 0.9997, 94.3),))
+MESSY = replace(SEVERAL, explanations=(Explanation((LITTLE, LARGE, replace(MASS, share=0.4, sigmas=9.1)), 1.0, 120.4),))
 VERDICTS = {
     "nothing": NOTHING,
     "cause": CAUSE,
@@ -84,10 +129,18 @@ VERDICTS = {
     "several": SEVERAL,
     "unlisted": UNLISTED,
     "unlisted beside a listed one": BESIDE,
+    "a remainder": REMAINDER,
+    "small": SMALL,
+    "messy": MESSY,
 }
 CURVE = LearnedCurve(
     "", "angle", "rad", "Nm", (-0.5, 0.0, 0.5), (12.0, -3.0, 20.0), (9.0, -6.0, 16.0), (15.0, 0.0, 24.0)
 )
+
+
+def has_shape(verdict: Verdict) -> bool:
+    """Whether something unlisted has a shape that stands out."""
+    return verdict.unlisted is not None and verdict.unlisted.stands_out
 
 
 def facts_for(verdict: Verdict) -> Facts:
@@ -107,7 +160,7 @@ def facts_for(verdict: Verdict) -> Facts:
             Channel("current_2_a", "A", 140, 8.31, 0.94 if is_found else None),
             Channel("gas_pressure_pa", "Pa", 140, 0.71, 0.7 if is_found else None),
         ),
-        learned=(CURVE,) if verdict.unlisted else (),
+        learned=(CURVE,) if has_shape(verdict) else (),
         versions={"bench": "0.1.0", "mujoco": "4.0.0"},
         command=f"bench diagnose {HOSTILE}",
     )

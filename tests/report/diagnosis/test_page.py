@@ -12,8 +12,8 @@ from bench.diagnose.verdict import Verdict
 from bench.report.diagnosis.names import WORKSHOP
 from bench.report.diagnosis.page import Pictures, page_of
 from bench.report.diagnosis.pictures import learned_picture
-from bench.report.plain import plain
-from tests.report.diagnosis.made import CURVE, HOSTILE, VERDICTS, facts_for
+from bench.report.jsonable import to_jsonable
+from tests.report.diagnosis.made import CURVE, HOSTILE, VERDICTS, facts_for, has_shape
 
 LEVELS = {95.0, 90.0, 1.0}  # of intervals, and the unit of residuals: said in words, of no campaign
 SCALES = (1.0, 100.0, *(scale for _, scale in WORKSHOP.values()))  # units of a workshop, and percent
@@ -55,7 +55,7 @@ def html_of_kind(kind: str) -> str:
 
 
 def html_of(verdict: Verdict) -> str:
-    learned = (learned_picture(CURVE, "motor torque"),) if verdict.unlisted else ()
+    learned = (learned_picture(CURVE, "motor torque"),) if has_shape(verdict) else ()
     pictures = Pictures(worst=(("motor current 2", learned),), learned=learned)
     made = {"verdict.json": "all numbers of this page"}
     return page_of(verdict, facts_for(verdict), pictures, made, DIFFERENCE)
@@ -118,13 +118,13 @@ def is_known(text: str, numbers: list[float]) -> bool:
 
 
 def test_every_number_is_in_the_file(page: Page, verdict: Verdict) -> None:
-    content = plain(verdict.as_json() | facts_for(verdict).as_json())
+    content = to_jsonable(verdict.as_json() | facts_for(verdict).as_json())
     known = list(leaves(content))
     numbers = [float(leaf) for leaf in known if isinstance(leaf, int | float)]
     numbers += [-number for number in numbers]
     words = " ".join(leaf for leaf in known if isinstance(leaf, str))
     in_words = set(NUMBER.findall(words.replace("_", " ")))
-    shown = NUMBER.findall(re.sub(r"[<>] (0\.1|99\.9) %", "", page.text))
+    shown = NUMBER.findall(re.sub(r"[<>] -?(0\.1|99\.9) %", "", page.text))
     assert shown
     for text in shown:
         assert text in in_words or float(text) in LEVELS or is_known(text, numbers), text
@@ -133,11 +133,11 @@ def test_every_number_is_in_the_file(page: Page, verdict: Verdict) -> None:
 def test_sections_are_those_with_something_to_say(page: Page, verdict: Verdict) -> None:
     for words, content in (
         ("What it is worth on data that were not fitted", verdict.gain),
-        ("How the extension grew", verdict.steps),
+        ("How causes were selected", verdict.steps),
         ("The next experiment", verdict.next),
         ("What would have been found", verdict.detectable),
-        ("Evidence and rivals", verdict.explanations),
-        ("The learned shape", verdict.unlisted),
+        ("Evidence and competing explanations", verdict.explanations),
+        ("The learned shape", has_shape(verdict)),
     ):
         assert (words in page.text) == bool(content), words
 
@@ -156,6 +156,44 @@ def test_missing_channels_are_said_once_each() -> None:
 
 def test_a_refused_step_says_why() -> None:
     assert "refused Held-out runs do not become more probable" in Page(html_of_kind("cause")).text
+
+
+def test_what_to_expect_is_in_the_unit_that_stands_beside_it() -> None:
+    text = Page(html_of_kind("cause")).text
+    assert "link angle 1 0.0109 0.0063 to 0.0189 deg" in text  # 1.9e-4 rad
+    assert "motor force 1 4.48 N" in text
+
+
+def test_no_limit_is_beyond_what_is_plausible() -> None:
+    text = Page(html_of_kind("nothing")).text
+    assert "18391" not in text
+    assert (
+        "Not detectable at a plausible size: link length (length) of upper arm; stribeck (rise of some shapes) of "
+        "joints 1, 2." in text
+    )
+
+
+def test_a_limit_of_several_shapes_is_not_that_of_the_luckiest() -> None:
+    assert "sin 0.0018 to 0.0054, by its shape deg" in Page(html_of_kind("nothing")).text
+
+
+def test_a_gain_stands_beside_what_was_measured_and_the_nominal_model_as_it_is() -> None:
+    assert "motor current 2 2.310 0.405 0.612 0.081 0.074 A 80 % 74 % to 86 %" in Page(html_of_kind("cause")).text
+
+
+def test_a_shape_that_is_nothing_is_not_drawn() -> None:
+    text = Page(html_of_kind("a remainder")).text
+    assert "Something is left that is too small to give a shape" in text
+    assert "unlisted" not in text.lower()
+
+
+def test_small_findings_come_last_and_are_called_so() -> None:
+    text = Page(html_of_kind("messy")).text
+    found = [
+        text.index(name) for name in ("Mass of a link (upper arm) ", "Zero of a joint (joint 2) ", "Loss of gas (")
+    ]
+    assert found == sorted(found)
+    assert "Loss of gas (small: 11 % of the largest plausible size)" in text
 
 
 def test_the_same_verdict_gives_the_same_page() -> None:

@@ -7,10 +7,31 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.diagnose.verdict import Explanation, NamedCause, NoisyChannel, ParameterValue
-from bench.report.diagnosis.names import cause_names, channel_name, name_beside, parameter_text, percent, shown
+from bench.diagnose.verdict import (
+    BlindSpot,
+    Explanation,
+    NamedCause,
+    NoisyChannel,
+    ParameterValue,
+    PredictedError,
+    Unlisted,
+)
+from bench.report.diagnosis.headline import MOST, headline
+from bench.report.diagnosis.names import (
+    cause_names,
+    channel_name,
+    error_text,
+    meaning_of,
+    name_beside,
+    parameter_text,
+    percent,
+    shown,
+    unlisted_name,
+)
 from bench.report.diagnosis.words import places_of, words_of
-from tests.report.diagnosis.made import GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO
+from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO
+
+OIL = replace(MASS, place="forearm")
 
 
 @pytest.mark.parametrize(
@@ -21,20 +42,73 @@ from tests.report.diagnosis.made import GAS, MASS, NO_GAIN, NOTHING, VERDICTS, W
         ("several", "2 causes act together: loss of gas and zero of a joint (joint 2)."),
         (
             "unlisted",
-            "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction, which no effect "
-            "of the catalogue explains.",
+            "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction.",
         ),
+        (
+            "unlisted beside a listed one",
+            "Loss of gas; and an unlisted error of the readings of tracker that depends on place.",
+        ),
+        ("a remainder", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
+        ("small", "Only small findings: loss of gas."),
+        ("messy", "2 causes act together: mass of a link (upper arm) and zero of a joint (joint 2)."),
     ],
 )
 def test_the_first_line_is_the_verdict(kind: str, first: str) -> None:
     assert next(words_of(VERDICTS[kind])) == first
 
 
+@pytest.mark.parametrize("count", [1, 3, 20])
+@pytest.mark.parametrize("explanations", [1, 2, 6])
+@pytest.mark.parametrize("unlisted", [None, Unlisted("joint 2", "motor torque", "angle and direction")])
+def test_a_headline_has_two_lines_at_most(count: int, explanations: int, unlisted: Unlisted | None) -> None:
+    long = "friction of the seal of the counterbalance that the model leaves out"
+    causes = tuple(replace(ZERO, title=f"{long} {i}", share=0.5, sigmas=5.0 + i) for i in range(count))
+    one = tuple(Explanation((*causes, replace(GAS, title=f"{long}, {i}")), 0.1, 90.0) for i in range(explanations))
+    words = headline(replace(VERDICTS["several"], explanations=one, unlisted=unlisted))
+    assert len(words) <= MOST
+    assert "nan" not in words
+
+
+def test_the_surest_stand_in_a_long_headline() -> None:
+    causes = tuple(replace(ZERO, place=f"link {i}", share=0.5, sigmas=float(i)) for i in range(20))
+    words = headline(replace(VERDICTS["several"], explanations=(Explanation(causes, 1.0, 90.0),)))
+    assert words.startswith("20 causes act together: zero of a joint (link 19), zero of a joint (link 18)")
+    assert words.endswith("and others.")
+
+
+def test_a_shape_makes_room_for_the_name_of_a_cause() -> None:
+    causes = tuple(replace(ZERO, title=f"Coulomb friction that the model leaves out, {i}", share=0.5) for i in range(2))
+    one = replace(BESIDE, explanations=(Explanation(causes, 1.0, 90.0),))
+    first = "Coulomb friction that the model leaves out, 0 (joint 2)"
+    assert headline(one) == f"2 causes: {first} and others; and something unlisted at tracker."
+
+
+def test_what_is_large_in_one_explanation_is_large() -> None:
+    one = (Explanation((replace(GAS, share=0.1), ZERO), 0.6, 90.0), Explanation((GAS, MASS), 0.4, 89.0))
+    assert headline(replace(VERDICTS["set"], explanations=one)).startswith("Loss of gas, and either zero of a joint")
+
+
+def test_small_causes_that_are_open_are_no_either_or_of_the_headline() -> None:
+    one = (
+        Explanation((GAS, replace(MASS, share=0.1)), 0.6, 90.0),
+        Explanation((GAS, replace(OIL, share=0.1)), 0.4, 89.0),
+    )
+    assert headline(replace(VERDICTS["set"], explanations=one)).startswith("Loss of gas: lost 0.133")
+
+
+def test_on_a_slide_there_are_forces_and_positions() -> None:
+    force = ParameterValue("at_1", -10.2, -12.7, -7.7, "N", "at 0.035 m/s")
+    shape = Unlisted("joint 1", "link torque", "angle", (force,))
+    assert unlisted_name(shape) == "a force on the link of joint 1 that depends on position"
+    assert unlisted_name(replace(shape, parameters=(replace(force, unit="Nm"),))).startswith("a torque on the link")
+
+
 def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
     text = "\n".join(words_of(VERDICTS["cause"]))
     for words in (
         "lost 0.133 (0.113 to 0.152)",
-        "motor current 2: 0.612 -> 0.081 A (floor 0.074), gain 87 % (83 % to 90 %)",
+        "motor current 2: 0.405 -> 0.081 A of 2.310 measured (nominal fitted 0.612, floor 0.074), "
+        "gain 80 % (74 % to 86 %)",
         "Refused: mass of a link (upper arm): held-out runs do not become more probable.",
         "Next: the sweeps again, slower",
         "variance is 1.7 times",
@@ -81,6 +155,24 @@ def test_nothing_found_says_what_would_have_been() -> None:
     text = "\n".join(words_of(VERDICTS["nothing"]))
     assert "chance would still find something in 1 % of such campaigns" in text
     assert "joint zero, joint 2: offset 0.012 deg" in text
+    assert "transmission error, joint 2: sin 0.0018 to 0.0054 deg, by its shape" in text
+    assert "18391" not in text
+    assert "Not detectable at a plausible size: link length (length) of upper arm; stribeck" in text
+    blind = replace(VERDICTS["nothing"], blind=(BlindSpot("link_length", ("upper_arm",), ()),))
+    assert "Not detectable at a plausible size: stribeck (rise of some shapes) of joints 1, 2." in words_of(blind)
+
+
+def test_what_to_expect_is_in_the_unit_that_stands_beside_it() -> None:
+    error = PredictedError("q_link_1_rad", "rad", "motion", 4, 1.9e-4, 1.1e-4, 3.3e-4)
+    assert error_text(error) == "link angle 1: 0.0109 deg (0.0063 to 0.0189)"
+    force = replace(error, channel="tau_motor_1_n", unit="N", rms=4.48, low=2.61, high=6.94)
+    assert error_text(force) == "motor force 1: 4.48 N (2.61 to 6.94)"
+
+
+def test_a_remainder_without_a_shape_is_said() -> None:
+    lines = list(words_of(VERDICTS["a remainder"]))
+    assert not any("unlisted" in line for line in lines)
+    assert any(line.startswith("Something is left that is too small to give a shape") for line in lines)
 
 
 def test_nothing_found_in_a_channel_that_is_all_noise_is_not_praised() -> None:
@@ -90,6 +182,19 @@ def test_nothing_found_in_a_channel_that_is_all_noise_is_not_praised() -> None:
     (scatter,) = (line for line in lines if line.startswith("The data scatter"))
     assert "motor current 6 in motion by 174 times its instrument's error, motor current 1 at rest by 4" in scatter
     assert "and 1 more" in scatter
+
+
+def test_a_scatter_that_rounds_to_that_of_the_instruments_is_none() -> None:
+    assert not any("scatter" in line for line in words_of(replace(NOTHING, noise_scale=1.0002)))
+    assert not any("scatter" in line for line in words_of(replace(NOTHING, noise_scale=float("nan"))))
+    assert any("1.02 times as large" in line for line in words_of(replace(NOTHING, noise_scale=1.02)))
+
+
+def test_steps_that_an_unlisted_shape_replaced_are_not_told_as_kept() -> None:
+    steps = (VERDICTS["cause"].steps[0],) * 2
+    lines = list(words_of(replace(VERDICTS["unlisted"], steps=steps)))
+    assert "No cause of these steps is kept: what is unlisted explains more than they do." in lines
+    assert not any(line.startswith("No cause of these") for line in words_of(replace(VERDICTS["cause"], steps=steps)))
 
 
 def test_files_are_named(tmp_path: Path) -> None:
@@ -103,6 +208,8 @@ def test_files_are_named(tmp_path: Path) -> None:
     [
         ("current_2_a", "motor current 2"),
         ("tau_motor_3_nm", "motor torque 3"),
+        ("tau_motor_1_n", "motor force 1"),
+        ("q_link_2_m", "link position 2"),
         ("reflector_1_x_m", "reflector 1 x"),
         ("gas_pressure_pa", "gas pressure"),
         ("oil_level_m", "oil_level_m"),
@@ -110,6 +217,18 @@ def test_files_are_named(tmp_path: Path) -> None:
 )
 def test_channels_have_names(column: str, name: str) -> None:
     assert channel_name(column) == name
+
+
+@pytest.mark.parametrize(
+    ("words", "meaning"),
+    [
+        ("f_C; range for a drive of 10 kNm", "f_C"),
+        ("range for a drive of 10 kNm", ""),
+        ("s; 10 to 60 arcsec", "s; 10 to 60 arcsec"),
+    ],
+)
+def test_the_range_of_another_drive_is_not_told(words: str, meaning: str) -> None:
+    assert meaning_of(ParameterValue("level", 20.0, 19.0, 21.0, "N", words)) == meaning
 
 
 @pytest.mark.parametrize(
@@ -131,6 +250,11 @@ def test_digits_follow_the_interval(value: float, low: float, high: float, unit:
 def test_what_is_shown_is_near_the_value(value: float, resolution: float) -> None:
     (text,) = shown((value,), "A", resolution)
     assert abs(float(text) - value) <= max(0.1 * resolution, 1e-2 * abs(value), 1e-6)
+
+
+@pytest.mark.parametrize(("share", "text"), [(-1.8e-7, "> -0.1 %"), (3e-4, "< 0.1 %"), (-0.0067, "-0.67 %")])
+def test_a_gain_of_nearly_nothing_has_no_exponent(share: float, text: str) -> None:
+    assert percent(share) == text
 
 
 @given(st.floats(0, 1, exclude_min=True, exclude_max=True))

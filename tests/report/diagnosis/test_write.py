@@ -20,7 +20,7 @@ from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT
 from bench.report.diagnosis.readings import readings_of
-from bench.report.diagnosis.reel_time import reel_time_of
+from bench.report.diagnosis.recording_clock import recording_clock_of
 from bench.report.diagnosis.write import write_diagnosis
 from bench.report.recording.view import recordings_in
 from bench.robot.compiled import compile_robot
@@ -128,8 +128,8 @@ def test_residuals_and_simulations_agree(found: Diagnosis) -> None:
     )
 
 
-def test_the_reel_runs_without_the_hours_in_between(found: Diagnosis) -> None:
-    time = reel_time_of(found.design)
+def test_the_recording_runs_without_the_hours_in_between(found: Diagnosis) -> None:
+    time = recording_clock_of(found.design)
     assert np.all(np.diff(time.seconds) > 0)
     assert time.is_break.sum() == len(found.design.segments) - 1
     angle = time.curve(readings_of(found).angle[:, 1])

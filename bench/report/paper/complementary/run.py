@@ -9,10 +9,10 @@ from bench.identify.arm import Arm
 from bench.identify.complementary_map import complementary_map, grid_over_limits
 from bench.identify.complementary_prediction import prediction_error
 from bench.report.figures.style import save
+from bench.report.jsonable import to_jsonable
 from bench.report.paper.chapter import Chapter
 from bench.report.paper.complementary.figures import GOOD, figure_4, figure_5, figure_6, prediction_bounds
 from bench.report.paper.published import as_json
-from bench.report.plain import plain
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.robot.links import rigid_bodies
@@ -43,12 +43,12 @@ def run_complementary(scenario: Complementary, folder: Path) -> Chapter:
     rows = prediction_bounds(prediction)
     share, zone = found.fraction(GOOD), float(found.zone(GOOD).mean())
     data = {
-        "share_of_poses_below_5_percent": plain(share),
-        "share_of_poses_below_10_percent": plain(found.fraction(0.10)),
+        "share_of_poses_below_5_percent": to_jsonable(share),
+        "share_of_poses_below_10_percent": to_jsonable(found.fraction(0.10)),
         "share_of_poses_in_the_optimal_zone": zone,
         "beside_the_paper": as_json(rows),
-        "first_deg": plain(np.rad2deg(grid.first)),
-        "second_deg": plain(np.rad2deg(grid.second)),
+        "first_deg": to_jsonable(np.rad2deg(grid.first)),
+        "second_deg": to_jsonable(np.rad2deg(grid.second)),
         "optimal_zone": found.zone(GOOD).astype(int).tolist(),
     }
     (folder / NUMBERS).write_text(json.dumps(data) + "\n", encoding="utf-8")

@@ -10,12 +10,12 @@ from bench.identify.line_deflection import measured_deflection
 from bench.identify.line_passes import AXES, WAYS
 from bench.record.table import FORMATS
 from bench.report.figures.style import save
+from bench.report.jsonable import to_jsonable
 from bench.report.paper import published
 from bench.report.paper.line.budget import TrajectoryError
 from bench.report.paper.line.figures import SHOWN, figure_15, figure_16, figure_17
 from bench.report.paper.line.published import published_rows
 from bench.report.paper.line.run import LineReport
-from bench.report.plain import plain
 from bench.robot.bodies import Array
 
 NUMBERS, CURVES = "line.json", "line.csv"
@@ -36,19 +36,19 @@ def line_as_json(report: LineReport) -> dict[str, object]:
     friction = report.friction
     return {
         "joints": list(report.joint_names),
-        "friction_nm": plain(friction.level),
-        "friction_standard_error_nm": plain(friction.sigma),
+        "friction_nm": to_jsonable(friction.level),
+        "friction_standard_error_nm": to_jsonable(friction.sigma),
         "error_before_m": {way: _budget(report.before[way]) for way in WAYS},
         "methods": {
             name: {
-                "deflection": {way: [plain(asdict(axis)) for axis in found.comparison[way]] for way in WAYS},
-                "lost_motion": [plain(asdict(axis)) for axis in found.lost_motion_comparison],
-                "link_side_share_of_friction": plain(
+                "deflection": {way: [to_jsonable(asdict(axis)) for axis in found.comparison[way]] for way in WAYS},
+                "lost_motion": [to_jsonable(asdict(axis)) for axis in found.lost_motion_comparison],
+                "link_side_share_of_friction": to_jsonable(
                     asdict(found.link_share)
                     | {"sigma": found.link_share.sigma, "interval": found.link_share.interval()}
                 ),
                 "error_after_m": {way: _budget(found.after[way]) for way in WAYS},
-                "reduction": {axis: plain(asdict(report.reduction(name, axis))) for axis in SHOWN},
+                "reduction": {axis: to_jsonable(asdict(report.reduction(name, axis))) for axis in SHOWN},
             }
             for name, found in report.methods.items()
         },

@@ -15,8 +15,8 @@ from bench.report.figures.residuals import residual_figure
 from bench.report.figures.stiffness import StiffnessSource, stiffness_figure
 from bench.report.figures.style import save
 from bench.report.identification import MNM
+from bench.report.jsonable import to_jsonable
 from bench.report.paper.loading.worlds import WorldResult
-from bench.report.plain import plain
 from bench.report.tables import Column, Measured, Row, print_table
 from bench.robot.bodies import Array
 
@@ -52,15 +52,17 @@ class LoadingResult:
         """Everything as plain data."""
         study = self.table5
         return {
-            "table6_nm_per_rad": plain(study.table6),
+            "table6_nm_per_rad": to_jsonable(study.table6),
             "table5": {
                 "reconstructions": len(study.reconstructions),
-                "stiffness_5_50_95_percent_nm_per_rad": {fit: plain(study.spread(fit)) for fit in study.estimates},
+                "stiffness_5_50_95_percent_nm_per_rad": {
+                    fit: to_jsonable(study.spread(fit)) for fit in study.estimates
+                },
                 "first_reconstruction": {
                     fit: identification.as_json(estimates[0]) for fit, estimates in study.estimates.items()
                 },
                 "residual_rms_in_sigma_first": {fit: float(study.residual_rms(fit)[0]) for fit in study.estimates},
-                "lines": plain(asdict(study.lines)),
+                "lines": to_jsonable(asdict(study.lines)),
                 "conclusions": list(conclusions(study)),
             },
             "worlds": {

@@ -8,10 +8,10 @@ import numpy as np
 
 from bench.executor.contract import Executor, Progress
 from bench.report.figures.style import save
+from bench.report.jsonable import to_jsonable
 from bench.report.paper.chapter import Chapter
 from bench.report.paper.methods.figures import ratio_figure, trust_figure
 from bench.report.paper.methods.study import STUDIED, Condition, ConditionResult, study_methods
-from bench.report.plain import plain
 from bench.robot.bodies import Array
 from bench.scenario.loading import Loading
 
@@ -58,7 +58,7 @@ def run_trust(
     data = {
         "friction": [_as_json(result) for result in over_friction],
         "ways_of_measuring": {name: _as_json(result) for name, result in over_ways.items()},
-        "table6_ratio": plain(published),
+        "table6_ratio": to_jsonable(published),
     }
     (folder / NUMBERS).write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     of_the_paper = _friction_of_the_paper(over_friction, joint_names, published)
@@ -133,7 +133,7 @@ def _as_json(result: ConditionResult) -> dict[str, object]:
         "approach": list(condition.approach),
         "unload": condition.unload,
         "servo": condition.servo,
-        "bias": {method: plain(result.bias(method)) for method in STUDIED},
-        "spread": {method: plain(result.spread(method)) for method in STUDIED},
-        "force_over_current": plain(result.ratio()),
+        "bias": {method: to_jsonable(result.bias(method)) for method in STUDIED},
+        "spread": {method: to_jsonable(result.spread(method)) for method in STUDIED},
+        "force_over_current": to_jsonable(result.ratio()),
     }

@@ -9,11 +9,11 @@ import numpy as np
 from bench.identify.counterbalance_fit import CounterbalanceFit
 from bench.report import scoring
 from bench.report.figures.style import save
+from bench.report.jsonable import to_jsonable
 from bench.report.paper import published
 from bench.report.paper.published import PublishedRow
 from bench.report.paper.rotation.figures import figure_11, figure_12, figure_13
 from bench.report.paper.rotation.identification import RotationIdentification
-from bench.report.plain import plain
 from bench.report.scoring import Score
 from bench.robot.bodies import Array
 
@@ -73,9 +73,9 @@ def as_json(report: RotationReport) -> dict[str, object]:
         "fit": _fit(found.fit),
         "fit_with_masses_known_to_1_percent": _fit(found.uncertain),
         "friction": {
-            "speed_rad_per_s": plain(friction.speed),
-            "torque_nm": plain(friction.torque),
-            "sigma_nm": plain(friction.sigma),
+            "speed_rad_per_s": to_jsonable(friction.speed),
+            "torque_nm": to_jsonable(friction.torque),
+            "sigma_nm": to_jsonable(friction.sigma),
             "coulomb_nm": friction.coulomb,
             "viscous_nm_s_per_rad": friction.viscous,
         },
@@ -116,9 +116,9 @@ def _fit(fit: CounterbalanceFit) -> dict[str, object]:
         "gas_constant_nm": fit.gas_constant,
         "critical_length_m": fit.critical_length,
         "interval_level": fit.level,
-        "gas_constant_interval_nm": plain(fit.intervals[0]),
-        "critical_length_interval_m": plain(fit.intervals[1]),
-        "covariance": plain(fit.covariance),
+        "gas_constant_interval_nm": to_jsonable(fit.intervals[0]),
+        "critical_length_interval_m": to_jsonable(fit.intervals[1]),
+        "covariance": to_jsonable(fit.covariance),
         "correlation": fit.correlation,
         "chi_square": fit.chi_square,
         "degrees_of_freedom": fit.degrees_of_freedom,
@@ -140,4 +140,4 @@ def _range(found: RotationIdentification) -> Array:
 
 
 def _curve(**columns: Array) -> dict[str, object]:
-    return {name: plain(values) for name, values in columns.items()}
+    return {name: to_jsonable(values) for name, values in columns.items()}

@@ -13,7 +13,7 @@ BREAK = 1.0  # [s], between segments
 
 
 @dataclass(frozen=True, eq=False)
-class ReelTime:
+class RecordingClock:
     """Times of R frames: T instants, and one frame between any two segments in which curves are cut.
 
     Attributes:
@@ -39,7 +39,7 @@ class ReelTime:
         return held
 
 
-def reel_time_of(design: Design) -> ReelTime:
+def recording_clock_of(design: Design) -> RecordingClock:
     """Return the clock of a campaign."""
     seconds, frame, is_break, begins = [], [], [], []
     now, first = 0.0, 0
@@ -56,4 +56,6 @@ def reel_time_of(design: Design) -> ReelTime:
         frame += list(range(first, first + len(segment)))
         is_break += [False] * len(segment)
         now, first = float(clock[-1]), first + len(segment)
-    return ReelTime(np.array(seconds), np.array(frame, dtype=np.int64), np.array(is_break, dtype=bool), tuple(begins))
+    return RecordingClock(
+        np.array(seconds), np.array(frame, dtype=np.int64), np.array(is_break, dtype=bool), tuple(begins)
+    )

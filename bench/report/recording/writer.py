@@ -23,7 +23,7 @@ TIMELINE = "time"
 
 
 @dataclass(frozen=True)
-class Reel:
+class RecordingWriter:
     """An open recording and the T times that everything in it shares.
 
     Attributes:
@@ -63,7 +63,9 @@ def identity_of(arrays: Iterable[Array]) -> str:
 
 
 @contextmanager
-def recording_to(path: Path, time: Array, recording_id: str, name: str, blueprint: "Blueprint") -> Iterator[Reel]:
+def recording_to(
+    path: Path, time: Array, recording_id: str, name: str, blueprint: "Blueprint"
+) -> Iterator[RecordingWriter]:
     """Open a recording; the file appears under its name once it is complete, and not at all after an error.
 
     Args:
@@ -85,6 +87,6 @@ def recording_to(path: Path, time: Array, recording_id: str, name: str, blueprin
         stream.save(partial, default_blueprint=blueprint)
         try:
             stream.send_recording_name(name)
-            yield Reel(stream, rr.TimeColumn(TIMELINE, duration=time))
+            yield RecordingWriter(stream, rr.TimeColumn(TIMELINE, duration=time))
         finally:
             stream.disconnect()

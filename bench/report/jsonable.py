@@ -5,14 +5,14 @@ from collections.abc import Mapping
 import numpy as np
 
 
-def plain(value: object) -> object:
+def to_jsonable(value: object) -> object:
     """Return arrays and sequences as lists; nan and inf, which JSON does not know, as null."""
     match value:
         case None | str() | bool() | int():
             return value
         case Mapping():
-            return {key: plain(entry) for key, entry in value.items()}
+            return {key: to_jsonable(entry) for key, entry in value.items()}
         case np.ndarray() | list() | tuple():
-            return [plain(entry) for entry in value]
+            return [to_jsonable(entry) for entry in value]
     number = float(value)  # type: ignore[arg-type]
     return number if np.isfinite(number) else None

@@ -1,0 +1,109 @@
+"""How large a cause is against what is plausible, and how small one may be to be found: closed forms."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bench.diagnose.extend.fit import Fit, Unknown
+from bench.diagnose.extend.size import Size, size_of
+from bench.diagnose.picture.candidates import Candidate, Cause, shape_grid
+from bench.diagnose.picture.limits import DetectionLimit, detection_limits, smallest_found
+from bench.diagnose.picture.screening import Entry, Screening
+from bench.diagnose.verdict import SMALL, NamedCause
+from bench.effects.effect import WHOLE, Effect, Parameter
+
+X = Parameter("x", "m", 0.0, 1e-3, 1e-2, "shift along x", signed=True)
+Z = Parameter("z", "m", 0.0, 1e-3, 1e-2, "shift along z", signed=True)
+WAVE = Parameter("period", "rad", 0.5, 0.1, 2.0, "of the shift", is_shape=True, ratio=2.0)
+
+
+class Shift(Effect):
+    """Something that moves along two axes."""
+
+    name = "shift"
+    family = "own"
+    title = "shift"
+    physics = "It moves."
+    source = "made up"
+    parameters = (X, Z, WAVE)
+
+
+CAUSE = Cause(Shift(), WHOLE, (X, Z), (WAVE,))
+PLAIN = Cause(Shift(), WHOLE, (X,), ())
+
+
+def fitted(x: float, z: float, sigma: float) -> Fit:
+    unknowns = tuple(Unknown(CAUSE, p) for p in (X, Z, WAVE))
+    zero = np.zeros((1, 1))
+    covariance = np.diag([sigma**2, sigma**2, 1.0])
+    values = np.array([x, z, 1.9])
+    return Fit((CAUSE,), unknowns, values, covariance, np.zeros(0), 0.0, 0.0, zero, zero[:, :, None], np.zeros(1))
+
+
+def test_a_cause_is_as_large_as_its_clear_components() -> None:
+    assert size_of(CAUSE, fitted(1e-4, -6e-3, 5e-4)) == Size(pytest.approx(0.6), pytest.approx(12.0))
+
+
+def test_without_a_clear_component_the_first_counts() -> None:
+    assert size_of(CAUSE, fitted(1e-4, -6e-3, 5e-3)) == Size(pytest.approx(0.01), pytest.approx(0.02))
+
+
+def test_a_shape_is_no_size() -> None:
+    assert size_of(CAUSE, fitted(0.0, 1e-3, 1e-4)).share == pytest.approx(0.1)
+
+
+def test_a_cause_that_was_not_fitted_has_no_size() -> None:
+    assert np.isnan(size_of(PLAIN, fitted(0.0, 1e-3, 1e-4)).share)
+
+
+def test_small_is_less_than_a_fifth_of_what_is_plausible() -> None:
+    assert NamedCause("shift", "shift", "robot", (), share=SMALL - 1e-6).is_small
+    assert not NamedCause("shift", "shift", "robot", (), share=SMALL).is_small
+    assert not NamedCause("shift", "shift", "robot", ()).is_small  # nobody fitted it
+
+
+def screening(cause: Cause, information: list[float], steps: float = 2e-3) -> Screening:
+    """Return what the limits need of a screening: one entry for each shape, one column for each of its sizes."""
+    count = len(cause.sizes)
+    prior = np.full(count, X.high / np.sqrt(3) / steps)
+    entries = [
+        Entry(
+            Candidate(cause, {}, np.full(count, steps), prior, np.empty((0, count))),
+            np.arange(i * count, (i + 1) * count),
+            prior,
+        )
+        for i in range(len(information) // count)
+    ]
+    marginal = SimpleNamespace(diagonal=np.array(information))
+    return SimpleNamespace(entries=tuple(entries), marginal=marginal, threshold=6.0)  # type: ignore[return-value]
+
+
+def limit_at(information: float, steps: float = 2e-3) -> float:
+    return steps * smallest_found(information, X.high / np.sqrt(3) / steps, 6.0)
+
+
+def test_the_limit_of_several_shapes_spans_the_best_and_the_worst() -> None:
+    shapes = len(shape_grid(CAUSE))
+    assert shapes > 2
+    information = [x for i in range(shapes) for x in (100.0 / (i + 1), 50.0)]
+    x, z = detection_limits(screening(CAUSE, information))
+    assert (x.limit, x.worst) == (pytest.approx(limit_at(100.0)), pytest.approx(limit_at(100.0 / shapes)))
+    assert (x.plausible, x.shapes) == (X.high, shapes)
+    assert z.limit == z.worst == pytest.approx(limit_at(50.0))
+
+
+def test_a_shape_that_leaves_no_trace_has_no_limit() -> None:
+    shapes = len(shape_grid(CAUSE))
+    (x, _) = detection_limits(screening(CAUSE, [100.0] * 2 * (shapes - 1)))
+    assert x.limit == pytest.approx(limit_at(100.0))
+    assert x.worst == np.inf
+    assert not x.is_plausible
+
+
+@pytest.mark.parametrize(("information", "is_plausible"), [(100.0, True), (1e-3, False)])
+def test_a_limit_beyond_what_is_plausible_is_none(information: float, is_plausible: bool) -> None:
+    (found,) = detection_limits(screening(PLAIN, [information]))
+    assert found.limit == found.worst
+    assert found.is_plausible is is_plausible
+    assert isinstance(found, DetectionLimit)
