@@ -32,6 +32,7 @@ from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.limits import DetectionLimit as DetectionLimit  # part of the verdict
 from bench.diagnose.picture.limits import detection_limits
 
+CONFIRMED = 0.5  # of searches without a part of the runs, that find a cause again: the majority
 PROMISING = 3  # causes that an unfinished diagnosis names
 NOISY = 3.0  # times its instrument's standard error
 SMALL = 0.2  # of the plausible range (DESIGN 6.1: of 16 large effects hidden in messes the smallest came out at 0.196)
@@ -136,6 +137,8 @@ class Step:
         accepted: Whether the model keeps it.
         reason: Why, in words.
         channels: What each channel gains by it on what was held out.
+        repeats: Share of searches, each without an eighth of the runs, that find it again; nan where none was made.
+            What less than half of them find hangs on a few runs, and is not confirmed.
     """
 
     added: tuple[NamedCause, ...]
@@ -146,6 +149,12 @@ class Step:
     accepted: bool
     reason: str
     channels: tuple[ChannelGain, ...] = ()
+    repeats: float = float("nan")
+
+    @property
+    def is_confirmed(self) -> bool:
+        """Whether it does not hang on a few runs."""
+        return not self.repeats < CONFIRMED
 
 
 @dataclass(frozen=True)
@@ -290,7 +299,7 @@ def _step(finding: Finding) -> Step:
     reason = f"held-out {worth.by}s {'become' if worth.pays else 'do not become'} more probable"
     named = (_named(finding.cause, finding.fit),)
     known = (finding.log_evidence, worth.nats, worth.low, worth.high, finding.is_taken, reason, worth.channels)
-    return Step(named, *known)
+    return Step(named, *known, finding.repeats)
 
 
 def _unlisted(naming: Naming, lesson: Lesson | None) -> Unlisted | None:

@@ -20,6 +20,7 @@ from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.measure.measure import HeldOut, held_out
 from bench.diagnose.name.linearised import Linearised, linearised
 from bench.diagnose.name.models import Fitter, Model, Trial, without_shape
+from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import WINDOW, Alternative, alternatives_of, search
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design
@@ -57,6 +58,7 @@ class Finding:
         log_evidence: By how much the logarithm of the evidence falls without it.
         held_out: What it is worth on what was held out.
         is_taken: Whether the model keeps it.
+        repeats: Share of searches, each without a part of the runs, that find it or what stands in its place again.
     """
 
     cause: Cause
@@ -64,6 +66,7 @@ class Finding:
     log_evidence: float
     held_out: HeldOut
     is_taken: bool
+    repeats: float = float("nan")
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +185,10 @@ class _Selection:
             self._search(is_last=is_last)
             if self.best.keys != before and self.best.keys not in seen:
                 seen.add(before)
-            elif not self.best.keys or (is_last and not self._refuse()):
+            elif not self.best.keys:
+                return
+            elif is_last and not self._refuse():
+                self._repeat()
                 return
             else:
                 is_last, seen = True, set()  # what is missed now is noise: intervals and sets are to be honest
@@ -255,6 +261,13 @@ class _Selection:
             held |= {one.cause.key: one for one in again if one}
         self.findings = held
         return len(self.refused) > count
+
+    def _repeat(self) -> None:
+        """Search again without each part of the runs, and note what is found again."""
+        self.progress("searching without parts of the runs")
+        about = linearised(self.design, self.tried, self.screening.threshold, self.best, frozenset(self.refused))
+        shares = repeats(self.design, self.tried, about, self.naming().alternatives)
+        self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
 
     def _held(self, cause: Cause) -> Finding | None:
         """Return what a cause of the best model is worth beside the others; None where nothing balances without it."""

@@ -140,13 +140,19 @@ class LinearModel:
         return groups
 
 
-def search(model: LinearModel, start: Iterable[Sequence[int]] = ((),), always: tuple[int, ...] = ()) -> list[Subset]:
+def search(
+    model: LinearModel,
+    start: Iterable[Sequence[int]] = ((),),
+    always: tuple[int, ...] = (),
+    expanded: int = MOST_EXPANDED,
+) -> list[Subset]:
     """Return all subsets that were visited, the most probable first.
 
     Args:
         model: What may be added to what.
         start: Subsets to begin with.
         always: Terms that are in every subset.
+        expanded: How many subsets are expanded.
     """
     visited: dict[tuple[int, ...], float] = {}
     queue: list[tuple[float, tuple[int, ...]]] = []
@@ -170,7 +176,7 @@ def search(model: LinearModel, start: Iterable[Sequence[int]] = ((),), always: t
     is_optional = np.array([term.is_listed for term in model.terms], dtype=bool)
     for which in ((), *start):
         visit({*which, *always})
-    for _ in range(MOST_EXPANDED):
+    for _ in range(expanded):
         if not queue or -queue[0][0] < max(visited.values()) - WINDOW:
             break
         terms = heapq.heappop(queue)[1]
