@@ -82,8 +82,8 @@ def test_held_out_error_falls_near_the_floor(case: Case) -> None:
 
 
 def test_the_extended_model_has_the_table(case: Case) -> None:
-    xml = (case.folder / "extended.xml").read_text()
-    assert "effect/learned_torque joint2" in (case.folder / "extended.diff").read_text()
+    xml = (case.folder / "robot" / "hh150.xml").read_text()
+    assert "effect/learned_torque joint2" in (case.folder / "robot.diff").read_text()
     model = mujoco.MjModel.from_xml_string(xml)
     data = mujoco.MjData(model)
     actuator = model.actuator("effect/learned_torque joint2").id

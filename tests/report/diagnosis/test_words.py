@@ -95,9 +95,9 @@ def test_nothing_found_in_a_channel_that_is_all_noise_is_not_praised() -> None:
 
 
 def test_files_are_named(tmp_path: Path) -> None:
-    assert not any("model" in line for line in places_of(tmp_path))
-    (tmp_path / "extended.xml").touch()
-    assert any(str(tmp_path / "extended.xml") in line for line in places_of(tmp_path))
+    assert not any(line.startswith("robot ") for line in places_of(tmp_path))
+    (tmp_path / "robot").mkdir()
+    assert any(str(tmp_path / "robot") in line for line in places_of(tmp_path))
 
 
 @pytest.mark.parametrize(
