@@ -5,7 +5,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from bench.errors import unknown_name
-from bench.robot.fitted import Fitted
+from bench.robot.fitted import NOTHING, Fitted
 from bench.robot.strict import Strict
 
 Positive = Annotated[float, Field(gt=0)]
@@ -154,7 +154,7 @@ class Figures(Strict):
     rating: Rating
     instruments: Instruments
     uncertainty: Uncertainty = Uncertainty.model_validate({})
-    fitted: Fitted = Fitted.model_validate({})
+    fitted: Fitted = NOTHING
 
     @model_validator(mode="after")
     def _instruments_have_something_to_measure(self) -> Self:

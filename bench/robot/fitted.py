@@ -66,6 +66,17 @@ class Fitted(Strict):
         """Return a hash although dictionaries have none: robots are keys of what is kept in memory."""
         return hash(self.model_dump_json())
 
+    @property
+    def is_given(self) -> bool:
+        """Whether anything stands in it."""
+        return self != NOTHING
+
+    def words(self) -> Iterator[str]:
+        """Yield what stands in it, for people."""
+        for name in (*self.readings.model_dump(exclude_defaults=True), *self.weights.model_dump(exclude_defaults=True)):
+            yield name.replace("_", " ")
+        yield from (f"{one.effect} ({one.place})" for one in self.effects)
+
     def faults(self, joints: list[str], reflectors: tuple[str, ...]) -> Iterator[str]:
         """Yield a sentence for every joint or reflector that the robot does not have."""
         by_joint = ("current_gain", "current_offset_a", "torque_gain", "torque_offset_nm", "link_encoder_zero_rad")
@@ -76,3 +87,6 @@ class Fitted(Strict):
             for name in getattr(self.readings, field):
                 if name not in known:
                     yield f"fitted.readings.{field}: {unknown_name(what, name, known)}"
+
+
+NOTHING = Fitted.model_validate({})

@@ -1,8 +1,8 @@
 """What the instruments make of the truth: noise, gain, offset, resolution. A layer outside the physics.
 
 Systematic errors (gain, offset, frame, placement) are drawn once when the instruments are set up, about those that the
-robot's figures hold as fitted; noise is drawn with every reading. The same trace
-read by instruments of another seed is another measurement of the same physics.
+robot's figures hold as fitted; noise is drawn with every reading. The same trace read by instruments of another seed is
+another measurement of the same physics.
 """
 
 from collections.abc import Sequence

@@ -55,6 +55,8 @@ def figures_with(
     readings, weights = figures.fitted.readings.model_dump(), figures.fitted.weights.model_dump()
     slots, left = _slots(figures), []
     for nuisance, value in deviations.items():
+        if not value:
+            continue
         if nuisance.scales_wrench:
             weights["hung"] = (1 + weights["hung"]) * (1 + value) - 1
         elif nuisance.scales_payload:
@@ -118,7 +120,8 @@ def _slots(figures: Figures) -> dict[tuple[str, bool], Put]:
 def _gain(gain: str, offset: str, joint: str) -> Put:
     def put(readings: dict[str, Any], x: float) -> None:
         readings[gain][joint] = (1 + readings[gain].get(joint, 0.0)) * (1 + x) - 1
-        readings[offset][joint] = readings[offset].get(joint, 0.0) * (1 + x)
+        if joint in readings[offset]:
+            readings[offset][joint] *= 1 + x
 
     return put
 

@@ -61,10 +61,7 @@ class Course:
 
 
 class Replay:
-    """A campaign, ready to be repeated by worlds.
-
-    Attributes:
-        fitted: What the figures of the nominal robot hold as fitted; it acts in every world.
+    """A campaign, ready to be repeated by worlds. What the nominal robot's figures hold as fitted acts in all of them.
 
     Args:
         compiled: The nominal robot.

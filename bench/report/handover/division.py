@@ -23,7 +23,7 @@ class Division:
 
     Attributes:
         in_model: In the MJCF.
-        beside: In `figures.yaml`: what acts on readings or encoders, with temperatures, or on the payload of a campaign.
+        beside: In `figures.yaml`: what acts on readings, encoders or a campaign's payload, or with temperatures.
     """
 
     in_model: tuple[Acting, ...]
