@@ -15,7 +15,7 @@ def copy_assets(spec: mujoco.MjSpec, base: Path, folder: Path) -> None:
     """Copy meshes, textures, height fields and skins, and point the spec at the copies.
 
     Args:
-        spec: It is changed, and no longer compiles where it was read.
+        spec: It is changed, and then belongs to the folder.
         base: Folder of the file that it was read from.
         folder: Where to; the copies stand in `assets` in it.
 
@@ -36,6 +36,7 @@ def copy_assets(spec: mujoco.MjSpec, base: Path, folder: Path) -> None:
         texture.cubefiles = [_copy(file, places, folder) if file else "" for file in files]
         named = named or any(files)
     spec.meshdir = spec.texturedir = ASSETS if named else ""
+    spec.modelfiledir = str(folder)
 
 
 def _copy(file: str, places: Iterable[Path], folder: Path) -> str:

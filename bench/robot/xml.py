@@ -14,7 +14,7 @@ def xml_of(spec: mujoco.MjSpec) -> str:
     """Return a compiled spec as MJCF, with numbers to 15 digits.
 
     MuJoCo 4.0.0 sets the number of digits by a function of its library that its headers do not declare; the version is
-    pinned, and `tests/robot/test_xml.py` holds it to that.
+    pinned, and `tests/robot/test_write.py` holds it to that.
     """
     functions = engine()
     with _LOCK:
