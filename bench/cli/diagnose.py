@@ -74,6 +74,7 @@ class Diagnose:
         with ending_on_interrupt(stop), new_folder(self.out, VERDICT, replace=False) as folder, phases() as shown:
             executor = Watched(on_cores(self.cores), shows=shown.share)
             during = "reading the campaign"
+            moved: tuple[str, ...] = ()
 
             def phase(words: str) -> None:
                 nonlocal during
@@ -86,12 +87,14 @@ class Diagnose:
                     campaign, compiled, effects, progress=phase, executor=executor, check=stop.check, store=store
                 )
                 verdict = found.verdict
-                write_diagnosis(found, folder, campaign, self.command)
+                moved = write_diagnosis(found, folder, campaign, self.command)
             except Stopped as stopped:
                 verdict = unweighed(FALSE_ALARM_RATE, str(stopped), during)
                 write_unweighed(verdict, folder, campaign, compiled.robot.figures.title, self.command)
         for line in words_of(verdict):
             print(line)
+        for sentence in moved:
+            print(f"Moved: {sentence}")
         for line in places_of(self.out):
             print(line)
         return UNFINISHED if verdict.unfinished else 0

@@ -12,6 +12,7 @@ from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.name.learn import NOT_THERE, effect_of, learn
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.picture.generic import Block, blocks_of
+from bench.diagnose.verdict import verdict_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
 from bench.effects.learned_torques import LearnedTorque
@@ -20,6 +21,7 @@ from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Array
 from bench.report.diagnosis.learned import curves_of, learned_of
 from bench.report.diagnosis.write import write_diagnosis
+from bench.report.handover.readme import AGREES
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from tests.diagnose.sweeps import SWEEPS
@@ -103,6 +105,7 @@ def test_files_say_what_was_learned(case: Case) -> None:
     (curve,) = content["learned"]
     assert curve["value"] == [p["value"] for p in content["unlisted"]["parameters"]]
     assert curve["low"] == pytest.approx([p["low"] for p in content["unlisted"]["parameters"]])
+    assert content["handed_over"]["disagreement"] < AGREES
     after = {channel["channel"]: channel["after"] for channel in content["channels"]}
     assert after["current_2_a"] < NEAR_FLOOR
 
@@ -137,6 +140,9 @@ def test_a_shape_that_does_not_pay_is_refused(case: Case) -> None:
     assert not again.pays
     refused = replace(case.found, lesson=again)
     assert refused.extension is None
+    verdict = verdict_of(naming, 0.01, {}, (), lesson=again)
+    assert verdict.unlisted
+    assert verdict.unlisted.parameters == ()  # of a refused model nothing is said beside the curve
     drawn = learned_of(naming, again)
     assert drawn  # as the linear picture has it
     assert len(curves_of(drawn, refused.design)[0].at) == len(drawn.block.nodes) == 9

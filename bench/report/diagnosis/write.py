@@ -29,7 +29,9 @@ from bench.report.handover.robot_folder import hand_over
 from bench.report.plain import plain
 
 
-def write_diagnosis(diagnosis: Diagnosis, folder: Path, campaign: Campaign | None = None, command: str = "") -> None:
+def write_diagnosis(
+    diagnosis: Diagnosis, folder: Path, campaign: Campaign | None = None, command: str = ""
+) -> tuple[str, ...]:
     """Write the files of a diagnosis into an existing folder.
 
     The robot as fitted is handed over whatever was found: figures may have moved where nothing else was wrong.
@@ -39,6 +41,9 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path, campaign: Campaign | Non
         folder: Where to.
         campaign: That was diagnosed; the report then has its notes and counts its rows.
         command: That made the diagnosis, for the report.
+
+    Returns:
+        A sentence for each stated figure that was found further away than its uncertainty explains.
 
     Raises:
         InputError: The recording cannot be written.
@@ -65,6 +70,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path, campaign: Campaign | Non
     made = {name: words for name, words in WORDS.items() if (folder / name).exists()}
     moved = tuple(moved_sentences(figures))
     _write(folder / REPORT, page_of(diagnosis.verdict, facts, pictures, made, handed.difference, moved))
+    return moved
 
 
 def write_unweighed(verdict: Verdict, folder: Path, campaign: Campaign, robot: str, command: str = "") -> None:

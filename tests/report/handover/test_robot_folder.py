@@ -34,7 +34,7 @@ from bench.effects.sensing_drive import EncoderDelay
 from bench.hide.campaign import hide_campaign
 from bench.report.handover.figures_table import COLUMNS, csv_of, moved_sentences
 from bench.report.handover.readme import AGREES
-from bench.report.handover.robot_folder import TOLERANCE, hand_over
+from bench.report.handover.robot_folder import TOLERANCES, hand_over
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from tests.simulate.loading_small import small_loading
@@ -132,8 +132,8 @@ def fit_of(design: Design, case: Case, rng: np.random.Generator) -> Fit:
 def predictions(design: Design, fit: Fit, folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return what the fit predicts, the folder, and the nominal robot, in units of each channel's largest reading."""
     compiled, campaign = design.replay.compiled, (design.segments, design.quantities)
-    nominal = Replay(compiled, *campaign, TOLERANCE)
-    handed = Replay(compile_robot(load_robot(folder)), *campaign, TOLERANCE)
+    nominal = Replay(compiled, *campaign, TOLERANCES[0])
+    handed = Replay(compile_robot(load_robot(folder)), *campaign, TOLERANCES[0])
     fitted = nominal.predict(fit.world(design))
     scale = np.nanmax(np.fmax(np.abs(fitted), np.concatenate([s.sigma for s in design.segments])), axis=0)
     return fitted / scale, handed.predict(NOMINAL) / scale, nominal.predict(NOMINAL) / scale
