@@ -7,6 +7,7 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit, Unknown, is_simulated
 from bench.diagnose.measure.leave_out import tangent_of
 from bench.diagnose.picture.design import Design
+from bench.diagnose.replay.fitted import torque_constant_of
 from bench.diagnose.replay.nuisances import Nuisance
 
 WITHIN_95 = 1.959964  # standard deviations of a normal distribution
@@ -25,7 +26,7 @@ class FittedFigure:
         kind: "figure" of robot or instruments, stated with an uncertainty; "finding": a parameter of a cause;
             "campaign": what belongs to these recordings and not to the robot, and is not handed over.
         unit: SI; "" for a relative deviation.
-        stated: Value of the nominal robot; 0 for figures, whose deviations are fitted.
+        stated: Value of the nominal robot; 0 for figures of which the deviation is given.
         found: As fitted.
         low, high: Ends of its 95 % interval.
         sigma: Standard deviation with which it is stated; nan for a finding, which nobody stated.
@@ -59,10 +60,13 @@ def fitted_figures(design: Design, fit: Fit) -> tuple[FittedFigure, ...]:
         design: The campaign.
         fit: To all of it.
     """
-    p = len(fit.nuisances)
+    p, compiled = len(fit.nuisances), design.replay.compiled
+    constants = [torque_constant_of(compiled, nuisance) for nuisance in design.nuisances]
+    # what a drive reports falls where its constant rises
+    sign = np.array([*(1.0 if constant is None else -1.0 for constant in constants), *np.ones(len(fit.unknowns))])
     covariance = np.linalg.inv(tangent_of(design, fit).precision)
     spread = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.outer(spread, spread)
+    correlation = covariance / np.outer(sign * spread, sign * spread)
     np.fill_diagonal(correlation, 0.0)
     names = [*(nuisance.name for nuisance in design.nuisances), *(_name(unknown) for unknown in fit.unknowns)]
     found = []
@@ -71,6 +75,8 @@ def fitted_figures(design: Design, fit: Fit) -> tuple[FittedFigure, ...]:
         is_strong = abs(correlation[i, partner]) > TRADES
         if i < p:
             row = _figure(design.nuisances[i], float(fit.nuisances[i]), float(spread[i]))
+            constant = constants[i]
+            row = row if constant is None else _of_constant(row, constant)
         else:
             row = _finding(fit.unknowns[i - p], float(fit.values[i - p]), float(spread[i]))
         rho = float(correlation[i, partner]) if is_strong else np.nan
@@ -87,6 +93,15 @@ def _figure(nuisance: Nuisance, x: float, spread: float) -> _Row:
     sigma, half = nuisance.sigma, WITHIN_95 * spread
     kind = "figure" if is_simulated(nuisance) else "campaign"
     return kind, nuisance.unit, 0.0, x * sigma, (x - half) * sigma, (x + half) * sigma, sigma, x
+
+
+def _of_constant(row: _Row, constant: float) -> _Row:
+    """Return a row about the gain of what a drive reports as one about its torque constant [Nm/A], nan: relative."""
+    kind, _, _, found, low, high, sigma, sigmas = row
+    if np.isnan(constant):
+        return kind, "", 0.0, 1 / (1 + found) - 1, 1 / (1 + high) - 1, 1 / (1 + low) - 1, sigma, -sigmas
+    best, least, most = (constant / (1 + gain) for gain in (found, high, low))
+    return kind, "Nm/A", constant, best, least, most, constant * sigma, -sigmas
 
 
 def _finding(unknown: Unknown, value: float, spread: float) -> _Row:

@@ -70,6 +70,18 @@ def figures_with(
     return FittedReadings.model_validate(readings), FittedWeights.model_validate(weights), tuple(left)
 
 
+def torque_constant_of(compiled: CompiledRobot, nuisance: Nuisance) -> float | None:
+    """Return the torque constant that a deviation of readings is about [Nm/A]; nan where the drive reports torque.
+
+    What a drive reports grows by x where its constant falls to 1 / (1 + x) of what is stated. None: it is about
+    something else.
+    """
+    for drive in compiled.robot.figures.drives:
+        if nuisance.name == f"torque constant of {drive.joint}":
+            return np.nan if _changes_torque(compiled, nuisance) else drive.torque_constant_nm_per_a
+    return None
+
+
 def _changes_torque(compiled: CompiledRobot, nuisance: Nuisance) -> bool:
     """Return whether a deviation changes the torques that drives report; one of currents may have the same name."""
     n, r = compiled.n_joints, len(compiled.robot.figures.reflectors)

@@ -35,7 +35,9 @@ def moved_sentences(figures: Sequence[FittedFigure]) -> Iterator[str]:
 def _size(figure: FittedFigure) -> str:
     values, half = (figure.found, figure.low, figure.high), (figure.high - figure.low) / 2
     factor, unit = (1.0, figure.unit) if figure.unit else (100.0, "%")
-    value, low, high = shown([factor * x for x in values], unit, factor * half)
+    stated, value, low, high = shown([factor * x for x in (figure.stated, *values)], unit, factor * half)
+    if figure.stated:
+        return f"{value} {unit_name(unit)} ({low} to {high}) instead of {stated}"
     sign = "" if value.startswith("-") else "+"
     return f"{sign}{value} {unit_name(unit)} ({low} to {high})"
 
