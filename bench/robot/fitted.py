@@ -5,7 +5,6 @@ reading less truth, relative ones a share of the truth.
 """
 
 from collections.abc import Iterator
-from typing import Annotated
 
 from pydantic import Field
 
@@ -14,22 +13,21 @@ from bench.robot.strict import Strict
 
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
-Share = Annotated[float, Field(gt=-1)]
 
 
 class FittedReadings(Strict):
     """Systematic errors of the instruments, which every reading of this machine has. Zero unless given."""
 
-    current_gain: dict[str, Share] = Field({}, description="relative, by joint; of the reading, not of the constant")
+    current_gain: dict[str, float] = Field({}, description="relative, by joint; of the reading, not of the constant")
     current_offset_a: dict[str, float] = Field({}, description="[A], by joint")
-    torque_gain: dict[str, Share] = Field({}, description="relative, by joint")
+    torque_gain: dict[str, float] = Field({}, description="relative, by joint")
     torque_offset_nm: dict[str, float] = Field({}, description="[Nm], of a slide [N], by joint")
     link_encoder_zero_rad: dict[str, float] = Field({}, description="[rad], of a slide [m], by joint")
     tracker_shift_m: Vector = ZERO
     tracker_turn_rad: Vector = ZERO
     tracker_drift_m_per_h: Vector = ZERO
     nest_m: dict[str, Vector] = Field({}, description="[m], where a reflector sits in its nest, by site")
-    force_gain: Share = 0.0
+    force_gain: float = 0.0
     force_tilt_rad: Vector = Field(ZERO, description="[rad], counts only where the load does not hang")
     gas_thermometer_k: float = 0.0
 
@@ -37,8 +35,8 @@ class FittedReadings(Strict):
 class FittedWeights(Strict):
     """By how much what hangs at the load point, and what is bolted to it, is heavier than written down; relative."""
 
-    hung: Share = 0.0
-    bolted: Share = 0.0
+    hung: float = 0.0
+    bolted: float = 0.0
 
 
 NO_READINGS, NO_WEIGHTS = FittedReadings.model_validate({}), FittedWeights.model_validate({})

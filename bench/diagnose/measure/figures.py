@@ -98,10 +98,10 @@ def _figure(nuisance: Nuisance, x: float, spread: float) -> _Row:
 def _of_constant(row: _Row, constant: float) -> _Row:
     """Return a row about the gain of what a drive reports as one about its torque constant [Nm/A], nan: relative."""
     kind, _, _, found, low, high, sigma, sigmas = row
+    best, least, most = (1 / (1 + gain) if gain > -1 else np.inf for gain in (found, high, low))
     if np.isnan(constant):
-        return kind, "", 0.0, 1 / (1 + found) - 1, 1 / (1 + high) - 1, 1 / (1 + low) - 1, sigma, -sigmas
-    best, least, most = (constant / (1 + gain) for gain in (found, high, low))
-    return kind, "Nm/A", constant, best, least, most, constant * sigma, -sigmas
+        return kind, "", 0.0, best - 1, least - 1, most - 1, sigma, -sigmas
+    return kind, "Nm/A", constant, constant * best, constant * least, constant * most, constant * sigma, -sigmas
 
 
 def _finding(unknown: Unknown, value: float, spread: float) -> _Row:

@@ -15,8 +15,8 @@ from bench.effects.effect import Conditions
 from bench.effects.fitted import entry_of
 from bench.errors import NOT_SIMULATED
 from bench.report.handover.division import divided, payload_as_body
+from bench.report.handover.drive_readings import with_drive_readings
 from bench.report.handover.readme import readme_of
-from bench.report.handover.torque_constants import with_torque_constants
 from bench.robot.compiled import CompiledRobot, compile_robot, read_spec
 from bench.robot.fitted import Fitted
 from bench.robot.folder import load_robot
@@ -77,7 +77,7 @@ def hand_over(design: Design, fit: Fit, folder: Path, nominal: Path) -> Handed:
     fitted = Fitted(readings=readings, weights=weights, effects=tuple(entries))
     title = robot.figures.title.removesuffix(AS_FITTED) + AS_FITTED
     figures = robot.figures.model_copy(update={"title": title, "fitted": fitted})
-    figures = with_torque_constants(figures, design, kept)
+    figures = with_drive_readings(figures, design, kept)
     before, spec = read_spec(robot), read_spec(robot)
     before.compile()
     text = xml_of(before)

@@ -69,6 +69,11 @@ CASES = {
         (TORQUE_CONSTANT, (EFFECTS["torque_saturation"], SECOND, {"curvature": 2e-4})),
         ("torque_constant", "torque_saturation"),
     ),
+    "current offset": Case((TORQUE_CONSTANT, (EFFECTS["current_offset"], SECOND, {"offset": 0.4}))),
+    "current offset and saturation": Case(
+        ((EFFECTS["current_offset"], SECOND, {"offset": 0.4}), (EFFECTS["torque_saturation"], SECOND, {})),
+        ("current_offset", "torque_saturation"),
+    ),
     "encoder delay": Case(((EFFECTS["encoder_delay"], WHOLE, {"delay": 3e-3}),), ("encoder_delay",)),
     "learned reading": Case(
         ((SCALE, SECOND, {"square": 0.5, "cube": -0.3, "signed_square": 0.8}),), ("learned_scale",)
