@@ -44,16 +44,25 @@ def fitted_acting(compiled: CompiledRobot) -> tuple[Acting, ...]:
     entries = compiled.robot.figures.fitted.effects
     if not entries:
         return ()
-    known, found, faults = catalogue(), [], []
+    found, faults = [], []
     for i, entry in enumerate(entries):
         try:
-            effect = _effect_of(entry, known)
-            found.append(Acting(effect, _place_of(entry, effect, compiled), _values_of(entry, effect)))
+            found.append(acting_of(entry, compiled))
         except RobotError as error:
             faults.append(f"figures.yaml: fitted.effects[{i}]: {error}")
     if faults:
         raise RobotError(faults)
     return tuple(found)
+
+
+def acting_of(entry: FittedEffect, compiled: CompiledRobot) -> Acting:
+    """Return an entry of `fitted.effects` as an effect that acts on a robot.
+
+    Raises:
+        RobotError: Effect, place or parameter is unknown.
+    """
+    effect = _effect_of(entry, catalogue())
+    return Acting(effect, _place_of(entry, effect, compiled), _values_of(entry, effect))
 
 
 def entry_of(acting: Acting) -> FittedEffect | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Acting, Conditions, Effect
+from bench.effects.effect import Acting, Conditions, Effect, Place
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit, read_spec
 from bench.robot.folder import Robot
@@ -51,7 +51,9 @@ def payload_as_body(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 
 def _is_of_model(compiled: CompiledRobot, acting: Acting) -> bool:
-    kind = type(acting.effect)
+    kind, place = type(acting.effect), acting.place
+    if place != Place(place.kind, place.index, place.name):  # it acts now and then
+        return False
     if kind.edit is Effect.edit or kind.distort is not Effect.distort or kind.encoder_error is not Effect.encoder_error:
         return False
     if any("temperature" in need for need in acting.effect.needs):

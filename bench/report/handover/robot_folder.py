@@ -1,7 +1,8 @@
 """The robot folder that a diagnosis hands over: what was fitted is in its MJCF and in its figures."""
 
 import difflib
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +12,14 @@ from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.fitted import figures_with
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
-from bench.effects.effect import Conditions
-from bench.effects.fitted import entry_of
-from bench.errors import NOT_SIMULATED
+from bench.effects.effect import Acting, Conditions
+from bench.effects.fitted import acting_of, entry_of
+from bench.errors import NOT_SIMULATED, RobotError
 from bench.report.handover.division import divided, payload_as_body
 from bench.report.handover.drive_readings import with_drive_readings
 from bench.report.handover.readme import readme_of
-from bench.robot.compiled import CompiledRobot, compile_robot, read_spec
-from bench.robot.fitted import Fitted
+from bench.robot.compiled import CompiledRobot, compile_robot, compile_spec, read_spec
+from bench.robot.fitted import Fitted, FittedEffect
 from bench.robot.folder import load_robot
 from bench.robot.write import write_robot
 from bench.robot.xml import xml_of
@@ -64,28 +65,20 @@ def hand_over(design: Design, fit: Fit, folder: Path, nominal: Path) -> Handed:
     compiled, world = design.replay.compiled, fit.world(design)
     robot = compiled.robot
     division = divided(compiled, world.acting)
-    missing, kept, entries = [], [*design.replay.fitted.acting], [*robot.figures.fitted.effects]
-    for one in division.beside:
-        entry = entry_of(one)
-        if entry:
-            kept.append(one)
-            entries.append(entry)
-        else:
-            missing.append(f"the effect {one}: it is defined in a file of your own")
-    readings, weights, left = figures_with(compiled, world.deviations)
-    missing += [f"{nuisance.name}: figures have no place for it" for nuisance in left]
-    fitted = Fitted(readings=readings, weights=weights, effects=tuple(entries))
-    title = robot.figures.title.removesuffix(AS_FITTED) + AS_FITTED
-    figures = robot.figures.model_copy(update={"title": title, "fitted": fitted})
-    figures = with_drive_readings(figures, design, kept)
     before, spec = read_spec(robot), read_spec(robot)
     before.compile()
     text = xml_of(before)
     nominal.write_text(text, encoding="utf-8")
-    for edit in edits_in(World(world.deviations, division.in_model), Conditions.reference(compiled.n_joints)):
-        edit(spec, robot)
-    payload_as_body(spec, robot)
-    spec.compile()
+    edits = edits_in(World(world.deviations, division.in_model), Conditions.reference(compiled.n_joints))
+    in_model = compile_spec(spec, robot, [*edits, payload_as_body])
+    beside, missing = _written_down(division.beside, in_model)
+    readings, weights, left = figures_with(compiled, world.deviations)
+    missing += [f"{nuisance.name}: figures have no place for it" for nuisance in left]
+    effects = (*robot.figures.fitted.effects, *(entry for _, entry in beside))
+    title = robot.figures.title.removesuffix(AS_FITTED) + AS_FITTED
+    fitted = Fitted(readings=readings, weights=weights, effects=effects)
+    figures = robot.figures.model_copy(update={"title": title, "fitted": fitted})
+    figures = with_drive_readings(figures, design, [*design.replay.fitted.acting, *(one for one, _ in beside)])
     folder.mkdir()
     after = write_robot(robot, spec, figures, folder, "")
     disagreement = _disagreement(design, world, compile_robot(load_robot(folder)))
@@ -94,6 +87,36 @@ def hand_over(design: Design, fit: Fit, folder: Path, nominal: Path) -> Handed:
     name = f"{folder.name}/{figures.mjcf}"
     lines = difflib.unified_diff(text.splitlines(True), after.splitlines(True), nominal.name, name, n=2)
     return Handed("".join(lines), tuple(missing), disagreement)
+
+
+def _written_down(
+    acting: Sequence[Acting], in_model: CompiledRobot
+) -> tuple[list[tuple[Acting, FittedEffect]], list[str]]:
+    """Return the effects that figures can hold, each with its entry, and words about the others.
+
+    Args:
+        acting: Effects.
+        in_model: The robot with everything that its MJCF holds.
+    """
+    found, missing = [], []
+    for one in acting:
+        entry = entry_of(one)
+        if entry is None:
+            missing.append(f"the effect {one}: it is defined in a file of your own")
+        elif not _means(entry, one, in_model):
+            missing.append(f"the effect {one}: it is of this campaign, for the robot alone has no such place")
+        else:
+            found.append((one, entry))
+    return found, missing
+
+
+def _means(entry: FittedEffect, acting: Acting, compiled: CompiledRobot) -> bool:
+    """Whether an entry is read as the effect that it was written for; ids of bodies may differ."""
+    try:
+        again = acting_of(entry, compiled)
+    except RobotError:
+        return False
+    return replace(again.place, index=acting.place.index) == acting.place and again.values == acting.values
 
 
 def _disagreement(design: Design, world: World, handed: CompiledRobot) -> float:

@@ -146,7 +146,7 @@ def predictions(design: Design, fit: Fit, folder: Path) -> tuple[np.ndarray, np.
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_folder_predicts_what_was_fitted(design: Design, name: str, tmp_path: Path) -> None:
-    if "saturation" in name and not design.replay.compiled.robot.figures.instruments.current:
+    if ("current" in name or "saturation" in name) and not design.replay.compiled.robot.figures.instruments.current:
         pytest.skip("the drives report no current")
     fit = fit_of(design, CASES[name], np.random.default_rng(7))
     handed = hand_over(design, fit, tmp_path / "robot", tmp_path / "nominal.xml")
@@ -210,6 +210,17 @@ def test_an_effect_of_a_users_own_file_is_said_to_be_missing(design: Design, tmp
     readme = (tmp_path / "robot" / "README.md").read_text()
     assert "own_delay" in readme
     assert "differs from what was fitted" in readme
+
+
+def test_an_effect_that_the_robot_alone_has_no_place_for_is_of_the_campaign(design: Design, tmp_path: Path) -> None:
+    case = Case(((EFFECTS["encoder_delay"], SECOND, {"delay": 3e-3}),))  # all encoders are late, or none
+    handed = hand_over(
+        design, fit_of(design, case, np.random.default_rng(2)), tmp_path / "robot", tmp_path / "nominal.xml"
+    )
+    assert len(handed.missing) == 1
+    assert "is of this campaign" in handed.missing[0]
+    assert handed.disagreement > FAR * AGREES
+    assert load_robot(tmp_path / "robot").figures.fitted.effects == ()
 
 
 def test_the_torque_constant_stands_where_every_command_looks_for_it(design: Design, tmp_path: Path) -> None:
