@@ -288,8 +288,7 @@ def _step(rung: Rung) -> Step:
 def _unlisted(block: Block, lesson: Lesson | None) -> Unlisted:
     if lesson is None:
         return Unlisted(block.place, block.kind, block.depends_on)
-    # of a model that was refused nothing is said: the curve is then that of the linear picture
-    parameters = _named(lesson.cause, lesson.fit).parameters if lesson.cause and lesson.fit and lesson.pays else ()
+    parameters = _named(lesson.cause, lesson.fit).parameters if lesson.cause and lesson.fit else ()
     return Unlisted(block.place, block.kind, block.depends_on, parameters, lesson.pays, lesson.words)
 
 

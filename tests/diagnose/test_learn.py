@@ -12,7 +12,6 @@ from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.name.learn import NOT_THERE, effect_of, learn
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.picture.generic import Block, blocks_of
-from bench.diagnose.verdict import verdict_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
 from bench.effects.learned_torques import LearnedTorque
@@ -140,9 +139,6 @@ def test_a_shape_that_does_not_pay_is_refused(case: Case) -> None:
     assert not again.pays
     refused = replace(case.found, lesson=again)
     assert refused.extension is None
-    verdict = verdict_of(naming, 0.01, {}, (), lesson=again)
-    assert verdict.unlisted
-    assert verdict.unlisted.parameters == ()  # of a refused model nothing is said beside the curve
     drawn = learned_of(naming, again)
     assert drawn  # as the linear picture has it
     assert len(curves_of(drawn, refused.design)[0].at) == len(drawn.block.nodes) == 9
