@@ -1,11 +1,9 @@
 """The robot folder that is handed over predicts what was fitted, and every command takes it."""
 
-import csv
 import json
 import shutil
 import subprocess
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import gymnasium
@@ -15,133 +13,18 @@ import pytest
 import yaml
 
 from bench.cli import main
-from bench.diagnose.extend.fit import Fit, unknowns_of
-from bench.diagnose.extend.refit import refit
-from bench.diagnose.measure.figures import FittedFigure, fitted_figures
-from bench.diagnose.measure.leave_out import tangent_of
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design, design_of
-from bench.diagnose.replay.nuisances import nuisances_of
-from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.measure.figures import fitted_figures
+from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import segments_of
-from bench.diagnose.replay.world import NOMINAL
-from bench.effects.catalogue import catalogue
-from bench.effects.effect import WHOLE, Effect, Place
-from bench.effects.learned import values_of
-from bench.effects.learned_readings import OF_READING, LearnedScale
+from bench.effects.effect import WHOLE
 from bench.effects.sensing_drive import EncoderDelay
-from bench.hide.campaign import hide_campaign
-from bench.report.handover.figures_table import COLUMNS, csv_of, moved_sentences
 from bench.report.handover.readme import AGREES
-from bench.report.handover.robot_folder import TOLERANCES, hand_over
-from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.report.handover.robot_folder import hand_over
+from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
+from tests.report.handover.made import CASES, EFFECTS, FAR, SECOND, Case, design_for, fit_of, predictions
 from tests.simulate.loading_small import small_loading
-from tests.simulate.rotation_small import small_rotation
-from tests.small_robot import FIGURES, write_small_robot
-
-PAYLOADS_KG = (0.0, 6.0)  # of the segments in turn
-WARM_K = 25.0
-FAR = 100.0  # times as much as folder and fit may differ, by which each of the two differs from the nominal robot
-SECOND = Place("joint", 1, "hinge_b")
-Values = Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class Case:
-    """What acts beside deviations of all figures."""
-
-    causes: tuple[tuple[Effect, Place, Values], ...]
-    beside: tuple[str, ...] = ()  # effects that no MJCF holds
-
-
-EFFECTS = catalogue()
-TORQUE_CONSTANT = (EFFECTS["torque_constant"], SECOND, {"change": 0.08})
-SCALE = LearnedScale(values_of(OF_READING[:3], OF_READING[:3], "A", 1.0), "current", 30.0)
-CASES = {
-    "figures alone": Case(()),
-    "friction": Case(((EFFECTS["coulomb_level"], SECOND, {"change": 0.4}),)),
-    "a joint more": Case(((EFFECTS["base_compliance"], WHOLE, {}),)),
-    "play": Case(((EFFECTS["backlash"], SECOND, {"gap": 4e-4}),)),
-    "torque constant": Case((TORQUE_CONSTANT,)),
-    "torque constant and saturation": Case(
-        (TORQUE_CONSTANT, (EFFECTS["torque_saturation"], SECOND, {"curvature": 2e-4})),
-        ("torque_constant", "torque_saturation"),
-    ),
-    "current offset": Case((TORQUE_CONSTANT, (EFFECTS["current_offset"], SECOND, {"offset": 0.4}))),
-    "current offset and saturation": Case(
-        ((EFFECTS["current_offset"], SECOND, {"offset": 0.4}), (EFFECTS["torque_saturation"], SECOND, {})),
-        ("current_offset", "torque_saturation"),
-    ),
-    "encoder delay": Case(((EFFECTS["encoder_delay"], WHOLE, {"delay": 3e-3}),), ("encoder_delay",)),
-    "learned reading": Case(
-        ((SCALE, SECOND, {"square": 0.5, "cube": -0.3, "signed_square": 0.8}),), ("learned_scale",)
-    ),
-    "unstated payload": Case(((EFFECTS["unstated_payload"], WHOLE, {"mass": 4.0, "inertia": 0.05}),)),
-    "payload that is heavier": Case(((EFFECTS["payload_mass"], WHOLE, {"change": 0.1}),), ("payload_mass",)),
-    "payload beside its place": Case(((EFFECTS["payload_com"], WHOLE, {"x": 0.02, "z": 0.03}),), ("payload_com",)),
-    "warm friction": Case(((EFFECTS["friction_temperature"], SECOND, {"decrease": 0.02}),), ("friction_temperature",)),
-}
-
-
-def torque_robot(folder: Path) -> Path:
-    """Write the two-joint robot with drives that report torque instead of current, and a secondary encoder."""
-    write_small_robot(folder)
-    instruments = FIGURES["instruments"] | {
-        "current": None,
-        "torque": {"sigma_nm": 1.0, "offset_sigma_nm": 2.0},
-        "link_encoder": {"joints": ["hinge_b"], "offset_sigma_rad": 1e-4},
-    }
-    (folder / "figures.yaml").write_text(yaml.safe_dump(FIGURES | {"instruments": instruments}))
-    return folder
-
-
-@pytest.fixture(scope="module", params=["current", "torque"])
-def design(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Design:
-    folder = tmp_path_factory.mktemp("robots") / "small"
-    (write_small_robot if request.param == "current" else torque_robot)(folder)
-    return design_for(compile_robot(load_robot(folder)))
-
-
-def design_for(compiled: CompiledRobot) -> Design:
-    """Return a campaign with motion, rests under load, payloads, and drives that warm up."""
-    robot = compiled.robot
-    campaign = hide_campaign(robot, small_rotation(robot.folder), [], np.random.default_rng(1)).campaign
-    loads = hide_campaign(robot, small_loading(robot.folder), [], np.random.default_rng(2)).campaign
-    campaign = replace(campaign, runs=(*campaign.runs[:1], *loads.runs))
-    quantities = quantities_of(campaign.runs, compiled)
-    segments = []
-    for i, segment in enumerate(segments_of(campaign, compiled, quantities, 60)):
-        warm = segment.conditions.gear_k + WARM_K * (i % 3)
-        conditions = replace(segment.conditions, payload_kg=PAYLOADS_KG[i % 2], gear_k=warm)
-        segments.append(replace(segment, conditions=conditions))
-    return design_of(Replay(compiled, tuple(segments), quantities), nuisances_of(compiled, quantities))
-
-
-def fit_of(design: Design, case: Case, rng: np.random.Generator) -> Fit:
-    """Return a fit in which every figure is off, as nobody would fit it."""
-    causes, values = [], []
-    for effect, place, given in case.causes:
-        sizes = tuple(p for p in effect.parameters if not p.is_shape)
-        shapes = tuple(p for p in effect.parameters if p.is_shape)
-        causes.append(Cause(effect, place, sizes, shapes))
-        values += [given.get(p.name, p.null if given else p.typical) for p in (*sizes, *shapes)]
-    unknowns = unknowns_of(tuple(causes))
-    k, nuisances = len(unknowns), rng.standard_normal(len(design.nuisances))
-    residual = np.zeros(design.replay.shape)
-    slopes = np.zeros((*residual.shape, k))
-    return Fit(tuple(causes), unknowns, np.array(values), np.eye(k), nuisances, 0.0, 0.0, residual, slopes, design.play)
-
-
-def predictions(design: Design, fit: Fit, folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return what the fit predicts, the folder, and the nominal robot, in units of each channel's largest reading."""
-    compiled, campaign = design.replay.compiled, (design.segments, design.quantities)
-    nominal = Replay(compiled, *campaign, TOLERANCES[0])
-    handed = Replay(compile_robot(load_robot(folder)), *campaign, TOLERANCES[0])
-    fitted = nominal.predict(fit.world(design))
-    scale = np.nanmax(np.fmax(np.abs(fitted), np.concatenate([s.sigma for s in design.segments])), axis=0)
-    return fitted / scale, handed.predict(NOMINAL) / scale, nominal.predict(NOMINAL) / scale
+from tests.small_robot import FIGURES
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -299,66 +182,3 @@ def test_the_environment_takes_the_folder(handed: Path) -> None:
     observation, _ = environment.reset(seed=1)
     assert np.all(np.isfinite(observation["q_motor"]))
     environment.close()
-
-
-def test_the_table_is_the_fit(design: Design) -> None:
-    """Values and errors of findings are those of the fit; the table reads back as it was written."""
-    effect = EFFECTS["coulomb_level"]
-    fit = refit(design, (Cause(effect, SECOND, effect.parameters, ()),), {})
-    rows = fitted_figures(design, fit)
-    assert len(rows) == len(design.nuisances) + 1
-    found = rows[0]
-    assert found.kind == "finding"
-    assert (found.found, found.stated) == (fit.values[0], 0.0)
-    np.testing.assert_allclose((found.high - found.low) / 2 / 1.959964, fit.sigma[0], rtol=1e-6)
-    by_name = {(row.name, row.kind): row for row in rows}
-    for nuisance, x in zip(design.nuisances, fit.nuisances, strict=True):
-        row = by_name.get((nuisance.name, "figure")) or by_name[nuisance.name, "campaign"]
-        if nuisance.name.startswith("torque constant of"):
-            stated = 100.0 if "current_1_a" in [quantity.column for quantity in design.quantities] else 1.0
-            constant = row.found + (row.stated == 0)
-            np.testing.assert_allclose(constant * (1 + x * nuisance.sigma), stated)
-            assert row.low < row.found < row.high
-            assert row.sigmas == -x
-        else:
-            assert (row.found, row.sigmas, row.sigma) == (x * nuisance.sigma, x, nuisance.sigma)
-            assert row.high - row.low <= 2 * 1.96 * nuisance.sigma * (1 + 1e-9)  # data never know less than was stated
-    names = [*(nuisance.name for nuisance in design.nuisances), found.name]
-    columns = np.linalg.solve(tangent_of(design, fit).precision, np.eye(len(names)))
-    rho = columns / np.sqrt(np.outer(np.diag(columns), np.diag(columns))) - np.eye(len(names))
-    assert len(set(names)) == len(names)
-    partners = [names[i] if abs(row[i]) > np.sqrt(0.5) else "" for row in rho for i in [int(np.argmax(np.abs(row)))]]
-    weights = by_name["weights that hang", "figure"]  # the sensor reads (1 + gain) (1 + share) of what was written down
-    assert weights.trades_with == "gain of the force sensor"
-    assert weights.correlation < 0
-    for row in rows:
-        assert row.trades_with == partners[names.index(row.name)]
-        assert np.isnan(row.correlation) == (row.trades_with == "")
-    read = list(csv.DictReader(csv_of(rows).splitlines()))
-    assert list(read[0]) == list(COLUMNS)
-    for row, text in zip(rows, read, strict=True):
-        for field in fields(FittedFigure):
-            value = getattr(row, field.name)
-            if isinstance(value, str):
-                assert text[field.name] == value
-            else:
-                assert (text[field.name] == "") if np.isnan(value) else float(text[field.name]) == value
-
-
-def test_a_figure_that_moved_is_named_with_what_it_trades_against() -> None:
-    moved = FittedFigure("stiffness of a", "figure", "", 0.0, 0.09, 0.07, 0.11, 0.03, 3.0, "mass of b", -0.8)
-    turned = FittedFigure("turn", "figure", "rad", 0.0, -1e-3, -1.2e-3, -8e-4, 2e-4, -5.0, "", np.nan)
-    still = replace(moved, sigmas=1.9)
-    held = replace(moved, kind="campaign")
-    assert list(moved_sentences([moved, still, held, turned])) == [
-        "stiffness of a: +9.0 % (7.0 to 11.0), 3.0 times its stated uncertainty; it trades against mass of b "
-        "(correlation -0.80)",
-        "turn: -0.057 deg (-0.069 to -0.046), 5.0 times its stated uncertainty",
-    ]
-    constant = FittedFigure(
-        "torque constant of a", "figure", "Nm/A", 220.8, 247.6, 246.6, 248.6, 4.4, 5.2, "weights", 0.9
-    )
-    assert list(moved_sentences([constant])) == [
-        "torque constant of a: 247.6 Nm/A (246.6 to 248.6) instead of 220.8, 5.2 times its stated uncertainty; "
-        "it trades against weights (correlation +0.90)"
-    ]
