@@ -14,7 +14,7 @@ WAYS_OUT = (
 
 @dataclass(frozen=True)
 class Diagnose:
-    """Say what the nominal model gets wrong about measured data, name the cause, and write the extended model.
+    """Say what the nominal model gets wrong about measured data, name the cause, and write the robot as fitted.
 
     Ten seconds where little is wrong, a minute where the model lacks much. A cause is taken only where it pays on runs
     it was not fitted to; the threshold is such that chance alone passes it in 1 of 100 campaigns. How often it is right
@@ -25,6 +25,8 @@ class Diagnose:
     """Campaign folder (format: bench/record/README.md)."""
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Folder to write; must not exist yet."""
+    robot: str = ""
+    """Robot to take, name or folder, such as the one that a diagnosis handed over; by default the campaign names it."""
     file: tuple[Path, ...] = ()
     """Python files with effects of your own (bench/effects/README.md)."""
     despite_doubts: bool = False
@@ -60,7 +62,7 @@ class Diagnose:
 
         stop = Stop(inf if self.at_most is None else seconds_of(self.at_most))
         effects = catalogue(self.file)
-        report, compiled = open_campaign(self.campaign)
+        report, compiled = open_campaign(self.campaign, self.robot)
         campaign = report.usable()
         assert compiled
         try_out([effect for name, effect in effects.items() if name not in catalogue()], compiled)
@@ -72,6 +74,7 @@ class Diagnose:
         with ending_on_interrupt(stop), new_folder(self.out, VERDICT, replace=False) as folder, phases() as shown:
             executor = Watched(on_cores(self.cores), shows=shown.share)
             during = "reading the campaign"
+            moved: tuple[str, ...] = ()
 
             def phase(words: str) -> None:
                 nonlocal during
@@ -84,12 +87,14 @@ class Diagnose:
                     campaign, compiled, effects, progress=phase, executor=executor, check=stop.check, store=store
                 )
                 verdict = found.verdict
-                write_diagnosis(found, folder, campaign, self.command)
+                moved = write_diagnosis(found, folder, campaign, self.command)
             except Stopped as stopped:
                 verdict = unweighed(FALSE_ALARM_RATE, str(stopped), during)
                 write_unweighed(verdict, folder, campaign, compiled.robot.figures.title, self.command)
         for line in words_of(verdict):
             print(line)
+        for sentence in moved:
+            print(f"Moved: {sentence}")
         for line in places_of(self.out):
             print(line)
         return UNFINISHED if verdict.unfinished else 0
@@ -99,7 +104,8 @@ class Diagnose:
         """What to type to do it again."""
         import shlex
 
-        files = [word for file in self.file for word in ("--file", str(file))]
+        files = ["--robot", self.robot] if self.robot else []
+        files += [word for file in self.file for word in ("--file", str(file))]
         files += ["--at-most", self.at_most] if self.at_most is not None else []
         files += ["--despite-doubts"] * self.despite_doubts
         files += ["--no-store"] * self.no_store

@@ -17,6 +17,8 @@ class Identify:
     """Method of identification; `all` runs every one that the campaign has the channels for."""
     level: float = 0.95
     """Level of the intervals."""
+    robot: str = ""
+    """Robot to take, name or folder, such as the one that a diagnosis handed over; by default the campaign names it."""
     json: bool = False
     """Print JSON instead of a table."""
 
@@ -24,6 +26,6 @@ class Identify:
         """Identify and print; return the exit code."""
         from bench.report.identification import identify_campaign, print_json, print_table
 
-        result = identify_campaign(self.campaign, None if self.method == "all" else [self.method])
+        result = identify_campaign(self.campaign, None if self.method == "all" else [self.method], self.robot)
         (print_json if self.json else print_table)(result, self.level)
         return 0

@@ -9,8 +9,9 @@ from pydantic import Field, ValidationError
 from bench.errors import InputError
 from bench.identify.denavit_hartenberg import Row
 from bench.robot.bodies import Array, read_only
-from bench.robot.figures import NonNegative, Positive, Strict
+from bench.robot.figures import NonNegative, Positive
 from bench.robot.folder import problems_of
+from bench.robot.strict import Strict
 
 FILE = "experiment.yaml"
 

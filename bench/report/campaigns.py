@@ -12,8 +12,12 @@ from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 
 
-def open_campaign(folder: Path) -> tuple[Report, CompiledRobot | None]:
+def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot | None]:
     """Check a campaign, with the joints and limits of its robot once the tables can be read.
+
+    Args:
+        folder: Of the campaign.
+        robot: Name or folder of the robot to take; "": the one that the campaign names.
 
     Returns:
         What the check found, and the robot; None where the campaign cannot be read.
@@ -24,7 +28,8 @@ def open_campaign(folder: Path) -> tuple[Report, CompiledRobot | None]:
     found: list[CompiledRobot] = []
 
     def arm_of(name: str) -> Arm:
-        found.append(compile_robot(load_robot(folder / name if (folder / name).is_dir() else name)))
+        named = folder / name if (folder / name).is_dir() else name
+        found.append(compile_robot(load_robot(robot or named)))
         return plain_arm(found[0])
 
     report = check_with_robot(folder, arm_of)

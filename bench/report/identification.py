@@ -36,18 +36,19 @@ class Identification:
     refused: Mapping[str, str]
 
 
-def identify_campaign(folder: Path, methods: Iterable[str] | None = None) -> Identification:
+def identify_campaign(folder: Path, methods: Iterable[str] | None = None, robot: str = "") -> Identification:
     """Identify the stiffness from the static runs of a campaign.
 
     Args:
         folder: Campaign folder.
         methods: Names of methods; None takes every one and notes which the campaign has not the channels for.
+        robot: Name or folder of the robot to take; "": the one that the campaign names.
 
     Raises:
         CampaignError: The folder is not a usable campaign; every fault is listed.
         InputError: A method that was asked for by name lacks a channel.
     """
-    report, compiled = open_campaign(folder)
+    report, compiled = open_campaign(folder, robot)
     campaign = report.usable()
     assert compiled is not None  # a usable campaign comes with its robot
     arm = Arm(rigid_bodies(compiled))

@@ -2,18 +2,14 @@
 
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from bench.errors import unknown_name
+from bench.robot.fitted import NOTHING, Fitted
+from bench.robot.strict import Strict
 
 Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
-
-
-class Strict(BaseModel):
-    """Unknown keys are errors, values do not change after construction."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Drive(Strict):
@@ -160,6 +156,7 @@ class Figures(Strict):
     rating: Rating
     instruments: Instruments
     uncertainty: Uncertainty = Uncertainty.model_validate({})
+    fitted: Fitted = NOTHING
 
     @model_validator(mode="after")
     def _instruments_have_something_to_measure(self) -> Self:
@@ -177,4 +174,6 @@ class Figures(Strict):
         for name in fitted.link_encoder.joints if fitted.link_encoder else ():
             if name not in joints:
                 raise ValueError(f"instruments.link_encoder.joints: {unknown_name('driven joint', name, joints)}")
+        if faults := tuple(self.fitted.faults(joints, self.reflectors)):
+            raise ValueError(" ".join(faults))
         return self

@@ -1,7 +1,8 @@
 """What the instruments make of the truth: noise, gain, offset, resolution. A layer outside the physics.
 
-Systematic errors (gain, offset, frame, placement) are drawn once when the instruments are set up; noise is drawn with
-every reading. The same trace read by instruments of another seed is another measurement of the same physics.
+Systematic errors (gain, offset, frame, placement) are drawn once when the instruments are set up, about those that the
+robot's figures hold as fitted; noise is drawn with every reading. The same trace read by instruments of another seed is
+another measurement of the same physics.
 """
 
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import Instruments as InstrumentFigures
+from bench.simulate.fitted_errors import fitted_errors
 from bench.simulate.plant import Trace
 
 Array = NDArray[np.float64]
@@ -71,6 +73,7 @@ class SystematicErrors:
         frame_rotation: Shape (3,) [rad], rotation vector of the same.
         placement: Shape (r, 3) [m], where a reflector sits in its nest against where it should.
         drift_direction: Shape (3,), unit vector of the tracker's drift.
+        frame_drift: Shape (3,) [m/h], drift of the tracker beside that.
         encoder_offset: Shape (n,) [rad].
         torque_gain: Shape (n,), relative.
         torque_offset: Shape (n,) [Nm].
@@ -85,6 +88,7 @@ class SystematicErrors:
     frame_rotation: Array
     placement: Array
     drift_direction: Array
+    frame_drift: Array
     encoder_offset: Array
     torque_gain: Array
     torque_offset: Array
@@ -111,6 +115,11 @@ class Instruments:
         self._has_link_encoder = np.isin(joints, link_encoder.joints if link_encoder else ())
         torque_constant_error = np.array([drive.torque_constant_error for drive in compiled.robot.figures.drives])
         self.errors = _draw(self.figures, torque_constant_error, len(compiled.robot.figures.reflectors), rng)
+        self._fitted_nests: Array = np.zeros_like(self.errors.placement)
+        if rng is not None:
+            fitted = fitted_errors(compiled.robot.figures)
+            self.errors = replace(self.errors, **{name: getattr(self.errors, name) + x for name, x in fitted.items()})
+            self._fitted_nests = np.asarray(fitted["placement"])
 
     @property
     def is_perfect(self) -> bool:
@@ -124,7 +133,8 @@ class Instruments:
         """
         if self._rng is not None and self.figures.tracker:
             placement = self.errors.placement.copy()
-            placement[1:] = self.figures.tracker.placement_sigma_m * self._rng.standard_normal(placement[1:].shape)
+            drawn = self._rng.standard_normal(placement[1:].shape)
+            placement[1:] = self._fitted_nests[1:] + self.figures.tracker.placement_sigma_m * drawn
             self.errors = replace(self.errors, placement=placement)
 
     def read(self, trace: Trace) -> Reading:
@@ -172,7 +182,8 @@ class Instruments:
             seen["moment"] = np.where(slanting, wrench[:, 3:] @ tilt.T, wrench[:, 3:])
         if f.tracker:
             turned = (trace.reflectors + errors.placement) @ small_rotation(errors.frame_rotation).T
-            drift = f.tracker.drift_m_per_h / HOUR * trace.time[:, None, None] * errors.drift_direction
+            rate = f.tracker.drift_m_per_h * errors.drift_direction + errors.frame_drift
+            drift = trace.time[:, None, None] / HOUR * rate
             seen["reflectors"] = turned + errors.frame_shift + drift
         if f.pressure:
             seen["gas_pressure"] = trace.counterbalance_force / f.pressure.piston_area_m2
@@ -254,6 +265,7 @@ def _draw(
         frame_rotation=normal(tracker.frame_sigma_rad if tracker else 0.0, (3,)),
         placement=normal(tracker.placement_sigma_m if tracker else 0.0, (r, 3)),
         drift_direction=direction / size if size else direction,
+        frame_drift=np.zeros(3),
         encoder_offset=normal(encoder.offset_sigma_rad if encoder else 0.0, (n,)),
         # not drawn where there is none, so that the noise of robots without them stays what it was
         torque_gain=normal(torque.gain_sigma, (n,)) if torque else np.zeros(n),

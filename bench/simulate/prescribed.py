@@ -77,10 +77,14 @@ class Prescribed:
     Args:
         compiled: The robot.
         data: To work on, of a model with the same parts; None: data of its own.
+        tolerance: Of the torques on the links, where a balance counts as found.
     """
 
-    def __init__(self, compiled: CompiledRobot, data: mujoco.MjData | None = None) -> None:
+    def __init__(
+        self, compiled: CompiledRobot, data: mujoco.MjData | None = None, tolerance: float = TOLERANCE
+    ) -> None:
         self.compiled = compiled
+        self._search = _Search(tolerance, STEP_RESOLUTION, MAX_ITERATIONS, PATIENCE)
         model, at = compiled.model, compiled.at
         self._data = mujoco.MjData(model) if data is None else data
         passive = passive_dofs(compiled)
@@ -135,7 +139,7 @@ class Prescribed:
             self.compiled.model._address,
             self._data._address,
             ctypes.byref(self._arm),
-            ctypes.byref(_SEARCH),
+            ctypes.byref(self._search),
             ctypes.byref(course),
             ctypes.byref(seen),
         )
@@ -200,7 +204,6 @@ class _Search(ctypes.Structure):
     ]
 
 
-_SEARCH = _Search(TOLERANCE, STEP_RESOLUTION, MAX_ITERATIONS, PATIENCE)
 _COUNTS = ("n", "u", "nsite", "load_body", "counterbalance", "counterbalance_tendon")
 _INDICES = (
     "theta",

@@ -21,6 +21,7 @@ from bench.effects.unlisted import Detent, SnappingCable
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Array
 from bench.report.diagnosis.write import write_diagnosis
+from bench.report.handover.readme import AGREES
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from tests.diagnose.sweeps import SWEEPS
@@ -83,8 +84,8 @@ def test_held_out_error_falls_near_the_floor(case: Case) -> None:
 
 
 def test_the_extended_model_has_the_table(case: Case) -> None:
-    xml = (case.folder / "extended.xml").read_text()
-    assert "effect/learned_torque joint2" in (case.folder / "extended.diff").read_text()
+    xml = (case.folder / "robot" / "hh150.xml").read_text()
+    assert "effect/learned_torque joint2" in (case.folder / "robot.diff").read_text()
     model = mujoco.MjModel.from_xml_string(xml)
     data = mujoco.MjData(model)
     actuator = model.actuator("effect/learned_torque joint2").id
@@ -104,6 +105,7 @@ def test_files_say_what_was_learned(case: Case) -> None:
     (curve,) = content["learned"]
     assert curve["value"] == [p["value"] for p in content["unlisted"]["parameters"]]
     assert curve["low"] == pytest.approx([p["low"] for p in content["unlisted"]["parameters"]])
+    assert content["handed_over"]["disagreement"] < AGREES
     after = {channel["channel"]: channel["after"] for channel in content["channels"]}
     assert after["current_2_a"] < NEAR_FLOOR
 

@@ -61,7 +61,7 @@ def direct_measurements(design: Design, fits: Sequence[Fit], trace: Trace) -> tu
         at = Conditions.reference(compiled.n_joints, payload)
 
         def mass_kg(world: World) -> float:
-            model = compile_robot(compiled.robot, edits_in(world, at)).model
+            model = compile_robot(compiled.robot, edits_in(design.replay.whole(world), at)).model
             return float(model.body_subtreemass[compiled.at.load_body])
 
         sigma = payload * max(compiled.robot.figures.uncertainty.load, LEAST_SCALE)

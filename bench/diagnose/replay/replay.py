@@ -15,6 +15,7 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.jacobians import reflector_jacobians
 from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
@@ -35,7 +36,7 @@ from bench.robot.patched import Structure
 from bench.simulate.bare import bare_spec
 from bench.simulate.instruments import Reading
 from bench.simulate.plant import Trace
-from bench.simulate.prescribed import Motion, Prescribed
+from bench.simulate.prescribed import TOLERANCE, Motion, Prescribed
 
 MOST_KNOWN = 4  # motions kept, for worlds that only read differently
 
@@ -60,20 +61,27 @@ class Course:
 
 
 class Replay:
-    """A campaign, ready to be repeated by worlds.
+    """A campaign, ready to be repeated by worlds. What the nominal robot's figures hold as fitted acts in all of them.
 
     Args:
         compiled: The nominal robot.
         segments: The campaign.
         quantities: What is predicted.
+        tolerance: Of the torques on the links, where a balance counts as found.
     """
 
     def __init__(
-        self, compiled: CompiledRobot, segments: tuple[Segment, ...], quantities: tuple[Quantity, ...]
+        self,
+        compiled: CompiledRobot,
+        segments: tuple[Segment, ...],
+        quantities: tuple[Quantity, ...],
+        tolerance: float = TOLERANCE,
     ) -> None:
         self.compiled = compiled
         self.segments = segments
         self.quantities = quantities
+        self.fitted = fitted_world(compiled)
+        self._tolerance = tolerance
         self._structure = Structure(compiled.robot, bare_spec(compiled.robot))
         self._known: OrderedDict[Hashable, Trace] = OrderedDict()
         self._lock = Lock()
@@ -81,11 +89,12 @@ class Replay:
         self._courses = {with_conditions: self._planned(with_conditions) for with_conditions in (False, True)}
         # where links and passive hinges of the nominal robot balance; every search starts there
         self._found = np.zeros((sum(len(segment.motion) for segment in segments), 2, 0))
-        parts = [self._followed(NOMINAL, course) for course in self._courses[False]]
-        self._nominal = self._joined(self._courses[False], [trace for trace, _ in parts])
+        courses = self._courses_of(NOMINAL)
+        parts = [self._followed(NOMINAL, course) for course in courses]
+        self._nominal = self._joined(courses, [trace for trace, _ in parts])
         unknowns = parts[0][1].shape[2] if parts else 0
         self._found = np.empty((len(self._found), 2, unknowns))
-        for course, (_, found) in zip(self._courses[False], parts, strict=True):
+        for course, (_, found) in zip(courses, parts, strict=True):
             self._found[course.instants] = found
 
     @property
@@ -105,6 +114,7 @@ class Replay:
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
         reading = ideal_reading(self.compiled, trace)
+        world = self.whole(world)
         distorting = [acting for acting in world.acting if type(acting.effect).distort is not Effect.distort]
         if distorting:
             parts = []
@@ -132,7 +142,7 @@ class Replay:
             if key in self._known:
                 self._known.move_to_end(key)
                 return self._known[key]
-        courses = self._courses[depends_on_conditions(world)]
+        courses = self._courses_of(world)
         trace = self._joined(courses, [self._followed(world, course)[0] for course in courses])
         with self._lock:
             self._known[key] = trace
@@ -153,7 +163,7 @@ class Replay:
         """
         trace = self.trace(world)
         found = []
-        for course in self._courses[depends_on_conditions(world)]:
+        for course in self._courses_of(world):
             segments = [self.segments[i] for i in course.segments]
             lengths = [_count(segment) for segment in segments]
             visits = [
@@ -193,6 +203,14 @@ class Replay:
         """
         return self._robot(World(acting=world.acting), Conditions.reference(self.compiled.n_joints))
 
+    def whole(self, world: World) -> World:
+        """Return a world with what acts in every world."""
+        fitted = self.fitted
+        return World({**fitted.deviations, **world.deviations}, (*fitted.acting, *world.acting))
+
+    def _courses_of(self, world: World) -> tuple[Course, ...]:
+        return self._courses[depends_on_conditions(self.whole(world))]
+
     def _planned(self, with_conditions: bool) -> tuple[Course, ...]:
         """Return what each model follows: one for each payload and, where temperatures count, for each run."""
         groups: dict[tuple[float, str], list[int]] = {}
@@ -216,8 +234,9 @@ class Replay:
     def _followed(self, world: World, course: Course) -> tuple[Trace, Array]:
         """Return the truth along a course, at what is read of it, and what the search found at all its instants."""
         compiled = self._robot(world, course.conditions)
-        robot = Prescribed(compiled, self._structure.data_for(compiled))
-        motion, shift = moved(course.motion, world)
+        robot = Prescribed(compiled, self._structure.data_for(compiled), self._tolerance)
+        as_fitted, _ = moved(course.motion, self.fitted)
+        motion, shift = moved(as_fitted, world)
         trace, found = robot.follow(motion, self._guess(robot, course, shift))
         segments = [self.segments[i] for i in course.segments]
         rows = _slices(_count(segment) for segment in segments)
@@ -243,7 +262,7 @@ class Replay:
         return Trace.concatenate(traces)[order]
 
     def _robot(self, world: World, conditions: Conditions) -> CompiledRobot:
-        return self._structure.robot(steps_of(world, conditions))
+        return self._structure.robot(steps_of(self.whole(world), conditions))
 
 
 def ideal_reading(compiled: CompiledRobot, trace: Trace) -> Reading:

@@ -1,1 +1,1 @@
-"""A diagnosis for people: words on the terminal, verdict.json, the extended model and its difference."""
+"""A diagnosis for people: words on the terminal, verdict.json, report page, recording."""

@@ -3,11 +3,15 @@
 VERDICT = "verdict.json"
 REPORT = "report.html"
 RECORDING = "diagnosis.rrd"
-EXTENDED = "extended.xml"
-DIFFERENCE = "extended.diff"
+ROBOT = "robot"
+NOMINAL_MJCF = "nominal.xml"
+DIFFERENCE = "robot.diff"
+FIGURES = "figures.csv"
 WORDS = {
     VERDICT: "all numbers of this page",
-    EXTENDED: "the extended model",
-    DIFFERENCE: "its difference from the nominal one",
+    ROBOT: "a robot folder with everything fitted in it",
+    NOMINAL_MJCF: "the nominal MJCF as MuJoCo writes it",
+    DIFFERENCE: "what makes the MJCF of that folder of the nominal one: patch nominal.xml robot.diff",
+    FIGURES: "everything that was fitted: stated, found, interval",
     RECORDING: "the runs replayed, in the Rerun viewer: bench view and this folder",
 }

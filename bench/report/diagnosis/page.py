@@ -1,7 +1,7 @@
 """The report of a diagnosis as one self-contained HTML page."""
 
 from base64 import b64encode
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 
@@ -94,7 +94,14 @@ class GainRow:
     bars: Bars
 
 
-def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[str, str], difference: str) -> str:
+def page_of(
+    verdict: Verdict,
+    facts: Facts,
+    pictures: Pictures,
+    made: Mapping[str, str],
+    difference: str,
+    moved: Sequence[str] = (),
+) -> str:
     """Return the page.
 
     Args:
@@ -102,7 +109,8 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
         facts: What else it says.
         pictures: What is drawn.
         made: Files that stand beside it -> what they are.
-        difference: Unified difference of the extended model, "" without one.
+        difference: Unified difference of the model as fitted, "" without one.
+        moved: Stated figures that were found further away than their uncertainty explains, a sentence for each.
     """
     from jinja2 import Environment, StrictUndefined
 
@@ -158,6 +166,7 @@ def page_of(verdict: Verdict, facts: Facts, pictures: Pictures, made: Mapping[st
         gains=[_gain_row(gain) for gain in verdict.gain],
         expected=[one for one in verdict.predicted if one.kind == "motion"],
         files=made,
+        moved=moved,
         difference=_lines(difference),
     )
 

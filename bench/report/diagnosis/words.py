@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.diagnose.verdict import Explanation, Verdict
 from bench.report.diagnosis.blind import blind_sentences
-from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT
+from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, RECORDING, REPORT, ROBOT, VERDICT
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
     cause_name,
@@ -125,5 +125,5 @@ def places_of(folder: Path) -> Iterator[str]:
     if (folder / RECORDING).is_file():
         yield f"recording  {folder / RECORDING}   (bench view {folder})"
     yield f"numbers    {folder / VERDICT}"
-    if (folder / EXTENDED).is_file():
-        yield f"model      {folder / EXTENDED}   (its change: {DIFFERENCE})"
+    if (folder / ROBOT).is_dir():
+        yield f"robot      {folder / ROBOT}   (its change: {DIFFERENCE}; all that was fitted: {FIGURES})"

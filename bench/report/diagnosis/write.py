@@ -1,29 +1,40 @@
-"""The files of a diagnosis: verdict.json, report.html, diagnosis.rrd, and the extended model with its difference."""
+"""The files of a diagnosis: verdict.json, report.html, diagnosis.rrd, and the robot as fitted with its difference."""
 
-import difflib
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 from bench.diagnose.diagnose import Diagnosis
+from bench.diagnose.measure.figures import fitted_figures
 from bench.diagnose.name.learned_shape import learned_of
-from bench.diagnose.replay.world import World, edits_in
 from bench.diagnose.verdict import Verdict
-from bench.effects.effect import Conditions
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.facts import facts_of, facts_without
-from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT, WORDS
+from bench.report.diagnosis.file_names import (
+    DIFFERENCE,
+    FIGURES,
+    NOMINAL_MJCF,
+    RECORDING,
+    REPORT,
+    ROBOT,
+    VERDICT,
+    WORDS,
+)
 from bench.report.diagnosis.page import Pictures, page_of
 from bench.report.diagnosis.pictures import learned_picture, pictures_of
 from bench.report.diagnosis.readings import readings_of
 from bench.report.diagnosis.recording import write_diagnosis_recording
+from bench.report.handover.figures_table import csv_of, moved_sentences
+from bench.report.handover.robot_folder import hand_over
 from bench.report.jsonable import to_jsonable
-from bench.robot.compiled import read_spec
 
 
-def write_diagnosis(diagnosis: Diagnosis, folder: Path, campaign: Campaign | None = None, command: str = "") -> None:
+def write_diagnosis(
+    diagnosis: Diagnosis, folder: Path, campaign: Campaign | None = None, command: str = ""
+) -> tuple[str, ...]:
     """Write the files of a diagnosis into an existing folder.
 
-    Effects of instruments do not stand in the model; with them alone there is no extended model.
+    The robot as fitted is handed over whatever was found: figures may have moved where nothing else was wrong.
 
     Args:
         diagnosis: What to write.
@@ -31,15 +42,24 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path, campaign: Campaign | Non
         campaign: That was diagnosed; the report then has its notes and counts its rows.
         command: That made the diagnosis, for the report.
 
+    Returns:
+        A sentence for each stated figure that was found further away than its uncertainty explains.
+
     Raises:
         InputError: The recording cannot be written.
-        RobotError: The scene that the robot's figures name does not compile.
+        RobotError: The scene that the robot's figures name does not compile, or a mesh of the robot is gone.
     """
     readings = readings_of(diagnosis)
     facts = facts_of(diagnosis, readings, campaign, command)
+    fit = diagnosis.extension or diagnosis.naming.null
+    handed = hand_over(diagnosis.design, fit, folder / ROBOT, folder / NOMINAL_MJCF)
+    figures = fitted_figures(diagnosis.design, fit)
+    _write(folder / DIFFERENCE, handed.difference)
+    _write(folder / FIGURES, csv_of(figures))
+    handed_over = {"disagreement": handed.disagreement, "missing": handed.missing}
     content = diagnosis.verdict.as_json() | facts.as_json()
+    content |= {"figures": [asdict(figure) for figure in figures], "handed_over": handed_over}
     _write(folder / VERDICT, json.dumps(to_jsonable(content), indent=2) + "\n")
-    difference = _write_extended(diagnosis, folder)
     write_diagnosis_recording(folder / RECORDING, diagnosis, readings)
     learned = learned_of(diagnosis.naming, diagnosis.lesson)
     pictures = Pictures(
@@ -47,8 +67,10 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path, campaign: Campaign | Non
         learned=tuple(learned_picture(curve, learned.block.kind) for curve in facts.learned) if learned else (),
         turns_round=learned is not None and learned.turns_round,
     )
-    made = {name: words for name, words in WORDS.items() if (folder / name).is_file()}
-    _write(folder / REPORT, page_of(diagnosis.verdict, facts, pictures, made, difference))
+    made = {name: words for name, words in WORDS.items() if (folder / name).exists()}
+    moved = tuple(moved_sentences(figures))
+    _write(folder / REPORT, page_of(diagnosis.verdict, facts, pictures, made, handed.difference, moved))
+    return moved
 
 
 def write_unweighed(verdict: Verdict, folder: Path, campaign: Campaign, robot: str, command: str = "") -> None:
@@ -64,31 +86,6 @@ def write_unweighed(verdict: Verdict, folder: Path, campaign: Campaign, robot: s
     facts = facts_without(campaign, robot, command)
     _write(folder / VERDICT, json.dumps(to_jsonable(verdict.as_json() | facts.as_json()), indent=2) + "\n")
     _write(folder / REPORT, page_of(verdict, facts, Pictures(()), {VERDICT: WORDS[VERDICT]}, ""))
-
-
-def _write_extended(diagnosis: Diagnosis, folder: Path) -> str:
-    """Write the extended model and its difference, which is returned; "" where there is none."""
-    extension = diagnosis.extension
-    if extension is None:
-        return ""
-    acting = extension.world(diagnosis.design).acting
-    compiled = diagnosis.design.replay.compiled
-    edits = edits_in(World(acting=acting), Conditions.reference(compiled.n_joints))
-    if not edits:
-        return ""
-    nominal, extended = read_spec(compiled.robot), read_spec(compiled.robot)
-    for edit in edits:
-        edit(extended, compiled.robot)
-    nominal.compile()
-    extended.compile()
-    before, after = nominal.to_xml(), extended.to_xml()
-    _write(folder / EXTENDED, after)
-    lines = difflib.unified_diff(
-        before.splitlines(True), after.splitlines(True), compiled.robot.mjcf.name, EXTENDED, n=2
-    )
-    difference = "".join(lines)
-    _write(folder / DIFFERENCE, difference)
-    return difference
 
 
 def _write(path: Path, text: str) -> None:

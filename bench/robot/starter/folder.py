@@ -1,16 +1,15 @@
 """Write the folder of a started robot, and try it out before it appears."""
 
 import re
-import shutil
-from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path, PurePath
+from pathlib import Path
 
 import mujoco
 import numpy as np
 
 from bench.errors import InputError, RobotError
 from bench.record.folder import new_folder
+from bench.robot.assets import copy_assets
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import FIGURES_FILE, load_robot
 from bench.robot.links import rigid_bodies
@@ -21,7 +20,6 @@ from bench.robot.starter.pages import figures_text, log_text, readme_text, scene
 from bench.robot.starter.source import Source
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
-ASSETS = "assets"
 MAX_ITERATIONS = 500
 AT_REST = 1e-12  # [rad] or [m]
 
@@ -59,7 +57,7 @@ def start_robot(name: str, source: Source, folder: Path) -> Started:
         model = _compile(source)
         found = survey(source, model)
         drives = drive_figures(source, found)
-        _copy_assets(source, partial)
+        copy_assets(source.spec, source.file.resolve().parent, partial)
         mjcf = mjcf_of(name, source, drives, source.spec.to_xml())
         (partial / f"{name}.xml").write_text(mjcf, encoding="utf-8")
         (partial / "scene.xml").write_text(scene_text(name), encoding="utf-8")
@@ -103,34 +101,3 @@ def _rest(compiled: CompiledRobot, source: Source) -> tuple[list[float], list[fl
     data.act[model.actuator_actadr[at.servo]] = torque / gain
     data.ctrl[at.servo_ctrl] = home
     return data.qpos.tolist(), data.act.tolist(), data.ctrl.tolist()
-
-
-def _copy_assets(source: Source, folder: Path) -> None:
-    """Copy meshes, textures, height fields and skins, and point the spec at the copies."""
-    spec, base = source.spec, source.file.resolve().parent
-    for directory, elements in (
-        (spec.meshdir, (*spec.meshes, *spec.hfields, *spec.skins)),
-        (spec.texturedir or spec.meshdir, spec.textures),
-    ):
-        for element in elements:
-            if element.file:
-                element.file = _copy(element.file, (base / directory, base), folder)
-    for texture in spec.textures:
-        files = list(texture.cubefiles)
-        places = (base / spec.texturedir, base)
-        texture.cubefiles = [_copy(file, places, folder) if file else "" for file in files]
-    spec.meshdir = spec.texturedir = ASSETS
-
-
-def _copy(file: str, places: Iterable[Path], folder: Path) -> str:
-    """Copy one file, keeping its folder where it has one below the robot's; return its new path in the assets."""
-    pure = PurePath(file)
-    target = pure.name if pure.is_absolute() or ".." in pure.parts else pure.as_posix()
-    for place in places:
-        for candidate in (place / file, place / pure.name):
-            if candidate.is_file():
-                copy = folder / ASSETS / target
-                copy.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(candidate, copy)
-                return target
-    raise RobotError(f"{file}: the robot's file names it, but it was not found beside it.")

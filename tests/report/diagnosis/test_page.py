@@ -49,6 +49,16 @@ class Page(HTMLParser):
         return re.sub(r"\s+", " ", " ".join(self.words))
 
 
+def test_figures_that_moved_are_named_and_escaped() -> None:
+    verdict = VERDICTS["cause"]
+    pictures, made = Pictures(worst=()), {"verdict.json": "all numbers of this page"}
+    known = (verdict, facts_for(verdict), pictures, made, "")
+    assert "Figures that moved" not in page_of(*known)
+    page = page_of(*known, [f"stiffness of {HOSTILE}: +9.0 % (7.0 to 11.0)"])
+    assert "Figures that moved" in page
+    assert "Stiffness of &lt;script&gt;" in page
+
+
 @cache
 def html_of_kind(kind: str) -> str:
     return html_of(VERDICTS[kind])

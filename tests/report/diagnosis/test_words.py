@@ -198,9 +198,9 @@ def test_steps_that_an_unlisted_shape_replaced_are_not_told_as_kept() -> None:
 
 
 def test_files_are_named(tmp_path: Path) -> None:
-    assert not any("model" in line for line in places_of(tmp_path))
-    (tmp_path / "extended.xml").touch()
-    assert any(str(tmp_path / "extended.xml") in line for line in places_of(tmp_path))
+    assert not any(line.startswith("robot ") for line in places_of(tmp_path))
+    (tmp_path / "robot").mkdir()
+    assert any(str(tmp_path / "robot") in line for line in places_of(tmp_path))
 
 
 @pytest.mark.parametrize(

@@ -18,10 +18,11 @@ from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
-from bench.report.diagnosis.file_names import DIFFERENCE, EXTENDED, RECORDING, REPORT, VERDICT
+from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, NOMINAL_MJCF, RECORDING, REPORT, ROBOT, VERDICT
 from bench.report.diagnosis.readings import readings_of
 from bench.report.diagnosis.recording_clock import recording_clock_of
 from bench.report.diagnosis.write import write_diagnosis
+from bench.report.handover.readme import AGREES
 from bench.report.recording.view import recordings_in
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
@@ -86,10 +87,10 @@ def folder(
 
 def test_the_files_are_there(folder: Path) -> None:
     names = {path.name for path in folder.iterdir()}
-    assert {VERDICT, REPORT, RECORDING} <= names
-    assert (EXTENDED in names) == (DIFFERENCE in names)
+    assert names == {VERDICT, REPORT, RECORDING, ROBOT, NOMINAL_MJCF, DIFFERENCE, FIGURES}
     content = json.loads((folder / VERDICT).read_text())
-    assert (EXTENDED in names) == bool(content["explanations"])
+    assert content["handed_over"]["disagreement"] < AGREES
+    assert content["handed_over"]["missing"] == []
     assert content["data"]["runs"][0]["name"]
     assert content["command"].startswith("bench diagnose")
 

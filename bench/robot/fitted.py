@@ -1,0 +1,90 @@
+"""What measured campaigns say of a machine and an MJCF has no place for: the section `fitted` of `figures.yaml`.
+
+`bench diagnose` writes it into the robot folder that it hands over; it may be written by hand as well. Errors are
+reading less truth, relative ones a share of the truth.
+"""
+
+from collections.abc import Iterator
+
+from pydantic import Field
+
+from bench.errors import unknown_name
+from bench.robot.strict import Strict
+
+Vector = tuple[float, float, float]
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+class FittedReadings(Strict):
+    """Systematic errors of the instruments, which every reading of this machine has. Zero unless given."""
+
+    current_gain: dict[str, float] = Field({}, description="relative, by joint; of the reading, not of the constant")
+    current_offset_a: dict[str, float] = Field({}, description="[A], by joint")
+    torque_gain: dict[str, float] = Field({}, description="relative, by joint")
+    torque_offset_nm: dict[str, float] = Field({}, description="[Nm], of a slide [N], by joint")
+    link_encoder_zero_rad: dict[str, float] = Field({}, description="[rad], of a slide [m], by joint")
+    tracker_shift_m: Vector = ZERO
+    tracker_turn_rad: Vector = ZERO
+    tracker_drift_m_per_h: Vector = ZERO
+    nest_m: dict[str, Vector] = Field({}, description="[m], where a reflector sits in its nest, by site")
+    force_gain: float = 0.0
+    force_tilt_rad: Vector = Field(ZERO, description="[rad], counts only where the load does not hang")
+    gas_thermometer_k: float = 0.0
+
+
+class FittedWeights(Strict):
+    """By how much what hangs at the load point, and what is bolted to it, is heavier than written down; relative."""
+
+    hung: float = 0.0
+    bolted: float = 0.0
+
+
+NO_READINGS, NO_WEIGHTS = FittedReadings.model_validate({}), FittedWeights.model_validate({})
+
+
+class FittedEffect(Strict):
+    """An effect of the catalogue, or a learned one, that acts at a place and is not in the MJCF."""
+
+    effect: str = Field(description="name, as `bench effects` lists it, or of a learned effect")
+    place: str = Field("robot", description="a driven joint, a body of the MJCF, or robot")
+    values: dict[str, float] = Field(description="parameter -> value, SI units")
+    form: dict[str, str | int | float | tuple[float, ...]] = Field(
+        {}, description="of a learned effect: what its shape rests on"
+    )
+
+
+class Fitted(Strict):
+    """`fitted` of `figures.yaml`."""
+
+    readings: FittedReadings = NO_READINGS
+    weights: FittedWeights = NO_WEIGHTS
+    effects: tuple[FittedEffect, ...] = ()
+
+    def __hash__(self) -> int:
+        """Return a hash although dictionaries have none: robots are keys of what is kept in memory."""
+        return hash(self.model_dump_json())
+
+    @property
+    def is_given(self) -> bool:
+        """Whether anything stands in it."""
+        return self != NOTHING
+
+    def words(self) -> Iterator[str]:
+        """Yield what stands in it, for people."""
+        for name in (*self.readings.model_dump(exclude_defaults=True), *self.weights.model_dump(exclude_defaults=True)):
+            yield name.replace("_", " ")
+        yield from (f"{one.effect} ({one.place})" for one in self.effects)
+
+    def faults(self, joints: list[str], reflectors: tuple[str, ...]) -> Iterator[str]:
+        """Yield a sentence for every joint or reflector that the robot does not have."""
+        by_joint = ("current_gain", "current_offset_a", "torque_gain", "torque_offset_nm", "link_encoder_zero_rad")
+        for field, known, what in (
+            *((field, joints, "driven joint") for field in by_joint),
+            ("nest_m", list(reflectors), "reflector"),
+        ):
+            for name in getattr(self.readings, field):
+                if name not in known:
+                    yield f"fitted.readings.{field}: {unknown_name(what, name, known)}"
+
+
+NOTHING = Fitted.model_validate({})

@@ -1,0 +1,77 @@
+"""The table of everything that was fitted, and what it says of figures that moved."""
+
+import csv
+from dataclasses import fields, replace
+
+import numpy as np
+
+from bench.diagnose.extend.refit import refit
+from bench.diagnose.measure.figures import FittedFigure, fitted_figures
+from bench.diagnose.measure.leave_out import tangent_of
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design
+from bench.report.handover.figures_table import COLUMNS, csv_of, moved_sentences
+from tests.report.handover.made import EFFECTS, SECOND
+
+
+def test_the_table_is_the_fit(design: Design) -> None:
+    """Values and errors of findings are those of the fit; the table reads back as it was written."""
+    effect = EFFECTS["coulomb_level"]
+    fit = refit(design, (Cause(effect, SECOND, effect.parameters, ()),), {})
+    rows = fitted_figures(design, fit)
+    assert len(rows) == len(design.nuisances) + 1
+    found = rows[0]
+    assert found.kind == "finding"
+    assert (found.found, found.stated) == (fit.values[0], 0.0)
+    np.testing.assert_allclose((found.high - found.low) / 2 / 1.959964, fit.sigma[0], rtol=1e-6)
+    by_name = {(row.name, row.kind): row for row in rows}
+    for nuisance, x in zip(design.nuisances, fit.nuisances, strict=True):
+        row = by_name.get((nuisance.name, "figure")) or by_name[nuisance.name, "campaign"]
+        if nuisance.name.startswith("torque constant of"):
+            stated = 100.0 if "current_1_a" in [quantity.column for quantity in design.quantities] else 1.0
+            constant = row.found + (row.stated == 0)
+            np.testing.assert_allclose(constant * (1 + x * nuisance.sigma), stated)
+            assert row.low < row.found < row.high
+            assert row.sigmas == -x
+        else:
+            assert (row.found, row.sigmas, row.sigma) == (x * nuisance.sigma, x, nuisance.sigma)
+            assert row.high - row.low <= 2 * 1.96 * nuisance.sigma * (1 + 1e-9)  # data never know less than was stated
+    names = [*(nuisance.name for nuisance in design.nuisances), found.name]
+    columns = np.linalg.solve(tangent_of(design, fit).precision, np.eye(len(names)))
+    rho = columns / np.sqrt(np.outer(np.diag(columns), np.diag(columns))) - np.eye(len(names))
+    assert len(set(names)) == len(names)
+    partners = [names[i] if abs(row[i]) > np.sqrt(0.5) else "" for row in rho for i in [int(np.argmax(np.abs(row)))]]
+    weights = by_name["weights that hang", "figure"]  # the sensor reads (1 + gain) (1 + share) of what was written down
+    assert weights.trades_with == "gain of the force sensor"
+    assert weights.correlation < 0
+    for row in rows:
+        assert row.trades_with == partners[names.index(row.name)]
+        assert np.isnan(row.correlation) == (row.trades_with == "")
+    read = list(csv.DictReader(csv_of(rows).splitlines()))
+    assert list(read[0]) == list(COLUMNS)
+    for row, text in zip(rows, read, strict=True):
+        for field in fields(FittedFigure):
+            value = getattr(row, field.name)
+            if isinstance(value, str):
+                assert text[field.name] == value
+            else:
+                assert (text[field.name] == "") if np.isnan(value) else float(text[field.name]) == value
+
+
+def test_a_figure_that_moved_is_named_with_what_it_trades_against() -> None:
+    moved = FittedFigure("stiffness of a", "figure", "", 0.0, 0.09, 0.07, 0.11, 0.03, 3.0, "mass of b", -0.8)
+    turned = FittedFigure("turn", "figure", "rad", 0.0, -1e-3, -1.2e-3, -8e-4, 2e-4, -5.0, "", np.nan)
+    still = replace(moved, sigmas=1.9)
+    held = replace(moved, kind="campaign")
+    assert list(moved_sentences([moved, still, held, turned])) == [
+        "stiffness of a: +9.0 % (7.0 to 11.0), 3.0 times its stated uncertainty; it trades against mass of b "
+        "(correlation -0.80)",
+        "turn: -0.057 deg (-0.069 to -0.046), 5.0 times its stated uncertainty",
+    ]
+    constant = FittedFigure(
+        "torque constant of a", "figure", "Nm/A", 220.8, 247.6, 246.6, 248.6, 4.4, 5.2, "weights", 0.9
+    )
+    assert list(moved_sentences([constant])) == [
+        "torque constant of a: 247.6 Nm/A (246.6 to 248.6) instead of 220.8, 5.2 times its stated uncertainty; "
+        "it trades against weights (correlation +0.90)"
+    ]
