@@ -9,7 +9,8 @@ from typing import Any, get_args
 
 import numpy as np
 
-from bench.effects.effect import Conditions, Effect, Family, Parameter, Torques
+from bench.effects.effect import Conditions, Effect, Family, Parameter
+from bench.effects.followed import Torques
 from bench.errors import BenchError, InputError
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.patched import Unpatched

@@ -132,6 +132,7 @@ def conditions_of(run: Run, rows: Index, n: int) -> Conditions:
         gas_k=mean("gas_temperature_k"),
         ambient_k=mean("ambient_temperature_k"),
         payload_kg=float(np.mean(run.columns["load_mass_kg"][rows])) if "load_mass_kg" in run.columns else 0.0,
+        time_s=run.start_s + (float(np.mean(run.columns["time_s"][rows])) if "time_s" in run.columns else 0.0),
     )
 
 
