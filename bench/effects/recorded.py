@@ -4,7 +4,7 @@ Where an error of the recording may sit follows from what was recorded: from the
 never from its readings. All campaigns of one session have equal answers here, so they have the same candidates.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -18,6 +18,7 @@ from bench.record.campaign import Run
 BREAK = (
     0.1  # of the longest pause between runs; shorter ones are ways from run to run, without a hand on anything; assumed
 )
+TRAVELS = 0.005  # [rad] or [m]; a joint that goes less far in a run only gives, as for `diagnose.replay.stretches`
 LEAST_LOAD = 0.1  # [N] or [Nm]; less is what rounding leaves of a written weight: 10 g
 LateField = Literal["reflectors", "motor_torque", "counterbalance_force"]
 
@@ -33,6 +34,7 @@ class RecordedRun:
         is_static: Whether every row is a reading at rest.
         hangs: Whether a load hung at the load point by what was written down.
         payload_kg: Mass bolted to it by what was written down.
+        moving: Indices of the drives that moved; at rest none.
     """
 
     name: str
@@ -42,6 +44,7 @@ class RecordedRun:
     is_static: bool
     hangs: bool
     payload_kg: float
+    moving: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -64,11 +67,23 @@ class Recorded:
         long = pauses >= BREAK * np.max(pauses)
         return tuple(run for run, is_long in zip(self.runs[1:], long, strict=True) if is_long)
 
-    def setting_in(self, columns: Iterable[str]) -> tuple[RecordedRun, ...]:
-        """Return the runs after a break, such that some columns were recorded both before and then."""
-        wanted = frozenset(columns)
-        have = [run.start_s for run in self.runs if wanted & run.columns]
-        return tuple(run for run in self.after_breaks if have and min(have) < run.start_s <= max(have))
+    def setting_in(self, shows: Callable[[RecordedRun], bool]) -> tuple[RecordedRun, ...]:
+        """Return the runs with which something may set in that only some runs show.
+
+        Of breaks between two runs that show it nobody can say after which it set in; they count as one.
+
+        Args:
+            shows: Whether a run shows it.
+        """
+        breaks = {run.name for run in self.after_breaks}
+        found = []
+        is_known, had_break = False, False
+        for run in self.runs:
+            had_break |= run.name in breaks
+            if shows(run):
+                found += [run] if is_known and had_break else []
+                is_known, had_break = True, False
+        return tuple(found)
 
     def mountings(self, loads: Sequence[float]) -> tuple[tuple[RecordedRun, ...], ...]:
         """Return runs that follow each other without a break and under one load, those without load left out.
@@ -108,10 +123,23 @@ def recorded_in(runs: Iterable[Run], gravity: NDArray[np.float64]) -> Recorded:
                 is_static=run.kind == "static",
                 hangs=_hangs(run, gravity),
                 payload_kg=float(np.mean(run.columns.get("load_mass_kg", 0.0))),
+                moving=_moving(run),
             )
             for run in runs
         )
     )
+
+
+def _moving(run: Run) -> frozenset[int]:
+    """Return the indices of the drives that moved in a run, by command or else by encoder."""
+    if run.kind == "static":
+        return frozenset()
+    travels: dict[int, float] = {}
+    for quantity in ("q_motor", "q_cmd"):
+        for name, values in run.columns.items():
+            if name.startswith(f"{quantity}_"):
+                travels[int(name.split("_")[2]) - 1] = float(np.ptp(values))
+    return frozenset(j for j, travel in travels.items() if travel > TRAVELS)
 
 
 def _hangs(run: Run, gravity: NDArray[np.float64]) -> bool:

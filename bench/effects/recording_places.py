@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from bench.effects.effect import Array, Place
 from bench.effects.places import torque_limit
-from bench.effects.recorded import Recorded
+from bench.effects.recorded import Recorded, RecordedRun
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
 
@@ -54,11 +55,19 @@ def columns_of(place: Place) -> tuple[str, ...]:
 
 
 def from_each_run(places: Iterable[Place], recorded: Recorded) -> tuple[Place, ...]:
-    """Return places once for each run after a break with which something may set in there."""
+    """Return places once for each run with which something may set in there.
+
+    A drive that stands shows what friction holds, so nobody sees there when its zero jumped.
+    """
+
+    def shows(place: Place, run: RecordedRun) -> bool:
+        is_seen = not run.columns.isdisjoint(columns_of(place))
+        return is_seen and (place in (TRACKER, GAUGE, FORCE) or place.index in run.moving)
+
     return tuple(
         replace(place, since=run.name, since_s=run.start_s)
         for place in places
-        for run in recorded.setting_in(columns_of(place))
+        for run in recorded.setting_in(partial(shows, place))
     )
 
 

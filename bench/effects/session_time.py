@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from bench.effects.effect import Conditions, Effect, Parameter, Place, Values
+from bench.effects.followed import Followed, Torques
 from bench.effects.gas import OfGas, amount_scaled
 from bench.effects.places import drive_of, drives
 from bench.effects.recorded import NOTHING_RECORDED, Recorded
@@ -85,6 +86,7 @@ class JointSlip(_SetsIn):
     )
     source = "range: 0.005 to 0.3 deg, as of joint_zero and beyond; assumed"
     advice = "look at bolts and encoder of this joint, and master it anew"
+    is_additive = True
     parameters = (Parameter("slip", "rad", 0.0, 8.7e-5, 5e-3, "x, encoder less link", signed=True),)
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
@@ -98,6 +100,11 @@ class JointSlip(_SetsIn):
             for drive in drives(compiled)
             for run in recorded.after_breaks
         )
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques:
+        after = np.where(followed.trace.time >= place.since_s, 1.0, 0.0)
+        turned = followed.compiled.stiffness[place.index] * values["slip"] * after
+        return Torques(motor=turned, link=-turned)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         slip = values["slip"]

@@ -37,11 +37,16 @@ def recorded_on(compiled: CompiledRobot) -> Recorded:
         f"{kind}_{axis}_n" for kind in ("force", "load") for axis in "xyz"
     }
     columns |= {f"reflector_1_{axis}_m" for axis in "xyz"} | {"gas_pressure_pa"}
+    moving = frozenset(range(n))
     runs = [
         RecordedRun("hung", 0.0, 60.0, frozenset(columns), is_static=True, hangs=True, payload_kg=0.0),
-        RecordedRun("up", 70.0, 80.0, frozenset(columns), is_static=False, hangs=False, payload_kg=20.0),
-        RecordedRun("down", 81.0, 90.0, frozenset(columns), is_static=False, hangs=False, payload_kg=20.0),
-        RecordedRun("late", 3000.0, 3010.0, frozenset(columns), is_static=False, hangs=False, payload_kg=0.0),
+        RecordedRun("up", 70.0, 80.0, frozenset(columns), is_static=False, hangs=False, payload_kg=20.0, moving=moving),
+        RecordedRun(
+            "down", 81.0, 90.0, frozenset(columns), is_static=False, hangs=False, payload_kg=20.0, moving=moving
+        ),
+        RecordedRun(
+            "late", 3000.0, 3010.0, frozenset(columns), is_static=False, hangs=False, payload_kg=0.0, moving=moving
+        ),
     ]
     return Recorded(tuple(runs))
 
