@@ -1,1 +1,1 @@
-"""Doubt: channels that are hardly what their names say."""
+"""Plausibility check: channels that are hardly what their names say."""

@@ -1,7 +1,7 @@
 """Channels with another clock: what they would have shown had they been read when the encoders were.
 
-Where the reflectors were a moment ago follows from where the motors were then; what the links give hardly changes in so
-short a time. Torques and the pull of the cylinder are interpolated between the instants that are read.
+Where the reflectors were a moment ago follows from where the motors were then. What the links gave, torques and the pull
+of the cylinder change slowly; they are interpolated between the instants that are read.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,9 @@ def read_late(compiled: CompiledRobot, segments: Sequence[Segment], trace: Trace
                 continue
             there = trace[rows]
             if one.field == "reflectors":
-                before = there.theta + earlier(segment, one.seconds)
+                gives = there.theta - there.q
+                given = np.stack([_before(there.time, column, one.seconds) for column in gives.T], axis=1)
+                before = there.q + earlier(segment, one.seconds) + given
                 moved = reflector_places(compiled, before) - reflector_places(compiled, there.theta)
                 values[rows] = there.reflectors + moved
             else:
@@ -46,7 +48,12 @@ def read_late(compiled: CompiledRobot, segments: Sequence[Segment], trace: Trace
 
 
 def earlier(segment: Segment, seconds: float) -> Array:
-    """Return how much further the motors were some time before the instants that are read, shape (T, n) [rad]."""
+    """Return how much further the motors were some time before the instants that are read, shape (T, n) [rad].
+
+    Of a motion that nobody measured only velocity and acceleration are known.
+    """
+    if segment.path is not None:
+        return segment.path.earlier(seconds)
     motion = segment.motion
     moved: Array = (-seconds * motion.velocity + seconds**2 / 2 * motion.acceleration)[motion.read]
     return moved
@@ -56,5 +63,6 @@ def _before(time: Array, values: Array, seconds: float) -> Array:
     """Return values over time, shape (T,), as they were some time before."""
     if len(time) == 1:
         return values
-    found: Array = CubicHermiteSpline(time, values, np.gradient(values, time))(time - seconds)
+    when = np.clip(time - seconds, time[0], time[-1])
+    found: Array = CubicHermiteSpline(time, values, np.gradient(values, time))(when)
     return found
