@@ -9,11 +9,12 @@ deviation of 5 % has a density fourteen times higher under the torque constant, 
 
 from dataclasses import replace
 
-from bench.effects.effect import Conditions, Effect, Parameter, Place, Values
-from bench.effects.recorded import NOTHING_RECORDED, LateField, Lateness, Recorded
+from bench.effects.effect import Conditions, Parameter, Place, Values
+from bench.effects.recorded import LateField, Lateness, Recorded
 from bench.effects.recording_places import (
     GAUGE,
     TRACKER,
+    OfCampaign,
     changed,
     drive_channels,
     force_sensor,
@@ -32,13 +33,9 @@ LATEST_S = {TRACKER.name: 0.2, GAUGE.name: 0.2}  # [s], of instruments with a cl
 LATEST_DRIVE_S = 0.02  # [s], of a drive's channel: five cycles of 4 ms on the bus, assumed
 
 
-class _OfRecording(Effect):
+class _OfRecording(OfCampaign):
     family = "recording"
     level = "recording"
-
-    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        """Return no place: where it may act is known of a campaign alone."""
-        return self.places_in(compiled, NOTHING_RECORDED)
 
 
 class ChannelDelay(_OfRecording):
@@ -55,7 +52,7 @@ class ChannelDelay(_OfRecording):
         "up to 0.2 s, a drive up to five cycles of 4 ms, assumed"
     )
     advice = "compare the clocks: let one joint jerk, and see when each channel shows it"
-    parameters = (Parameter("delay", "s", 0.0, 0.01, 0.2, "d, against the motor encoders; range of the tracker", True),)
+    parameters = (Parameter("delay", "s", 0.0, 0.01, 0.2, "d, against the motor encoders", True),)
 
     def places_in(self, compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:
         """Return the tracker, the gauge and the drives' channels, as far as there are any in motion."""

@@ -1,19 +1,16 @@
 """Loads that were written down wrong, of one run or for as long as a load stayed on."""
 
-from bench.effects.effect import Effect, Parameter, Place, Values
-from bench.effects.recorded import NOTHING_RECORDED, LogError, Recorded, RecordedRun
+from bench.effects.effect import Parameter, Place, Values
+from bench.effects.recorded import LogError, Recorded, RecordedRun
+from bench.effects.recording_places import OfCampaign
 from bench.robot.compiled import CompiledRobot
 
 
-class _WrittenDown(Effect):
+class _WrittenDown(OfCampaign):
     family = "recording"
     level = "run"
     advice = "weigh what was on the robot in this run, and look at the lab's log"
     source = "range: 5 % up to twice, a figure that slipped (50 for 100, 161 for 116); assumed"
-
-    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        """Return no place: which runs there are is known of a campaign alone."""
-        return self.places_in(compiled, NOTHING_RECORDED)
 
     def places_in(self, compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:
         """Return each run with such a load, and each time that a load stayed on for several runs."""

@@ -6,9 +6,9 @@ from functools import partial
 
 import numpy as np
 
-from bench.effects.effect import Array, Place
+from bench.effects.effect import Array, Effect, Place
 from bench.effects.places import torque_limit
-from bench.effects.recorded import Recorded, RecordedRun
+from bench.effects.recorded import NOTHING_RECORDED, Recorded, RecordedRun
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
 
@@ -16,6 +16,14 @@ TRACKER = Place("channel", 0, "tracker")
 GAUGE = Place("channel", 0, "gauge")
 FORCE = Place("channel", 0, "force sensor")
 FIELDS = {"current": ("current",), "tau": ("torque",), GAUGE.name: ("gas_pressure",), FORCE.name: ("force", "moment")}
+
+
+class OfCampaign(Effect):
+    """An effect whose places are known of a campaign alone."""
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return no place: what was recorded is not known."""
+        return self.places_in(compiled, NOTHING_RECORDED)
 
 
 def drive_channels(compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:

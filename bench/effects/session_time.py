@@ -8,11 +8,12 @@ from collections.abc import Hashable
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Conditions, Effect, Parameter, Place, Values
+from bench.effects.effect import Conditions, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
 from bench.effects.gas import OfGas, amount_scaled
 from bench.effects.places import drive_of, drives
-from bench.effects.recorded import NOTHING_RECORDED, Recorded
+from bench.effects.recorded import Recorded, RecordedRun
+from bench.effects.recording_places import OfCampaign
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.patching.numbers import UNSET_LENGTH
@@ -40,7 +41,7 @@ class GasLeak(OfGas):
         return amount_scaled(max(1 - values["rate"] * conditions.time_s / HOUR, 0.0))
 
 
-class _SetsIn(Effect):
+class _SetsIn(OfCampaign):
     """It is not there before some run, and there from then on."""
 
     level = "run"
@@ -50,19 +51,16 @@ class _SetsIn(Effect):
         return conditions.time_s >= place.since_s
 
 
-class GasStep(_SetsIn, OfGas):
+class GasStep(_SetsIn):
     """Gas was let out or filled in between two runs."""
 
     name = "gas_step"
+    family = "gas and cylinder"
     title = "gas lost or filled in"
     physics = "Between two runs gas was let out, or filled in: from then on F is (1 - x) of itself at every length."
     source = "range: 1 to 30 % of the charge, as of gas_loss; assumed"
     advice = "ask what was done to the cylinder before this run"
     parameters = (Parameter("lost", "", 0.0, 0.01, 0.3, "x, share of the charge that is gone", signed=True, most=1.0),)
-
-    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        """Return no place: which runs there are is known of a campaign alone."""
-        return self.places_in(compiled, NOTHING_RECORDED)
 
     def places_in(self, compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:
         """Return the robot once for each run after a break, if it has a cylinder at work."""
@@ -89,16 +87,12 @@ class JointSlip(_SetsIn):
     is_additive = True
     parameters = (Parameter("slip", "rad", 0.0, 8.7e-5, 5e-3, "x, encoder less link", signed=True),)
 
-    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        """Return no place: which runs there are is known of a campaign alone."""
-        return self.places_in(compiled, NOTHING_RECORDED)
-
     def places_in(self, compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:
-        """Return each drive once for each run after a break."""
+        """Return each drive once for each run after a break in which the links are seen."""
         return tuple(
             Place("joint", drive.index, drive.name, run.name, run.start_s)
             for drive in drives(compiled)
-            for run in recorded.after_breaks
+            for run in recorded.setting_in(_sees_links)
         )
 
     def torques(self, place: Place, values: Values, followed: Followed) -> Torques:
@@ -115,3 +109,8 @@ class JointSlip(_SetsIn):
             element.springlength = np.where(lengths == UNSET_LENGTH, 0.0, lengths) + slip  # where q = theta it is 0
 
         return change if slip and self.phase(place, conditions) else None
+
+
+def _sees_links(run: RecordedRun) -> bool:
+    """Whether reflectors or secondary encoders were read: currents hardly tell where a link stands."""
+    return any(name.startswith(("reflector_", "q_link_")) for name in run.columns)

@@ -10,6 +10,7 @@ import pytest
 from bench.diagnose.diagnose import measured_by, recorded_by, signatures_of
 from bench.diagnose.name.surroundings import Surroundings
 from bench.diagnose.picture.design import design_of
+from bench.diagnose.picture.first_order import FirstOrder
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -126,6 +127,17 @@ def test_a_joint_that_slips_does_so_from_its_run_on(hide: Hide, compiled: Compil
     for segment, after, before in zip(replay.segments, *traces, strict=True):
         turned = -0.001 if segment.conditions.time_s >= slip.place.since_s else 0.0
         np.testing.assert_allclose((after.theta - before.theta)[:, 0], turned, atol=2e-6)
+
+
+def test_a_slip_needs_no_simulation_to_first_order(hide: Hide, compiled: CompiledRobot) -> None:
+    campaign, (slip,) = hide("joint_slip@1@joint2-payload0-speed30-up=0.0001")
+    replay = replay_of(campaign, compiled)
+    known = FirstOrder(replay, NOMINAL).change(slip)
+    assert known is not None
+    simulated = replay.predict(World(acting=(slip,))) - replay.predict(NOMINAL)
+    for c, quantity in enumerate(replay.quantities):
+        if quantity.kind == "reflector":
+            np.testing.assert_allclose(known[:, c], simulated[:, c], atol=0.02 * np.max(np.abs(simulated)))
 
 
 def test_signatures_of_other_loads_are_not_shared(hide: Hide, compiled: CompiledRobot) -> None:

@@ -1,7 +1,7 @@
 """Channels with another clock: what they would have shown had they been read when the encoders were.
 
-Where the reflectors were a moment ago follows from where the motors were then. What the links gave, torques and the pull
-of the cylinder change slowly; they are interpolated between the instants that are read.
+Where the reflectors were a moment ago follows from where the motors were then. What the links gave, torques and the
+pull of the cylinder change slowly; they are interpolated between the instants that are read.
 """
 
 from collections.abc import Sequence
