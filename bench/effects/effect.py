@@ -67,7 +67,8 @@ class Place:
     runs: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        words = {"robot": "robot", "joint": f"joint {self.index + 1}", "run": f"run {self.name}"}
+        joint = f"{'drive' if self.since else 'joint'} {self.index + 1}"  # reports list numbers of joints
+        words = {"robot": "robot", "joint": joint, "run": f"run {self.name}"}
         where = words.get(self.kind, self.name)
         return f"{where} from run {self.since} on" if self.since else where
 

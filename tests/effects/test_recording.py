@@ -133,7 +133,7 @@ def test_gas_is_gone_from_a_run_on(small: Robot, small_compiled: CompiledRobot) 
 def test_a_joint_that_slips_stands_further_back(small: Robot, small_compiled: CompiledRobot) -> None:
     """The link turns back by the slip; the motor pays what the load then weighs: almost nothing for a microradian."""
     which = [str(place) for place in places_of(CATALOGUE["joint_slip"], small_compiled)].index(
-        "joint 2 from run late on"
+        "drive 2 from run late on"
     )
     q, slip = np.array([0.2, -0.3]), 1e-6
     after = Conditions(np.zeros(2), np.zeros(2), time_s=3000.0)
