@@ -54,7 +54,8 @@ def extension_of(naming: Naming, lesson: Lesson | None) -> Fit | None:
     """Return the model with what was found, listed or learned; None where there is nothing to add."""
     if lesson and lesson.pays:
         return lesson.fit
-    return naming.hypotheses[0].fit if naming.hypotheses else None
+    best = naming.models[0] if naming.models else None
+    return best.listed_fit(naming.design) if best and best.causes else None
 
 
 def diagnose(
@@ -164,10 +165,11 @@ def _diagnose(
             worth = held_out(about, null, extension)
         if asks:
             predicted = predicted_error(about, extension or naming.null)
-            if naming.hypotheses:
+            if naming.models:
                 progress("the next experiment")
                 with suppress(BenchError):  # an explanation that finds no balance elsewhere proposes nothing
-                    proposals = ask(naming.design, [one.fit for one in naming.alternatives], executor)
+                    fits = [one.listed_fit(naming.design) for one in naming.alternatives]
+                    proposals = ask(naming.design, fits, executor)
             progress("what this campaign could not show")
             blind = blind_spots(compiled, segments, quantities, screening, signatures.causes, executor)
     except Stopped as stopped:

@@ -21,8 +21,8 @@ from bench.diagnose.extend.fit import Fit
 from bench.diagnose.measure.measure import ChannelGain as ChannelGain  # part of the verdict
 from bench.diagnose.measure.measure import HeldOut, PredictedError
 from bench.diagnose.name.learn import Lesson
-from bench.diagnose.name.naming import Naming, Rung
-from bench.diagnose.name.trials import Hypothesis
+from bench.diagnose.name.models import Model
+from bench.diagnose.name.naming import Finding, Naming
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.generic import Block
@@ -64,7 +64,7 @@ class Explanation:
 
     Attributes:
         causes: That act together.
-        probability: Among the explanations that were fitted, and nothing else.
+        probability: Among everything that was weighed, fitted or not.
         log_evidence: Logarithm of the Bayes factor against the nominal model.
     """
 
@@ -103,17 +103,16 @@ class NoisyChannel:
 
 @dataclass(frozen=True)
 class Step:
-    """One step of the climb from the nominal model.
+    """What one finding is worth beside all others, or one that was refused.
 
     Attributes:
-        added: What was added: a cause, or two at once.
-        log_evidence: By how much the logarithm of the evidence rose.
-        held_out: By how much the log probability of held-out runs rose, in all [nats].
+        added: The cause.
+        log_evidence: By how much the logarithm of the evidence falls without it.
+        held_out: By how much the log probability of held-out runs falls without it, in all [nats].
         low, high: 90 % interval of it, over the runs.
         accepted: Whether the model keeps it.
         reason: Why, in words.
-        channels: What each channel gained on what was held out.
-        replaced: It took the place of the model before, which has other causes.
+        channels: What each channel gains by it on what was held out.
     """
 
     added: tuple[NamedCause, ...]
@@ -124,7 +123,6 @@ class Step:
     accepted: bool
     reason: str
     channels: tuple[ChannelGain, ...] = ()
-    replaced: bool = False
 
 
 @dataclass(frozen=True)
@@ -158,7 +156,7 @@ class Verdict:
         not_simulated: Causes whose model found no balance along the measured motion.
         gain: Of every channel on data that were not fitted; empty where there is no extension to try.
         held_out_by: "run" or "block": what was left out as a whole to measure the gain.
-        steps: Of the climb, in order, the refused ones too.
+        steps: The findings, the one with the most evidence first, then the refused ones.
         next: Experiments that would tell more, the best first.
         predicted: What the model will leave of a recording that nobody has made yet, by channel.
         detectable: What would have been found, had it been there.
@@ -211,8 +209,8 @@ def verdict_of(
         proposals: Next experiments.
         lesson: What became of the free shape that is called unlisted.
     """
-    near = naming.alternatives
-    fits = [h.fit for h in near]
+    near = tuple(m for m in naming.alternatives if m.causes and bool(m.shape) == bool(naming.unlisted))
+    fits = [model.listed_fit(naming.design) for model in near]
     design = naming.design
     if lesson and lesson.fit and lesson.pays:
         fits[:1], design = [lesson.fit] if near else [], lesson.design
@@ -221,14 +219,14 @@ def verdict_of(
         false_alarm_rate=rate,
         threshold=naming.screening.threshold,
         noise_scale=float(np.mean(design.excess**2)),
-        explanations=tuple(_explanation(h, fit) for h, fit in zip(near, fits, strict=True)),
-        rivals=tuple(_explanation(h, h.fit) for h in naming.hypotheses if h not in near),
+        explanations=tuple(_explanation(model, fit) for model, fit in zip(near, fits, strict=True)),
+        rivals=tuple(_explanation(m, m.listed_fit(naming.design)) for m in naming.models if m.causes and m not in near),
         unlisted=_unlisted(naming.unlisted, lesson) if naming.unlisted else None,
         missing=missing,
         not_simulated=not_simulated,
         gain=worth.channels if worth else (),
         held_out_by=worth.by if worth else "",
-        steps=tuple(_step(rung) for rung in naming.rungs),
+        steps=tuple(_step(finding) for finding in naming.findings),
         next=proposals,
         detectable=detection_limits(naming.screening),
         noisy=_noisy(design),
@@ -248,11 +246,9 @@ def unweighed(rate: float, why: str, during: str) -> Verdict:
 
 
 def unfinished_of(naming: Naming, why: str, during: str) -> Unfinished:
-    """Return why a diagnosis ended, and what its climb would have fitted next."""
-    screening = naming.leftover
-    above = [entry.cause for entry in screening.listed if entry.log_evidence > screening.threshold]
-    taken = {cause.key for hypothesis in naming.hypotheses for cause in hypothesis.causes}
-    causes = [cause for cause in above if cause and cause.key not in taken][:PROMISING] if naming.stopped else []
+    """Return why a diagnosis ended, and what would have been fitted next."""
+    taken = {cause.key for model in naming.models for cause in model.causes}
+    causes = [cause for cause in naming.promising if cause.key not in taken][:PROMISING]
     return Unfinished(why, during, tuple(_titled(cause, ()) for cause in causes))
 
 
@@ -266,23 +262,12 @@ def _noisy(design: Design) -> tuple[NoisyChannel, ...]:
     return tuple(sorted(found, key=lambda one: -one.times))
 
 
-def _step(rung: Rung) -> Step:
-    worth = rung.held_out
+def _step(finding: Finding) -> Step:
+    worth = finding.held_out
     reason = f"held-out {worth.by}s {'become' if worth.pays else 'do not become'} more probable"
-    if rung.replaced:
-        reason += "; takes the place of the model before"
-    named = tuple(_named(cause, rung.fit) for cause in rung.added)
-    return Step(
-        named,
-        rung.log_evidence,
-        worth.nats,
-        worth.low,
-        worth.high,
-        rung.is_taken,
-        reason,
-        worth.channels,
-        rung.replaced,
-    )
+    named = (_named(finding.cause, finding.fit),)
+    known = (finding.log_evidence, worth.nats, worth.low, worth.high, finding.is_taken, reason, worth.channels)
+    return Step(named, *known)
 
 
 def _unlisted(block: Block, lesson: Lesson | None) -> Unlisted:
@@ -292,9 +277,9 @@ def _unlisted(block: Block, lesson: Lesson | None) -> Unlisted:
     return Unlisted(block.place, block.kind, block.depends_on, parameters, lesson.pays, lesson.words)
 
 
-def _explanation(hypothesis: Hypothesis, fit: Fit) -> Explanation:
-    causes = tuple(_named(cause, fit) for cause in hypothesis.causes)
-    return Explanation(causes, hypothesis.probability, hypothesis.log_evidence)
+def _explanation(model: Model, fit: Fit) -> Explanation:
+    causes = tuple(_named(cause, fit) for cause in model.causes)
+    return Explanation(causes, model.probability, model.log_evidence)
 
 
 def _named(cause: Cause, fit: Fit) -> NamedCause:

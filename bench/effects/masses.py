@@ -10,6 +10,7 @@ from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Pl
 from bench.effects.followed import Followed, Torques
 from bench.effects.places import OnDrive, drive_of, links
 from bench.effects.plugin_actuators import add_torque_table
+from bench.record.units import STANDARD_GRAVITY
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import unused_name
@@ -50,19 +51,22 @@ class UnstatedPayload(_GeometryAndMass):
         "A body with mass m, centred at the load point, and with the moment of inertia J about every axis through its "
         "centre is bolted to the load point, beside what the campaign states."
     )
-    source = f"{SWEVERS} (payload identification); range: up to `uncertainty.payload_kg` of the robot's figures"
+    source = (
+        f"{SWEVERS} (payload identification); range: up to `uncertainty.payload_kg` of the robot's figures, by default "
+        "the rated load"
+    )
     parameters = (
         Parameter("mass", "kg", 0.0, 0.01, 1.0, "m; range as a part of the largest payload that may be there"),
         Parameter("inertia", "kg m^2", 0.0, 0.01 * COMPACT_M**2, BULKY_M**2, "J; range for a largest mass of 1 kg"),
     )
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        """Return the robot if its figures say that payloads may not be stated."""
-        return (WHOLE,) if compiled.robot.figures.uncertainty.payload_kg > 0 else ()
+        """Return the robot, unless its figures say that no recording leaves a payload unstated."""
+        return (WHOLE,) if _largest_payload(compiled) > 0 else ()
 
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameters with the range of a robot."""
-        largest = compiled.robot.figures.uncertainty.payload_kg
+        largest = _largest_payload(compiled)
         return tuple(replace(p, low=largest * p.low, high=largest * p.high) for p in self.parameters)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
@@ -74,6 +78,13 @@ class UnstatedPayload(_GeometryAndMass):
             load.inertia = np.array(load.inertia) + inertia
 
         return change if mass or inertia else None
+
+
+def _largest_payload(compiled: CompiledRobot) -> float:
+    """Return the largest payload that a recording may leave unstated [kg]."""
+    figures = compiled.robot.figures
+    stated = figures.uncertainty.payload_kg
+    return figures.rating.force_n / STANDARD_GRAVITY if stated is None else stated
 
 
 class PayloadCom(_GeometryAndMass):

@@ -141,7 +141,9 @@ class Uncertainty(Strict):
     gas_constant: NonNegative = Field(0.01, description="relative, of the counterbalance's C")
     critical_length_m: NonNegative = Field(0.5e-3, description="[m], of the counterbalance's l_c")
     load: NonNegative = Field(0.001, description="relative, of weights hung or bolted on")
-    payload_kg: NonNegative = Field(0.0, description="[kg], largest payload that recordings may leave unstated")
+    payload_kg: NonNegative | None = Field(
+        None, description="[kg], largest payload that recordings may leave unstated; by default the rated load"
+    )
 
 
 class Figures(Strict):

@@ -142,13 +142,5 @@ def test_a_shape_that_does_not_pay_is_refused(case: Case) -> None:
     assert len(curves_of(drawn, refused.design)[0].at) == len(drawn.block.nodes) == 9
 
 
-def test_a_shape_that_was_whitened_anew_is_drawn_too(case: Case) -> None:
-    """The shape that is named may be about another design than the one in which all were weighed."""
-    anew = replace(case.found.naming, unlisted=_block(case.found.naming, "joint 2", "motor torque", "speed"))
-    drawn = learned_of(anew)
-    assert drawn
-    assert str(drawn.block) == "motor torque at joint 2, depending on speed"
-
-
 def _block(naming: Naming, *what: str) -> Block:
     return next(b for b in blocks_of(naming.design) if (b.place, b.kind, b.depends_on) == what)

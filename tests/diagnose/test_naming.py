@@ -3,13 +3,14 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.extend import polish
-from bench.diagnose.name import rivals
-from bench.diagnose.name.rivals import IN_SET
-from bench.diagnose.name.trials import Hypothesis
+from bench.diagnose.name.models import Model
+from bench.diagnose.name.naming import Naming, with_probabilities
+from bench.diagnose.name.search import Alternative, Subset
 from bench.effects.catalogue import catalogue
 from bench.errors import ConvergenceError
 from tests.diagnose.sweeps import SWEEPS, made, nominal
@@ -51,14 +52,25 @@ def test_a_fit_that_finds_no_balance_stays_as_it_is(monkeypatch: pytest.MonkeyPa
     assert polish.polished("design", "fit") == ("design", "fit")  # type: ignore[arg-type,comparison-overlap]
 
 
-@pytest.mark.parametrize(
-    ("nats", "evidence"), [(1.0, 14.8), (-1.0, 10.0), (-2 * IN_SET, None)], ids=["better", "alike", "far worse"]
-)
-def test_a_rival_that_fits_better_and_predicts_a_little_worse_stays_in_the_set(
-    monkeypatch: pytest.MonkeyPatch, nats: float, evidence: float | None
-) -> None:
-    """Lost gas was left out of the set beside colder gas, for it fitted better and predicted a little worse."""
-    monkeypatch.setattr(rivals, "held_out", lambda design, before, after: SimpleNamespace(nats=nats))
-    any_: Any = SimpleNamespace()
-    rival = rivals.as_it_predicts(any_, Hypothesis(any_, 10.0), Hypothesis(any_, 14.8))
-    assert (rival and rival.log_evidence) == evidence
+def fake(log_posterior: float, *keys: str) -> Model:
+    causes = tuple(SimpleNamespace(key=key) for key in keys)
+    return Model(SimpleNamespace(causes=causes), log_posterior=log_posterior)  # type: ignore[arg-type]
+
+
+def test_a_set_holds_what_cannot_be_told_from_the_best_and_nothing_with_more_in_it() -> None:
+    models = (fake(9.0, "gas"), fake(8.0, "gas", "friction"), fake(5.0, "heat"), fake(2.0, "valve"))
+    any_: Any = None
+    naming = Naming("cause", models, any_, any_, (), any_)
+    assert [sorted(model.keys) for model in naming.alternatives] == [["gas"], ["heat"]]
+
+
+def test_what_has_a_finding_more_counts_for_the_finding() -> None:
+    """The probability is that the findings are at work, not that nothing else is."""
+    models = (fake(9.0, "gas"), fake(8.0, "gas", "friction"), fake(5.0, "heat"))
+    found = [Alternative(model.keys, Subset((), 0.0), model.log_posterior - 1.0) for model in models]
+    found.append(Alternative(frozenset(), Subset((), 0.0), 0.0))
+    gas, both, heat = (model.probability for model in with_probabilities(models, found))
+    total = sum(np.exp([9.0, 8.0, 5.0, 1.0]))
+    assert gas == pytest.approx((np.exp(9.0) + np.exp(8.0)) / total)
+    assert both == 0.0
+    assert heat == pytest.approx(np.exp(5.0) / total)

@@ -129,7 +129,7 @@ def test_play_of_an_unloaded_joint_is_named() -> None:
     choice = ("backlash", "softening", "hysteresis", "joint_compliance", "friction_side", "transmission_error")
     naming = diagnose(campaign, compiled, {name: effects[name] for name in choice}, asks=False).naming
     assert naming.kind == "cause"
-    best = naming.hypotheses[0].fit
+    best = naming.models[0].fit
     assert [cause.key for cause in best.causes] == [("backlash", "joint 1")]
     assert abs(best.values[0] - GAP) < 3 * best.sigma[0]
 
@@ -139,6 +139,6 @@ def test_play_of_a_loaded_joint_is_found_as_large_as_it_is(seed: int) -> None:
     """That the blow lets go what standing joints hold was believed once: half the gap with more noise did as well."""
     effects = {name: catalogue()[name] for name in ("backlash", "softening", "joint_compliance")}
     campaign = made(SWEEPS, seed, hidden={"backlash": 2.5e-4})
-    best = diagnose(campaign, nominal(), effects, asks=False).naming.hypotheses[0].fit
+    best = diagnose(campaign, nominal(), effects, asks=False).naming.models[0].fit
     assert [cause.key for cause in best.causes] == [("backlash", "joint 2")]
     assert best.values[0] == pytest.approx(2.5e-4, rel=0.1)

@@ -168,7 +168,7 @@ WORDS = (
 @pytest.mark.parametrize(("words", "name", "place"), WORDS)
 def test_comes_first(words: str, name: str, place: str, hide: Hide, compiled: CompiledRobot) -> None:
     """Against everything in the catalogue, with all that is nominal a little wrong."""
-    campaign, (acting,) = hide(words, background=True)
+    campaign, _ = hide(words, background=True)
     everything = catalogue()
     signatures = signatures_of(campaign, compiled, everything)
     segments = segments_of(campaign, compiled, signatures.quantities)
@@ -181,5 +181,3 @@ def test_comes_first(words: str, name: str, place: str, hide: Hide, compiled: Co
     assert first.cause is not None
     assert first.cause.key == (name, place)
     assert first.log_evidence > screening.threshold
-    size = next(iter(acting.values))
-    assert screening.sizes_of(first)[name, place, size] == pytest.approx(acting.values[size], rel=0.2)

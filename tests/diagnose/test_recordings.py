@@ -44,23 +44,23 @@ def found(campaign: Campaign) -> Diagnosis:
 
 def levels(diagnosis: Diagnosis) -> dict[str, float]:
     """Return the first parameter of every cause of the best explanation."""
-    best = diagnosis.naming.hypotheses[0].fit
+    best = diagnosis.naming.models[0].fit
     return {u.cause.effect.name: float(v) for u, v in zip(best.unknowns, best.values, strict=True)}
 
 
 def test_emps_needs_coulomb_friction_first() -> None:
     diagnosis = found(read(data_folder("emps") / "emps.csv", "emps"))
-    first = diagnosis.naming.rungs[0]
-    assert [cause.effect.name for cause in first.added] == ["coulomb_friction"]
+    first = diagnosis.naming.findings[0]
+    assert first.cause.effect.name == "coulomb_friction"
     assert first.held_out.pays
     assert first.held_out.channels[0].after < 0.3 * first.held_out.channels[0].before
     np.testing.assert_allclose(levels(diagnosis)["coulomb_friction"], PUBLISHED["coulomb"], rtol=CLOSE)
 
 
-def test_stand_in_of_emps_climbs_alike(tmp_path: Path, rng: np.random.Generator) -> None:
+def test_stand_in_of_emps_is_read_alike(tmp_path: Path, rng: np.random.Generator) -> None:
     truth = write_emps(tmp_path / "emps.csv", rng, seconds=12.0)
     diagnosis = found(read(tmp_path / "emps.csv", "emps"))
-    assert [cause.effect.name for cause in diagnosis.naming.rungs[0].added] == ["coulomb_friction"]
+    assert diagnosis.naming.findings[0].cause.effect.name == "coulomb_friction"
     np.testing.assert_allclose(levels(diagnosis)["coulomb_friction"], truth["coulomb"], rtol=CLOSE)
 
 

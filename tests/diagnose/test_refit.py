@@ -33,7 +33,7 @@ def test_a_short_period_is_found_between_those_that_are_tried() -> None:
     effect = catalogue()["friction_ripple"]
     acting = Acting(effect, effect.places(nominal())[1], {"sin": 0.2, "cos": -0.1, "period": PERIOD})
     campaign = hide_campaign(load_robot("hh150"), SWEEPS, [acting], np.random.default_rng(8)).campaign
-    best = diagnose(campaign, nominal(), {effect.name: effect}, asks=False).naming.hypotheses[0].fit
+    best = diagnose(campaign, nominal(), {effect.name: effect}, asks=False).naming.models[0].fit
     assert [cause.key for cause in best.causes] == [("friction_ripple", "joint 2")]
     np.testing.assert_allclose(best.values[:2], [0.2, -0.1], rtol=BLURRED)
     assert best.values[2] == pytest.approx(PERIOD, rel=0.01)
@@ -115,5 +115,5 @@ def test_where_it_is_simulated_changes_nothing() -> None:
     found = []
     for executor in (SERIAL, Threads(3), Processes(2)):
         naming = diagnose(campaign, nominal(), effects, asks=False, executor=executor).naming
-        found.append([(sorted(h.keys), h.log_evidence, h.fit.values.tolist()) for h in naming.hypotheses])
+        found.append([(sorted(map(str, m.keys)), m.log_evidence, m.fit.values.tolist()) for m in naming.models])
     assert found[0] == found[1] == found[2]

@@ -79,16 +79,17 @@ def test_the_clock_is_looked_at_between_simulated_worlds(campaign: Campaign, eff
 def test_before_the_first_step_nothing_is_found_so_far(
     campaign: Campaign, effects: Mapping[str, Effect], executor: Executor
 ) -> None:
-    verdict = stopped_at("single causes", campaign, effects, executor).verdict
+    verdict = stopped_at("fitting", campaign, effects, executor).verdict
     assert verdict.kind == "nothing found so far"
     assert verdict.unfinished
-    assert verdict.unfinished.during == "single causes"
+    assert verdict.unfinished.during.startswith("fitting")
     assert "gas_loss" in [cause.effect for cause in verdict.unfinished.promising]
-    assert headline(verdict) == "Unfinished (ended after 60 s, during: single causes): nothing was found so far."
+    assert headline(verdict).startswith("Unfinished (ended after 60 s, during: fitting ")
+    assert headline(verdict).endswith(": nothing was found so far.")
 
 
-@pytest.mark.parametrize("words", ["what the extended model", "rivals"])
-def test_what_the_climb_has_taken_is_kept(
+@pytest.mark.parametrize("words", ["what the extended model", "gain of each"])
+def test_what_the_search_has_found_is_kept(
     words: str, campaign: Campaign, effects: Mapping[str, Effect], known: Signatures
 ) -> None:
     diagnosis = stopped_at(words, campaign, effects, known=known)
@@ -98,7 +99,6 @@ def test_what_the_climb_has_taken_is_kept(
     assert verdict.unfinished.during.startswith(words)
     assert verdict.explanations[0].causes[0].effect in ("gas_loss", "gas_temperature")
     assert verdict.gain == ()
-    assert [step.accepted for step in verdict.steps] == [True]
     assert headline(verdict).startswith("Unfinished (ended after 60 s, during: ")
     assert diagnosis.extension is not None
 

@@ -33,7 +33,9 @@ def test_unstated_payload_adds_its_mass_and_inertia(kr300: CompiledRobot) -> Non
 
 
 def test_robots_that_state_their_payload_have_no_unstated_one() -> None:
-    assert EFFECTS["unstated_payload"].places(compile_robot(load_robot("hh150"))) == ()
+    effect, emps, hh150 = EFFECTS["unstated_payload"], *(compile_robot(load_robot(n)) for n in ("emps", "hh150"))
+    assert effect.places(emps) == ()  # its figures say so
+    assert effect.parameters_at(hh150, WHOLE)[0].high == pytest.approx(hh150.robot.figures.rating.force_n / 9.80665)
 
 
 def test_late_link_encoders_follow_speed(kr300: CompiledRobot) -> None:

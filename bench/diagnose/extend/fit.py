@@ -15,6 +15,10 @@ STEP = 0.05  # of a parameter's plausible size, for its derivative
 # Of the distance to the next shape that is tried, for a shape that may lie anywhere over decades. Balances are found
 # within a tolerance: with a hundredth of a softening's knee, that noise made its interval three times too narrow.
 SHAPE_STEP = 0.125
+BEYOND = (
+    1.5  # times its largest plausible size, up to where a parameter is fitted; ranges of literature are rough, assumed
+)
+AT_BOUND = 1e-3  # of the way to a bound, from where a fit has run into it
 
 Key = tuple[str, str, str]  # effect, place, parameter
 
@@ -39,7 +43,7 @@ class Unknown:
         if p.is_shape:
             low, high = p.low / 2 if p.low > 0 else p.low, 2 * p.high if p.high > 0 else p.high
         else:
-            low, high = p.null - 4 * p.high if p.signed else p.null, p.null + 4 * p.high
+            low, high = p.null - BEYOND * p.high if p.signed else p.null, p.null + BEYOND * p.high
         return max(low, p.least), min(high, p.most)
 
     def step_from(self, value: float) -> float:
@@ -102,6 +106,15 @@ class Fit:
             for unknown, value, sigma in zip(self.unknowns, self.values, self.sigma, strict=True)
             if unknown.cause.key == cause.key and not unknown.parameter.is_shape
         )
+
+    @property
+    def is_plausible(self) -> bool:
+        """Whether no size wants to be larger than anything plausible; else it is another cause, or a misreading."""
+        for value, unknown in zip(self.values, self.unknowns, strict=True):
+            p = unknown.parameter
+            if not p.is_shape and abs(value - p.null) > (1 - AT_BOUND) * BEYOND * p.high:
+                return False
+        return True
 
     def world(self, design: Design) -> World:
         """Return the world that was fitted."""

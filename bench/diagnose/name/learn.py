@@ -7,12 +7,14 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit, Key, pseudo_residual
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.measure.measure import held_out
-from bench.diagnose.name.naming import CERTAIN, Naming
+from bench.diagnose.name.naming import Naming
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design, raised, roughened, with_play
 from bench.diagnose.picture.generic import Block, anew
 from bench.diagnose.picture.lack_of_fit import missed, unexplained
 from bench.diagnose.picture.marginal import Columns, Nuisances
+from bench.diagnose.picture.screening import WIDTHS
+from bench.diagnose.picture.threshold import LEAST
 from bench.effects.effect import WHOLE, Effect, Place
 from bench.effects.friction_elements import Side
 from bench.effects.learned import Learned, values_at, values_of
@@ -41,7 +43,6 @@ OVER = {"angle": "rad", "angle and direction": "rad", "speed": "rad/s", "load": 
 
 
 ANGLE_NODES = (9, 17, 33)  # tried over an angle; each has those of the one before
-WIDTHS = (1.0, 3.0, 10.0)  # of the prior, tried: a shape that is found may be larger than anyone thought plausible
 ROUNDS = 3  # fits in turn, each with the standard errors that the one before asks for
 SETTLED = 1.2  # times; standard errors that change by less are settled
 KEPT = 0.5  # of the evidence in the linear picture, which the simulated model has to keep
@@ -80,7 +81,7 @@ def lesson_of(naming: Naming) -> Lesson | None:
     """Return what becomes of the free shape that a naming calls unlisted; None where it calls none so."""
     if naming.unlisted is None:
         return None
-    return learn(naming.design, naming.unlisted, naming.hypotheses[0].fit if naming.hypotheses else naming.null)
+    return learn(naming.design, naming.unlisted, naming.models[0].listed_fit(naming.design))
 
 
 def learn(design: Design, block: Block, beside: Fit) -> Lesson:
@@ -109,7 +110,7 @@ def learn(design: Design, block: Block, beside: Fit) -> Lesson:
         except NOT_SIMULATED:
             return Lesson(design, None, False, NO_BALANCE)
         gained = fit.log_evidence - without.log_evidence
-        if estimate.log_evidence < CERTAIN:
+        if estimate.log_evidence < LEAST:
             return Lesson(design, fit, False, ROUGH)
         if gained < KEPT * estimate.log_evidence:
             return Lesson(design, fit, False, FALLS_SHORT)

@@ -1,27 +1,31 @@
 """Name: from evidence to a cause, a set of causes, several causes, or the word that it is none that is listed.
 
-A climb from the nominal model: at each step the causes that promise most are fitted by simulation, the best one is
-added if its evidence passes the threshold and if it pays on what was held out, and all that was tried is weighed anew
-against the model that has it. At the end every cause has to stand against its own rivals beside the others.
+    linearise about the best model so far (at first the nominal one) -> search all subsets -> simulate the leaders
+          ^                                                                                       |
+          └──────────── until the best model repeats; then whatever it misses is noise ───────────┘
+
+Every finding then has to pay on what was held out, or it is refused and the search goes on without it.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal, Protocol
 
 import numpy as np
+from scipy.special import logsumexp
 
-from bench.diagnose.extend.fit import Fit, pseudo_residual
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.polish import polished
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.measure.measure import HeldOut, held_out
-from bench.diagnose.name.rivals import IN_SET, among_rivals, ranked
-from bench.diagnose.name.trials import Hypothesis, Stage, one_more
+from bench.diagnose.name.linearised import Linearised, linearised
+from bench.diagnose.name.models import Fitter, Model, Trial, without_shape
+from bench.diagnose.name.search import WINDOW, Alternative, alternatives_of, search
 from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design, raised
-from bench.diagnose.picture.generic import Block, blocks_of
-from bench.diagnose.picture.lack_of_fit import is_adequate
-from bench.diagnose.picture.screening import Entry, Screening, rescreen, tried_of
+from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.generic import Block
+from bench.diagnose.picture.screening import Screening, Tried
+from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Stopped
@@ -30,38 +34,32 @@ Kind = Literal["nothing found", "cause", "several causes", "unlisted cause", "no
 
 
 class Renew(Protocol):
-    """Returns the linear picture about a fit with everything that can be tried there, weighed anew."""
+    """Returns the campaign linearised about a model, with everything that can be tried there."""
 
-    def __call__(
-        self, design: Design, fit: Fit, known: Screening, *, is_last: bool = False
-    ) -> tuple[Design, Screening]:
-        """Return design and screening; `is_last`: nothing will be added, what is missed now is noise."""
+    def __call__(self, design: Design, model: Model, *, is_last: bool = False) -> tuple[Design, Tried]:
+        """Return the design and what can be tried; `is_last`: nothing will be added, what is missed now is noise."""
 
 
-MOST_CAUSES = 30  # of an extension; that of the KR300 has 17
-MOST_REFUSED = 8  # causes in turn that predict no better, before the climb ends
-MOST_CHANGES = 2  # times that the end is weighed: once more where a rival takes the model's place
-# What a fitted effect may leave unexplained of what it explains: effects are not simulated better than that.
-UNEXPLAINED = 0.02
-MAINLY = 0.8  # of the evidence for a free shape: what a single listed cause has is not called unlisted for its rest
-CERTAIN = 4.6  # log evidence beyond the threshold (100 to 1) that is asked for a free shape alone
+MOST_ROUNDS = 12  # of linearising and searching; the KR300 takes 6
+LEADERS = 6  # alternatives of a search that are simulated; half of them while the best model still changes
+MOST_PLAYS = 12  # models with a play that are tried; one of 20 findings would be tried for minutes
+IN_SET = 6.0  # log posterior odds behind the best, up to where a model is not told apart from it (odds of 400)
+MOST_REFUSED = 20  # findings that do not predict better, before they are no more replaced
 
 
 @dataclass(frozen=True, eq=False)
-class Rung:
-    """One step of the climb, taken or refused.
+class Finding:
+    """What one cause of the best model is worth beside all the others, or of one that was refused.
 
     Attributes:
-        added: What was added to the model before.
-        replaced: It took the place of the model before, which has other causes.
+        cause: The cause.
         fit: With it.
-        log_evidence: By how much the logarithm of the evidence rose.
+        log_evidence: By how much the logarithm of the evidence falls without it.
         held_out: What it is worth on what was held out.
         is_taken: Whether the model keeps it.
     """
 
-    added: tuple[Cause, ...]
-    replaced: bool
+    cause: Cause
     fit: Fit
     log_evidence: float
     held_out: HeldOut
@@ -74,33 +72,37 @@ class Naming:
 
     Attributes:
         kind: In a word.
-        hypotheses: Fitted explanations by falling evidence; empty for nothing found.
-        unlisted: The free shape that explains what no listed cause can, or None.
+        models: Fitted, the most probable first; the nominal one is left out. Empty for nothing found.
         null: Fit of the nominal model.
         screening: Everything that was tried against the nominal model.
-        leftover: Everything that was tried against the best explanation.
-        rungs: The climb.
-        design: The linear picture about the best explanation.
-        stopped: Why the climb ended early, and what was found was not held against all rivals; "" where it did not.
+        findings: Of the best model, the one with the most evidence first; then those that were refused.
+        design: The campaign linearised about the best model, its standard errors.
+        promising: Causes that the last search found likely and that were not fitted.
+        stopped: Why the search ended early; "" where it did not.
     """
 
     kind: Kind
-    hypotheses: tuple[Hypothesis, ...]
-    unlisted: Block | None
+    models: tuple[Model, ...]
     null: Fit
     screening: Screening
-    leftover: Screening
-    rungs: tuple[Rung, ...]
+    findings: tuple[Finding, ...]
     design: Design
+    promising: tuple[Cause, ...] = ()
     stopped: str = ""
 
     @property
-    def alternatives(self) -> tuple[Hypothesis, ...]:
-        """Explanations that these data cannot tell from the best, the best first."""
-        if not self.hypotheses:
-            return ()
-        best = self.hypotheses[0].log_evidence
-        return tuple(h for h in self.hypotheses if h.log_evidence > best - IN_SET)
+    def unlisted(self) -> Block | None:
+        """The free shape in the best model."""
+        return self.models[0].shape if self.models else None
+
+    @property
+    def alternatives(self) -> tuple[Model, ...]:
+        """Models that these data cannot tell from the best, the best first.
+
+        One that has all that a likelier one has and something more says the same, less surely, and is left out.
+        """
+        near = [m for m in self.models if m.log_posterior > self.models[0].log_posterior - IN_SET]
+        return tuple(m for i, m in enumerate(near) if not any(better.keys < m.keys for better in near[:i]))
 
 
 def name_cause(
@@ -114,201 +116,203 @@ def name_cause(
 
     Args:
         design: The campaign.
-        screening: Everything that was tried in the linear picture.
+        screening: Everything that was tried in the linearised model.
         renew: Weighs everything anew about an extended model.
         progress: Called with what is done next.
         executor: Where to fit.
     """
-    so_far: list[Naming] = []
+    selection = _Selection(design, screening, renew, progress, executor)
     try:
-        return _named(design, screening, renew, progress, executor, so_far.append)
+        selection.run()
     except Stopped as stopped:
-        return replace(so_far[-1], stopped=str(stopped))
+        return selection.naming(str(stopped))
+    return selection.naming()
 
 
-def _named(
-    design: Design,
-    screening: Screening,
-    renew: Renew,
-    progress: Callable[[str], None],
-    executor: Executor,
-    keep: Callable[[Naming], None],
-) -> Naming:
-    """Return the naming; what is found on the way is kept, for it may be stopped."""
-    null = refit(design, (), {})
-    keep(Naming("nothing found so far", (), None, null, screening, screening, (), design))
-    threshold = screening.threshold
-    stage = Stage(design, screening, Hypothesis(null, 0.0))
-    rungs: list[Rung] = []
-    refused: set[tuple[str, str]] = set()
-    while len(stage.best.causes) < MOST_CAUSES and len(refused) < MOST_REFUSED:
-        limit = max(threshold, UNEXPLAINED * stage.best.log_evidence)
-        if stage.screening.top <= limit:
-            break
-        count = len(stage.best.causes) + 1
-        progress("single causes" if count == 1 else f"{count} causes")
-        fits = one_more(stage, screening, refused, limit, executor)
-        found = max(fits, key=lambda h: h.log_evidence, default=None)
-        if found is None or found.log_evidence <= stage.best.log_evidence + limit:
-            break
-        before = stage.best.keys
-        is_other = not before <= found.keys
-        worth = held_out(stage.design, null if is_other else stage.fit, found.fit)
-        added = tuple(cause for cause in found.causes if is_other or cause.key not in before)
-        rise = found.log_evidence - (0.0 if is_other else stage.best.log_evidence)
-        rungs.append(Rung(added, is_other, found.fit, rise, worth, worth.pays))
-        if not worth.pays:
-            refused |= {cause.key for cause in added if cause.key not in before}
+@dataclass(eq=False)
+class _Selection:
+    """Where the selection of a model stands."""
+
+    design: Design
+    screening: Screening
+    renew: Renew
+    progress: Callable[[str], None]
+    executor: Executor
+    models: tuple[Model, ...] = ()
+    findings: dict[Hashable, Finding] = field(default_factory=dict)
+    refused: dict[Hashable, Finding] = field(default_factory=dict)
+    promising: tuple[Cause, ...] = ()
+
+    def __post_init__(self) -> None:
+        self.nominal, self.tried = self.design, self.screening.tried
+        self.null = refit(self.design, (), {})
+        self.best = Model(self.null)
+
+    def naming(self, stopped: str = "") -> Naming:
+        """Return what was found."""
+        models = tuple(model for model in self.models if model.keys)
+        is_null = not self.best.keys
+        kind: Kind = "cause" if len(self.best.causes) == 1 else "several causes"
+        if self.best.shape:
+            kind = "unlisted cause"
+        elif is_null:
+            kind = "nothing found so far" if stopped else "nothing found"
+        taken = [self.findings[key] for key in self.best.keys if key in self.findings]
+        ranked = sorted(taken, key=lambda finding: -finding.log_evidence)
+        return Naming(
+            kind=kind,
+            models=() if is_null else models,
+            null=self.null,
+            screening=self.screening,
+            findings=(*ranked, *self.refused.values()),
+            design=self.nominal if is_null else self.design,
+            promising=self.promising if stopped else (),
+            stopped=stopped,
+        )
+
+    def run(self) -> None:
+        """Search until the best model repeats, then with honest errors, and keep what pays on what was held out.
+
+        What is listed comes first; what is not is looked for beside it, and in its place where it explains far more.
+        """
+        seen: set[frozenset[Hashable]] = set()
+        is_last = False
+        for _ in range(MOST_ROUNDS):
+            before = self.best.keys
+            self._search(is_last=is_last)
+            if self.best.keys != before and self.best.keys not in seen:
+                seen.add(before)
+            elif not self.best.keys or (is_last and not self._refuse()):
+                return
+            else:
+                is_last, seen = True, set()  # what is missed now is noise: intervals and sets are to be honest
+            self._relinearise(is_last=is_last)
+
+    def _search(self, *, is_last: bool = False) -> None:
+        """Search about the best model, simulate the leaders, and take the most probable.
+
+        Args:
+            is_last: Everything that cannot be told from the best is to be known, not only the best.
+        """
+        self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
+        threshold, refused = self.screening.threshold, frozenset(self.refused)
+        about = linearised(self.design, self.tried, threshold, self.best, refused)
+        shape = about.present[-1:] if self.best.shape else ()
+        found = alternatives_of(about.model, search(about.model, [about.present], shape))
+        causes = [about.cause(i) for i in found[0].best.terms]
+        self.promising = tuple(cause for cause in causes if cause)
+        count = LEADERS if is_last else LEADERS // 2
+        leaders = [one.best.terms for one in _leaders(found, count)]
+        known = self.best.fit if self.best.keys and not self.best.shape else None
+        fitter = Fitter(self.design, self.null, self.executor, known)
+        present = fitter.knows(self.best, about.trial_of(about.present))
+        alone = tuple(i for i in found[0].best.terms if i not in shape)
+        others = [*leaders, alone if shape else about.instead(alone)]
+        trials = [present, *(about.trial_of(terms) for terms in others if len(terms))]
+        trials += _scattering(about, found[0]) if is_last else []
+        self.progress(f"fitting {len(trials) - 1} models")
+        models = fitter.fitted(trials)
+        if not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
+            beside = about.beside()
+            models += fitter.fitted([beside] if beside else [])
+        models = sorted(set(models), key=lambda model: -model.log_posterior)
+        fell = {keys for keys, model in fitter.models.items() if model is None}  # whatever was promised of them
+        self.models = with_probabilities(models, [one for one in found if one.keys not in fell])
+        self.best = self.models[0]
+
+    def _relinearise(self, *, is_last: bool = False) -> None:
+        """Take the campaign about the best model: derivatives, standard errors, and everything weighed against it."""
+        if not self.best.keys:
+            return
+        self.progress("what the extended model makes possible")
+        design, model = self.design, self.best
+        if not is_last:
+            about, fit = polished(model.design(design), model.fit)
+            design, model = without_shape(about, len(design.nuisances)), replace(model, fit=fit)
+        before = design
+        self.design, self.tried = self.renew(design, model, is_last=is_last)
+        if self.design is not before:
+            self.null = refit(self.design, (), {})
+        if old := model.shape:  # as it is whitened now
+            columns = self.design.whiten(before.unwhiten(old.columns))
+            model = replace(model, shape=replace(old, columns=columns))
+        self.best = replace(model, fit=refitted(model.design(self.design), model.fit))
+
+    def _refuse(self) -> bool:
+        """Hold each finding against what was held out; refuse those that do not pay, and say whether there were any.
+
+        The worst is refused first, and the others that did not pay are held against it anew without that one: of two
+        findings of which either will do, one stays.
+        """
+        self.progress("gain of each finding on what was held out")
+        held: dict[Hashable, Finding] = {one.cause.key: one for one in map(self._held, self.best.causes) if one}
+        count = len(self.refused)
+        while (failed := [one for one in held.values() if not one.is_taken]) and len(self.refused) < MOST_REFUSED:
+            worst = min(failed, key=lambda one: one.held_out.low)
+            self.refused[worst.cause.key] = held.pop(worst.cause.key)
+            self.best = replace(self.best, fit=self._without(worst.cause))
+            again = map(self._held, [one.cause for one in failed if one is not worst])
+            held |= {one.cause.key: one for one in again if one}
+        self.findings = held
+        return len(self.refused) > count
+
+    def _held(self, cause: Cause) -> Finding | None:
+        """Return what a cause of the best model is worth beside the others; None where nothing balances without it."""
+        best = self.best.fit
+        try:
+            without = self._without(cause)
+        except NOT_SIMULATED:
+            return None
+        worth = held_out(self.best.design(self.design), without, best)
+        return Finding(cause, best, best.log_evidence - without.log_evidence, worth, worth.pays)
+
+    def _without(self, cause: Cause) -> Fit:
+        """Return the best model fitted without one of its causes."""
+        best = self.best.fit
+        others = tuple(other for other in best.causes if other.key != cause.key)
+        start = {key: value for key, value in best.start.items() if key[:2] != cause.key}
+        return refit(self.best.design(self.design), others, start, best.nuisances, best)
+
+
+def _leaders(found: Sequence[Alternative], count: int) -> list[Alternative]:
+    """Return what is worth a simulation: the best, and the best of those that have all of a better one and more."""
+    near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
+    larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
+    return [*[one for one in near if one not in larger][:count], *larger[:1]]
+
+
+def _scattering(about: Linearised, leader: Alternative) -> list[Trial]:
+    """Return the leader with a play beside or in the place of anything at its joint.
+
+    Where a link rests within its play is chance, so its signature alone shows little of it.
+    """
+    terms, trials = leader.best.terms, []
+    for play, what in enumerate(about.what):
+        cause = about.cause(play)
+        if cause is None or not cause.effect.scatters or cause.key in leader.keys:
             continue
-        others = tuple(h for h in fits if h is not found and len(h.causes) == len(found.causes))
-        keep(_so_far(replace(stage, best=found, tried=others), null, screening, tuple(rungs)))
-        stage = _climbed(stage, found, others, renew, progress)
-        keep(_so_far(stage, null, screening, tuple(rungs)))
-        refused.clear()  # what did not pay before may pay beside this
-        if len(stage.best.causes) > 1 and _explains_more(stage, design, screening):
-            break
-    for _ in range(MOST_CHANGES):
-        block, is_alone = _unlisted(stage, design, screening)
-        keep(_so_far(stage, null, screening, tuple(rungs), block, is_alone=is_alone))
-        stage = _settled(stage, renew)
-        hypotheses = among_rivals(stage, progress, executor) if stage.best.causes and not is_alone else ()
-        if not hypotheses or hypotheses[0].keys == stage.best.keys:
-            break
-        stage = _changed(stage, hypotheses[0], renew)  # what the model before left may be no more
-    if block is not None:
-        return Naming("unlisted cause", hypotheses, block, null, screening, stage.screening, tuple(rungs), stage.design)
-    if not hypotheses:  # what the linear picture promised, the simulation did not keep
-        return Naming("nothing found", (), None, null, screening, screening, tuple(rungs), design)
-    kind: Kind = "cause" if len(stage.best.causes) == 1 else "several causes"
-    return Naming(kind, hypotheses, None, null, screening, stage.screening, tuple(rungs), stage.design)
+        for i in terms:
+            other = about.cause(i)
+            if about.what[i].drive == what.drive and not (other and other.effect.scatters):
+                rest = tuple(one for one in terms if one != i)
+                trials += [about.trial_of((*rest, play)), about.trial_of((*terms, play))]
+    return trials[:MOST_PLAYS]
 
 
-def _so_far(
-    stage: Stage,
-    null: Fit,
-    first: Screening,
-    rungs: tuple[Rung, ...],
-    block: Block | None = None,
-    *,
-    is_alone: bool = False,
-) -> Naming:
-    """Return what a climb has found where it stands."""
-    hypotheses = ranked([stage.best, *stage.tried]) if stage.best.causes and not is_alone else ()
-    kind: Kind = "cause" if len(stage.best.causes) == 1 else "several causes"
-    if block is not None:
-        kind = "unlisted cause"
-    elif not hypotheses:
-        kind = "nothing found so far"
-    return Naming(kind, hypotheses, block, null, first, stage.screening, rungs, stage.design)
+def with_probabilities(models: Sequence[Model], found: Sequence[Alternative]) -> tuple[Model, ...]:
+    """Return models with the probability that all of their findings are at work, among everything that was visited.
 
-
-def _climbed(
-    stage: Stage,
-    found: Hypothesis,
-    others: tuple[Hypothesis, ...],
-    renew: Renew,
-    progress: Callable[[str], None],
-) -> Stage:
-    """Return the stage with another model: derivatives about it, and everything weighed against it."""
-    progress("what the extended model makes possible")
-    design, fit = polished(stage.design, found.fit)
-    kept = tuple(cause for cause in fit.causes if fit.acts(cause))
-    if kept and len(kept) < len(fit.causes):  # what another cause took over
-        fit = refit(design, kept, fit.start, fit.nuisances)
-    value = found.log_evidence + fit.log_evidence - found.fit.log_evidence
-    about, screening = renew(design, fit, stage.screening)
-    if about is design:
-        return _weighed(design, screening, Hypothesis(fit, value), others)
-    return _weighed(about, screening, Hypothesis(refitted(about, fit), value))
-
-
-def _settled(stage: Stage, renew: Renew) -> Stage:
-    """Return the stage with all that its model misses taken for noise: intervals and sets are to be honest."""
-    if not stage.best.causes:
-        return stage
-    design, screening = renew(stage.design, stage.fit, stage.screening, is_last=True)
-    if design is stage.design:
-        return stage
-    fit = refitted(design, stage.fit)
-    null = refit(design, (), {})
-    return _weighed(design, screening, Hypothesis(fit, fit.log_evidence - null.log_evidence))
-
-
-def _changed(stage: Stage, best: Hypothesis, renew: Renew) -> Stage:
-    """Return the stage with a rival as its model; standard errors are what that one leaves."""
-    design, screening = renew(stage.design, best.fit, stage.screening)
-    fit = refitted(design, best.fit)
-    return _weighed(design, screening, Hypothesis(fit, fit.log_evidence - refit(design, (), {}).log_evidence))
-
-
-def _weighed(design: Design, screening: Screening, best: Hypothesis, tried: tuple[Hypothesis, ...] = ()) -> Stage:
-    return Stage(design, _about(design, screening, best), best, tried)
-
-
-def _about(design: Design, screening: Screening, best: Hypothesis) -> Screening:
-    """Return everything of a screening, weighed against an explanation."""
-    sigma = np.array([unknown.sigma for unknown in best.fit.unknowns])
-    pseudo, slopes = pseudo_residual(design, best.fit), design.whiten(best.fit.slopes)
-    return rescreen(design, screening, pseudo, slopes, sigma, best.keys)
-
-
-def _explains_more(stage: Stage, nominal: Design, first: Screening) -> Entry | None:
-    """Return the free shape that explains alone more than listed causes and the best shape beside them, or None.
-
-    One that explains as much will do if listed causes are the smaller part, or if something at its place is needed
-    beside several of them, none of which is the main cause.
-
-    Both count with the same standard errors, the shape about the nominal model and its own derivatives: those about the
-    extended one are of other friction and other stiffness.
+    What has all findings of a likelier model and more counts for that model. What was not simulated counts as
+    linearised, shifted by what simulation made of the others.
     """
-    design = raised(nominal, stage.design.excess / nominal.excess)
-    null = Hypothesis(refit(design, (), {}), 0.0)
-    everything = replace(stage.screening, tried=tried_of(blocks_of(design)), taken=frozenset())
-    alone = _about(design, everything, null).free[:1]
-    if not alone:
-        return None
-    listed = stage.fit.log_evidence - null.fit.log_evidence
-    left = stage.screening.free[:1]
-    beside = max([0.0, *(entry.log_evidence for entry in left)])
-    margin = UNEXPLAINED * (listed + beside)
-    more = alone[0].log_evidence - listed - beside
-    surely = more > margin + first.threshold
-    as_well = more > -margin and listed < beside
-    is_needed = beside > first.threshold and _place(left[0]) == _place(alone[0])
-    mainly = first.listed and first.listed[0].log_evidence > MAINLY * first.free[0].log_evidence
-    simpler = more > 0 and is_needed and not mainly and len(stage.best.causes) > 1
-    return alone[0] if surely or as_well or simpler else None
-
-
-def _place(entry: Entry) -> str:
-    assert isinstance(entry.what, Block)
-    return entry.what.place
-
-
-def _unlisted(stage: Stage, nominal: Design, first: Screening) -> tuple[Block | None, bool]:
-    """Return the free shape that is needed, or None where listed causes are enough; and whether it stands alone.
-
-    One that explains alone more than listed causes and the best shape beside them is preferred to them. Where no shape
-    is needed by its evidence, but the model leaves far more than what nothing explains, the nearest to that is named.
-    """
-    left = stage.screening.free
-    needed = left and left[0].log_evidence > max(first.threshold, UNEXPLAINED * stage.best.log_evidence)
-    if not stage.best.causes:  # nothing but its evidence speaks for it: no rival that was ruled out, no held-out run
-        needed = left and left[0].log_evidence > first.threshold + CERTAIN
-    if not needed and not is_adequate(stage.design, pseudo_residual(stage.design, stage.fit)):
-        needed, left = bool(left), _nearest(stage)
-    if not needed and len(stage.best.causes) <= 1:
-        return None, False
-    alone = _explains_more(stage, nominal, first)
-    if alone is None and not needed:
-        return None, False
-    what = alone.what if alone else left[0].what
-    assert isinstance(what, Block)
-    return what, alone is not None
-
-
-def _nearest(stage: Stage) -> tuple[Entry, ...]:
-    """Return the free shapes beside a model by what each explains, errors as small as what nothing explains."""
-    design = raised(stage.design, stage.design.unexplained / stage.design.excess)
-    everything = replace(stage.screening, tried=tried_of(blocks_of(design)))
-    return _about(design, everything, stage.best).free
+    simulated = {model.keys: model.log_posterior for model in models}
+    linear = {one.keys: one.log_posterior for one in found}
+    both = [keys for keys in simulated if keys in linear]
+    offset = float(np.median([simulated[keys] - linear[keys] for keys in both])) if both else 0.0
+    every = {keys: value + offset for keys, value in linear.items()} | simulated
+    total = float(logsumexp(list(every.values())))
+    mass: dict[frozenset[Hashable], float] = {}
+    for keys in sorted(every, key=lambda keys: -every[keys]):
+        whose = next((other for other in mass if other and other < keys), keys)
+        mass[whose] = mass.get(whose, 0.0) + float(np.exp(every[keys] - total))
+    return tuple(replace(model, probability=mass.get(model.keys, 0.0)) for model in models)

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnose.extend.fit import Fit, is_simulated, pseudo_residual
+from bench.diagnose.extend.fit import is_simulated, pseudo_residual
+from bench.diagnose.name.models import Model, without_shape
 from bench.diagnose.picture.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.picture.design import Design, raised, relinearised, with_play
 from bench.diagnose.picture.generic import blocks_of
@@ -53,7 +54,6 @@ class Surroundings:
         self.recorded = recorded
         self._causes: tuple[Cause, ...] = ()
         self._changes = Changes(np.empty(0), ())
-        self._threshold: float | None = None
         self._tried: Tried | None = None
         self._tried_for: tuple[object, object] = (None, None)  # whitenings and changes
 
@@ -67,42 +67,38 @@ class Surroundings:
         """
         self._causes, self._changes = tuple(causes), changes
         design = self._looked_around(design, lambda nominal: nominal.white)
-        design, screening = self._screened(design, lambda nominal: nominal.white)
-        self._threshold = screening.threshold  # what chance brings about hardly depends on what was found
-        return design, screening
+        design = _settled(design, lambda nominal: nominal.white)
+        return design, screen(design, design.white, self._everything(design), self.rate)
 
-    def about(self, design: Design, fit: Fit, known: Screening, *, is_last: bool = False) -> tuple[Design, Screening]:
-        """Return the linear picture about an extended model, with everything that can be tried there.
+    def about(self, design: Design, model: Model, *, is_last: bool = False) -> tuple[Design, Tried]:
+        """Return the campaign linearised about an extended model, with everything that can be tried there.
 
         Signatures are simulated anew where effects find places that they did not find before.
 
         Args:
             design: About the model before.
-            fit: Of the extended model.
-            known: Everything as it was weighed before; returned as it is where nothing has to be weighed anew.
+            model: The extended model.
             is_last: Nothing will be added any more.
         """
-
-        def white_of(about: Design) -> Array:
-            return pseudo_residual(about, fit)
-
-        before, design = design, with_play(design, fit.play)
-        world = fit.world(design)
-        causes = causes_of(self.catalogue.values(), design.replay.robot(world), self.measured, self.recorded)
+        fit, count = model.fit, len(design.nuisances)
+        nominal = model.design(design)
+        own = with_play(nominal, fit.play)
+        world = fit.world(own)
+        causes = causes_of(self.catalogue.values(), own.replay.robot(world), self.measured, self.recorded)
         taken = {cause.key for cause in fit.causes}
         if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
-            which = [i for i, nuisance in enumerate(design.nuisances) if is_simulated(nuisance)]
-            nuisances = tuple(design.nuisances[i] for i in which)
-            self._causes = tuple(cause for cause in causes if cause.key not in taken)
-            signatures = Signatures(self.compiled, design.quantities, nuisances, self._causes, world)
-            self._changes = signatures.changes(design.segments, self.executor)
-            design = relinearised(design, which, self._changes.nuisances)
-            design = self._looked_around(design, white_of)
-        elif design is not before:
-            design = self._looked_around(design, white_of)
-        elif _is_settled(_factors(design, white_of(design), is_last=is_last)):
-            return design, known
-        return self._screened(design, white_of, is_last=is_last)
+            which = [i for i, nuisance in enumerate(own.nuisances) if is_simulated(nuisance)]
+            nuisances = tuple(own.nuisances[i] for i in which)
+            known = {cause.key for cause in causes}
+            self._causes = (*causes, *(cause for cause in self._causes if cause.key not in known))
+            signatures = Signatures(self.compiled, own.quantities, nuisances, self._causes, world)
+            self._changes = signatures.changes(own.segments, self.executor)
+            own = relinearised(own, which, self._changes.nuisances)
+        if own is not nominal:
+            own = self._looked_around(own, lambda other: pseudo_residual(other, fit))
+        own = _settled(own, lambda other: pseudo_residual(other, fit), is_last=is_last)
+        design = without_shape(own, count)
+        return design, self._everything(design)
 
     def _looked_around(self, design: Design, white_of: Callable[[Design], Array]) -> Design:
         """Return the design with what not even everything together explains, by the instruments' standard errors."""
@@ -116,16 +112,6 @@ class Surroundings:
         least = np.maximum(unexplained(plain, white_of(plain), tried.columns, tried.prior), 1.0)
         return replace(design, unexplained=least)
 
-    def _screened(
-        self, design: Design, white_of: Callable[[Design], Array], *, is_last: bool = False
-    ) -> tuple[Design, Screening]:
-        for _ in range(ROUNDS):
-            factors = _factors(design, white_of(design), is_last=is_last)
-            if _is_settled(factors):
-                break
-            design = raised(design, factors)
-        return design, screen(design, white_of(design), self._everything(design), self.rate, self._threshold)
-
     def _everything(self, design: Design) -> Tried:
         """Return every cause and every free shape as a design whitens them."""
         known = (design.whitenings, self._changes)
@@ -136,10 +122,16 @@ class Surroundings:
         return self._tried
 
 
+def _settled(design: Design, white_of: Callable[[Design], Array], *, is_last: bool = False) -> Design:
+    """Return the design with standard errors raised to what its model misses."""
+    for _ in range(ROUNDS):
+        factors = _factors(design, white_of(design), is_last=is_last)
+        if np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)):
+            break
+        design = raised(design, factors)
+    return design
+
+
 def _factors(design: Design, white: Array, *, is_last: bool) -> Array:
     """Return by what the standard errors have to be raised, shape (2, c)."""
     return np.maximum(missed(design, white, is_last=is_last) * design.excess, design.unexplained) / design.excess
-
-
-def _is_settled(factors: Array) -> bool:
-    return bool(np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)))

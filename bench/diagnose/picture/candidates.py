@@ -38,6 +38,11 @@ class Cause:
         """Name of the effect and place, in words."""
         return self.effect.name, str(self.place)
 
+    @property
+    def drive(self) -> int:
+        """Index of the drive at which it acts, or -1."""
+        return self.place.index if self.place.kind == "joint" else -1
+
     def __str__(self) -> str:
         where = "" if self.place == WHOLE else f" of {self.place}"
         return f"{self.effect.title}{where}"
@@ -64,6 +69,11 @@ class Candidate:
     step: Array
     prior: Array
     columns: Array
+
+    @property
+    def plausible(self) -> Array:
+        """Shape (k,), standard deviations of the sizes, in steps."""
+        return self.prior
 
 
 def causes_of(

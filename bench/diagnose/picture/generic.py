@@ -58,6 +58,11 @@ class Block:
     size: float = 1.0
     reflector: int = -1
 
+    @property
+    def plausible(self) -> Array:
+        """Shape (k,), standard deviations of the coefficients."""
+        return np.full(self.columns.shape[1], self.prior)
+
     def __str__(self) -> str:
         return f"{self.kind} at {self.place}, depending on {self.depends_on}"
 

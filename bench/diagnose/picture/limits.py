@@ -47,8 +47,9 @@ def detection_limits(screening: Screening) -> tuple[DetectionLimit, ...]:
         what = entry.what
         if not isinstance(what, Candidate):
             continue
-        for size, column, prior, step in zip(what.cause.sizes, entry.columns, entry.prior, what.step, strict=True):
-            limit = smallest_found(float(known[column]), float(prior), screening.threshold) * abs(float(step))
+        prior, share = entry.priors[0]
+        for size, column, sigma, step in zip(what.cause.sizes, entry.columns, prior, what.step, strict=True):
+            limit = smallest_found(float(known[column]), float(sigma), screening.threshold - share) * abs(float(step))
             key = (*what.cause.key, size.name)
             if np.isfinite(limit) and (key not in found or limit < found[key].limit):
                 found[key] = DetectionLimit(*what.cause.key, size.name, limit, size.unit)

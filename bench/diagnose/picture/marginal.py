@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
+from scipy.special import log_ndtr
 
 from bench.record.campaign import Array
 
@@ -97,11 +98,6 @@ class Marginal:
         diagonal: Array = self.columns.squares - np.einsum("ij,ij->j", self.reduced, self.reduced)
         return diagonal
 
-    def gain(self, columns: Array, prior: Array | None = None) -> float:
-        """Return by how much chi-square falls with some columns; with a prior, by how much the penalised one falls."""
-        b, h = self.scores[columns], self._penalised(columns, prior)
-        return float(b @ np.linalg.solve(h, b))
-
     def sizes(self, columns: Array, prior: Array | None = None) -> tuple[Array, Array]:
         """Return the best sizes of some columns and their covariance."""
         covariance = np.asarray(np.linalg.inv(self._penalised(columns, prior)), dtype=np.float64)
@@ -111,21 +107,18 @@ class Marginal:
         """Return the logarithm of the Bayes factor of some columns with normal priors against the null model."""
         return float(self.log_evidences(columns[None], prior[None])[0])
 
-    def log_evidences(self, columns: Array, prior: Array) -> Array:
-        """Return the log evidence of E groups of k columns, shape (E,), for indices and priors of shape (E, k)."""
-        h = self._blocks(columns)
-        scaled = prior[:, :, None] * h * prior[:, None, :] + np.eye(columns.shape[1])
-        found: Array = 0.5 * self._gains(h, columns, prior) - 0.5 * np.linalg.slogdet(scaled)[1]
-        return found
+    def log_evidences(self, columns: Array, prior: Array, sign: Array | None = None) -> Array:
+        """Return the log evidence of E groups of k columns, shape (E,), for indices and priors of shape (E, k).
 
-    def gains(self, columns: Array, prior: Array) -> Array:
-        """Return the gain of E groups of k columns, shape (E,), for indices and priors of shape (E, k)."""
-        return self._gains(self._blocks(columns), columns, prior)
-
-    def only(self, columns: Array) -> "Marginal":
-        """Return the products of some columns alone, each with each."""
-        some = Columns(self.columns.matrix[:, columns], is_small=True)
-        return Marginal(self.misfit, self.scores[columns], some, self.reduced[:, columns], self.n)
+        Args:
+            columns: Indices.
+            prior: Standard deviations of normal priors.
+            sign: Shape (E, k), of sizes that can have one sign only, with half-normal priors; None: either.
+        """
+        h, b = self._blocks(columns), self.scores[columns]
+        every = np.arange(columns.shape[1])
+        h[:, every, every] += JITTER * np.maximum(h[:, every, every], 1.0) + 1 / prior**2
+        return log_evidences_of(h, b, prior, sign)
 
     def given(self, columns: Array, prior: Array | None = None) -> "Marginal":
         """Return the products with some columns in the model already."""
@@ -144,13 +137,6 @@ class Marginal:
         blocks: Array = self.columns.products_of(columns) - own.transpose(0, 2, 1) @ own
         return blocks
 
-    def _gains(self, h: Array, columns: Array, prior: Array) -> Array:
-        b = self.scores[columns][:, :, None]
-        diagonal = np.diagonal(h, axis1=1, axis2=2)
-        extra = JITTER * np.maximum(diagonal, 1.0) + 1 / prior**2
-        gains: Array = np.sum(b * np.linalg.solve(h + extra[:, :, None] * np.eye(h.shape[1]), b), axis=(1, 2))
-        return gains
-
     def _penalised(self, columns: Array, prior: Array | None) -> Array:
         h: Array = self._blocks(columns[None])[0]
         diagonal = np.diag(h)
@@ -158,6 +144,35 @@ class Marginal:
         if prior is not None:
             h[np.diag_indices_from(h)] += 1 / prior**2
         return h
+
+
+def log_evidences_of(h: Array, b: Array, prior: Array, sign: Array | None = None) -> Array:
+    """Return the log evidence of E groups of k sizes, shape (E,), by their products.
+
+    Args:
+        h: Shape (E, k, k), information with that of the priors.
+        b: Shape (E, k), scores.
+        prior: Shape (E, k), standard deviations of normal priors.
+        sign: Shape (E, k), of sizes that can have one sign only, with half-normal priors; 0 or None: either.
+    """
+    mean = np.linalg.solve(h, b[:, :, None])[:, :, 0]
+    volume = 0.5 * np.linalg.slogdet(h)[1] + np.sum(np.log(prior), axis=1)
+    found: Array = 0.5 * np.sum(mean * b, axis=1) - volume
+    if sign is not None and np.any(sign):
+        deviation = np.sqrt(np.diagonal(np.linalg.inv(h), axis1=1, axis2=2))
+        found = found + log_half_normal(mean * sign, deviation, sign).sum(axis=1)
+    return found
+
+
+def log_half_normal(mean: Array, deviation: Array, sign: Array) -> Array:
+    """Return the logarithm of what a half-normal prior makes of the evidence of a normal one, same shape.
+
+    Args:
+        mean: Posterior mean of each size under the normal prior, positive where it has its sign.
+        deviation: Its standard deviation.
+        sign: 0 where both signs are possible: 0 then.
+    """
+    return np.asarray(np.where(sign == 0, 0.0, np.log(2) + log_ndtr(mean / deviation)), dtype=np.float64)
 
 
 class Nuisances:
@@ -174,6 +189,14 @@ class Nuisances:
         every = slopes if tangent is None else np.concatenate([slopes, tangent], axis=1)
         self._every = every
         self._factor = np.linalg.cholesky(np.eye(every.shape[1]) + every.T @ every)
+
+    def regression(self, known: Array, columns: Array) -> Array:
+        """Return the coefficients of columns, shape (m, k), on known ones, shape (m, n): shape (n, k)."""
+        reduced = [solve_triangular(self._factor, self._every.T @ some, lower=True) for some in (known, columns)]
+        information = known.T @ known - reduced[0].T @ reduced[0]
+        information[np.diag_indices_from(information)] += JITTER * np.maximum(np.diag(information), 1.0)
+        cross = known.T @ columns - reduced[0].T @ reduced[1]
+        return np.asarray(np.linalg.solve(information, cross), dtype=np.float64)
 
     def products(self, white: Array, columns: Array | Columns) -> Marginal:
         """Return the inner products of a whitened residual, shape (m,), and columns, shape (m, q)."""

@@ -17,13 +17,14 @@ LEAST = 4.6  # log Bayes factor (100 to 1) that is asked for even where chance a
 
 
 def family_threshold(
-    marginal: Marginal, blocks: Sequence[tuple[Array, Array]], rate: float, rng: np.random.Generator
+    marginal: Marginal, blocks: Sequence[tuple[Array, Array, float]], rate: float, rng: np.random.Generator
 ) -> float:
     """Return the log evidence that the best of all blocks exceeds by chance in a share `rate` of null campaigns.
 
     Args:
         marginal: Products of the campaign.
-        blocks: Columns and prior of everything that is tried.
+        blocks: Columns and prior of everything that is tried, and the logarithm of its share of the prior odds. That a
+            size has one sign only is left out: it halves how often chance passes, and doubles the evidence.
         rate: Declared false-alarm rate.
         rng: For the null campaigns, which are drawn in the space of the scores.
     """
@@ -62,18 +63,18 @@ class _Group:
     costs: Array
 
 
-def _shaped(information: Array, blocks: Sequence[tuple[Array, Array]]) -> tuple[_Group, list[_Group]]:
+def _shaped(information: Array, blocks: Sequence[tuple[Array, Array, float]]) -> tuple[_Group, list[_Group]]:
     """Return the blocks of one column, and the others grouped by their numbers of columns."""
-    by_size: dict[int, list[tuple[Array, Array]]] = {}
+    by_size: dict[int, list[tuple[Array, Array, float]]] = {}
     for block in blocks:
         by_size.setdefault(len(block[0]), []).append(block)
     groups = {}
     for k, alike in by_size.items():
-        columns, prior = (np.stack(part) for part in zip(*alike, strict=True))
+        columns, prior, share = (np.stack(part) for part in zip(*alike, strict=True))
         h = information[columns[:, :, None], columns[:, None, :]]
         factor = np.linalg.cholesky(np.eye(k) + prior[:, :, None] * h * prior[:, None, :])
         weights = np.linalg.inv(factor) * prior[:, None, :]
-        costs = np.sum(np.log(np.diagonal(factor, axis1=1, axis2=2)), axis=1)
+        costs = np.sum(np.log(np.diagonal(factor, axis1=1, axis2=2)), axis=1) - share
         groups[k] = _Group(columns, weights.transpose(0, 2, 1).astype(np.float32), costs)
     none = _Group(np.empty((0, 1), dtype=np.int64), np.empty((0, 1, 1), dtype=np.float32), np.empty(0))
     one = groups.pop(1, none)

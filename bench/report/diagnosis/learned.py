@@ -69,16 +69,14 @@ def learned_of(naming: Naming, lesson: Lesson | None = None) -> Learned | None:
 
     Args:
         naming: What the data say.
-        lesson: The shape as fitted by simulation; without it, or where no model has it, the linear picture says it.
+        lesson: The shape as fitted by simulation; without it, or where no model has it, the linearised model says it.
     """
     block = naming.unlisted
     if block is None:
         return None
     if lesson and lesson.fit and lesson.pays:
         return _simulated(lesson, lesson.fit, block)
-    both = (naming.leftover, naming.screening) if naming.hypotheses else (naming.screening, naming.leftover)
-    screening, entry = next((s, e) for s in both for e in s.free if str(e.what) == str(block))
-    return Learned(block, *screening.marginal.sizes(entry.columns, entry.prior))
+    return Learned(block, *naming.models[0].shape_estimate(naming.design))
 
 
 def _simulated(lesson: Lesson, fit: Fit, block: Block) -> Learned:

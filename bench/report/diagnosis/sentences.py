@@ -137,7 +137,6 @@ def gain_text(gain: ChannelGain) -> str:
 def step_text(step: Step) -> str:
     """Return what a step of the climb added and what that was worth, in a line."""
     added = " with ".join(cause_name(cause) for cause in step.added)
-    added = f"in place of all before, {added}" if step.replaced else added
     held_out = f"held out {step.held_out:+.0f} ({step.low:.0f} to {step.high:.0f})"
     left = step_left(step)
     return f"{added}: {step.log_evidence:+.0f}, {held_out}" + (f"; {left}" if left else "")

@@ -49,8 +49,6 @@ def test_a_climb_is_told_step_by_step() -> None:
     lines = list(words_of(replace(VERDICTS["cause"], steps=steps)))
     assert "  loss of gas: +94, held out +81 (60 to 103); motor current 2 0.612 -> 0.081 A" in lines
     assert "  mass of a link (upper arm): +7, held out +81 (60 to 103)" in lines
-    lines = list(words_of(replace(VERDICTS["cause"], steps=(first, replace(steps[1], replaced=True)))))
-    assert "  in place of all before, mass of a link (upper arm): +7, held out +81 (60 to 103)" in lines
 
 
 def test_one_cause_in_many_joints_is_named_once() -> None:

@@ -9,8 +9,10 @@ import pytest
 from rerun.chunk import RrdReader
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
+from bench.diagnose.extend.refit import refit
+from bench.diagnose.name.models import Model, with_shape
 from bench.diagnose.name.naming import Naming
-from bench.diagnose.picture.generic import Block
+from bench.diagnose.picture.generic import Block, anew
 from bench.diagnose.verdict import Unlisted
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
@@ -60,12 +62,14 @@ def named(found: Diagnosis, kind: str) -> Diagnosis:
     naming, verdict = found.naming, found.verdict
     empty = replace(verdict, kind=kind, explanations=(), rivals=(), gain=(), steps=(), next=())
     if kind == "nothing found":
-        changed: Naming = replace(naming, kind="nothing found", hypotheses=())
+        changed: Naming = replace(naming, kind="nothing found", models=())
         return replace(found, naming=changed, verdict=empty)
     if kind == "unlisted cause":
-        block = naming.screening.free[0].what
-        assert isinstance(block, Block)
-        changed = replace(naming, kind="unlisted cause", hypotheses=(), unlisted=block)
+        shape = naming.screening.free[0].what
+        assert isinstance(shape, Block)
+        block = anew(naming.design, shape)
+        own = with_shape(naming.design, block)
+        changed = replace(naming, kind="unlisted cause", models=(Model(refit(own, (), {}), block),))
         unlisted = Unlisted(block.place, block.kind, block.depends_on)
         return replace(found, naming=changed, verdict=replace(empty, unlisted=unlisted))
     return found

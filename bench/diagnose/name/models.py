@@ -1,0 +1,221 @@
+"""Models that extend the nominal one by findings, fitted by simulation: listed causes, and at most one free shape."""
+
+from collections.abc import Hashable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+
+from bench.diagnose.extend.fit import Fit, Key, unknowns_of
+from bench.diagnose.extend.refit import refit
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.generic import Block
+from bench.diagnose.picture.marginal import log_half_normal
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.errors import NOT_SIMULATED
+from bench.executor.contract import Executor, Progress, in_order
+from bench.record.campaign import Array
+
+NARROW = 1.5  # ratio of neighbouring shapes below which an effect is lost between two of them: more starts are tried
+TINY = 1e-300
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """The nominal model with findings, fitted.
+
+    Attributes:
+        fit: Of the causes; where there is a shape, in the design that has it among its nuisances (`with_shape`).
+        shape: What is not listed, or None.
+        log_evidence: Logarithm of its Bayes factor against the nominal model.
+        log_posterior: The same with prior odds.
+        probability: Among everything that was weighed.
+    """
+
+    fit: Fit
+    shape: Block | None = None
+    log_evidence: float = 0.0
+    log_posterior: float = 0.0
+    probability: float = 1.0
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """Its listed causes."""
+        return self.fit.causes
+
+    @property
+    def keys(self) -> frozenset[Hashable]:
+        """What tells it from others: its causes and its shape."""
+        shape = {str(self.shape)} if self.shape else set()
+        return frozenset({cause.key for cause in self.causes} | shape)
+
+    def design(self, plain: Design) -> Design:
+        """Return the design that it is fitted in."""
+        return with_shape(plain, self.shape) if self.shape else plain
+
+    def listed_fit(self, plain: Design) -> Fit:
+        """Return the fit without what is not listed: its part is left in the residual."""
+        if self.shape is None:
+            return self.fit
+        p, design = len(plain.nuisances), self.design(plain)
+        left = self.fit.residual + design.changes[:, :, p:] @ self.fit.nuisances[p:]
+        return replace(self.fit, nuisances=self.fit.nuisances[:p], residual=left)
+
+    def shape_estimate(self, plain: Design) -> tuple[Array, Array]:
+        """Return the coefficients of the shape, shape (k,), and their covariance, (k, k), everything else free."""
+        assert self.shape
+        design, own = self.design(plain), slice(len(plain.nuisances), None)
+        slopes = np.concatenate([design.whiten(self.fit.slopes), design.slopes], axis=1)
+        prior = np.concatenate(
+            [[1 / unknown.sigma**2 for unknown in self.fit.unknowns], np.ones(design.slopes.shape[1])]
+        )
+        k = slopes.shape[1] - self.shape.columns.shape[1]
+        covariance = np.linalg.inv(slopes.T @ slopes + np.diag(prior))[k:, k:]
+        return self.fit.nuisances[own] * self.shape.prior, covariance * self.shape.prior**2
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A model that is to be fitted.
+
+    Attributes:
+        causes: Listed.
+        shape: Not listed, or None.
+        start: First values of the parameters.
+        nuisances: First values, shape (p,), without those of the shape; None: zeros.
+        log_odds: Logarithm of its prior odds.
+    """
+
+    causes: tuple[Cause, ...]
+    shape: Block | None
+    start: dict[Key, float]
+    nuisances: Array | None
+    log_odds: float
+
+    @property
+    def keys(self) -> frozenset[Hashable]:
+        """As of the model."""
+        shape = {str(self.shape)} if self.shape else set()
+        return frozenset({cause.key for cause in self.causes} | shape)
+
+
+@dataclass(eq=False)
+class Fitter:
+    """Fits models to a design, and remembers them.
+
+    Attributes:
+        design: The campaign.
+        null: Fit of the nominal model to it.
+        executor: Where to fit.
+        known: Fit near all of them, whose derivatives will do as long as they promise what comes true; or None.
+        models: Keys -> model; None where it finds no balance, is not plausible, or does not need one of its causes.
+    """
+
+    design: Design
+    null: Fit
+    executor: Executor
+    known: Fit | None = None
+    models: dict[frozenset[Hashable], Model | None] = field(default_factory=dict)
+
+    def fitted(self, trials: Sequence[Trial]) -> list[Model]:
+        """Return the models of trials, without those that `models` has None for.
+
+        Raises:
+            EffectError: An effect of the user's own fails.
+        """
+        new = list({trial.keys: trial for trial in trials if trial.keys not in self.models}.values())
+        fits = in_order(self.executor, partial(_fit, self.design, self.known), new)
+        for trial, fit in zip(new, fits, strict=True):
+            self.models[trial.keys] = self._model(trial, fit) if fit else None
+        found = (self.models[keys] for keys in dict.fromkeys(trial.keys for trial in trials))
+        return [model for model in found if model is not None]
+
+    def knows(self, model: Model, trial: Trial) -> Trial:
+        """Take a model that was fitted to the design already, and return its trial."""
+        self.models[trial.keys] = self._model(trial, model.fit) or Model(self.null)
+        return trial
+
+    def _model(self, trial: Trial, fit: Fit) -> Model | None:
+        fit = replace(fit, causes=trial.causes, unknowns=unknowns_of(trial.causes))
+        if not (fit.is_plausible and all(fit.acts(cause) for cause in trial.causes)):
+            return None
+        evidence = fit.log_evidence - self.null.log_evidence + log_of_signs(fit)
+        return Model(fit, trial.shape, evidence, evidence + trial.log_odds)
+
+
+def log_of_signs(fit: Fit) -> float:
+    """Return what sizes that have one sign only add to the logarithm of the evidence, which normal priors gave."""
+    sizes = [i for i, one in enumerate(fit.unknowns) if not one.parameter.is_shape and not one.parameter.signed]
+    mean = np.array([fit.values[i] - fit.unknowns[i].parameter.null for i in sizes])
+    return float(np.sum(log_half_normal(mean, np.maximum(fit.sigma[sizes], TINY), np.ones(len(sizes)))))
+
+
+def with_shape(design: Design, shape: Block) -> Design:
+    """Return a design that has a free shape among its nuisances; it acts by its changes alone.
+
+    Args:
+        design: The campaign.
+        shape: As this design whitens it.
+    """
+    slopes = shape.columns * shape.prior
+    nuisances = tuple(Nuisance(f"{shape}, {i + 1}", shape.unit, shape.prior) for i in range(slopes.shape[1]))
+    return replace(
+        design,
+        nuisances=(*design.nuisances, *nuisances),
+        changes=np.concatenate([design.changes, design.unwhiten(slopes)], axis=2),
+        slopes=np.concatenate([design.slopes, slopes], axis=1),
+    )
+
+
+def without_shape(design: Design, count: int) -> Design:
+    """Return a design with its first nuisances alone."""
+    if len(design.nuisances) == count:
+        return design
+    return replace(
+        design,
+        nuisances=design.nuisances[:count],
+        changes=design.changes[:, :, :count],
+        slopes=design.slopes[:, :count],
+    )
+
+
+def _fit(plain: Design, known: Fit | None, trial: Trial, _: Progress) -> Fit | None:
+    """Return the best fit without its causes, which come from a user's file and do not pass between processes.
+
+    None where the model finds no balance along the measured motion.
+    """
+    design, nuisances = plain, trial.nuisances
+    if trial.shape:
+        design = with_shape(plain, trial.shape)
+        if nuisances is not None:
+            nuisances = np.concatenate([nuisances, np.zeros(len(design.nuisances) - len(nuisances))])
+    found: Fit | None = None
+    for start in _starts(trial, known):
+        with suppress(*NOT_SIMULATED):
+            fit = refit(design, trial.causes, start, nuisances, known)
+            if found is None or fit.log_evidence > found.log_evidence:
+                found = fit
+    return found and replace(found, causes=(), unknowns=())
+
+
+def _starts(trial: Trial, known: Fit | None) -> list[dict[Key, float]]:
+    """Return where to start: as the linearised model says, and where that may be far off.
+
+    Between the shapes tried, where those lie far apart; and from the largest size of a play, for less of it explains
+    as well with more noise, so a fit may stay at the smaller of two sizes.
+    """
+    old = {cause.key for cause in known.causes} if known else set()
+    starts = [trial.start]
+    for cause in trial.causes:
+        if cause.key in old:
+            continue
+        for shape in cause.shapes:
+            if shape.ratio < NARROW:
+                key = (*cause.key, shape.name)
+                value = trial.start.get(key, shape.null)
+                starts += [trial.start | {key: value * shape.ratio ** (side / 3)} for side in (-1, 1)]
+        if cause.effect.scatters:
+            starts.append(trial.start | {(*cause.key, size.name): size.high for size in cause.sizes})
+    return starts

@@ -1,0 +1,220 @@
+"""Posterior over subsets of what may be wrong, linearised: best-first, with additions, deletions and exchanges.
+
+With whitened residuals r of the model without any finding and columns X, background and nuisances integrated out
+(`picture/marginal.py`), the evidence of a subset S with normal priors P^2 is closed:
+
+    log E(S) = 1/2 s' H^-1 s - 1/2 log det(P H P),    H = G + P^-2,    G = X' M^-1 X,  s = X' M^-1 r
+
+A size that has one sign only has a half-normal prior, which multiplies the evidence by 2 Phi(mean / deviation).
+Adding a cause after cause loses the smaller of two effects behind a dominant one; a joint search does not.
+"""
+
+import heapq
+from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import cho_solve, solve_triangular
+from scipy.special import logsumexp
+
+from bench.diagnose.picture.marginal import JITTER, log_evidences_of, log_half_normal
+from bench.record.campaign import Array
+
+WINDOW = 10.0  # log posterior odds behind the best, beyond which a subset is not expanded (odds of 22 000)
+MOST_EXPANDED = 40  # subsets that are expanded
+ADDITIONS = 12  # best additions to each subset that are looked at
+EXCHANGES = 5  # best additions after each deletion
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """Something that may be in the model; k columns.
+
+    Attributes:
+        key: What it is. Terms with the same key are different shapes of it, and exclude each other.
+        columns: Shape (k,), indices into all columns.
+        prior: Shape (k,), standard deviations of the columns' sizes.
+        log_odds: Logarithm of its prior odds.
+        sign: Shape (k,), of the columns whose size can only be positive (1) or negative (-1); 0: either.
+        is_listed: Whether a search may add it; other terms are in its subsets only where it is told so.
+    """
+
+    key: Hashable
+    columns: Array
+    prior: Array
+    log_odds: float
+    sign: Array
+    is_listed: bool = True
+
+
+@dataclass(frozen=True)
+class Subset:
+    """Some terms together.
+
+    Attributes:
+        terms: Indices, in rising order.
+        log_posterior: Logarithm of their posterior odds against the model without any finding.
+    """
+
+    terms: tuple[int, ...]
+    log_posterior: float
+
+
+class LinearModel:
+    """A linearised model with everything that may be added to it.
+
+    Args:
+        information: Shape (q, q), X' M^-1 X.
+        scores: Shape (q,), X' M^-1 r.
+        terms: What may be added.
+    """
+
+    def __init__(self, information: Array, scores: Array, terms: Sequence[Term]) -> None:
+        self.information, self.scores, self.terms = information, scores, tuple(terms)
+
+    def log_posterior(self, which: Sequence[int]) -> float:
+        """Return the log posterior odds of some terms against none."""
+        if not which:
+            return 0.0
+        terms = [self.terms[i] for i in which]
+        prior, sign = np.concatenate([t.prior for t in terms]), np.concatenate([t.sign for t in terms])
+        root, pull = self._root(which)
+        total = 0.5 * float(pull @ pull) - float(np.sum(np.log(np.diag(root)))) - float(np.sum(np.log(prior)))
+        if np.any(sign):
+            covariance = cho_solve((root, True), np.eye(len(root)))
+            mean = solve_triangular(root, pull, lower=True, trans=1)
+            total += float(np.sum(log_half_normal(mean * sign, np.sqrt(np.diag(covariance)), sign)))
+        return total + sum(term.log_odds for term in terms)
+
+    def sizes(self, which: Sequence[int]) -> Array:
+        """Return the most probable sizes of the columns of some terms, one term after the other."""
+        root, pull = self._root(which)
+        return np.asarray(solve_triangular(root, pull, lower=True, trans=1), dtype=np.float64)
+
+    def additions(self, which: Sequence[int]) -> Array:
+        """Return by how much the log posterior odds rise with each term added to some, shape (number of terms,).
+
+        What a size with one sign says of the terms that are there already is left out. -inf where a term excludes
+        one that is there.
+        """
+        score, reduced = self.scores, np.zeros((0, len(self.scores)))
+        if which:
+            root, pull = self._root(which)
+            columns = np.concatenate([self.terms[i].columns for i in which])
+            reduced = solve_triangular(root, self.information[columns], lower=True)
+            score = score - pull @ reduced
+        rise = np.full(len(self.terms), -np.inf)
+        for members, columns, prior, sign, odds, own in self._groups:
+            there = reduced[:, columns].transpose(1, 0, 2)
+            h = own - there.transpose(0, 2, 1) @ there + _diagonal(1 / prior**2)
+            rise[members] = log_evidences_of(h, score[columns], prior, sign) + odds
+        excluded = {self.terms[i].key for i in which}
+        rise[[i for i, term in enumerate(self.terms) if term.key in excluded]] = -np.inf
+        return rise
+
+    def _root(self, which: Sequence[int]) -> tuple[Array, Array]:
+        """Return the Cholesky factor L of H and L^-1 s of the columns of some terms."""
+        columns = np.concatenate([self.terms[i].columns for i in which])
+        prior = np.concatenate([self.terms[i].prior for i in which])
+        h = self.information[np.ix_(columns, columns)].copy()
+        h[np.diag_indices_from(h)] += 1 / prior**2 + JITTER * np.maximum(np.diag(h), 1.0)
+        root = np.linalg.cholesky(h)
+        return root, np.asarray(solve_triangular(root, self.scores[columns], lower=True), dtype=np.float64)
+
+    @cached_property
+    def _groups(self) -> list[tuple[Array, Array, Array, Array, Array, Array]]:
+        """Terms with as many columns: their indices, columns, priors, signs, prior odds, and own information."""
+        by_size: dict[int, list[int]] = {}
+        for i, term in enumerate(self.terms):
+            by_size.setdefault(len(term.columns), []).append(i)
+        groups = []
+        for k, members in by_size.items():
+            columns, prior, sign = (
+                np.stack([getattr(self.terms[i], name) for i in members]) for name in ("columns", "prior", "sign")
+            )
+            own = self.information[columns[:, :, None], columns[:, None, :]]
+            own = own + _diagonal(JITTER * np.maximum(np.diagonal(own, axis1=1, axis2=2), 1.0))
+            odds = np.array([self.terms[i].log_odds for i in members])
+            groups.append((np.array(members), columns.reshape(-1, k), prior, sign, odds, own))
+        return groups
+
+
+def search(model: LinearModel, start: Iterable[Sequence[int]] = ((),), always: tuple[int, ...] = ()) -> list[Subset]:
+    """Return all subsets that were visited, the most probable first.
+
+    Args:
+        model: What may be added to what.
+        start: Subsets to begin with.
+        always: Terms that are in every subset.
+    """
+    visited: dict[tuple[int, ...], float] = {}
+    queue: list[tuple[float, tuple[int, ...]]] = []
+    rises: dict[tuple[int, ...], Array] = {}
+
+    def visit(which: Iterable[int]) -> None:
+        terms = tuple(sorted(which))
+        if terms not in visited:
+            visited[terms] = model.log_posterior(terms)
+            heapq.heappush(queue, (-visited[terms], terms))
+
+    def best_additions(terms: tuple[int, ...], count: int) -> list[int]:
+        if terms not in rises:
+            rises[terms] = np.where(is_optional, model.additions(terms), -np.inf)
+        rise = rises[terms]
+        if not len(rise):
+            return []
+        order = np.argpartition(-rise, min(count, len(rise) - 1))[:count]
+        return [int(i) for i in order if np.isfinite(rise[i])]
+
+    is_optional = np.array([term.is_listed for term in model.terms], dtype=bool)
+    for which in ((), *start):
+        visit({*which, *always})
+    for _ in range(MOST_EXPANDED):
+        if not queue or -queue[0][0] < max(visited.values()) - WINDOW:
+            break
+        terms = heapq.heappop(queue)[1]
+        for i in best_additions(terms, ADDITIONS):
+            visit((*terms, i))
+        for gone in set(terms) - set(always):
+            rest = tuple(i for i in terms if i != gone)
+            visit(rest)
+            for i in best_additions(rest, EXCHANGES):
+                visit((*rest, i))
+    found = [Subset(terms, value) for terms, value in visited.items()]
+    return sorted(found, key=lambda subset: -subset.log_posterior)
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """Subsets that say the same but for the shapes of their terms.
+
+    Attributes:
+        keys: Of the terms.
+        best: The most probable of the subsets.
+        log_posterior: Of all of them together.
+    """
+
+    keys: frozenset[Hashable]
+    best: Subset
+    log_posterior: float
+
+
+def alternatives_of(model: LinearModel, subsets: Iterable[Subset]) -> list[Alternative]:
+    """Return what subsets say, whatever the shapes, the most probable first."""
+    same: dict[frozenset[Hashable], list[Subset]] = {}
+    for subset in subsets:
+        same.setdefault(frozenset(model.terms[i].key for i in subset.terms), []).append(subset)
+    found = [
+        Alternative(keys, max(some, key=lambda s: s.log_posterior), float(logsumexp([s.log_posterior for s in some])))
+        for keys, some in same.items()
+    ]
+    return sorted(found, key=lambda one: -one.log_posterior)
+
+
+def _diagonal(values: Array) -> Array:
+    """Return diagonal matrices, shape (E, k, k), of their diagonals, shape (E, k)."""
+    full = np.zeros((*values.shape, values.shape[1]))
+    every = np.arange(values.shape[1])
+    full[:, every, every] = values
+    return full

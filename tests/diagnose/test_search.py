@@ -1,0 +1,119 @@
+"""The posterior over subsets against dense algebra, quadrature and enumeration."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy.integrate import trapezoid
+from scipy.stats import multivariate_normal, norm
+
+from bench.diagnose.name.search import WINDOW, LinearModel, Term, alternatives_of, search
+from bench.diagnose.picture.marginal import Nuisances
+
+M, P = 40, 3
+ODDS = -3.0
+EXACT = 1e-6  # of logarithms; the algebra adds 1e-9 to diagonals
+
+
+def model_of(
+    columns: np.ndarray, white: np.ndarray, slopes: np.ndarray, signs: tuple[float, ...], prior: float = 1.5
+) -> LinearModel:
+    products = Nuisances(slopes).products(white, columns)
+    terms = [
+        Term(f"cause {i}", np.array([i]), np.array([prior]), ODDS, np.array([sign])) for i, sign in enumerate(signs)
+    ]
+    return LinearModel(products.information, products.scores, terms)
+
+
+@pytest.fixture
+def data() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(5)
+    return rng.standard_normal((M, 4)), rng.standard_normal(M), 0.3 * rng.standard_normal((M, P))
+
+
+def test_posterior_is_the_ratio_of_normal_densities_with_prior_odds(
+    data: tuple[np.ndarray, np.ndarray, np.ndarray],
+) -> None:
+    columns, white, slopes = data
+    model = model_of(columns, white, slopes, (0.0,) * 4)
+    null = np.eye(M) + slopes @ slopes.T
+    for which in [(1,), (0, 2), (0, 1, 3)]:
+        own = 1.5 * columns[:, list(which)]
+        expected = multivariate_normal(cov=null + own @ own.T).logpdf(white) - multivariate_normal(cov=null).logpdf(
+            white
+        )
+        assert model.log_posterior(which) == pytest.approx(expected + len(which) * ODDS, abs=EXACT)
+
+
+def test_a_size_of_one_sign_has_a_half_normal_prior(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+    columns, white, slopes = data
+    free, bound = model_of(columns, white, slopes, (0.0,) * 4), model_of(columns, white, slopes, (0.0, -1.0, 0.0, 0.0))
+    inverse = np.linalg.inv(np.eye(M) + slopes @ slopes.T)
+
+    (a, ab), (_, b) = columns[:, :2].T @ inverse @ columns[:, :2]
+    r, s = columns[:, :2].T @ inverse @ white
+    x, y = np.linspace(-8, 8, 1601)[:, None], np.linspace(-8, 0, 801)
+    fall = r * x + s * y - 0.5 * (a * x**2 + 2 * ab * x * y + b * y**2)
+    density = np.exp(fall) * norm(0, 1.5).pdf(x) * 2 * norm(0, 1.5).pdf(y)
+    evidence = trapezoid(trapezoid(density, y), x[:, 0])
+    assert bound.log_posterior((0, 1)) == pytest.approx(np.log(evidence) + 2 * ODDS, abs=1e-4)
+    assert bound.log_posterior((0, 2)) == free.log_posterior((0, 2))
+
+
+def test_what_an_addition_promises_is_what_it_brings(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+    columns, white, slopes = data
+    model = model_of(columns, white, slopes, (0.0, 0.0, 1.0, -1.0))
+    for which in [(), (0,), (0, 1)]:
+        rise = model.additions(which)
+        for i in range(4):
+            if i in which:
+                assert rise[i] == -np.inf
+            else:
+                both = tuple(sorted((*which, i)))
+                assert rise[i] == pytest.approx(model.log_posterior(both) - model.log_posterior(which), abs=EXACT)
+
+
+def test_search_finds_what_enumeration_finds() -> None:
+    rng = np.random.default_rng(7)
+    columns = rng.standard_normal((M, 9))
+    columns[:, 5] = columns[:, 0] + columns[:, 1] + 0.2 * columns[:, 5]
+    for _ in range(5):
+        hidden = columns[:, :9] @ (rng.random(9) < 0.4)
+        model = model_of(columns, hidden + rng.standard_normal(M), np.zeros((M, 1)), (0.0,) * 9)
+        every = {s: model.log_posterior(s) for k in range(10) for s in combinations(range(9), k)}
+        found = search(model)
+        best = max(every.values())
+        assert found[0].log_posterior == pytest.approx(best)
+        near = {s for s, value in every.items() if value > best - WINDOW / 2}
+        assert near <= {subset.terms for subset in found}
+
+
+def test_two_causes_behind_one_that_looks_like_both_are_found() -> None:
+    """Adding cause after cause takes the column that resembles the sum first, and never parts with it."""
+    rng = np.random.default_rng(3)
+    one, two = np.linalg.qr(rng.standard_normal((M, 2)))[0].T
+    columns = np.stack([one, two, (one + two) / np.sqrt(2) + 0.02 * rng.standard_normal(M)], axis=1)
+    white = 12 * one + 8 * two + 0.1 * rng.standard_normal(M)
+    model = model_of(columns, white, np.zeros((M, 1)), (0.0,) * 3, prior=10.0)
+    assert int(np.argmax(model.additions(()))) == 2
+    assert search(model)[0].terms == (0, 1)
+
+
+def test_shapes_of_one_cause_exclude_each_other_and_count_together(
+    data: tuple[np.ndarray, np.ndarray, np.ndarray],
+) -> None:
+    columns, white, slopes = data
+    plain = model_of(columns, white + 3 * columns[:, 0], slopes, (0.0,) * 4)
+    keys = ("a", "a", "b", "c")
+    terms = [
+        Term(key, term.columns, term.prior, ODDS, term.sign, key != "c")
+        for key, term in zip(keys, plain.terms, strict=True)
+    ]
+    model = LinearModel(plain.information, plain.scores, terms)
+    subsets = search(model)
+    assert not any({0, 1} <= set(s.terms) or 3 in s.terms for s in subsets)
+    assert all(3 in s.terms for s in search(model, always=(3,)))
+    first = alternatives_of(model, subsets)[0]
+    same = [s.log_posterior for s in subsets if {keys[i] for i in s.terms} == first.keys]
+    assert first.log_posterior == pytest.approx(np.logaddexp.reduce(same))
+    assert first.best.log_posterior == max(same)
