@@ -70,9 +70,9 @@ def test_imports_point_down(file: Path) -> None:
         assert words[0] not in ENGINES_OF.get(part, set()), f"{part} may not import {words[0]}"
 
 
-@pytest.mark.parametrize("step", [*STEPS_OF_DIAGNOSIS, "doubt"])
+@pytest.mark.parametrize("step", [*STEPS_OF_DIAGNOSIS, "plausibility"])
 def test_steps_of_a_diagnosis_rest_on_those_before(step: str) -> None:
-    before = STEPS_OF_DIAGNOSIS[: 1 if step == "doubt" else STEPS_OF_DIAGNOSIS.index(step)]
+    before = STEPS_OF_DIAGNOSIS[: 1 if step == "plausibility" else STEPS_OF_DIAGNOSIS.index(step)]
     files = sorted((PACKAGE / "diagnose" / step).glob("*.py"))
     assert len(files) > 1
     for file in files:

@@ -12,9 +12,9 @@ from bench.benchmark.campaigns import hidden_gas_loss, with_rows, with_runs
 from bench.benchmark.clock import exponent, interleaved
 from bench.benchmark.section import Row
 from bench.diagnose.diagnose import measured_by
-from bench.diagnose.doubt.channels import doubts_of
 from bench.diagnose.picture.candidates import causes_of
 from bench.diagnose.picture.signatures import Signatures
+from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of

@@ -20,7 +20,7 @@ class Check:
         from typing import get_args
 
         from bench.cli.progress import progress_bar
-        from bench.diagnose.doubt.channels import doubts_of
+        from bench.diagnose.plausibility.channels import doubts_of
         from bench.errors import CampaignError
         from bench.record.finding import Level
         from bench.report.campaigns import open_campaign

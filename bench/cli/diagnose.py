@@ -46,7 +46,7 @@ class Diagnose:
         from bench.cli.progress import phases
         from bench.cli.stopping import UNFINISHED, ending_on_interrupt, seconds_of
         from bench.diagnose.diagnose import FALSE_ALARM_RATE, diagnose
-        from bench.diagnose.doubt.channels import doubts_of
+        from bench.diagnose.plausibility.channels import doubts_of
         from bench.diagnose.verdict import unweighed
         from bench.effects.catalogue import catalogue
         from bench.effects.own import try_out

@@ -11,7 +11,8 @@ import tyro
 class Hide:
     """Make a campaign in which effects are hidden, and apart from it the truth: something to try a diagnosis on.
 
-    An effect is NAME[@PLACE][:PARAMETER][=VALUE], such as coulomb_level@2=0.2: a fifth more, at joint 2.
+    An effect is NAME[@PLACE][:PARAMETER][=VALUE], such as coulomb_level@2=0.2: a fifth more, at joint 2. A place may be
+    a channel or a run, hung_load@loading=-0.5, and what sets in with a run has that too: channel_step@current_2_a@line.
     `bench effects` lists names, parameters and ranges. Values are in SI units; 0.02 of a relative quantity is 2 %.
     Without a parameter the first is meant, without a value a typical one.
     """
@@ -43,6 +44,7 @@ class Hide:
         from bench.effects.catalogue import catalogue
         from bench.errors import InputError
         from bench.hide.campaign import hide_campaign
+        from bench.hide.recorded import recorded_of
         from bench.hide.request import effects_of
         from bench.hide.write import CAMPAIGN, TRUTH, write_hidden
         from bench.record.folder import new_folder
@@ -57,7 +59,8 @@ class Hide:
         if isinstance(session, Complementary):
             raise InputError(f"{self.scenario}: is no experiment on the robot; take a session, such as session-short.")
         robot = load_robot(session.robot)
-        acting = effects_of(self.effects, compile_robot(robot), catalogue(), self.joint)
+        recorded = recorded_of(robot, session, self.without, self.channels)
+        acting = effects_of(self.effects, compile_robot(robot), catalogue(), self.joint, recorded)
         with new_folder(self.out, CAMPAIGN, replace=False) as folder:
             hidden = hide_campaign(
                 robot,

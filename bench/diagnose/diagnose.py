@@ -23,6 +23,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, segments_of
 from bench.diagnose.verdict import BlindSpot, Proposal, Unfinished, Verdict, unfinished_of, verdict_of
 from bench.effects.effect import Effect
+from bench.effects.recorded import Recorded, recorded_in
 from bench.errors import BenchError, InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -138,7 +139,9 @@ def _diagnose(
     changes = signatures.changes(segments, executor)
     design = design_of(Replay(compiled, segments, quantities), signatures.nuisances, changes.nuisances)
     progress("naming")
-    around = Surroundings(compiled, catalogue, measured_by(campaign), rate, executor)
+    around = Surroundings(
+        compiled, catalogue, measured_by(campaign), rate, executor, recorded=recorded_by(campaign, compiled)
+    )
     design, screening = around.weighed(design, signatures.causes, changes)
     naming = name_cause(design, screening, around.about, progress, executor)
     worth: HeldOut | None = None
@@ -182,7 +185,7 @@ def signatures_of(
 ) -> Signatures:
     """Return the signatures of a campaign and of all others of its session; nothing is simulated yet."""
     quantities = quantities_of(campaign.runs, compiled)
-    causes = causes_of(catalogue.values(), compiled, measured_by(campaign))
+    causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled))
     return Signatures(compiled, quantities, nuisances_of(compiled, quantities), causes, store=store)
 
 
@@ -191,3 +194,8 @@ def measured_by(campaign: Campaign) -> frozenset[str]:
     names = {name for run in campaign.runs for name in run.columns}
     words = (name.split("_")[:-1] for name in names)
     return frozenset("_".join(word for word in part if not word.isdigit()) for part in words)
+
+
+def recorded_by(campaign: Campaign, compiled: CompiledRobot) -> Recorded:
+    """Return the runs and columns of a campaign, where errors of its recording may sit."""
+    return recorded_in(campaign.runs, compiled.model.opt.gravity)

@@ -37,6 +37,16 @@ from bench.effects.masses import (
     UnstatedPayload,
 )
 from bench.effects.own import faults_of, guarded, line_in
+from bench.effects.recording_channel import (
+    ChannelDelay,
+    ChannelDrift,
+    ChannelOffset,
+    ChannelScale,
+    ChannelStep,
+    TrackerCreep,
+    TrackerStep,
+)
+from bench.effects.recording_log import BoltedLoad, HungLoad
 from bench.effects.sensing_bench import ForceGain, ForceTilt, TrackerDrift, TrackerFrame, TrackerScale
 from bench.effects.sensing_drive import (
     CurrentOffset,
@@ -47,6 +57,7 @@ from bench.effects.sensing_drive import (
     TorqueSaturation,
 )
 from bench.effects.sensing_link import LinkEncoderDelay
+from bench.effects.session_time import GasLeak, GasStep, JointSlip
 from bench.effects.structure import BaseCompliance, BaseTorsion, BearingTilt, LinkBending
 from bench.effects.transmission import Backlash, Hysteresis, JointCompliance, Softening
 from bench.errors import InputError
@@ -55,6 +66,8 @@ BUILT_IN: tuple[type[Effect], ...] = (
     # gas and cylinder
     PolytropicExponent,
     GasLoss,
+    GasLeak,
+    GasStep,
     GasTemperature,
     ThermalRelaxation,
     SealFriction,
@@ -93,6 +106,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     LinkInertia,
     RotorInertia,
     JointZero,
+    JointSlip,
     LinkLength,
     DressPack,
     TorqueOffset,
@@ -111,6 +125,16 @@ BUILT_IN: tuple[type[Effect], ...] = (
     EncoderDelay,
     LinkEncoderDelay,
     EncoderEccentricity,
+    # recording
+    ChannelDelay,
+    ChannelScale,
+    ChannelOffset,
+    ChannelDrift,
+    ChannelStep,
+    TrackerCreep,
+    TrackerStep,
+    HungLoad,
+    BoltedLoad,
 )
 
 

@@ -1,34 +1,46 @@
 """The contract of an effect: one entry says its physics, where it may act, and how it changes model and readings.
 
-An entry of the catalogue is a subclass of `Effect` with class attributes and one or two of its three methods:
+An entry of the catalogue is a subclass of `Effect` with class attributes and one or two of these methods:
 
 - `edit`: the effect is in the robot. It returns a change of the `MjSpec`, applied before the model is compiled.
 - `encoder_error`: the effect lies between the true motor angle and what the encoder says of it; the servo follows it.
 - `distort`: the effect is in another instrument. It changes readings, outside of the physics.
 
+Errors of the recording have two more: `lateness`, for a channel that shows what was a while ago, and `log_error`, for
+what was written down wrongly of a run. Whoever simulates knows how to read late and what was written.
+
 An effect in the robot that acts as a torque may say so with `torques`: what it changes to first order then needs no
 simulation. Fits always simulate.
 
-The null value of every parameter changes nothing. Slow influences (temperatures, time) are constant within a run and
-come as `Conditions`.
+The null value of every parameter changes nothing. Slow influences (temperatures, time) come as `Conditions`.
 """
 
 from abc import ABC
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.effects.followed import Followed, Torques
+from bench.effects.recorded import Lateness, LogError, Recorded
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.simulate.instruments import Reading
 from bench.simulate.plant import Trace
 
 Array = NDArray[np.float64]
 Family = Literal[
-    "gas and cylinder", "drive friction", "transmission", "structure", "geometry and mass", "sensing", "own"
+    "gas and cylinder",
+    "drive friction",
+    "transmission",
+    "structure",
+    "geometry and mass",
+    "sensing",
+    "recording",
+    "own",
 ]
+Level = Literal["machine", "recording", "run"]
 REFERENCE_K = 293.15  # temperature at which the nominal figures hold
 Values = Mapping[str, float]
 
@@ -38,19 +50,27 @@ class Place:
     """Where an effect acts.
 
     Attributes:
-        kind: "robot": as a whole (index 0, name ""); "joint": a drive; "body": a body of the MJCF.
+        kind: "robot": as a whole (index 0, name ""); "joint": a drive; "body": a body of the MJCF; "channel": a column
+            of the campaign or an instrument with several; "run": a run of the campaign.
         index: Of the drive, from 0, or MuJoCo's id of the body in the nominal model.
-        name: Of the joint or body in the MJCF.
+        name: Of the joint or body in the MJCF, of the channel or of the run.
+        since: Name of the run with which it sets in; "": with the first.
+        since_s: When that run begins, from the start of the campaign [s].
+        runs: Names of the only runs in which it acts; empty: in all.
     """
 
-    kind: Literal["robot", "joint", "body"]
+    kind: Literal["robot", "joint", "body", "channel", "run"]
     index: int = 0
     name: str = ""
+    since: str = ""
+    since_s: float = -np.inf
+    runs: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        if self.kind == "robot":
-            return "robot"
-        return f"joint {self.index + 1}" if self.kind == "joint" else self.name
+        joint = f"{'drive' if self.since else 'joint'} {self.index + 1}"  # reports list numbers of joints
+        words = {"robot": "robot", "joint": joint, "run": f"run {self.name}"}
+        where = words.get(self.kind, self.name)
+        return f"{where} from run {self.since} on" if self.since else where
 
 
 WHOLE = Place("robot")
@@ -106,6 +126,7 @@ class Conditions:
         gas_k: [K], gas of the counterbalance.
         ambient_k: [K].
         payload_kg: Mass bolted to the load point, as the lab knows it.
+        time_s: From the start of the campaign, in the middle of what they hold for [s].
     """
 
     gear_k: Array
@@ -113,48 +134,17 @@ class Conditions:
     gas_k: float = REFERENCE_K
     ambient_k: float = REFERENCE_K
     payload_kg: float = 0.0
+    time_s: float = 0.0
 
     @property
     def key(self) -> tuple[object, ...]:
         """What tells conditions apart, for dictionaries."""
-        return self.gear_k.tobytes(), self.winding_k.tobytes(), self.gas_k, self.ambient_k, self.payload_kg
+        return self.gear_k.tobytes(), self.winding_k.tobytes(), self.gas_k, self.ambient_k, self.payload_kg, self.time_s
 
     @classmethod
     def reference(cls, n: int, payload_kg: float = 0.0) -> "Conditions":
         """Return the conditions under which the nominal figures hold, for n drives."""
         return cls(np.full(n, REFERENCE_K), np.full(n, REFERENCE_K), payload_kg=payload_kg)
-
-
-@dataclass(frozen=True, eq=False)
-class Followed:
-    """A robot and what it did; T instants, n drives.
-
-    Attributes:
-        compiled: The robot.
-        trace: What it did.
-        acceleration: Shape (T, n) [rad/s^2], of motors and links.
-        visit: Shape (T,), at rest the index of the first instant of the same visit, which comes right after the pose
-            was approached; -1 in motion.
-        gear_k: Shape (T, n) [K], of the gearboxes.
-    """
-
-    compiled: CompiledRobot
-    trace: Trace
-    acceleration: Array
-    visit: NDArray[np.intp]
-    gear_k: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Torques:
-    """Torques that act on the motor and on the link of one drive, positive towards growing angle.
-
-    Attributes:
-        motor, link: Shape (T,) [Nm] or [N], or one number for all instants.
-    """
-
-    motor: Array | float = 0.0
-    link: Array | float = 0.0
 
 
 class Effect(ABC):
@@ -171,6 +161,10 @@ class Effect(ABC):
         scatters: Whether its `edit` gives an elastic element play (a `springlength` with two ends), which leaves to
             chance where a link rests. Its evidence is then more than what its signature shows, so it is tried wherever
             something at its place comes near the best cause.
+        level: "machine": it is in the robot or its instruments all the while; "recording": a channel does not say what
+            its name and time stamp promise; "run": it holds for one run, or changes in the course of the session.
+        advice: What a person should look at where it is found; "" where that is the part which the title names.
+        depends_on_conditions: Whether its `edit` is another one at other temperatures.
         is_additive: Whether its `torques` are the same where the effect acts already; those of an effect that scales a
             figure grow with that figure.
     """
@@ -183,6 +177,9 @@ class Effect(ABC):
     parameters: tuple[Parameter, ...]  # of the class; of an effect that is made from data, of the instance
     needs: ClassVar[tuple[str, ...]] = ()
     scatters: ClassVar[bool] = False
+    level: ClassVar[Level] = "machine"
+    advice: ClassVar[str] = ""
+    depends_on_conditions: ClassVar[bool] = False
     is_additive: ClassVar[bool] = False
 
     def __init_subclass__(cls) -> None:
@@ -194,6 +191,10 @@ class Effect(ABC):
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         """Return where it may act on this robot; empty where the robot has no such part."""
         return (WHOLE,)
+
+    def places_in(self, compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:
+        """Return where it may act on this robot in a campaign; by default wherever it may act on the robot."""
+        return self.places(compiled)
 
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameters with the ranges and units that hold at a place; by default `parameters`.
@@ -208,6 +209,13 @@ class Effect(ABC):
         It is applied after a payload was bolted on.
         """
         return None
+
+    def phase(self, place: Place, conditions: Conditions) -> Hashable:
+        """Return what decides, of the time at which it acts, what `edit` does; by default nothing.
+
+        Conditions of equal temperatures and equal phase have the same model.
+        """
+        return ()
 
     def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
         """Return the torques that the effect adds to the drive at its place, to first order in its sizes.
@@ -239,6 +247,20 @@ class Effect(ABC):
         """
         return reading
 
+    def lateness(self, place: Place, values: Values) -> Lateness | None:
+        """Return what the recording shows late, or None if everything is as old as its time stamp says."""
+        return None
+
+    def log_error(self, place: Place, values: Values, run: str) -> LogError | None:
+        """Return how the truth of a run differs from what was written down, or None if that is right.
+
+        Args:
+            place: Where it acts.
+            values: Parameters.
+            run: Name of the run.
+        """
+        return None
+
     def complete(self, values: Values) -> dict[str, float]:
         """Return all parameters, those not given at their null value.
 
@@ -263,7 +285,7 @@ class Acting:
     values: Values
 
     def __str__(self) -> str:
-        where = "" if self.place.kind == "robot" else f" ({self.place})"
+        where = "" if self.place == WHOLE else f" ({self.place})"
         sizes = ", ".join(
             f"{p.name} {self.values[p.name]:.4g} {p.unit}".strip()
             for p in self.effect.parameters

@@ -5,7 +5,8 @@ from math import exp
 import mujoco
 import numpy as np
 
-from bench.effects.effect import REFERENCE_K, Array, Conditions, Followed, Parameter, Place, Torques, Values
+from bench.effects.effect import REFERENCE_K, Array, Conditions, Parameter, Place, Values
+from bench.effects.followed import Followed, Torques
 from bench.effects.friction_elements import coulomb, scale_coulomb, set_coulomb
 from bench.effects.places import OnDrive, drive_of, drives
 from bench.effects.sliding import sliding_friction
@@ -147,6 +148,7 @@ class FrictionTemperature(_OnFriction):
     source = f"{BITTENCOURT} (friction over temperature); range: DESIGN 6, 0.01 to 0.04 /K"
     parameters = (Parameter("decrease", "1/K", 0.0, 0.01, 0.04, "c, relative decrease per kelvin"),)
     needs = ("gear_temperature",)
+    depends_on_conditions = True
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         rich = {place.index for place in with_coulomb(compiled)}

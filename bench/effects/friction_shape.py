@@ -5,7 +5,8 @@ from math import atan2, hypot, pi
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Conditions, Followed, Parameter, Place, Torques, Values
+from bench.effects.effect import Conditions, Parameter, Place, Values
+from bench.effects.followed import Followed, Torques
 from bench.effects.friction import ARMSTRONG, BITTENCOURT, scaled_friction, viscous, with_coulomb
 from bench.effects.friction_elements import give, give_side
 from bench.effects.places import OnDrive, drive_of

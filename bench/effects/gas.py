@@ -15,14 +15,17 @@ from bench.simulate.plant import Trace
 SEAL_TRAVEL = 5e-5  # [m], travel in which the seals' friction builds up; assumed, below a tenth of a millimetre
 
 
-class _OfGas(Effect):
+class OfGas(Effect):
+    """An effect in the counterbalance."""
+
     family = "gas and cylinder"
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return the robot if it has a cylinder at work."""
         return (WHOLE,) if compiled.counterbalance else ()
 
 
-class PolytropicExponent(_OfGas):
+class PolytropicExponent(OfGas):
     """The gas is neither isothermal nor ideal."""
 
     name = "polytropic_exponent"
@@ -46,7 +49,7 @@ class PolytropicExponent(_OfGas):
         return change if exponent != 1 else None
 
 
-class GasLoss(_OfGas):
+class GasLoss(OfGas):
     """Gas has leaked out."""
 
     name = "gas_loss"
@@ -58,10 +61,10 @@ class GasLoss(_OfGas):
     parameters = (Parameter("lost", "", 0.0, 0.01, 0.3, "share of the charge that is gone"),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
-        return _amount_scaled(1 - values["lost"])
+        return amount_scaled(1 - values["lost"])
 
 
-class GasTemperature(_OfGas):
+class GasTemperature(OfGas):
     """The gas is warmer or colder than the nominal figures say."""
 
     name = "gas_temperature"
@@ -71,13 +74,13 @@ class GasTemperature(_OfGas):
     parameters = (Parameter("offset", "K", 0.0, 3.0, 40.0, "gas temperature less 293.15 K", signed=True),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
-        return _amount_scaled(1 + values["offset"] / REFERENCE_K)
+        return amount_scaled(1 + values["offset"] / REFERENCE_K)
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
         return replace(reading, gas_temperature=reading.gas_temperature + values["offset"])
 
 
-class ThermalRelaxation(_OfGas):
+class ThermalRelaxation(OfGas):
     """Compression heats the gas, and the heat flows off."""
 
     name = "thermal_relaxation"
@@ -104,7 +107,7 @@ class ThermalRelaxation(_OfGas):
         return change if excess else None
 
 
-class SealFriction(_OfGas):
+class SealFriction(OfGas):
     """The seals of the cylinder rub."""
 
     name = "seal_friction"
@@ -159,7 +162,9 @@ def _names(robot: Robot) -> tuple[str, str]:
     return balance.actuator, balance.tendon
 
 
-def _amount_scaled(factor: float) -> SpecEdit | None:
+def amount_scaled(factor: float) -> SpecEdit | None:
+    """Return a change of the amount of gas by a factor, None where that is one."""
+
     def change(spec: mujoco.MjSpec, robot: Robot) -> None:
         actuator, _ = _names(robot)
         amount = float(attributes_of(spec, actuator).get("gas_amount", "1"))

@@ -4,17 +4,8 @@ import mujoco
 import numpy as np
 
 from bench.actuators.laws import TorqueTable
-from bench.effects.effect import (
-    REFERENCE_K,
-    Array,
-    Conditions,
-    Effect,
-    Followed,
-    Parameter,
-    Place,
-    Torques,
-    Values,
-)
+from bench.effects.effect import REFERENCE_K, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.followed import Followed, Torques
 from bench.effects.gear_kinematics import table_range
 from bench.effects.nominal import moving_bodies
 from bench.effects.places import OnDrive
@@ -93,6 +84,7 @@ class ThermalGrowth(Effect):
         Parameter("soak", "", 0.5, 0.0, 1.0, "w, share of the gearboxes in the links' temperature", is_shape=True),
     )
     needs = ("gear_temperature",)
+    depends_on_conditions = True
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         soak = values["soak"]

@@ -9,14 +9,27 @@ from typing import Any, get_args
 
 import numpy as np
 
-from bench.effects.effect import Conditions, Effect, Family, Parameter, Torques
+from bench.effects.effect import Conditions, Effect, Family, Parameter
+from bench.effects.followed import Torques
+from bench.effects.recorded import Lateness, LogError
 from bench.errors import BenchError, InputError
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.patched import Unpatched
 from bench.simulate.instruments import Reading
 
 REQUIRED = ("name", "family", "title", "physics", "source", "parameters")
-METHODS = ("places", "parameters_at", "edit", "torques", "encoder_error", "distort")
+METHODS = (
+    "places",
+    "places_in",
+    "parameters_at",
+    "edit",
+    "phase",
+    "torques",
+    "encoder_error",
+    "distort",
+    "lateness",
+    "log_error",
+)
 
 
 class EffectError(InputError):
@@ -39,7 +52,13 @@ def faults_of(kind: type[Effect]) -> list[str]:
         found += [f"parameter {one.name!r}: low is above high." for one in parameters if not one.low <= one.high]
     if not isinstance(kind.needs, tuple):
         found.append("needs must be a tuple of text; a tuple of one ends with a comma.")
+    elif kind.edit is not Effect.edit and not kind.depends_on_conditions and _needs_temperature(kind):
+        found.append("needs a temperature and edits the model: set depends_on_conditions = True.")
     return found
+
+
+def _needs_temperature(kind: type[Effect]) -> bool:
+    return any("temperature" in need for need in kind.needs)
 
 
 def guarded(kind: type[Effect], file: Path) -> Effect:
@@ -105,6 +124,10 @@ def _wrong_result(method: str, args: tuple[Any, ...], found: Any) -> str:
     """Return what is wrong with what a method returned, or nothing."""
     if method == "edit" and found is not None and not callable(found):
         return "must return a function of spec and robot, or None."
+    if method == "lateness" and not isinstance(found, Lateness | None):
+        return "must return a Lateness, or None."
+    if method == "log_error" and not isinstance(found, LogError | None):
+        return "must return a LogError, or None."
     if method == "torques" and found is not None:
         if not isinstance(found, Torques):
             return "must return Torques, or None."

@@ -30,8 +30,8 @@ class TrackerFrame(_OfTracker):
     )
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
-        turn = small_rotation(_vector(values, "r"))
-        return replace(reading, reflectors=reading.reflectors @ turn.T + _vector(values, "t"))
+        turn = small_rotation(vector_of(values, "r"))
+        return replace(reading, reflectors=reading.reflectors @ turn.T + vector_of(values, "t"))
 
 
 class TrackerDrift(_OfTracker):
@@ -44,7 +44,7 @@ class TrackerDrift(_OfTracker):
     parameters = tuple(Parameter(axis, "m/h", 0.0, 5e-6, 5e-5, f"rate along {axis}", signed=True) for axis in "xyz")
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
-        drift = trace.time[:, None, None] / HOUR * _vector(values, "")
+        drift = trace.time[:, None, None] / HOUR * vector_of(values, "")
         return replace(reading, reflectors=reading.reflectors + drift)
 
 
@@ -98,7 +98,7 @@ class ForceTilt(_OfForce):
     parameters = tuple(Parameter(axis, "rad", 0.0, 5e-3, 3e-2, f"rotation about {axis}", signed=True) for axis in "xyz")
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
-        turn = small_rotation(_vector(values, ""))
+        turn = small_rotation(vector_of(values, ""))
         force = trace.wrench[:, :3]
         slants = np.hypot(force[:, :1], force[:, 1:2]) > VERTICAL_TOLERANCE * np.abs(force[:, 2:])
         return replace(
@@ -108,5 +108,6 @@ class ForceTilt(_OfForce):
         )
 
 
-def _vector(values: Values, prefix: str) -> Array:
+def vector_of(values: Values, prefix: str) -> Array:
+    """Return the values whose names are a prefix and an axis, shape (3,)."""
     return np.array([values[prefix + axis] for axis in "xyz"])

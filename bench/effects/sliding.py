@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from bench.effects.effect import Array, Followed
+from bench.effects.effect import Array
+from bench.effects.followed import Followed
 from bench.effects.friction_elements import Side
 
 PLAIN = 1e-3  # relative; by which sliding friction may differ from the Coulomb level where nothing else shapes it

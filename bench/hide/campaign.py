@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench import paths
-from bench.effects.effect import Acting, Conditions
+from bench.effects.effect import WHOLE, Acting, Conditions
 from bench.errors import InputError, unknown_name
 from bench.hide.background import Background
 from bench.hide.plan import Stay, plan, setup_of
 from bench.hide.simulate import Plants, read, true_trace
 from bench.hide.thermometers import CHANNELS, USUAL, temperatures
 from bench.hide.warm_up import WarmUp
+from bench.hide.written import written
 from bench.record.campaign import Campaign, Run
 from bench.record.truth import TrueValue, Truth
 from bench.robot.compiled import CompiledRobot, compile_spec
@@ -83,7 +84,7 @@ def hide_campaign(
         InputError: The session does not fit the robot, an unknown name in `without` or `channels`, or nothing is left.
     """
     acting = tuple(replace(one, values=one.effect.complete(one.values)) for one in acting)
-    robot, session, shown = _reduced(robot, session, tuple(without), tuple(channels))
+    robot, session, shown = reduced(robot, session, tuple(without), tuple(channels))
     setup = setup_of(robot, session)
     compiled, before_end = setup.compiled, setup.before_end  # it is read at one time, whatever the step here
     drawn = Background.draw(compiled, rng) if background else Background({})
@@ -99,14 +100,15 @@ def hide_campaign(
     instants = Trace.concatenate([one.trace for one in seen])
     thermometers = {name: np.concatenate([one.kelvin[name] for one in seen]) for name in seen[0].kelvin}
     reading = Reading.concatenate([one.reading for one in seen])
+    runs = runs_of(compiled, log, reading, thermometers)
     conditions = [during for one in seen for during in one.conditions]
     perfect = Instruments(compiled, None).read(instants)
-    ideal = [with_link_angles(run, log, instants) for run in _runs(compiled, log, perfect, {})]
+    ideal = [with_link_angles(run, log, instants) for run in runs_of(compiled, log, perfect, {})]
     cool = (one.effect.edit(one.place, one.values, Conditions.reference(robot.n_joints)) for one in acting)
     cool_edits = (edit for edit in cool if edit is not None)
     simulated = compile_spec(setup.spec.copy(), robot, (*edits, *cool_edits))
     return Hidden(
-        campaign=Campaign(_name(robot), _runs(compiled, log, reading, thermometers), notes=session.notes),
+        campaign=Campaign(_name(robot), written(runs, acting, compiled.model.opt.gravity), notes=session.notes),
         truth=Truth(
             parameters=true_parameters(simulated, instruments.errors) | _values(acting, drawn),
             effects=tuple(name_of(one) for one in acting),
@@ -122,10 +124,10 @@ def hide_campaign(
 
 def name_of(acting: Acting) -> str:
     """Return the name under which the truth lists an effect: its own and, if that is a part of the robot, its place."""
-    return acting.effect.name if acting.place.kind == "robot" else f"{acting.effect.name} {acting.place}"
+    return acting.effect.name if acting.place == WHOLE else f"{acting.effect.name} {acting.place}"
 
 
-def _reduced(
+def reduced(
     robot: Robot, session: Experiment, without: tuple[str, ...], channels: tuple[str, ...]
 ) -> tuple[Robot, Experiment, tuple[str, ...]]:
     """Return robot and session without what the lab does not have, and the thermometers that it has."""
@@ -164,12 +166,12 @@ def _measure(
     rng: np.random.Generator,
 ) -> _Seen:
     """Simulate a sitting and read it, some time before the end of a control period [s]."""
-    trace = true_trace(plants, stay, acting, before_end)
+    trace, late = true_trace(plants, stay, acting, before_end)
     readings, kelvin, conditions = [], [], []
     for during, rows in stay.read():
         if len(rows):
             here = slice(int(rows[0]), int(rows[-1]) + 1)
-            reading = read(instruments, acting, stay.course.steps[here], trace[here], during)
+            reading = read(instruments, acting, stay.course.steps[here], trace[here], late[here], during)
             readings.append(reading)
             felt = replace(during, gas_k=float(reading.gas_temperature[0]))
             kelvin.append(temperatures(felt, len(rows), thermometers, rng))
@@ -178,7 +180,15 @@ def _measure(
     return _Seen(trace, Reading.concatenate(readings), columns, tuple(conditions))
 
 
-def _runs(compiled: CompiledRobot, log: Log, reading: Reading, extra: Mapping[str, Array]) -> tuple[Run, ...]:
+def runs_of(compiled: CompiledRobot, log: Log, reading: Reading, extra: Mapping[str, Array]) -> tuple[Run, ...]:
+    """Return the runs of a session.
+
+    Args:
+        compiled: The nominal robot.
+        log: What happened.
+        reading: At every step that was read.
+        extra: Further columns, with a number for each of these.
+    """
     gravity, joints = compiled.model.opt.gravity, Joints.of(compiled)
     carried = any(step.move_reflector for step in log.steps)
     runs = []

@@ -144,5 +144,15 @@ def plan(legs: Sequence[Leg], edits: tuple[SpecEdit, ...], load: float, warm_up:
     for i, stay in enumerate(stays):
         if i:
             next(during)  # the pause
-        stays[i] = replace(stay, conditions=tuple(next(during) for _ in stay.pieces))
+        conditions = [replace(next(during), time_s=time_s) for time_s in _times(stay)]
+        stays[i] = replace(stay, conditions=tuple(conditions))
     return stays, log
+
+
+def _times(stay: Stay) -> Iterator[float]:
+    """Yield when each piece of a sitting is read, in the middle, from the start of the campaign [s]."""
+    ends, marked = stay.course.ends, stay.course.marked
+    for piece in stay.pieces:
+        read = marked[(marked >= piece.first) & (marked < piece.last)]
+        when = ends[read] if len(read) else ends[piece.first : piece.last]
+        yield stay.begin + float(when[0] + when[-1]) / 2

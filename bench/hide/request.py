@@ -1,19 +1,27 @@
 """What a person asks to hide, in words: `coulomb_level@2=0.2`."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf
 
 from bench.effects.effect import Acting, Effect, Place
+from bench.effects.recorded import NOTHING_RECORDED, Recorded
 from bench.errors import InputError, unknown_name
 from bench.robot.compiled import CompiledRobot
 
 WORDS = re.compile(r"(?P<name>[^@:=]+)(@(?P<place>[^:=]+))?(:(?P<parameter>[^=]+))?(=(?P<value>.+))?")
-GRAMMAR = "write NAME, NAME=VALUE, NAME:PARAMETER=VALUE, and NAME@PLACE for one joint or body"
+GRAMMAR = (
+    "write NAME, NAME=VALUE, NAME:PARAMETER=VALUE, and NAME@PLACE for one joint, body, channel or run; "
+    "NAME@PLACE@RUN or NAME@RUN for what sets in with a run"
+)
 
 
 def effects_of(
-    words: Iterable[str], compiled: CompiledRobot, catalogue: Mapping[str, Effect], joint: int | None = None
+    words: Iterable[str],
+    compiled: CompiledRobot,
+    catalogue: Mapping[str, Effect],
+    joint: int | None = None,
+    recorded: Recorded = NOTHING_RECORDED,
 ) -> tuple[Acting, ...]:
     """Return the effects that some words ask for.
 
@@ -25,6 +33,7 @@ def effects_of(
         compiled: The nominal robot.
         catalogue: Name -> effect.
         joint: Number of the joint, from 1, for effects that act on a joint and are named without a place.
+        recorded: Runs and columns of the session; without them errors of the recording have no place.
 
     Raises:
         InputError: Unknown names, values that are no number, an effect that has no place on this robot, or several and
@@ -34,7 +43,7 @@ def effects_of(
     found: dict[tuple[str, Place], dict[str, float]] = {}
     for word in words:
         try:
-            effect, place, parameter, value = _one(word, compiled, catalogue, joint)
+            effect, place, parameter, value = _one(word, compiled, catalogue, joint, recorded)
         except InputError as error:
             problems += error.problems
             continue
@@ -47,7 +56,7 @@ def effects_of(
 
 
 def _one(
-    word: str, compiled: CompiledRobot, catalogue: Mapping[str, Effect], joint: int | None
+    word: str, compiled: CompiledRobot, catalogue: Mapping[str, Effect], joint: int | None, recorded: Recorded
 ) -> tuple[Effect, Place, str, float]:
     match = WORDS.fullmatch(word)
     if match is None:
@@ -68,17 +77,17 @@ def _one(
     if not least <= value <= most:
         allowed = f"at least {least:g}" if most == inf else f"between {least:g} and {most:g}"
         raise InputError(f"{word!r}: {chosen} is {allowed}; beyond it means nothing.")
-    return effect, _place(effect, match["place"], compiled, joint), chosen, value
+    return effect, _place(effect, match["place"], effect.places_in(compiled, recorded), joint), chosen, value
 
 
-def _place(effect: Effect, asked: str | None, compiled: CompiledRobot, joint: int | None) -> Place:
-    places = effect.places(compiled)
+def _place(effect: Effect, asked: str | None, places: Sequence[Place], joint: int | None) -> Place:
     if not places:
-        raise InputError(f"effect {effect.name!r}: robot {compiled.robot.name!r} has no place for it.")
+        raise InputError(f"effect {effect.name!r}: there is no place for it on this robot in this session.")
     known: dict[str, Place] = {}
     for place in places:
-        known |= {place.name: place} if place.name else {}
-        known |= {str(place.index + 1): place} if place.kind == "joint" else {}
+        since = f"@{place.since}" if place.since else ""
+        known |= {place.name + since: place} if place.name else {place.since: place} if place.since else {}
+        known |= {f"{place.index + 1}{since}": place} if place.kind == "joint" else {}
     if asked is None and joint is not None and any(place.kind == "joint" for place in places):
         asked = str(joint)
     if asked is not None:

@@ -1,12 +1,13 @@
 """A session on a robot in which effects act, in their three ways: in the model, before the encoder, in a reading."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 
 from bench.effects.effect import Acting, Conditions
+from bench.hide.late import late_in
 from bench.hide.plan import Stay
 from bench.robot.compiled import SpecEdit, compile_spec
 from bench.robot.folder import Robot
@@ -34,22 +35,25 @@ class Plants:
         self, robot: Robot, spec: mujoco.MjSpec, acting: Sequence[Acting], stays: Sequence[Stay], timestep: float
     ) -> None:
         self._robot, self._spec, self._acting, self._timestep = robot, spec, tuple(acting), timestep
-        self._alike: dict[tuple[tuple[SpecEdit, ...], float], Plant] = {}
-        self.depend_on_conditions = _depends_on_conditions(robot, spec, stays[0], acting)
+        self._alike: dict[Hashable, Plant] = {}
+        self._depend_on_temperature = _depends_on_temperature(robot, spec, stays[0], acting)
 
     def of(self, stay: Stay, conditions: Conditions) -> Plant:
         """Return the plant of a sitting under some conditions; at what it did before, unless conditions change it."""
-        key = (stay.edits, conditions.payload_kg)
-        if not self.depend_on_conditions and key in self._alike:
+        phases = tuple(one.effect.phase(one.place, conditions) for one in self._acting)
+        key = (stay.edits, conditions.payload_kg, phases)
+        if not self._depend_on_temperature and key in self._alike:
             return self._alike[key]
         plant = Plant(self._robot, (*stay.edits, *_edits(self._acting, conditions)), self._timestep, self._spec)
-        if not self.depend_on_conditions:
+        if not self._depend_on_temperature:
             self._alike[key] = plant
         return plant
 
 
-def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end: float) -> Trace:
-    """Return the truth at every instant that is read in a sitting; its time is that of the campaign.
+def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end: float) -> tuple[Trace, Trace]:
+    """Return the truth at every instant that is read in a sitting, and the same with what is late as it was before.
+
+    Their time is that of the campaign.
 
     Args:
         plants: Of the campaign.
@@ -63,15 +67,23 @@ def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end:
     wrenches = stay.load * course.wrenches
     plant = plants.of(stay, stay.conditions[0])
     plant.reset(start)
-    parts = []
+    late = late_in(acting)
+    parts: list[Trace] = []
+    seen: list[Trace] = []
     for i, (piece, (conditions, here)) in enumerate(zip(stay.pieces, stay.read(), strict=True)):
-        if i and plants.depend_on_conditions:
-            before, plant = plant, plants.of(stay, conditions)
+        before, plant = plant, plants.of(stay, conditions) if i else plant
+        if plant is not before:
             plant.take_over(before)
-        rows = slice(piece.first, piece.last)
-        parts.append(follow(plant, path, piece.first, wrenches[rows], course.marked[here], before_end))
+        rows, read = slice(piece.first, piece.last), course.marked[here]
+        every = np.unique(np.concatenate([read, *(one.periods(read, piece) for one in late)]))
+        there = follow(plant, path, piece.first, wrenches[rows], every, before_end)
+        truth = there[np.searchsorted(every, read)]
+        parts.append(truth)
+        for one in late:
+            truth = one.shown(truth, there, every, read, piece)
+        seen.append(truth)
     times = stay.begin + course.ends[course.marked] - before_end
-    return replace(Trace.concatenate(parts), time=times)
+    return replace(Trace.concatenate(parts), time=times), replace(Trace.concatenate(seen), time=times)
 
 
 def true_commands(course: Course, acting: Iterable[Acting]) -> tuple[Array, Array]:
@@ -96,7 +108,12 @@ def encoder_errors(acting: Iterable[Acting], q: Array, velocity: Array) -> Array
 
 
 def read(
-    instruments: Instruments, acting: Sequence[Acting], steps: Sequence[Step], trace: Trace, conditions: Conditions
+    instruments: Instruments,
+    acting: Sequence[Acting],
+    steps: Sequence[Step],
+    trace: Trace,
+    late: Trace,
+    conditions: Conditions,
 ) -> Reading:
     """Return what the instruments show at K instants under constant conditions.
 
@@ -105,10 +122,11 @@ def read(
         acting: Effects.
         steps: The K steps that are read.
         trace: The truth there.
+        late: The same with what is late as it was before.
         conditions: All the while.
     """
     error = encoder_errors(acting, trace.q, trace.q_velocity)
-    seen = trace if error is None else replace(trace, q=trace.q + error)
+    seen = late if error is None else replace(late, q=late.q + error)
     reading = read_steps(instruments, steps, seen)
     reading = replace(reading, gas_temperature=np.full(len(steps), conditions.gas_k))
     for one in acting:
@@ -121,7 +139,7 @@ def _edits(acting: Iterable[Acting], conditions: Conditions) -> tuple[SpecEdit, 
     return tuple(edit for edit in edits if edit is not None)
 
 
-def _depends_on_conditions(robot: Robot, spec: mujoco.MjSpec, stay: Stay, acting: Sequence[Acting]) -> bool:
+def _depends_on_temperature(robot: Robot, spec: mujoco.MjSpec, stay: Stay, acting: Sequence[Acting]) -> bool:
     """Whether the model differs between warm and cold."""
     cold = stay.conditions[0]
     warm = replace(

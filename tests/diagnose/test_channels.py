@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.diagnose.doubt.channels import doubts_of
+from bench.diagnose.plausibility.channels import doubts_of
 from bench.record.campaign import Campaign, Run
 from bench.record.convert import convert
 from bench.robot.compiled import CompiledRobot, compile_robot

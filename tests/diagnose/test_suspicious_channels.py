@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.diagnose.doubt.channels import doubts_of
+from bench.diagnose.plausibility.channels import doubts_of
 from bench.record.campaign import Campaign
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot

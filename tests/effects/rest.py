@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Conditions, Effect, Place
+from bench.effects.recorded import Recorded, RecordedRun
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on
 from bench.robot.folder import Robot
@@ -29,8 +30,34 @@ class Rest(NamedTuple):
     equilibrium: Equilibrium
 
 
+def recorded_on(compiled: CompiledRobot) -> Recorded:
+    """Four runs with every channel: a load hangs in the first, mass is bolted on in two, the last comes much later."""
+    n = compiled.n_joints
+    columns = {f"current_{j + 1}_a" for j in range(n)} | {
+        f"{kind}_{axis}_n" for kind in ("force", "load") for axis in "xyz"
+    }
+    columns |= {f"reflector_1_{axis}_m" for axis in "xyz"} | {"gas_pressure_pa"}
+    moving = frozenset(range(n))
+    runs = [
+        RecordedRun("hung", 0.0, 60.0, frozenset(columns), is_static=True, hangs=True, payload_kg=0.0),
+        RecordedRun("up", 70.0, 80.0, frozenset(columns), is_static=False, hangs=False, payload_kg=20.0, moving=moving),
+        RecordedRun(
+            "down", 81.0, 90.0, frozenset(columns), is_static=False, hangs=False, payload_kg=20.0, moving=moving
+        ),
+        RecordedRun(
+            "late", 3000.0, 3010.0, frozenset(columns), is_static=False, hangs=False, payload_kg=0.0, moving=moving
+        ),
+    ]
+    return Recorded(tuple(runs))
+
+
+def places_of(effect: Effect, compiled: CompiledRobot) -> tuple[Place, ...]:
+    """Where an effect may act on a robot with every channel."""
+    return effect.places_in(compiled, recorded_on(compiled))
+
+
 def place_of(effect: Effect, compiled: CompiledRobot, which: int = 0) -> Place:
-    return effect.places(compiled)[which]
+    return places_of(effect, compiled)[which]
 
 
 def edit_of(

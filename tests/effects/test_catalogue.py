@@ -155,7 +155,7 @@ def test_wrong_torques_of_an_own_effect_are_named(
 ) -> None:
     file = tmp_path / "own.py"
     file.write_text(
-        "from bench.effects.effect import Torques\n"
+        "from bench.effects.followed import Torques\n"
         "from bench.effects.friction import ViscousFriction\n"
         "class Sticky(ViscousFriction):\n"
         "    name = 'sticky'\n"

@@ -13,17 +13,19 @@ from bench.robot.edits import friction_on
 from bench.robot.folder import Robot
 from bench.simulate.payload import bolt_on
 from bench.simulate.plant import Plant
-from tests.effects.rest import CATALOGUE, PERIOD, perfect_reading, some_trace, typical
+from tests.effects.rest import CATALOGUE, PERIOD, perfect_reading, places_of, some_trace, typical
 
 EVERYTHING = {**CATALOGUE, **unlisted()}
 EDITED = [name for name, effect in EVERYTHING.items() if type(effect).edit is not Effect.edit]
 PAYLOAD = 12.0  # [kg]
 SETTLED = 1e-6  # [rad/s]; of a robot that was put at rest
 WARM = 15.0  # [K]
+LATER = 3600.0  # [s], after all that sets in
 
 
 def warm(n: int) -> Conditions:
-    return Conditions(np.full(n, 293.15 + WARM), np.full(n, 293.15 + 2 * WARM), payload_kg=PAYLOAD)
+    gears, windings = np.full(n, 293.15 + WARM), np.full(n, 293.15 + 2 * WARM)
+    return Conditions(gears, windings, payload_kg=PAYLOAD, time_s=LATER)
 
 
 def same_model(left: mujoco.MjModel, right: mujoco.MjModel) -> bool:
@@ -52,13 +54,15 @@ def test_null_changes_nothing(name: str, robot: Robot, compiled: CompiledRobot, 
     nominal = compile_robot(robot, [bolt_on(PAYLOAD)])
     plant, trace = some_trace(robot, rng)
     reading = perfect_reading(plant.compiled, trace)
-    for place in effect.places(compiled)[:2]:
+    for place in places_of(effect, compiled)[:2]:
         values, conditions = effect.complete({}), warm(compiled.n_joints)
         edit = effect.edit(place, values, conditions)
         if edit is not None:
             assert same_model(compile_robot(robot, [bolt_on(PAYLOAD), edit]).model, nominal.model)
         error = effect.encoder_error(place, values, trace.q, trace.q_velocity)
         assert error is None or not np.any(error)
+        assert effect.lateness(place, values) is None
+        assert all(effect.log_error(place, values, run) is None for run in place.runs)
         seen = effect.distort(place, values, reading, trace, conditions)
         for field in fields(reading):
             np.testing.assert_array_equal(getattr(seen, field.name), getattr(reading, field.name))
@@ -68,16 +72,18 @@ def test_null_changes_nothing(name: str, robot: Robot, compiled: CompiledRobot, 
 def test_typical_values_do_something(
     name: str, robot: Robot, compiled: CompiledRobot, rng: np.random.Generator
 ) -> None:
-    """At least one of the three methods says that something changes."""
+    """At least one of its methods says that something changes."""
     effect = EVERYTHING[name]
     plant, trace = some_trace(robot, rng)
     reading = perfect_reading(plant.compiled, trace)
-    for place in effect.places(compiled)[:1]:
+    for place in places_of(effect, compiled)[:1]:
         values, conditions = effect.complete(typical(effect, compiled, place)), warm(compiled.n_joints)
         seen = effect.distort(place, values, reading, trace, conditions)
         assert (
             effect.edit(place, values, conditions) is not None
             or effect.encoder_error(place, values, trace.q, trace.q_velocity) is not None
+            or effect.lateness(place, values) is not None
+            or any(effect.log_error(place, values, run) is not None for run in place.runs)
             or any(
                 not np.array_equal(getattr(seen, f.name), getattr(reading, f.name), equal_nan=True)
                 for f in fields(reading)
@@ -93,7 +99,7 @@ def test_stays_where_it_was_put(name: str, side: str, robot: Robot) -> None:
     compiled = compile_robot(robot, base)
     q = np.full(compiled.n_joints, 0.3)
     effect = EVERYTHING[name]
-    for place in effect.places(compiled):
+    for place in places_of(effect, compiled):
         edit = effect.edit(place, effect.complete(typical(effect, compiled, place)), warm(compiled.n_joints))
         assert edit is not None
         plant = Plant(robot, [*base, edit])
@@ -108,7 +114,7 @@ def test_moves_without_ringing_up(name: str, robot: Robot, compiled: CompiledRob
     effect = EVERYTHING[name]
     start = np.full(compiled.n_joints, 0.2)
     commands = start + 0.1 * np.sin(np.arange(150) * PERIOD * 2)[:, None]
-    for place in effect.places(compiled)[:1]:
+    for place in places_of(effect, compiled)[:1]:
         values = effect.complete(
             {p.name: p.null if p.is_shape else p.null + p.high for p in effect.parameters_at(compiled, place)}
         )
@@ -124,7 +130,7 @@ def test_moves_without_ringing_up(name: str, robot: Robot, compiled: CompiledRob
 @pytest.mark.parametrize("name", EDITED)
 def test_edited_model_saves_and_loads(name: str, robot: Robot, compiled: CompiledRobot) -> None:
     effect = EVERYTHING[name]
-    for place in effect.places(compiled)[-1:]:
+    for place in places_of(effect, compiled)[-1:]:
         edit = effect.edit(place, effect.complete(typical(effect, compiled, place)), warm(compiled.n_joints))
         assert edit is not None
         spec = read_spec(robot)

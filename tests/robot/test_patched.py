@@ -24,8 +24,10 @@ from bench.robot.patched import Step, Structure, Unpatched
 from bench.robot.plugins import configure
 from bench.simulate.bare import bare_spec
 from bench.simulate.payload import bolt_on
+from tests.effects.rest import places_of
 
 AGREEMENT = 1e-12  # relative, of numbers and of forces: rounding of derived numbers
+LATER = 3600.0  # [s], after all that sets in
 PAYLOAD = 12.0  # [kg]
 EFFECTS = {
     name: effect for name, effect in {**catalogue(), **unlisted()}.items() if type(effect).edit is not Effect.edit
@@ -75,7 +77,7 @@ def never_compiled(both: Both, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def warm(n: int) -> Conditions:
-    return Conditions(np.full(n, 308.15), np.full(n, 323.15), ambient_k=298.15, payload_kg=PAYLOAD)
+    return Conditions(np.full(n, 308.15), np.full(n, 323.15), ambient_k=298.15, payload_kg=PAYLOAD, time_s=LATER)
 
 
 def typical_edit(effect: Effect, both: Both, place: Place) -> SpecEdit:
@@ -139,7 +141,7 @@ def assert_same(patched: CompiledRobot, compiled: CompiledRobot) -> None:
 def test_every_effect_at_every_place(name: str, both: Both) -> None:
     """Other sizes come first, so that the structure was made for other numbers than those compared."""
     effect = EFFECTS[name]
-    for place in effect.places(both.nominal):
+    for place in places_of(effect, both.nominal):
         values = {
             one.name: one.null if one.is_shape else one.null + one.high
             for one in effect.parameters_at(both.nominal, place)
@@ -164,7 +166,9 @@ def test_combinations(both: Both) -> None:
     payload = bolt_on(PAYLOAD)
     deviations = [one.edit((-1) ** i * one.sigma) for i, one in enumerate(nominal_parameters(both.nominal))]
     acting = [
-        typical_edit(effect, both, place) for effect in EFFECTS.values() for place in effect.places(both.nominal)[-1:]
+        typical_edit(effect, both, place)
+        for effect in EFFECTS.values()
+        for place in places_of(effect, both.nominal)[-1:]
     ]
     rng = np.random.default_rng(3)
     for _ in range(30):
@@ -192,7 +196,7 @@ def test_a_structure_keeps_nothing_of_the_robot_in_which_it_was_first_met(name: 
 
 def test_the_spec_stays_as_it_was(both: Both) -> None:
     for effect in EFFECTS.values():
-        for place in effect.places(both.nominal)[:1]:
+        for place in places_of(effect, both.nominal)[:1]:
             both.patched([typical_edit(effect, both, place)])
     assert both.spec.to_xml() == both.before
     assert_same(both.patched(()), both.compiled(()))

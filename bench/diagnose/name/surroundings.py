@@ -14,6 +14,7 @@ from bench.diagnose.picture.lack_of_fit import missed, unexplained
 from bench.diagnose.picture.screening import Screening, Tried, screen, tried_of
 from bench.diagnose.picture.signatures import Changes, Signatures
 from bench.effects.effect import Effect
+from bench.effects.recorded import NOTHING_RECORDED, Recorded
 from bench.errors import InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -33,6 +34,7 @@ class Surroundings:
         measured: Quantities that the campaign has.
         rate: Declared false-alarm rate.
         executor: Where to simulate.
+        recorded: Runs and columns of the campaign.
     """
 
     def __init__(
@@ -42,12 +44,14 @@ class Surroundings:
         measured: frozenset[str],
         rate: float,
         executor: Executor = SERIAL,
+        recorded: Recorded = NOTHING_RECORDED,
     ) -> None:
         self.compiled = compiled
         self.catalogue = catalogue
         self.measured = measured
         self.rate = rate
         self.executor = executor
+        self.recorded = recorded
         self._causes: tuple[Cause, ...] = ()
         self._changes = Changes(np.empty(0), ())
         self._tried: Tried | None = None
@@ -80,7 +84,7 @@ class Surroundings:
         nominal = model.design(design)
         own = with_play(nominal, fit.play)
         world = fit.world(own)
-        causes = causes_of(self.catalogue.values(), own.replay.robot(world), self.measured)
+        causes = causes_of(self.catalogue.values(), own.replay.robot(world), self.measured, self.recorded)
         taken = {cause.key for cause in fit.causes}
         if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
             which = [i for i, nuisance in enumerate(own.nuisances) if is_simulated(nuisance)]

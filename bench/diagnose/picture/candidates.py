@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.picture.design import WHITENED_TOGETHER, Design
-from bench.effects.effect import Acting, Effect, Parameter, Place
+from bench.effects.effect import WHOLE, Acting, Effect, Parameter, Place
+from bench.effects.recorded import NOTHING_RECORDED, Recorded
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
@@ -43,7 +44,7 @@ class Cause:
         return self.place.index if self.place.kind == "joint" else -1
 
     def __str__(self) -> str:
-        where = "" if self.place.kind == "robot" else f" of {self.place}"
+        where = "" if self.place == WHOLE else f" of {self.place}"
         return f"{self.effect.title}{where}"
 
     def acting(self, values: Mapping[str, float]) -> Acting:
@@ -75,19 +76,25 @@ class Candidate:
         return self.prior
 
 
-def causes_of(catalogue: Iterable[Effect], compiled: CompiledRobot, measured: frozenset[str]) -> tuple[Cause, ...]:
+def causes_of(
+    catalogue: Iterable[Effect],
+    compiled: CompiledRobot,
+    measured: frozenset[str],
+    recorded: Recorded = NOTHING_RECORDED,
+) -> tuple[Cause, ...]:
     """Return every effect at every place where it may act on this robot, as far as these channels could show it.
 
     Args:
         catalogue: Effects.
         compiled: The robot.
         measured: Quantities that the campaign has.
+        recorded: Its runs and columns; without them errors of the recording have no place.
     """
     found = []
     for effect in catalogue:
         if any(need not in measured for need in effect.needs):
             continue
-        for place in effect.places(compiled):
+        for place in effect.places_in(compiled, recorded):
             parameters = effect.parameters_at(compiled, place)
             sizes = tuple(parameter for parameter in parameters if not parameter.is_shape)
             shapes = tuple(parameter for parameter in parameters if parameter.is_shape)

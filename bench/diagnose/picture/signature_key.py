@@ -149,5 +149,6 @@ def _key_of_all(compiled: CompiledRobot, quantities: tuple[Quantity, ...], aroun
 
 
 def _feels_weather(effect: Effect) -> bool:
-    """Whether temperatures enter: those that a model is edited by, or whatever a reading may be distorted by."""
-    return any("temperature" in need for need in effect.needs) or type(effect).distort is not Effect.distort
+    """Whether temperatures or time enter: those that a model is edited by, or whatever may distort a reading."""
+    changes_with_time = type(effect).phase is not Effect.phase
+    return effect.depends_on_conditions or changes_with_time or type(effect).distort is not Effect.distort

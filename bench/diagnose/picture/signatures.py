@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.picture.candidates import Cause, plan_of
 from bench.diagnose.picture.first_order import FirstOrder
-from bench.diagnose.picture.reference_motion import SAME_INSTANT
+from bench.diagnose.picture.reference_motion import SAME_INSTANT, SAME_LOAD
 from bench.diagnose.picture.signature_key import StoredSignatures
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
@@ -77,6 +77,7 @@ class Signatures:
             cause.acting({**shape, size.name: size.typical}) for cause, shape in plan_of(causes) for size in cause.sizes
         )
         self._times: dict[str, Array] = {}
+        self._loads: dict[str, Array] = {}  # as written down; where they differ, so do signatures
         self._lost: set[int] = set()
         self._changes: dict[str, Digits] = {}  # shape (T of the stretch, c, p + causes), nan where there is no balance
 
@@ -119,6 +120,8 @@ class Signatures:
         known = self._times.get(segment.label)
         if known is None:
             return None
+        if not np.allclose(_loads(segment), self._loads[segment.label], rtol=SAME_LOAD, atol=0.0):
+            return None
         times = _instants(segment)
         nearest: Array = np.argmin(np.abs(times[:, None] - known), axis=1)
         return nearest if np.all(np.abs(known[nearest] - times) < SAME_INSTANT) else None
@@ -142,6 +145,7 @@ class Signatures:
         edges = np.cumsum([len(segment) for segment in segments])[:-1]
         for segment, part in zip(segments, np.split(changes, edges), strict=True):
             self._times[segment.label], self._changes[segment.label] = _instants(segment), part
+            self._loads[segment.label] = _loads(segment)
         return changes
 
     def _simulate(
@@ -179,3 +183,9 @@ def _instants(segment: Segment) -> Array:
         return np.arange(len(segment), dtype=np.float64)
     times: Array = segment.motion.time[segment.motion.read]
     return times
+
+
+def _loads(segment: Segment) -> Array:
+    """Return payload and mean force at the load point of a segment, shape (2,) [kg], [N]."""
+    force = np.linalg.norm(segment.motion.wrench[segment.motion.read, :3], axis=1)
+    return np.array([segment.conditions.payload_kg, float(np.mean(force))])

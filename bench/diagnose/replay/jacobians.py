@@ -1,4 +1,4 @@
-"""Jacobians of the reflectors."""
+"""Where the reflectors of rigid links are, and their Jacobians."""
 
 import mujoco
 import numpy as np
@@ -25,4 +25,21 @@ def reflector_jacobians(compiled: CompiledRobot, theta: Array) -> Array:
         for k, site in enumerate(at.reflectors.tolist()):
             mujoco.mj_jacSite(model, data, full, None, site)
             found[i, k] = full[:, at.theta_dof]
+    return found
+
+
+def reflector_places(compiled: CompiledRobot, theta: Array) -> Array:
+    """Return where reflectors are, shape (T, r, 3) [m], in world axes.
+
+    Args:
+        compiled: The robot.
+        theta: Shape (T, n) [rad] or [m], of the links; passive hinges do not give.
+    """
+    model, at = compiled.model, compiled.at
+    data = mujoco.MjData(model)
+    found = np.empty((len(theta), len(at.reflectors), 3))
+    for i, links in enumerate(theta):
+        data.qpos[at.theta] = links
+        mujoco.mj_kinematics(model, data)
+        found[i] = data.site_xpos[at.reflectors]
     return found

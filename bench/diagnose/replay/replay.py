@@ -7,16 +7,15 @@ threads.
 
 from collections import OrderedDict
 from collections.abc import Hashable, Iterable
-from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from threading import Lock
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bench.diagnose.replay.courses import Course, count_of, courses_of, slices_of, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.jacobians import reflector_jacobians
+from bench.diagnose.replay.late import read_late
 from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
@@ -26,38 +25,23 @@ from bench.diagnose.replay.world import (
     changes_robot,
     depends_on_conditions,
     key_of_motion,
+    log_error_of,
+    model_of,
     moved,
     steps_of,
 )
-from bench.effects.effect import REFERENCE_K, Conditions, Effect, Followed
+from bench.effects.effect import REFERENCE_K, Conditions, Effect
+from bench.effects.followed import Followed
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.robot.patched import Structure
 from bench.simulate.bare import bare_spec
 from bench.simulate.instruments import Reading
 from bench.simulate.plant import Trace
-from bench.simulate.prescribed import TOLERANCE, Motion, Prescribed
+from bench.simulate.prescribed import TOLERANCE, Prescribed
 
 MOST_KNOWN = 4  # motions kept, for worlds that only read differently
-
-
-@dataclass(frozen=True, eq=False)
-class Course:
-    """Segments that one model follows, one after the other.
-
-    Attributes:
-        conditions: Under which.
-        motion: Of all of them, joined.
-        instants: Shape (T,), where these stand among all instants of the campaign.
-        rows: Shape (K,), where those that are read stand among all that are read.
-        segments: Indices of the segments.
-    """
-
-    conditions: Conditions
-    motion: Motion
-    instants: NDArray[np.intp]
-    rows: NDArray[np.intp]
-    segments: tuple[int, ...]
+MOST_PLANS = 64  # ways kept in which worlds share models, 0.1 MB each for 700 instants of six joints
 
 
 class Replay:
@@ -85,22 +69,22 @@ class Replay:
         self._structure = Structure(compiled.robot, bare_spec(compiled.robot))
         self._known: OrderedDict[Hashable, Trace] = OrderedDict()
         self._lock = Lock()
-        self._rows = _slices(_count(segment) for segment in segments)
-        self._courses = {with_conditions: self._planned(with_conditions) for with_conditions in (False, True)}
+        self._rows = slices_of(count_of(segment) for segment in segments)
+        self._plans: OrderedDict[Hashable, tuple[Course, ...]] = OrderedDict()
+        nominal = self._courses(NOMINAL)
         # where links and passive hinges of the nominal robot balance; every search starts there
         self._found = np.zeros((sum(len(segment.motion) for segment in segments), 2, 0))
-        courses = self._courses_of(NOMINAL)
-        parts = [self._followed(NOMINAL, course) for course in courses]
-        self._nominal = self._joined(courses, [trace for trace, _ in parts])
+        parts = [self._followed(NOMINAL, course) for course in nominal]
+        self._nominal = self._joined(nominal, [trace for trace, _ in parts])
         unknowns = parts[0][1].shape[2] if parts else 0
         self._found = np.empty((len(self._found), 2, unknowns))
-        for course, (_, found) in zip(courses, parts, strict=True):
+        for course, (_, found) in zip(nominal, parts, strict=True):
             self._found[course.instants] = found
 
     @property
     def shape(self) -> tuple[int, int]:
         """Instants that are read, and quantities."""
-        return sum(_count(segment) for segment in self.segments), len(self.quantities)
+        return sum(count_of(segment) for segment in self.segments), len(self.quantities)
 
     def predict(self, world: World) -> Array:
         """Return what instruments show in a world, shape (T, c), segment after segment.
@@ -113,8 +97,10 @@ class Replay:
 
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
-        reading = ideal_reading(self.compiled, trace)
         world = self.whole(world)
+        late = [acting.effect.lateness(acting.place, acting.values) for acting in world.acting]
+        trace = read_late(self.compiled, self.segments, trace, [one for one in late if one])
+        reading = ideal_reading(self.compiled, trace)
         distorting = [acting for acting in world.acting if type(acting.effect).distort is not Effect.distort]
         if distorting:
             parts = []
@@ -142,7 +128,7 @@ class Replay:
             if key in self._known:
                 self._known.move_to_end(key)
                 return self._known[key]
-        courses = self._courses_of(world)
+        courses = self._courses(world)
         trace = self._joined(courses, [self._followed(world, course)[0] for course in courses])
         with self._lock:
             self._known[key] = trace
@@ -163,15 +149,15 @@ class Replay:
         """
         trace = self.trace(world)
         found = []
-        for course in self._courses_of(world):
+        for course in self._courses(world):
             segments = [self.segments[i] for i in course.segments]
-            lengths = [_count(segment) for segment in segments]
+            lengths = [count_of(segment) for segment in segments]
             visits = [
                 first if segment.is_static else -1
                 for segment, first in zip(segments, np.cumsum([0, *lengths[:-1]]), strict=True)
             ]
             followed = Followed(
-                compiled=self._robot(world, course.conditions),
+                compiled=self._robot(world, true_conditions(world, course)),
                 trace=trace[course.rows],
                 acceleration=course.motion.acceleration[course.motion.read],
                 visit=np.repeat(visits, lengths),
@@ -208,38 +194,32 @@ class Replay:
         fitted = self.fitted
         return World({**fitted.deviations, **world.deviations}, (*fitted.acting, *world.acting))
 
-    def _courses_of(self, world: World) -> tuple[Course, ...]:
-        return self._courses[depends_on_conditions(self.whole(world))]
-
-    def _planned(self, with_conditions: bool) -> tuple[Course, ...]:
-        """Return what each model follows: one for each payload and, where temperatures count, for each run."""
-        groups: dict[tuple[float, str], list[int]] = {}
-        for i, segment in enumerate(self.segments):
-            groups.setdefault((segment.conditions.payload_kg, segment.run if with_conditions else ""), []).append(i)
-        instants = _slices(len(segment.motion) for segment in self.segments)
-        courses = []
-        for (payload_kg, _), members in groups.items():
-            reference = Conditions.reference(self.compiled.n_joints, payload_kg)
-            courses.append(
-                Course(
-                    conditions=self.segments[members[0]].conditions if with_conditions else reference,
-                    motion=Motion.concatenate(self.segments[i].motion for i in members),
-                    instants=_indices(instants, members),
-                    rows=_indices(self._rows, members),
-                    segments=tuple(members),
-                )
-            )
-        return tuple(courses)
+    def _courses(self, world: World) -> tuple[Course, ...]:
+        """Return what each model of a world follows."""
+        world = self.whole(world)
+        models = tuple(model_of(world, segment.run, segment.conditions) for segment in self.segments)
+        key = models, depends_on_conditions(world)
+        with self._lock:
+            if key in self._plans:
+                self._plans.move_to_end(key)
+                return self._plans[key]
+        plan = courses_of(self.segments, models, with_temperatures=depends_on_conditions(world))
+        with self._lock:
+            self._plans[key] = plan
+            if len(self._plans) > MOST_PLANS:
+                self._plans.popitem(last=False)
+        return plan
 
     def _followed(self, world: World, course: Course) -> tuple[Trace, Array]:
         """Return the truth along a course, at what is read of it, and what the search found at all its instants."""
-        compiled = self._robot(world, course.conditions)
+        compiled = self._robot(world, true_conditions(world, course))
         robot = Prescribed(compiled, self._structure.data_for(compiled), self._tolerance)
+        error = log_error_of(world, course.run)
         as_fitted, _ = moved(course.motion, self.fitted)
-        motion, shift = moved(as_fitted, world)
+        motion, shift = moved(as_fitted, world, error.hung if error else 1.0)
         trace, found = robot.follow(motion, self._guess(robot, course, shift))
         segments = [self.segments[i] for i in course.segments]
-        rows = _slices(_count(segment) for segment in segments)
+        rows = slices_of(count_of(segment) for segment in segments)
         stretches = [(here, segment.is_static) for segment, here in zip(segments, rows, strict=True)]
         return expected(compiled, trace, stretches), found
 
@@ -281,19 +261,3 @@ def ideal_reading(compiled: CompiledRobot, trace: Trace) -> Reading:
         gas_pressure=trace.counterbalance_force / area,
         gas_temperature=np.full(len(trace), REFERENCE_K),
     )
-
-
-def _count(segment: Segment) -> int:
-    """Return how many instants of a segment are read."""
-    return int(np.count_nonzero(segment.motion.read))
-
-
-def _slices(lengths: Iterable[int]) -> list[slice]:
-    """Return where parts of these lengths stand, one after the other."""
-    edges = np.cumsum([0, *lengths]).tolist()
-    return [slice(first, last) for first, last in pairwise(edges)]
-
-
-def _indices(parts: list[slice], chosen: Iterable[int]) -> NDArray[np.intp]:
-    """Return the indices of some parts, one after the other."""
-    return np.concatenate([np.arange(parts[i].start, parts[i].stop) for i in chosen])

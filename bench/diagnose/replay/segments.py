@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from bench.diagnose.replay.noise import UNIFORM, Noise
-from bench.diagnose.replay.piece import Piece, centre_weights
+from bench.diagnose.replay.piece import Path, Piece, centre_weights
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.stretches import stretches_of
 from bench.diagnose.replay.visits import visits_of
@@ -44,6 +44,7 @@ class Segment:
         standing: Shape (n,) bool, drives that did not move.
         acceleration_error: Shape (T, n), standard deviation of the motors' accelerations, as differentiated.
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
+        path: Every sample of the motors; None at rest, and for a motion that nobody measured.
     """
 
     run: str
@@ -56,6 +57,7 @@ class Segment:
     standing: Array
     acceleration_error: Array
     rings: NDArray[np.bool_]
+    path: Path | None = None
 
     def __len__(self) -> int:
         return len(self.observed)
@@ -95,6 +97,7 @@ def segments_of(
                     speed == 0.0,
                     piece.acceleration_error,
                     piece.rings,
+                    piece.path,
                 )
             )
     return _rounded_alike(found, quantities, noise) if found else ()
@@ -132,6 +135,7 @@ def conditions_of(run: Run, rows: Index, n: int) -> Conditions:
         gas_k=mean("gas_temperature_k"),
         ambient_k=mean("ambient_temperature_k"),
         payload_kg=float(np.mean(run.columns["load_mass_kg"][rows])) if "load_mass_kg" in run.columns else 0.0,
+        time_s=run.start_s + (float(np.mean(run.columns["time_s"][rows])) if "time_s" in run.columns else 0.0),
     )
 
 

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from bench.diagnose.replay.piece import Piece, angles_of, centre_weights, wrench_of
+from bench.diagnose.replay.piece import Path, Piece, angles_of, centre_weights, wrench_of
 from bench.diagnose.replay.smooth_derivative import smooth_derivative
 from bench.diagnose.replay.visits import APPROACH
 from bench.record.campaign import Array, Run
@@ -82,7 +82,7 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Pi
     jerky = np.any(error[:, moves] * period > JERKY * top[moves], axis=1)
     after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
     rings = np.array([np.any(after[group] < SETTLES * period) for group in kept])
-    yield Piece(run.name, kept, motion, worst, turning[useful], rings)
+    yield Piece(run.name, kept, motion, worst, turning[useful], rings, Path(time, angles, kept))
 
 
 def lowest_period(compiled: CompiledRobot, q: Array) -> float:

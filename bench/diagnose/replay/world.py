@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.effects.effect import Acting, Conditions, Effect
+from bench.effects.recorded import LogError
 from bench.record.campaign import Array
 from bench.robot.compiled import SpecEdit
 from bench.robot.patched import Step
@@ -41,7 +42,13 @@ def key_of_motion(world: World) -> Hashable:
 
 
 def _moves(effect: Effect) -> bool:
-    return type(effect).edit is not Effect.edit or type(effect).encoder_error is not Effect.encoder_error
+    own, none = type(effect), Effect
+    changes = (
+        own.edit is not none.edit,
+        own.encoder_error is not none.encoder_error,
+        own.log_error is not none.log_error,
+    )
+    return any(changes)
 
 
 def steps_of(world: World, conditions: Conditions) -> list[Step]:
@@ -68,14 +75,37 @@ def changes_robot(world: World) -> bool:
     return any(_moves(acting.effect) for acting in world.acting)
 
 
+def model_of(world: World, run: str, conditions: Conditions) -> Hashable:
+    """Return what decides which model and which loads a world has during a run; equal answers share them."""
+    phases = tuple(acting.effect.phase(acting.place, conditions) for acting in world.acting)
+    is_alone = log_error_of(world, run) is not None or depends_on_conditions(world)
+    return conditions.payload_kg, run if is_alone else "", phases
+
+
 def depends_on_conditions(world: World) -> bool:
     """Whether the robot of a world differs between warm and cold."""
-    return any("temperature" in need for acting in world.acting for need in acting.effect.needs)
+    return any(acting.effect.depends_on_conditions for acting in world.acting)
 
 
-def moved(motion: Motion, world: World) -> tuple[Motion, Array | None]:
-    """Return the true motion where encoders and weights are wrong, and how far off the motors are, shape (T, n)."""
-    share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_wrench)
+def log_error_of(world: World, run: str) -> LogError | None:
+    """Return how the truth of a run differs from what was written down of it, None where that is right."""
+    found = None
+    for acting in world.acting:
+        error = acting.effect.log_error(acting.place, acting.values, run)
+        if error is not None:
+            found = error if found is None else found.with_another(error)
+    return found
+
+
+def moved(motion: Motion, world: World, hung: float = 1.0) -> tuple[Motion, Array | None]:
+    """Return the true motion where encoders and weights are wrong, and how far off the motors are, shape (T, n).
+
+    Args:
+        motion: As it was recorded.
+        world: In which it happened.
+        hung: True wrench at the load point over the written one.
+    """
+    share = hung * (1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_wrench))
     if share != 1.0:
         motion = replace(motion, wrench=share * motion.wrench)
     shift = None

@@ -56,7 +56,7 @@ def _is_of_model(compiled: CompiledRobot, acting: Acting) -> bool:
         return False
     if kind.edit is Effect.edit or kind.distort is not Effect.distort or kind.encoder_error is not Effect.encoder_error:
         return False
-    if any("temperature" in need for need in acting.effect.needs):
+    if acting.effect.depends_on_conditions or kind.phase is not Effect.phase:
         return False
     payload_kg = compiled.robot.figures.rating.force_n / G
     n = compiled.n_joints

@@ -9,8 +9,8 @@ from itertools import combinations
 
 import numpy as np
 
-from bench.diagnose.doubt.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.doubt.mistaken import Mistake
+from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
+from bench.diagnose.plausibility.mistaken import Mistake
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Index, Segment

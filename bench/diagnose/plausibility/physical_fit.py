@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.optimize import nnls
 
-from bench.diagnose.doubt.drive_picture import DrivePicture
+from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.record.campaign import Array
 
 

@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.doubt.displaced import displaced
-from bench.diagnose.doubt.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.doubt.mistaken import doubt, mistakes_in, turned
-from bench.diagnose.doubt.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
-from bench.diagnose.doubt.physical_fit import misfit
+from bench.diagnose.plausibility.displaced import displaced
+from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
+from bench.diagnose.plausibility.mistaken import doubt, mistakes_in, turned
+from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
+from bench.diagnose.plausibility.physical_fit import misfit
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, segments_of

@@ -10,8 +10,8 @@ from itertools import combinations
 
 import numpy as np
 
-from bench.diagnose.doubt.drive_picture import DrivePicture
-from bench.diagnose.doubt.physical_fit import misfit
+from bench.diagnose.plausibility.drive_picture import DrivePicture
+from bench.diagnose.plausibility.physical_fit import misfit
 from bench.record.campaign import Array
 from bench.record.finding import Finding
 

@@ -5,7 +5,7 @@ from itertools import permutations, product
 
 import numpy as np
 
-from bench.diagnose.doubt.mistaken import doubt
+from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.replay.quantities import AXES
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL

@@ -1,1 +1,0 @@
-"""Doubt: channels that are hardly what their names say."""

@@ -1,0 +1,1 @@
+"""Plausibility check: channels that are hardly what their names say."""

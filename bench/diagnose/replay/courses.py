@@ -1,0 +1,93 @@
+"""What each model of a world follows: segments that have payload, run and time in common where those count."""
+
+from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.world import World, log_error_of
+from bench.effects.effect import Conditions
+from bench.simulate.prescribed import Motion
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Segments that one model follows, one after the other.
+
+    Attributes:
+        run: Name of the only run that it is of; "" where worlds do not tell runs apart.
+        conditions: Under which, as the lab knows them.
+        motion: Of all of them, joined.
+        instants: Shape (T,), where these stand among all instants of the campaign.
+        rows: Shape (K,), where those that are read stand among all that are read.
+        segments: Indices of the segments.
+    """
+
+    run: str
+    conditions: Conditions
+    motion: Motion
+    instants: NDArray[np.intp]
+    rows: NDArray[np.intp]
+    segments: tuple[int, ...]
+
+
+def courses_of(
+    segments: Sequence[Segment], models: Iterable[Hashable], *, with_temperatures: bool
+) -> tuple[Course, ...]:
+    """Return what each model follows.
+
+    Args:
+        segments: Of a campaign.
+        models: Of each segment, what decides its model and its loads (`world.model_of`).
+        with_temperatures: Whether a model is one of the temperatures of its segments, or of those of the figures.
+    """
+    groups: dict[Hashable, list[int]] = {}
+    for i, model in enumerate(models):
+        groups.setdefault(model, []).append(i)
+    instants = slices_of(len(segment.motion) for segment in segments)
+    rows = slices_of(count_of(segment) for segment in segments)
+    courses = []
+    for members in groups.values():
+        first, runs = segments[members[0]], {segments[i].run for i in members}
+        conditions = first.conditions
+        if not with_temperatures:
+            reference = Conditions.reference(len(conditions.gear_k), conditions.payload_kg)
+            conditions = replace(reference, time_s=conditions.time_s)
+        courses.append(
+            Course(
+                run=first.run if len(runs) == 1 else "",
+                conditions=conditions,
+                motion=Motion.concatenate(segments[i].motion for i in members),
+                instants=_indices(instants, members),
+                rows=_indices(rows, members),
+                segments=tuple(members),
+            )
+        )
+    return tuple(courses)
+
+
+def true_conditions(world: World, course: Course) -> Conditions:
+    """Return the conditions of a course with the mass that was truly bolted on."""
+    error = log_error_of(world, course.run)
+    if error is None:
+        return course.conditions
+    return replace(course.conditions, payload_kg=error.bolted * course.conditions.payload_kg)
+
+
+def count_of(segment: Segment) -> int:
+    """Return how many instants of a segment are read."""
+    return int(np.count_nonzero(segment.motion.read))
+
+
+def slices_of(lengths: Iterable[int]) -> list[slice]:
+    """Return where parts of these lengths stand, one after the other."""
+    edges = np.cumsum([0, *lengths]).tolist()
+    return [slice(first, last) for first, last in pairwise(edges)]
+
+
+def _indices(parts: list[slice], chosen: Iterable[int]) -> NDArray[np.intp]:
+    """Return the indices of some parts, one after the other."""
+    return np.concatenate([np.arange(parts[i].start, parts[i].stop) for i in chosen])

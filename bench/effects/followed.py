@@ -1,0 +1,41 @@
+"""A robot along a motion, and torques that an effect adds to it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.robot.compiled import CompiledRobot
+from bench.simulate.plant import Array, Trace
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """A robot and what it did; T instants, n drives.
+
+    Attributes:
+        compiled: The robot.
+        trace: What it did.
+        acceleration: Shape (T, n) [rad/s^2], of motors and links.
+        visit: Shape (T,), at rest the index of the first instant of the same visit, which comes right after the pose
+            was approached; -1 in motion.
+        gear_k: Shape (T, n) [K], of the gearboxes.
+    """
+
+    compiled: CompiledRobot
+    trace: Trace
+    acceleration: Array
+    visit: NDArray[np.intp]
+    gear_k: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Torques:
+    """Torques that act on the motor and on the link of one drive, positive towards growing angle.
+
+    Attributes:
+        motor, link: Shape (T,) [Nm] or [N], or one number for all instants.
+    """
+
+    motor: Array | float = 0.0
+    link: Array | float = 0.0
