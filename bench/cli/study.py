@@ -1,8 +1,8 @@
 """`bench study`: the diagnosis held to its goals, over hundreds of campaigns with hidden effects."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -18,9 +18,11 @@ class Study:
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Folder to write; may hold the same study, to go on with it."""
     small: bool = False
-    """A few campaigns of each kind, in a minute or two. Counts below do not count then."""
-    seeds: int = 20
-    """Campaigns for each of the 20 single effects."""
+    """A few campaigns of each kind, in a minute or two. Of what is below, `world` and `seed` alone count then."""
+    seeds: int = 8
+    """Campaigns for each single effect."""
+    effects: tuple[str, ...] = ()
+    """Names of the single effects and of those in pairs; none: all of the catalogue that can act on the robot."""
     nulls: int = 200
     """Campaigns without any effect."""
     unlisted: int = 40
@@ -29,6 +31,9 @@ class Study:
     """Campaigns with two effects."""
     twins: bool = True
     """The four pairs of twins, each in an ordinary session and in one that splits them."""
+    world: tuple[Literal["plain", "messy", "presliding", "servo", "second"], ...] = ("plain",)
+    """In which all of this is hidden: plain, messy (10 to 60 other small effects), presliding, servo (that gives),
+    second (another plant); several make a study of each."""
     seed: int = 1
     """Of all random numbers."""
     cores: int = 0
@@ -55,7 +60,9 @@ class Study:
         def warn(words: str) -> None:
             print(f"bench: {words}", file=sys.stderr)
 
-        counts = SMALL if self.small else Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins)
+        counts = Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins, self.effects, self.world)
+        if self.small:
+            counts = replace(SMALL, worlds=self.world)
         settings = Settings(counts, self.seed)
         try:
             self.out.mkdir(parents=True, exist_ok=True)

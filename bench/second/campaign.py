@@ -82,7 +82,7 @@ def hide_in_second(
     for one in hidings:
         figures = changed(figures, one.name, one.place, one.values)
     course = course_of(sittings)
-    state = follow(figures, course, Chance.draw(course, world.scatter, rng))
+    state = follow(figures, course, Chance.draw(course, world.on_motors, world.on_links, rng))
     constants = np.array([drive.torque_constant_nm_per_a for drive in known.drives])
     spread = np.array([drive.torque_constant_error for drive in known.drives])
     draws = Draws(rng, TAILS, quiet)

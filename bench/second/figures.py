@@ -119,7 +119,7 @@ class Gas:
         area: Of the piston, by which the gauge's reading is the gas force [m^2]; nan without a gauge.
         exponent: Polytropic exponent n, (l_c - l)^n in place of l_c - l, with the same pull at angle zero.
         amount: Gas that is left at the start of the campaign, relative.
-        leak: Share that leaves in an hour.
+        leak: Share that leaves in an hour, at a constant rate.
         seal: Friction of the seals as a part of the gas force.
         seal_travel: In which it builds up [m].
     """
@@ -154,7 +154,7 @@ class Gas:
         """
         at_zero = self.critical_length - float(self.length(np.zeros(1))[0])
         gap = self.critical_length - self.length(theta)
-        left = self.amount * np.exp(-self.leak * hours)
+        left = self.amount * np.maximum(1 - self.leak * hours, 0)
         force: Array = left * self.constant / gap * (at_zero / gap) ** (self.exponent - 1)
         return force
 

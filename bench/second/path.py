@@ -102,7 +102,7 @@ def link_path(
         law: Of friction.
     """
     rule = LAWS[law]
-    is_plain = not spring.softness and not spring.gap and len(elements) == 1 and law == "elasto-plastic"
+    is_plain = not spring.softness and not spring.gap and len(elements) == 1
     columns = [
         [values.tolist() for values in (e.stiffness, e.plus, e.minus, np.where(np.isnan(e.drawn), 2.0, e.drawn))]
         for e in elements
@@ -118,6 +118,9 @@ def link_path(
         elif all(abs(one[3]) <= 1 for one in now) and now:
             force = [-one[3] * (one[1] if one[3] > 0 else one[2]) for one in now]
             theta = where - spring.torsion(need[t] - sum(force))
+        elif is_plain and law == "dahl":
+            sigma, plus, minus, _ = now[0]
+            theta, force[0] = _dahl_balance(spring.stiffness, where, need[t], theta, force[0], sigma, plus, minus)
         elif is_plain:
             sigma, plus, minus, _ = now[0]
             k = spring.stiffness
@@ -130,6 +133,29 @@ def link_path(
             force = [rule(f, theta - before, one[0], one[1], one[2]) for f, one in zip(force, now, strict=True)]
         rest[t], friction[t] = theta, force
     return rest, friction
+
+
+def _dahl_balance(
+    k: float, q: float, need: float, before: float, force: float, sigma: float, plus: float, minus: float
+) -> tuple[float, float]:
+    """Return the angle at which a linear spring and a Dahl element give what is needed, and the element's force.
+
+    What is left falls and is convex over the way, so Newton's steps from its start never pass the balance.
+    """
+    left = k * (q - before) + force - need
+    sign, level = (1.0, plus) if left > 0 else (-1.0, minus)
+    if level == 0.0:
+        return q - need / k, 0.0
+    own, above, way = sign * force, sign * (k * (q - before) - need), 0.0  # mirrored, so that the way goes towards +
+    own = max(own, -level)
+    held_now = own
+    for _ in range(NEWTON):
+        left = above - k * way + held_now
+        if left < TORQUE_TOLERANCE:
+            break
+        way += left / (k + sigma * (held_now + level) / level)
+        held_now = -level + (own + level) * exp(-min(sigma * way / level, 700.0))
+    return before + sign * way, sign * held_now
 
 
 def _balance(

@@ -53,18 +53,11 @@ class Chance:
     link: Array
 
     @classmethod
-    def none(cls, course: Course) -> "Chance":
-        """Return that of a plant in which friction always remembers."""
-        unknown = np.full(course.command.shape, np.nan)
-        return cls(unknown, unknown)
-
-    @classmethod
-    def draw(cls, course: Course, share: float, rng: np.random.Generator) -> "Chance":
-        """Draw friction between its levels, for a share of the drives and sides at every arrival."""
-        chance = cls.none(course)
+    def draw(cls, course: Course, on_motors: float, on_links: float, rng: np.random.Generator) -> "Chance":
+        """Draw friction between its levels, for some share of the drives at every arrival, on either side."""
         drawn = []
-        for _ in range(2):
-            values = chance.motor.copy()
+        for share in (on_motors, on_links):
+            values = np.full(course.command.shape, np.nan)
             moved = course.arrives[:, None] & (rng.random(values.shape) < share)
             values[moved] = rng.uniform(-1, 1, int(np.sum(moved)))
             drawn.append(values)

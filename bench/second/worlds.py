@@ -9,6 +9,7 @@ from bench.second.figures import Figures, Law
 
 SHORTEST, LONGEST = 0.5, 3.0  # presliding travel against the nominal one, DESIGN 6.8
 PROPORTIONAL = 0.25  # share of worlds whose servos give, assumed
+ANYWHERE = 0.5  # share of worlds in which links come to rest anywhere that friction holds them, assumed
 
 
 @dataclass(frozen=True)
@@ -19,20 +20,23 @@ class World:
         travel: Presliding travel against the nominal one.
         law: By which friction builds up.
         gives: Servos have no integral action, so they give by torque / kp.
-        scatter: Share of drives and sides whose friction is found anywhere between its levels at an arrival.
+        on_motors: Share of drives whose motor-side friction is found anywhere between its levels at an arrival.
+        on_links: The same of the link side: links rest where friction leaves them.
     """
 
     travel: float = 1.0
     law: Law = "elasto-plastic"
     gives: bool = False
-    scatter: float = 0.0
+    on_motors: float = 0.0
+    on_links: float = 0.0
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> Self:
         """Draw a world."""
         travel = float(np.exp(rng.uniform(np.log(SHORTEST), np.log(LONGEST))))
         law: Law = "dahl" if rng.random() < 0.5 else "elasto-plastic"
-        return cls(travel, law, bool(rng.random() < PROPORTIONAL), float(rng.random()))
+        on_links = float(rng.random()) if rng.random() < ANYWHERE else 0.0
+        return cls(travel, law, bool(rng.random() < PROPORTIONAL), float(rng.random()), on_links)
 
     def of(self, figures: Figures) -> Figures:
         """Return figures as they are in this world."""

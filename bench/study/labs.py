@@ -13,13 +13,15 @@ from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.hide.campaign import Hidden, hide_campaign
 from bench.hide.plan import legs_of
-from bench.record.campaign import Array
+from bench.hide.second_plant import run_second
+from bench.record.campaign import Array, Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.figures import LinkEncoder
 from bench.robot.folder import Robot, load_robot
 from bench.scenario.files import read_scenario
 from bench.scenario.rotation import RotationPart
 from bench.scenario.session import SessionScenario
+from bench.second.worlds import World
 from bench.study.blind import diagnose_with, signatures_of
 from bench.study.limits import Blur
 
@@ -81,9 +83,23 @@ class Lab:
         """Compile the nominal robot."""
         return compile_robot(self.robot())
 
-    def hide(self, acting: tuple[Acting, ...], rng: np.random.Generator) -> Hidden:
-        """Make a campaign in which some effects act: half the step, Student's t, background errors, warm-up."""
-        return hide_campaign(self.robot(), self.scenario(), acting, rng, without=self.without, channels=self.channels)
+    def hide(self, acting: tuple[Acting, ...], rng: np.random.Generator, gives: bool = False) -> Hidden:
+        """Make a campaign in which some effects act: half the step, Student's t, background errors, warm-up.
+
+        Args:
+            acting: The effects.
+            rng: Random numbers.
+            gives: Servos have no integral action.
+        """
+        session = self.scenario()
+        if gives:
+            session = session.model_copy(update={"servo": "proportional"})
+        return hide_campaign(self.robot(), session, acting, rng, without=self.without, channels=self.channels)
+
+    def hide_in_second(self, acting: tuple[Acting, ...], rng: np.random.Generator) -> Campaign:
+        """Make a campaign of the second plant in which some effects act, with its friction and servos at random."""
+        world = World.draw(rng)
+        return run_second(self.robot(), self.scenario(), acting, rng, world=world).campaign
 
 
 @dataclass(frozen=True, eq=False)

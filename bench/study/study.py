@@ -129,7 +129,7 @@ def run_trial(trial: Trial, ground: Ground, seed: int) -> Outcome:
     start = process_time()
     made = make(trial, ground, seed)
     ready = process_time()
-    campaign, signatures = made.hidden.campaign, ground.signatures
+    campaign, signatures = made.campaign, ground.signatures
     if trial.twin is not None:  # its lab has other instruments, or another robot
         lab = trial.twin.extra if trial.is_split else trial.twin.ordinary
         signatures = signatures_of(campaign, lab.compiled(), ground.catalogue)
