@@ -34,6 +34,9 @@ class Study:
     world: tuple[Literal["plain", "messy", "presliding", "servo", "second"], ...] = ("plain",)
     """In which all of this is hidden: plain, messy (10 to 60 other small effects), presliding, servo (that gives),
     second (another plant); several make a study of each."""
+    vary: str | None = None
+    """Instead of a study: halve and double each named number of the diagnosis that matches, such as "name.*" or
+    "*.PROMISING", and print what that moves in a handful of campaigns. Of what is above, nothing counts but `out`."""
     seed: int = 1
     """Of all random numbers."""
     cores: int = 0
@@ -68,6 +71,8 @@ class Study:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{self.out}: cannot be made ({error.strerror}); choose another folder") from error
+        if self.vary is not None:
+            return self._vary(self.vary)
         where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
         with where as executor, progress_bar("campaigns") as progress:
             outcomes = run_study(settings, self.out, executor, progress, warn)
@@ -76,4 +81,22 @@ class Study:
         for goal in scores.goals:
             print(f"{met_words(goal):13}{goal.name}: {measured_words(goal.measured)} (goal {goal.goal})")
         print(f"\nStudy: {self.out.resolve() / PAGE}")
+        return 0
+
+    def _vary(self, pattern: str) -> int:
+        """Print what constants move, and write it down."""
+        import json
+        from dataclasses import asdict
+
+        from bench.cli.progress import progress_bar
+        from bench.executor.local import on_cores
+        from bench.study.study import Settings
+        from bench.study.vary import FEW, lines_of, vary
+
+        with progress_bar("constants") as progress:
+            found = vary(pattern, Settings(FEW, self.seed), on_cores(self.cores, "spawn"), progress)
+        for variation, moved in found:
+            print("\n".join(lines_of(variation, moved)))
+        rows = [asdict(variation) | {"moved": [asdict(one) for one in moved]} for variation, moved in found]
+        (self.out / "vary.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
         return 0

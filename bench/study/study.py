@@ -61,12 +61,12 @@ class Campaigns:
 
     def prepare(self, executor: Executor) -> None:
         """Make what all campaigns share, so that workers need not that have what this process has in memory."""
-        _ground_of(self.settings, executor)
+        ground_of(self.settings, executor)
 
     def __call__(self, trial: Trial, _: Progress) -> Outcome:
         """Make and diagnose one campaign."""
         with threadpool_limits(1, "blas"):
-            return run_trial(trial, _ground_of(self.settings), self.settings.seed)
+            return run_trial(trial, ground_of(self.settings), self.settings.seed)
 
 
 def run_study(
@@ -143,7 +143,7 @@ def run_trial(trial: Trial, ground: Ground, seed: int) -> Outcome:
 _grounds: dict[Settings, Ground] = {}  # made once in a process, and the same in every one
 
 
-def _ground_of(settings: Settings, executor: Executor = SERIAL) -> Ground:
+def ground_of(settings: Settings, executor: Executor = SERIAL) -> Ground:
     """Return what the campaigns of a study share.
 
     Raises:
