@@ -31,9 +31,9 @@ class Study:
     """Campaigns with two effects."""
     twins: bool = True
     """The four pairs of twins, each in an ordinary session and in one that splits them."""
-    world: tuple[Literal["plain", "messy", "presliding", "servo", "second"], ...] = ("plain",)
+    world: tuple[Literal["plain", "messy", "presliding", "servo", "second", "resting"], ...] = ("plain",)
     """In which all of this is hidden: plain, messy (10 to 60 other small effects), presliding, servo (that gives),
-    second (another plant); several make a study of each."""
+    second (another plant), resting (there, links rest anywhere that friction holds them); several: a study of each."""
     vary: str | None = None
     """Instead of a study: halve and double each named number of the diagnosis that matches, such as "name.*" or
     "*.PROMISING", and print what that moves in a handful of campaigns. Of what is above, nothing counts but `out`."""

@@ -233,7 +233,8 @@ def motor_path(
             force, short, x = 0.0, 0.0, wanted
         elif abs(share) <= 1:
             force = -share * (plus if share > 0 else minus)
-            short = left * (short + (need - force - torque) / kp)
+            jump = (need - force - torque) / kp if left == 1.0 else 0.0  # integral action has taken it back since
+            short = left * (short + jump)
             x = wanted - short
         else:
             stuck = left * (short + (need - force - torque) / kp)

@@ -9,7 +9,6 @@ from bench.second.figures import Figures, Law
 
 SHORTEST, LONGEST = 0.5, 3.0  # presliding travel against the nominal one, DESIGN 6.8
 PROPORTIONAL = 0.25  # share of worlds whose servos give, assumed
-ANYWHERE = 0.5  # share of worlds in which links come to rest anywhere that friction holds them, assumed
 
 
 @dataclass(frozen=True)
@@ -31,12 +30,12 @@ class World:
     on_links: float = 0.0
 
     @classmethod
-    def draw(cls, rng: np.random.Generator) -> Self:
-        """Draw a world."""
+    def draw(cls, rng: np.random.Generator, rests: bool = False) -> Self:
+        """Draw a world; `rests`: one in which links come to rest anywhere that friction holds them."""
         travel = float(np.exp(rng.uniform(np.log(SHORTEST), np.log(LONGEST))))
         law: Law = "dahl" if rng.random() < 0.5 else "elasto-plastic"
-        on_links = float(rng.random()) if rng.random() < ANYWHERE else 0.0
-        return cls(travel, law, bool(rng.random() < PROPORTIONAL), float(rng.random()), on_links)
+        gives, on_motors, on_links = bool(rng.random() < PROPORTIONAL), float(rng.random()), float(rng.random())
+        return cls(travel, law, gives, on_motors, on_links if rests else 0.0)
 
     def of(self, figures: Figures) -> Figures:
         """Return figures as they are in this world."""

@@ -96,9 +96,15 @@ class Lab:
             session = session.model_copy(update={"servo": "proportional"})
         return hide_campaign(self.robot(), session, acting, rng, without=self.without, channels=self.channels)
 
-    def hide_in_second(self, acting: tuple[Acting, ...], rng: np.random.Generator) -> Campaign:
-        """Make a campaign of the second plant in which some effects act, with its friction and servos at random."""
-        world = World.draw(rng)
+    def hide_in_second(self, acting: tuple[Acting, ...], rng: np.random.Generator, rests: bool = False) -> Campaign:
+        """Make a campaign of the second plant in which some effects act, with its friction and servos at random.
+
+        Args:
+            acting: The effects.
+            rng: Random numbers.
+            rests: Links rest anywhere that their friction holds them.
+        """
+        world = World.draw(rng, rests)
         return run_second(self.robot(), self.scenario(), acting, rng, world=world).campaign
 
 

@@ -14,7 +14,7 @@ from bench.robot.compiled import CompiledRobot
 from bench.study.labs import Ground, Lab
 from bench.study.limits import Way, detection_limit
 from bench.study.plan import Trial
-from bench.study.worlds import surroundings_of, travel_of, unlisted_in
+from bench.study.worlds import OF_SECOND, surroundings_of, travel_of, unlisted_in
 
 LIMITS = 3.0  # times its detection limit, at which an effect is to be found
 CLEARLY = 10.0  # times its detection limit: clearly visible
@@ -74,8 +74,8 @@ def make(trial: Trial, ground: Ground, seed: int) -> Made:
 def _made(trial: Trial, ground: Ground, lab: Lab, rng: np.random.Generator) -> Made:
     effects = tuple(_drawn(trial, ground, rng))
     acting = tuple(one.acting for one in effects)
-    if trial.world == "second":
-        return Made(lab.hide_in_second(acting, rng), effects)
+    if trial.world in OF_SECOND:
+        return Made(lab.hide_in_second(acting, rng, rests=trial.world == "resting"), effects)
     others = surroundings_of(trial.world, acting, ground.catalogue, ground.compiled, rng)
     everything = (*acting, *(one for one, _ in others), *travel_of(trial.world, rng))
     hidden = lab.hide(everything, rng, gives=trial.world == "servo")

@@ -4,7 +4,8 @@ plain       the first plant, everything nominal a little wrong
 messy       10 to 60 other components of the catalogue act as well, each at 1 to 5 % of its plausible range
 presliding  friction builds up over 0.5 to 3 times the nominal travel, another for each drive and side
 servo       servos have no integral action and give by torque / kp
-second      the second plant: other friction laws, friction at rest anywhere between its levels, servos that may give
+second      the second plant: other friction laws, friction of motors at rest anywhere, servos that may give
+resting     the second plant, and links rest anywhere that their friction holds them
 """
 
 from collections.abc import Iterator, Mapping
@@ -22,8 +23,9 @@ from bench.robot.plugins import configure, number_of
 from bench.second.effects import CHANGES
 from bench.study.limits import Way
 
-World = Literal["plain", "messy", "presliding", "servo", "second"]
+World = Literal["plain", "messy", "presliding", "servo", "second", "resting"]
 WORLDS: tuple[World, ...] = get_args(World)
+OF_SECOND: tuple[World, ...] = ("second", "resting")  # worlds of the second plant
 
 FEWEST, MOST = 10, 60  # other components of a messy arm, issue 15
 SMALLEST, LARGEST = 0.01, 0.05  # of their plausible range, issue 15
@@ -100,12 +102,12 @@ def travel_of(world: World, rng: np.random.Generator) -> tuple[Acting, ...]:
 
 def listed_in(world: World, names: tuple[str, ...]) -> tuple[str, ...]:
     """Return those effects that can be hidden in a world."""
-    return tuple(name for name in names if name in CHANGES) if world == "second" else names
+    return tuple(name for name in names if name in CHANGES) if world in OF_SECOND else names
 
 
 def unlisted_in(world: World) -> Mapping[str, Effect]:
     """Return the effects that no catalogue holds and that can be hidden in a world."""
     known = unlisted()
-    if world != "second":
+    if world not in OF_SECOND:
         return known
     return {name: effect for name, effect in known.items() if name in CHANGES} | second_unlisted()

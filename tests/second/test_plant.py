@@ -19,6 +19,7 @@ from bench.robot.compiled import CompiledRobot
 from bench.scenario.session import SessionScenario
 from bench.second.campaign import Second
 from bench.second.effects import CHANGES
+from bench.second.worlds import World
 from bench.study.labs import Lab
 
 LAB = Lab(without=("line", "dwell", "repeat_at_end"))
@@ -127,3 +128,24 @@ def test_noise_and_errors_follow_the_seed(compiled: CompiledRobot) -> None:
     first, same, other = (run_second(LAB.robot(), scenario, (), rng(seed)).campaign.runs[0] for seed in (5, 5, 6))
     assert all(np.array_equal(first.columns[name], same.columns[name]) for name in first.columns)
     assert not np.array_equal(first.columns["current_1_a"], other.columns["current_1_a"])
+
+
+def test_chance_moves_links_where_the_world_says_so() -> None:
+    """Where links remember, they arrive at the same place whatever the motors' friction; else they do not."""
+    session = short().without("rotations")
+
+    def spread(world: World) -> tuple[float, float]:
+        runs = [
+            run_second(LAB.robot(), session, (), rng(seed), world=world, quiet=True).campaign.runs[0] for seed in (1, 2)
+        ]
+        first, second = (np.stack([run.columns["reflector_1_z_m"], run.columns["current_2_a"]]) for run in runs)
+        unloaded = runs[0].columns["load_step"] == 0  # a load moves motors, too, as far as their friction lets it
+        z, current = np.max(np.abs(first - second)[:, unloaded], axis=1)
+        return float(z), float(current)
+
+    assert spread(World()) == (0.0, 0.0)
+    z, current = spread(World(on_motors=1.0))
+    assert current > 0.1
+    assert z < 1e-7
+    z, _ = spread(World(on_links=1.0))
+    assert z > 1e-5

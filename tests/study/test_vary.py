@@ -26,10 +26,10 @@ def test_a_constant_is_changed_where_it_is_imported_too() -> None:
     before = noise.UNIFORM
     with set_to(uniform, 7.0):
         assert (noise.UNIFORM, segments.UNIFORM) == (7.0, 7.0)
-    assert (noise.UNIFORM, segments.UNIFORM) == (before, before)
+    assert (before, before) == (noise.UNIFORM, segments.UNIFORM)
     with pytest.raises(ZeroDivisionError), set_to(uniform, 7.0):
         raise ZeroDivisionError
-    assert (noise.UNIFORM, segments.UNIFORM) == (before, before)
+    assert (before, before) == (noise.UNIFORM, segments.UNIFORM)
 
 
 @pytest.mark.parametrize(
