@@ -38,7 +38,7 @@ def hide_and_seek(seed: int, progress: Callable[[str], None] = lambda words: Non
         executor: Where to simulate.
     """
     rng = np.random.default_rng(seed)
-    names = singles_of(Lab().compiled())
+    names = singles_of(Lab().compiled(), Lab())
     name = names[int(rng.integers(len(names)))]
     trial = Trial("demo", "single", (name,), number=int(rng.integers(100)), size="clear")
     ground = prepare(Lab(), catalogue(), np.random.default_rng([seed, NULL_STREAM]), progress, executor)

@@ -1,13 +1,13 @@
 """A lab of the study: a session, the instruments that are there, and what all its campaigns have in common."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.signatures import Signatures
-from bench.effects.effect import Acting, Effect
+from bench.effects.effect import Acting, Effect, Place
 from bench.errors import InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -83,6 +83,10 @@ class Lab:
         """Compile the nominal robot."""
         return compile_robot(self.robot())
 
+    def places(self, effect: Effect, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return where an effect can act in a campaign of this lab."""
+        return effect.places(compiled)
+
     def hide(self, acting: tuple[Acting, ...], rng: np.random.Generator, gives: bool = False) -> Hidden:
         """Make a campaign in which some effects act: half the step, Student's t, background errors, warm-up.
 
@@ -131,6 +135,13 @@ class Ground:
     blur: Blur
     threshold: float
     listed: tuple[Array, ...]
+
+
+def components(catalogue: Mapping[str, Effect], lab: Lab, compiled: CompiledRobot) -> Iterator[tuple[Effect, Place]]:
+    """Yield every effect of a catalogue at every place where it can act in a campaign of a lab."""
+    for effect in catalogue.values():
+        for place in lab.places(effect, compiled):
+            yield effect, place
 
 
 def prepare(

@@ -11,7 +11,7 @@ from bench.errors import BenchError, ConvergenceError
 from bench.hide.campaign import Hidden
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
-from bench.study.labs import Ground, Lab
+from bench.study.labs import Ground, Lab, components
 from bench.study.limits import Way, detection_limit
 from bench.study.plan import Trial
 from bench.study.worlds import OF_SECOND, surroundings_of, travel_of, unlisted_in
@@ -76,7 +76,8 @@ def _made(trial: Trial, ground: Ground, lab: Lab, rng: np.random.Generator) -> M
     acting = tuple(one.acting for one in effects)
     if trial.world in OF_SECOND:
         return Made(lab.hide_in_second(acting, rng, rests=trial.world == "resting"), effects)
-    others = surroundings_of(trial.world, acting, ground.catalogue, ground.compiled, rng)
+    known = components(ground.catalogue, ground.lab, ground.compiled)
+    others = surroundings_of(trial.world, acting, tuple(known), ground.compiled, rng)
     everything = (*acting, *(one for one, _ in others), *travel_of(trial.world, rng))
     hidden = lab.hide(everything, rng, gives=trial.world == "servo")
     beside = tuple(Sized(one, size, float("inf")) for one, size in others)
@@ -108,7 +109,7 @@ def sized(effect: Effect, trial: Trial, ground: Ground, rng: np.random.Generator
 
     Where it shows nowhere, it is taken where it comes nearest to that, at the largest plausible size.
     """
-    places = effect.places(ground.compiled)
+    places = ground.lab.places(effect, ground.compiled)
     rivals = ground.listed if trial.kind == "unlisted" else ()
     drawn: list[tuple[float, Way]] = []
     for i in range(TRIES):

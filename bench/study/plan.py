@@ -95,21 +95,22 @@ class Trial:
         return np.random.default_rng([seed, crc32(self.name.encode())])
 
 
-def plan(counts: Counts, compiled: CompiledRobot, seed: int) -> tuple[Trial, ...]:
+def plan(counts: Counts, compiled: CompiledRobot, seed: int, lab: Lab | None = None) -> tuple[Trial, ...]:
     """Return the campaigns of a study; what takes long comes first.
 
     Args:
         counts: How many of each.
         compiled: The robot.
         seed: Of the study.
+        lab: Where; None: the ordinary one.
 
     Raises:
         InputError: An unknown effect, or one that cannot act on the robot.
     """
-    known = singles_of(compiled)
+    known = singles_of(compiled, lab or Lab())
     if unknown := [unknown_name("effect that can act", name, known) for name in counts.effects if name not in known]:
         raise InputError(unknown)
-    return tuple(_trials(counts, compiled, np.random.default_rng(seed)))
+    return tuple(_trials(counts, counts.effects or known, compiled, np.random.default_rng(seed)))
 
 
 def twins_of(compiled: CompiledRobot) -> tuple[Twin, ...]:
@@ -133,16 +134,17 @@ def twins_of(compiled: CompiledRobot) -> tuple[Twin, ...]:
     return tuple(found)
 
 
-def singles_of(compiled: CompiledRobot) -> tuple[str, ...]:
-    """Return the effects of the catalogue that can act on a robot and be seen with the channels of an ordinary lab."""
-    channels = {*USUAL, *type(compiled.robot.figures.instruments).model_fields}
+def singles_of(compiled: CompiledRobot, lab: Lab) -> tuple[str, ...]:
+    """Return the effects of the catalogue that can act on a robot in a lab and be seen with its channels."""
+    channels = {*USUAL, *lab.channels, *type(compiled.robot.figures.instruments).model_fields}
     return tuple(
-        name for name, effect in catalogue().items() if effect.places(compiled) and set(effect.needs) <= channels
+        name for name, effect in catalogue().items() if lab.places(effect, compiled) and set(effect.needs) <= channels
     )
 
 
-def _trials(counts: Counts, compiled: CompiledRobot, rng: np.random.Generator) -> Iterator[Trial]:
-    effects = counts.effects or singles_of(compiled)
+def _trials(
+    counts: Counts, effects: tuple[str, ...], compiled: CompiledRobot, rng: np.random.Generator
+) -> Iterator[Trial]:
     for twin in twins_of(compiled) if counts.twins and "plain" in counts.worlds else ():
         for is_split in (False, True):
             words = "split" if is_split else "ordinary"

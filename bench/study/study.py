@@ -99,7 +99,8 @@ def run_study(
         lines = "line was" if rows.damaged == 1 else "lines were"
         say(f"{file}: {rows.damaged} damaged {lines} dropped; what stood there is done again.")
     done = {outcome.name: outcome for outcome in rows.outcomes}
-    trials = plan(settings.counts, Lab(settings.session).compiled(), settings.seed)
+    lab = Lab(settings.session)
+    trials = plan(settings.counts, lab.compiled(), settings.seed, lab)
     missing = [trial for trial in trials if trial.name not in done]
     work = work or Campaigns(settings)
     if missing and executor.shares_memory:

@@ -129,7 +129,7 @@ def _plain(settings: Settings) -> tuple[dict[str, Campaign], dict[str, Answer]]:
     """Return the campaigns, and what is said of them with all constants as they stand."""
     if settings not in _made:
         ground = ground_of(settings)
-        trials = plan(settings.counts, ground.compiled, settings.seed)
+        trials = plan(settings.counts, ground.compiled, settings.seed, ground.lab)
         campaigns = {trial.name: make(trial, ground, settings.seed).campaign for trial in trials}
         _made[settings] = campaigns, _answers(campaigns, settings)
     return _made[settings]

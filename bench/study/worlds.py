@@ -8,7 +8,7 @@ second      the second plant: other friction laws, friction of motors at rest an
 resting     the second plant, and links rest anywhere that their friction holds them
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Literal, get_args
 
 import mujoco
@@ -59,7 +59,7 @@ class PreslidingTravel(Effect):
 def surroundings_of(
     world: World,
     hidden: tuple[Acting, ...],
-    catalogue: Mapping[str, Effect],
+    known: Sequence[tuple[Effect, Place]],
     compiled: CompiledRobot,
     rng: np.random.Generator,
 ) -> tuple[tuple[Acting, float], ...]:
@@ -68,14 +68,13 @@ def surroundings_of(
     Args:
         world: Which.
         hidden: What the trial hides; the same effect at the same place is not drawn again.
-        catalogue: Out of which others are drawn.
+        known: Effects at places, out of which others are drawn.
         compiled: The robot.
         rng: Random numbers.
     """
     if world != "messy":
         return ()
     taken = {(one.effect.name, str(one.place)) for one in hidden}
-    known = [(effect, place) for effect, place in components(catalogue, compiled)]
     free = [(effect, place) for effect, place in known if (effect.name, str(place)) not in taken]
     count = min(int(rng.integers(FEWEST, MOST + 1)), len(free))
     found = []
@@ -84,13 +83,6 @@ def surroundings_of(
         size = float(rng.uniform(SMALLEST, LARGEST))
         found.append((way.at(size, compiled), size))
     return tuple(found)
-
-
-def components(catalogue: Mapping[str, Effect], compiled: CompiledRobot) -> Iterator[tuple[Effect, Place]]:
-    """Yield every effect of a catalogue at every place where it can act on a robot."""
-    for effect in catalogue.values():
-        for place in effect.places(compiled):
-            yield effect, place
 
 
 def travel_of(world: World, rng: np.random.Generator) -> tuple[Acting, ...]:

@@ -21,7 +21,7 @@ def hh150() -> CompiledRobot:
 def test_full_study_is_what_the_design_asks_for(hh150: CompiledRobot) -> None:
     trials = plan(Counts(), hh150, 1)
     kinds = {kind: [t for t in trials if t.kind == kind] for kind in ("null", "single", "unlisted", "pair", "twin")}
-    n = len(singles_of(hh150))
+    n = len(singles_of(hh150, Lab()))
     assert {kind: len(found) for kind, found in kinds.items()} == {
         "null": 200,
         "single": 8 * n,
@@ -37,7 +37,7 @@ def test_full_study_is_what_the_design_asks_for(hh150: CompiledRobot) -> None:
 
 def test_everything_that_can_act_is_hidden_singly(hh150: CompiledRobot) -> None:
     effects = catalogue()
-    singles = singles_of(hh150)
+    singles = singles_of(hh150, Lab())
     assert {effects[name].family for name in singles} == {effect.family for effect in effects.values()}
     missing = set(effects) - set(singles)
     assert all(not effects[name].places(hh150) for name in missing)

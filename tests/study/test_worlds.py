@@ -7,6 +7,7 @@ from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Acting, Conditions
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
+from bench.study.labs import Lab, components
 from bench.study.worlds import (
     FEWEST,
     LARGEST,
@@ -16,7 +17,6 @@ from bench.study.worlds import (
     SMALLEST,
     WORLDS,
     PreslidingTravel,
-    components,
     surroundings_of,
     travel_of,
     unlisted_in,
@@ -30,10 +30,11 @@ def hh150() -> CompiledRobot:
 
 def test_a_messy_arm_has_many_small_things_beside_what_is_hidden(hh150: CompiledRobot) -> None:
     effects = catalogue()
+    known = tuple(components(effects, Lab(), hh150))
     hidden = Acting(effects["gas_loss"], WHOLE, {"lost": 0.2})
     counts = []
     for seed in range(30):
-        others = surroundings_of("messy", (hidden,), effects, hh150, np.random.default_rng(seed))
+        others = surroundings_of("messy", (hidden,), known, hh150, np.random.default_rng(seed))
         counts.append(len(others))
         names = [(one.effect.name, str(one.place)) for one, _ in others]
         assert len(set(names)) == len(names)
@@ -49,19 +50,20 @@ def test_a_messy_arm_has_many_small_things_beside_what_is_hidden(hh150: Compiled
 
 
 def test_a_messy_arm_may_have_any_component(hh150: CompiledRobot) -> None:
-    effects = catalogue()
-    everything = {(effect.name, str(place)) for effect, place in components(effects, hh150)}
+    known = tuple(components(catalogue(), Lab(), hh150))
+    everything = {(effect.name, str(place)) for effect, place in known}
     drawn = {
         (one.effect.name, str(one.place))
         for seed in range(60)
-        for one, _ in surroundings_of("messy", (), effects, hh150, np.random.default_rng(seed))
+        for one, _ in surroundings_of("messy", (), known, hh150, np.random.default_rng(seed))
     }
     assert drawn == everything
 
 
 def test_other_worlds_have_nothing_beside(hh150: CompiledRobot) -> None:
+    known = tuple(components(catalogue(), Lab(), hh150))
     for world in WORLDS:
-        others = surroundings_of(world, (), catalogue(), hh150, np.random.default_rng(1))
+        others = surroundings_of(world, (), known, hh150, np.random.default_rng(1))
         assert bool(others) == (world == "messy")
         assert bool(travel_of(world, np.random.default_rng(1))) == (world == "presliding")
 
