@@ -17,7 +17,7 @@ from bench.executor.serial import SERIAL
 from bench.study.blind import diagnose_with, signatures_of
 from bench.study.code import code_of
 from bench.study.labs import Ground, Lab, prepare
-from bench.study.make import make
+from bench.study.make import lab_of, make
 from bench.study.outcome import Answer, Outcome, answer_of, outcome_of
 from bench.study.plan import Counts, Trial, plan
 from bench.study.rows import ROWS, append, read_rows, study_of
@@ -130,10 +130,12 @@ def run_trial(trial: Trial, ground: Ground, seed: int) -> Outcome:
     start = process_time()
     made = make(trial, ground, seed)
     ready = process_time()
-    campaign, signatures = made.campaign, ground.signatures
-    if trial.twin is not None:  # its lab has other instruments, or another robot
-        lab = trial.twin.extra if trial.is_split else trial.twin.ordinary
-        signatures = signatures_of(campaign, lab.compiled(), ground.catalogue)
+    campaign, compiled = made.campaign, ground.compiled
+    if trial.twin is not None:  # its lab may have another robot
+        compiled = lab_of(trial, ground).compiled()
+    signatures = signatures_of(campaign, compiled, ground.catalogue)
+    if trial.twin is None and signatures.asked == ground.signatures.asked:
+        signatures = ground.signatures  # the same channels and the same causes
     try:
         answer = answer_of(diagnose_with(campaign, signatures, ground.catalogue).verdict)
     except (BenchError, LinAlgError) as error:
