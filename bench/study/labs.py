@@ -137,11 +137,14 @@ class Ground:
     listed: tuple[Array, ...]
 
 
-def components(catalogue: Mapping[str, Effect], lab: Lab, compiled: CompiledRobot) -> Iterator[tuple[Effect, Place]]:
-    """Yield every effect of a catalogue at every place where it can act in a campaign of a lab."""
+def machine_components(
+    catalogue: Mapping[str, Effect], lab: Lab, compiled: CompiledRobot
+) -> Iterator[tuple[Effect, Place]]:
+    """Yield every effect of a catalogue at every place where it can act in a lab; errors of the recording left out."""
     for effect in catalogue.values():
-        for place in lab.places(effect, compiled):
-            yield effect, place
+        if getattr(effect, "level", "machine") == "machine":
+            for place in lab.places(effect, compiled):
+                yield effect, place
 
 
 def prepare(

@@ -11,7 +11,7 @@ from bench.errors import BenchError, ConvergenceError
 from bench.hide.campaign import Hidden
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
-from bench.study.labs import Ground, Lab, components
+from bench.study.labs import Ground, Lab, machine_components
 from bench.study.limits import Way, detection_limit
 from bench.study.plan import Trial
 from bench.study.worlds import OF_SECOND, surroundings_of, travel_of, unlisted_in
@@ -76,7 +76,7 @@ def _made(trial: Trial, ground: Ground, lab: Lab, rng: np.random.Generator) -> M
     acting = tuple(one.acting for one in effects)
     if trial.world in OF_SECOND:
         return Made(lab.hide_in_second(acting, rng, rests=trial.world == "resting"), effects)
-    known = components(ground.catalogue, ground.lab, ground.compiled)
+    known = machine_components(ground.catalogue, ground.lab, ground.compiled)
     others = surroundings_of(trial.world, acting, tuple(known), ground.compiled, rng)
     everything = (*acting, *(one for one, _ in others), *travel_of(trial.world, rng))
     hidden = lab.hide(everything, rng, gives=trial.world == "servo")

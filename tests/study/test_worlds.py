@@ -7,7 +7,7 @@ from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Acting, Conditions
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
-from bench.study.labs import Lab, components
+from bench.study.labs import Lab, machine_components
 from bench.study.worlds import (
     FEWEST,
     LARGEST,
@@ -30,7 +30,7 @@ def hh150() -> CompiledRobot:
 
 def test_a_messy_arm_has_many_small_things_beside_what_is_hidden(hh150: CompiledRobot) -> None:
     effects = catalogue()
-    known = tuple(components(effects, Lab(), hh150))
+    known = tuple(machine_components(effects, Lab(), hh150))
     hidden = Acting(effects["gas_loss"], WHOLE, {"lost": 0.2})
     counts = []
     for seed in range(30):
@@ -50,7 +50,7 @@ def test_a_messy_arm_has_many_small_things_beside_what_is_hidden(hh150: Compiled
 
 
 def test_a_messy_arm_may_have_any_component(hh150: CompiledRobot) -> None:
-    known = tuple(components(catalogue(), Lab(), hh150))
+    known = tuple(machine_components(catalogue(), Lab(), hh150))
     everything = {(effect.name, str(place)) for effect, place in known}
     drawn = {
         (one.effect.name, str(one.place))
@@ -61,7 +61,7 @@ def test_a_messy_arm_may_have_any_component(hh150: CompiledRobot) -> None:
 
 
 def test_other_worlds_have_nothing_beside(hh150: CompiledRobot) -> None:
-    known = tuple(components(catalogue(), Lab(), hh150))
+    known = tuple(machine_components(catalogue(), Lab(), hh150))
     for world in WORLDS:
         others = surroundings_of(world, (), known, hh150, np.random.default_rng(1))
         assert bool(others) == (world == "messy")
