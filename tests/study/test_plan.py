@@ -62,8 +62,8 @@ def test_every_world_hides_all_kinds(hh150: CompiledRobot) -> None:
 
 
 def test_an_effect_that_cannot_act_is_named(hh150: CompiledRobot) -> None:
-    with pytest.raises(InputError, match="unstated_payload"):
-        plan(Counts(effects=("gas_loss", "unstated_payload")), hh150, 1)
+    with pytest.raises(InputError, match="counterbalance_gas"):
+        plan(Counts(effects=("gas_loss", "counterbalance_gas")), hh150, 1)
 
 
 def test_every_campaign_has_random_numbers_of_its_own(hh150: CompiledRobot) -> None:
