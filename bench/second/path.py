@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from bench.second.figures import Array, Law
 
-ROUNDS = 60  # bisections and secants of a balance; each bisection alone halves the bracket
+ROUNDS = 60  # of a balance by regula falsi (Illinois); every fourth halves the bracket
 SMALLEST = 1e-14  # [rad], of a bracket
 NEWTON = 30  # steps to the torsion of a bent spring
 TORQUE_TOLERANCE = 1e-6  # [Nm]; links need 10 to 10,000
@@ -177,16 +177,16 @@ def _balance(
     low, high = q - spring.torsion(need + most) - SMALLEST, q - spring.torsion(need - most) + SMALLEST
     low, high = min(low, before), max(high, before)
     at_low, at_high = left(low), left(high)
-    theta, rest = before, left(before)
+    theta, rest, side = before, left(before), 0
     for i in range(ROUNDS):
         if abs(rest) < TORQUE_TOLERANCE or high - low < SMALLEST:
             break
         if rest > 0:
-            low, at_low = theta, rest
+            low, at_low, at_high, side = theta, rest, at_high / 2 if side > 0 else at_high, 1
         else:
-            high, at_high = theta, rest
+            high, at_high, at_low, side = theta, rest, at_low / 2 if side < 0 else at_low, -1
         secant = low + (high - low) * at_low / (at_low - at_high) if at_low > at_high else low
-        theta = secant if i % 3 and low < secant < high else (low + high) / 2
+        theta = secant if i % 4 < 3 and low < secant < high else (low + high) / 2
         rest = left(theta)
     return theta, rest
 
