@@ -28,16 +28,22 @@ MAY_IMPORT = {
     "simulate": {"errors", "paths", "record", "actuators", "robot", "scenario"},
     "identify": {"errors", "paths", "record", "actuators", "robot"},
     "effects": BELOW | {"simulate"},
-    "hide": BELOW | {"simulate", "scenario", "effects"},
+    "second": {"errors", "record", "robot"},
+    "hide": BELOW | {"simulate", "scenario", "effects", "second"},
     "diagnose": BELOW | {"store", "simulate", "effects", "identify"},
-    "study": BELOW | {"store", "simulate", "scenario", "effects", "hide", "diagnose"},
+    "study": BELOW | {"store", "simulate", "scenario", "effects", "second", "hide", "diagnose"},
     "benchmark": BELOW | {"simulate", "scenario", "effects", "hide", "identify", "diagnose"},
     "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study"},
     "cli": BELOW
     | {"store", "scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "benchmark", "report"},
 }
 STEPS_OF_DIAGNOSIS = ("replay", "picture", "extend", "measure", "name", "ask")  # each may import those before it
-ENGINES_OF = {"identify": {"mujoco", "gymnasium"}, "record": {"mujoco", "pinocchio", "gymnasium"}}
+ENGINES_OF = {
+    "identify": {"mujoco", "gymnasium"},
+    "second": {"mujoco", "gymnasium"},
+    "record": {"mujoco", "pinocchio", "gymnasium"},
+}
+PLAIN_OF_ROBOT = {"bodies", "figures"}  # all that the second plant may have of it: numbers
 TRUTH_READERS = {"report/scoring.py"}
 
 
@@ -86,6 +92,14 @@ def test_steps_of_a_diagnosis_rest_on_those_before(step: str) -> None:
 def test_only_scoring_reads_truth(file: Path) -> None:
     if str(file.relative_to(PACKAGE)) not in TRUTH_READERS:
         assert "bench.record.truth.read_truth" not in set(imports_of(file))
+
+
+def test_second_plant_takes_plain_numbers_only() -> None:
+    for file in sorted((PACKAGE / "second").glob("*.py")):
+        for name in imports_of(file):
+            words = name.split(".")
+            if words[:2] == ["bench", "robot"] and len(words) > 2:
+                assert words[2] in PLAIN_OF_ROBOT, f"{file.name} may not import {name}"
 
 
 def test_identification_runs_without_mujoco() -> None:

@@ -35,7 +35,7 @@ class Demo:
         out = self.out or Path(f"demo-{seed}")
         with new_folder(out, CAMPAIGN, replace=False) as folder:
             demo = hide_and_seek(seed, lambda words: print(f"... {words}", file=sys.stderr), on_cores())
-            write_hidden(demo.made.hidden, folder)
+            write_hidden(demo.hidden, folder)
             (folder / "diagnosis").mkdir()
             write_diagnosis(demo.diagnosis, folder / "diagnosis")
         for line in words_of(demo.diagnosis.verdict):

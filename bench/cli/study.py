@@ -1,8 +1,8 @@
 """`bench study`: the diagnosis held to its goals, over hundreds of campaigns with hidden effects."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -18,9 +18,11 @@ class Study:
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Folder to write; may hold the same study, to go on with it."""
     small: bool = False
-    """A few campaigns of each kind, in a minute or two. Counts below do not count then."""
-    seeds: int = 20
-    """Campaigns for each of the 20 single effects."""
+    """A few campaigns of each kind, in a minute or two. Of what is below, `world` and `seed` alone count then."""
+    seeds: int = 8
+    """Campaigns for each single effect."""
+    effects: tuple[str, ...] = ()
+    """Names of the single effects and of those in pairs; none: all of the catalogue that can act on the robot."""
     nulls: int = 200
     """Campaigns without any effect."""
     unlisted: int = 40
@@ -29,6 +31,12 @@ class Study:
     """Campaigns with two effects."""
     twins: bool = True
     """The four pairs of twins, each in an ordinary session and in one that splits them."""
+    world: tuple[Literal["plain", "messy", "presliding", "servo", "second", "resting"], ...] = ("plain",)
+    """In which all of this is hidden: plain, messy (10 to 60 other small effects), presliding, servo (that gives),
+    second (another plant), resting (there, links rest anywhere that friction holds them); several: a study of each."""
+    vary: str | None = None
+    """Instead of a study: halve and double each named number of the diagnosis that matches, such as "name.*" or
+    "*.PROMISING", and print what that moves in a handful of campaigns. Of what is above, nothing counts but `out`."""
     seed: int = 1
     """Of all random numbers."""
     cores: int = 0
@@ -55,12 +63,16 @@ class Study:
         def warn(words: str) -> None:
             print(f"bench: {words}", file=sys.stderr)
 
-        counts = SMALL if self.small else Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins)
+        counts = Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins, self.effects, self.world)
+        if self.small:
+            counts = replace(SMALL, worlds=self.world)
         settings = Settings(counts, self.seed)
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{self.out}: cannot be made ({error.strerror}); choose another folder") from error
+        if self.vary is not None:
+            return self._vary(self.vary)
         where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
         with where as executor, progress_bar("campaigns") as progress:
             outcomes = run_study(settings, self.out, executor, progress, warn)
@@ -69,4 +81,22 @@ class Study:
         for goal in scores.goals:
             print(f"{met_words(goal):13}{goal.name}: {measured_words(goal.measured)} (goal {goal.goal})")
         print(f"\nStudy: {self.out.resolve() / PAGE}")
+        return 0
+
+    def _vary(self, pattern: str) -> int:
+        """Print what constants move, and write it down."""
+        import json
+        from dataclasses import asdict
+
+        from bench.cli.progress import progress_bar
+        from bench.executor.local import on_cores
+        from bench.study.study import Settings
+        from bench.study.vary import FEW, lines_of, vary
+
+        with progress_bar("constants") as progress:
+            found = vary(pattern, Settings(FEW, self.seed), on_cores(self.cores, "spawn"), progress)
+        for variation, moved in found:
+            print("\n".join(lines_of(variation, moved)))
+        rows = [asdict(variation) | {"moved": [asdict(one) for one in moved]} for variation, moved in found]
+        (self.out / "vary.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
         return 0

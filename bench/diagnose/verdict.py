@@ -84,7 +84,7 @@ class Explanation:
     """One or several causes together.
 
     Attributes:
-        causes: That act together.
+        causes: That act together, the largest of its plausible range first.
         probability: Among everything that was weighed, fitted or not.
         log_evidence: Logarithm of the Bayes factor against the nominal model.
     """
@@ -316,7 +316,7 @@ def _unlisted(naming: Naming, lesson: Lesson | None) -> Unlisted | None:
 
 
 def _explanation(model: Model, fit: Fit) -> Explanation:
-    causes = tuple(_named(cause, fit) for cause in model.causes)
+    causes = tuple(sorted((_named(cause, fit) for cause in model.causes), key=lambda cause: -cause.share))
     return Explanation(causes, model.probability, model.log_evidence)
 
 

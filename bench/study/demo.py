@@ -9,11 +9,12 @@ from bench.diagnose.diagnose import Diagnosis
 from bench.effects.catalogue import catalogue
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
+from bench.hide.campaign import Hidden
 from bench.study.blind import diagnose_with
 from bench.study.labs import Lab, prepare
 from bench.study.make import Made, make
 from bench.study.outcome import Outcome, answer_of, outcome_of
-from bench.study.plan import EFFECTS, Trial
+from bench.study.plan import Trial, singles_of
 from bench.study.score import marks_of
 from bench.study.study import NULL_STREAM
 
@@ -23,6 +24,7 @@ class Demo:
     """A hidden effect, what the diagnosis said, and both side by side."""
 
     made: Made
+    hidden: Hidden
     diagnosis: Diagnosis
     outcome: Outcome
 
@@ -36,14 +38,16 @@ def hide_and_seek(seed: int, progress: Callable[[str], None] = lambda words: Non
         executor: Where to simulate.
     """
     rng = np.random.default_rng(seed)
-    name = EFFECTS[int(rng.integers(len(EFFECTS)))]
+    names = singles_of(Lab().compiled(), Lab())
+    name = names[int(rng.integers(len(names)))]
     trial = Trial("demo", "single", (name,), number=int(rng.integers(100)), size="clear")
     ground = prepare(Lab(), catalogue(), np.random.default_rng([seed, NULL_STREAM]), progress, executor)
     progress("a campaign with a hidden effect")
     made = make(trial, ground, seed)
-    campaign = made.hidden.campaign
+    campaign = made.campaign
     diagnosis = diagnose_with(campaign, ground.signatures, ground.catalogue, progress=progress, executor=executor)
-    return Demo(made, diagnosis, outcome_of(trial, made, answer_of(diagnosis.verdict), 0.0, 0.0))
+    assert made.hidden  # it is of the first plant
+    return Demo(made, made.hidden, diagnosis, outcome_of(trial, made, answer_of(diagnosis.verdict), 0.0, 0.0))
 
 
 def judgement(outcome: Outcome) -> str:

@@ -1,25 +1,30 @@
 """A lab of the study: a session, the instruments that are there, and what all its campaigns have in common."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.signatures import Signatures
-from bench.effects.effect import Acting, Effect
+from bench.effects.effect import Acting, Effect, Place
+from bench.effects.recorded import Recorded
 from bench.errors import InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.hide.campaign import Hidden, hide_campaign
 from bench.hide.plan import legs_of
-from bench.record.campaign import Array
+from bench.hide.recorded import recorded_of
+from bench.hide.second_plant import run_second
+from bench.record.campaign import Array, Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.figures import LinkEncoder
 from bench.robot.folder import Robot, load_robot
 from bench.scenario.files import read_scenario
 from bench.scenario.rotation import RotationPart
 from bench.scenario.session import SessionScenario
+from bench.second.worlds import World
 from bench.study.blind import diagnose_with, signatures_of
 from bench.study.limits import Blur
 
@@ -81,9 +86,38 @@ class Lab:
         """Compile the nominal robot."""
         return compile_robot(self.robot())
 
-    def hide(self, acting: tuple[Acting, ...], rng: np.random.Generator) -> Hidden:
-        """Make a campaign in which some effects act: half the step, Student's t, background errors, warm-up."""
-        return hide_campaign(self.robot(), self.scenario(), acting, rng, without=self.without, channels=self.channels)
+    def places(self, effect: Effect, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return where an effect can act in a campaign of this lab, in a channel or from a run on among others."""
+        return effect.places_in(compiled, _recorded(self))
+
+    def hide(self, acting: tuple[Acting, ...], rng: np.random.Generator, gives: bool = False) -> Hidden:
+        """Make a campaign in which some effects act: half the step, Student's t, background errors, warm-up.
+
+        Args:
+            acting: The effects.
+            rng: Random numbers.
+            gives: Servos have no integral action.
+        """
+        session = self.scenario()
+        if gives:
+            session = session.model_copy(update={"servo": "proportional"})
+        return hide_campaign(self.robot(), session, acting, rng, without=self.without, channels=self.channels)
+
+    def hide_in_second(self, acting: tuple[Acting, ...], rng: np.random.Generator, rests: bool = False) -> Campaign:
+        """Make a campaign of the second plant in which some effects act, with its friction and servos at random.
+
+        Args:
+            acting: The effects.
+            rng: Random numbers.
+            rests: Links rest anywhere that their friction holds them.
+        """
+        world = World.draw(rng, rests)
+        return run_second(self.robot(), self.scenario(), acting, rng, world=world).campaign
+
+
+@lru_cache(maxsize=4)
+def _recorded(lab: Lab) -> Recorded:
+    return recorded_of(lab.robot(), lab.scenario(), lab.without, lab.channels)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +143,16 @@ class Ground:
     blur: Blur
     threshold: float
     listed: tuple[Array, ...]
+
+
+def machine_components(
+    catalogue: Mapping[str, Effect], lab: Lab, compiled: CompiledRobot
+) -> Iterator[tuple[Effect, Place]]:
+    """Yield every effect of a catalogue at every place where it can act in a lab; errors of the recording left out."""
+    for effect in catalogue.values():
+        if getattr(effect, "level", "machine") == "machine":
+            for place in lab.places(effect, compiled):
+                yield effect, place
 
 
 def prepare(

@@ -131,7 +131,9 @@ def detection_limit(way: Way, design: Design, blur: Blur, threshold: float, riva
     size = float(np.sqrt(way.smallest(compiled)))
     world = World(acting=(way.at(size, compiled),))
     plain = design.replay.predict(world) - design.replay.predict(NOMINAL)
-    seen = [_information(design, change / size, rivals) for change in (plain, blur.change(world))]
+    is_whole = way.effect.level == "recording"  # of a channel, which no bin blurs
+    changes = [plain] if is_whole else [plain, blur.change(world)]
+    seen = [_information(design, change / size, rivals) for change in changes]
     return smallest_found(min(seen), PRIOR, threshold)
 
 

@@ -1,19 +1,20 @@
 """Make the campaign of a trial: draw where an effect acts, how large it is and how it is shaped, then hide it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from bench.effects.effect import Acting, Effect, Place
-from bench.effects.unlisted import unlisted
 from bench.errors import BenchError, ConvergenceError
 from bench.hide.campaign import Hidden
+from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
-from bench.study.labs import Ground, Lab
+from bench.study.labs import Ground, Lab, machine_components
 from bench.study.limits import Way, detection_limit
 from bench.study.plan import Trial
+from bench.study.worlds import OF_SECOND, surroundings_of, travel_of, unlisted_in
 
 LIMITS = 3.0  # times its detection limit, at which an effect is to be found
 CLEARLY = 10.0  # times its detection limit: clearly visible
@@ -37,10 +38,19 @@ class Sized:
 
 @dataclass(frozen=True, eq=False)
 class Made:
-    """A campaign of a study with its truth."""
+    """A campaign of a study with its truth.
 
-    hidden: Hidden
+    Attributes:
+        campaign: What the diagnosis is given.
+        effects: What was hidden.
+        others: What else of the catalogue acts.
+        hidden: The first plant's truth; None of the second plant.
+    """
+
+    campaign: Campaign
     effects: tuple[Sized, ...]
+    others: tuple[Sized, ...] = ()
+    hidden: Hidden | None = None
 
 
 def make(trial: Trial, ground: Ground, seed: int) -> Made:
@@ -63,7 +73,15 @@ def make(trial: Trial, ground: Ground, seed: int) -> Made:
 
 def _made(trial: Trial, ground: Ground, lab: Lab, rng: np.random.Generator) -> Made:
     effects = tuple(_drawn(trial, ground, rng))
-    return Made(lab.hide(tuple(one.acting for one in effects), rng), effects)
+    acting = tuple(one.acting for one in effects)
+    if trial.world in OF_SECOND:
+        return Made(lab.hide_in_second(acting, rng, rests=trial.world == "resting"), effects)
+    known = machine_components(ground.catalogue, ground.lab, ground.compiled)
+    others = surroundings_of(trial.world, acting, tuple(known), ground.compiled, rng)
+    everything = (*acting, *(one for one, _ in others), *travel_of(trial.world, rng))
+    hidden = lab.hide(everything, rng, gives=trial.world == "servo")
+    beside = tuple(Sized(one, size, float("inf")) for one, size in others)
+    return Made(hidden.campaign, effects, beside, hidden)
 
 
 def lab_of(trial: Trial, ground: Ground) -> Lab:
@@ -81,7 +99,7 @@ def _drawn(trial: Trial, ground: Ground, rng: np.random.Generator) -> Iterator[S
         way = Way(effect, _named(effect, place, ground.compiled), {first: 1.0}, {})
         yield Sized(way.at(trial.twin.size, ground.compiled), trial.twin.size, float("inf"))
         return
-    known: Mapping[str, Effect] = unlisted() if trial.kind == "unlisted" else ground.catalogue
+    known = unlisted_in(trial.world) if trial.kind == "unlisted" else ground.catalogue
     for name in trial.effects:
         yield sized(known[name], trial, ground, rng)
 
@@ -91,7 +109,7 @@ def sized(effect: Effect, trial: Trial, ground: Ground, rng: np.random.Generator
 
     Where it shows nowhere, it is taken where it comes nearest to that, at the largest plausible size.
     """
-    places = effect.places(ground.compiled)
+    places = ground.lab.places(effect, ground.compiled)
     rivals = ground.listed if trial.kind == "unlisted" else ()
     drawn: list[tuple[float, Way]] = []
     for i in range(TRIES):
@@ -113,6 +131,8 @@ def _size(trial: Trial, way: Way, limit: float, compiled: CompiledRobot, rng: np
     match trial.size:
         case "three limits":
             return min(LIMITS * limit, 1.0)
+        case "clear" if limit == float("inf"):  # the first plant cannot say how large it has to be
+            return 1.0
         case "clear":  # what is not listed has no range that binds it
             return min(CLEARLY * limit, max(1.0, LIMITS * limit) if trial.kind == "unlisted" else 1.0)
         case "plausible":

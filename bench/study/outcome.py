@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from pydantic import TypeAdapter
 
 from bench.diagnose.verdict import NORMAL_95, ChannelGain, Explanation, Verdict
-from bench.study.make import Made
+from bench.study.make import Made, Sized
 from bench.study.plan import Kind, SizeRule, Trial
+from bench.study.worlds import World
 
 Name = tuple[str, str]  # effect and place, in words
 
@@ -58,10 +59,11 @@ class FoundCause:
 
 @dataclass(frozen=True)
 class Named:
-    """One explanation of the named set."""
+    """One explanation; its log evidence against the nominal model, None in studies from before it was kept."""
 
     causes: tuple[FoundCause, ...]
     probability: float
+    log_evidence: float | None = None
 
     @property
     def names(self) -> frozenset[Name]:
@@ -79,6 +81,7 @@ class Answer:
         unlisted: Where nothing listed explains the data, None otherwise.
         held_out: Root mean square over the channels of held-out error over noise floor, None where nothing was named.
         failure: Why there is no verdict.
+        rivals: Explanations that were fitted and fell behind.
     """
 
     kind: str
@@ -86,6 +89,7 @@ class Answer:
     unlisted: str | None = None
     held_out: float | None = None
     failure: str = ""
+    rivals: tuple[Named, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -99,6 +103,8 @@ class Outcome:
         is_split: Whether a twin was hidden where it can be told apart.
         answer: What the diagnosis said.
         make_s, diagnose_s: Processor time [s]; the wall clock says the same on a core that has nothing else to do.
+        world: How the campaign was beside what was hidden.
+        others: What else of the catalogue acted.
     """
 
     name: str
@@ -110,6 +116,8 @@ class Outcome:
     answer: Answer
     make_s: float
     diagnose_s: float
+    world: World = "plain"
+    others: tuple[TrueCause, ...] = ()
 
     def as_json(self) -> str:
         """Return it as one line."""
@@ -135,23 +143,34 @@ def answer_of(verdict: Verdict) -> Answer:
         tuple(_named(explanation) for explanation in verdict.explanations),
         verdict.unlisted.place if verdict.unlisted else None,
         _held_out(verdict.gain),
+        rivals=tuple(_named(explanation) for explanation in verdict.rivals),
     )
 
 
 def outcome_of(trial: Trial, made: Made, answer: Answer, make_s: float, diagnose_s: float) -> Outcome:
     """Put truth beside an answer; the diagnosis is over."""
-    truth = tuple(
-        TrueCause(
-            one.acting.effect.name,
-            str(one.acting.place),
-            {name: float(value) for name, value in acting.values.items()},
-            one.size,
-            one.limit if one.limit < float("inf") else None,
-        )
-        for one, acting in zip(made.effects, made.hidden.acting, strict=True)
-    )
     twin = trial.twin.other if trial.twin else None
-    return Outcome(trial.name, trial.kind, trial.size, truth, twin, trial.is_split, answer, make_s, diagnose_s)
+    return Outcome(
+        trial.name,
+        trial.kind,
+        trial.size,
+        tuple(_true(one) for one in made.effects),
+        twin,
+        trial.is_split,
+        answer,
+        make_s,
+        diagnose_s,
+        trial.world,
+        tuple(_true(one) for one in made.others),
+    )
+
+
+def _true(one: Sized) -> TrueCause:
+    effect = one.acting.effect
+    values = {name: float(value) for name, value in effect.complete(one.acting.values).items()}
+    return TrueCause(
+        effect.name, str(one.acting.place), values, one.size, one.limit if one.limit < float("inf") else None
+    )
 
 
 def _named(explanation: Explanation) -> Named:
@@ -163,7 +182,7 @@ def _named(explanation: Explanation) -> Named:
         )
         for cause in explanation.causes
     )
-    return Named(causes, explanation.probability)
+    return Named(causes, explanation.probability, explanation.log_evidence)
 
 
 def _held_out(channels: tuple[ChannelGain, ...]) -> float | None:

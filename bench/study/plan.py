@@ -1,47 +1,21 @@
-"""What a study hides: single effects, nothing, what nobody listed, pairs, and twins."""
+"""What a study hides: single effects, nothing, what nobody listed, pairs, and twins; each in every world asked for."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 from zlib import crc32
 
 import numpy as np
 
-from bench.effects.unlisted import UNLISTED
+from bench.effects.catalogue import catalogue
+from bench.errors import InputError, unknown_name
+from bench.hide.thermometers import USUAL
 from bench.robot.compiled import CompiledRobot
 from bench.study.labs import Lab
+from bench.study.worlds import World, listed_in, unlisted_in
 
 Kind = Literal["null", "single", "unlisted", "pair", "twin"]
 SizeRule = Literal["three limits", "plausible", "clear"]
-
-EFFECTS = (
-    # gas and cylinder
-    "gas_loss",
-    "polytropic_exponent",
-    "seal_friction",
-    # drive friction
-    "coulomb_level",
-    "viscous_level",
-    "load_friction",
-    "direction_friction",
-    "friction_ripple",
-    # transmission
-    "joint_compliance",
-    "softening",
-    "backlash",
-    "wrist_coupling",
-    # structure
-    "base_compliance",
-    "bearing_tilt",
-    # geometry and mass
-    "payload_mass",
-    "payload_com",
-    "joint_zero",
-    # sensing
-    "torque_saturation",
-    "current_offset",
-    "encoder_delay",
-)
 
 
 @dataclass(frozen=True)
@@ -50,19 +24,22 @@ class Counts:
 
     Attributes:
         seeds: Campaigns for each single effect; half at three times the detection limit, half over the plausible range.
+            8 of every effect that can act make 700 campaigns with the rest, for which a quarter of an hour has room.
         nulls: Campaigns without an effect.
         unlisted: Campaigns with an effect that is not in the catalogue.
         pairs: Campaigns with two effects.
         twins: Whether the four pairs of twins are hidden, each in an ordinary session and in one that splits them.
-        effects: Names of the single effects.
+        effects: Names of the single effects and of those in pairs; empty: all that can act on the robot.
+        worlds: In which all of this is hidden; twins are of the plain one.
     """
 
-    seeds: int = 20
+    seeds: int = 8
     nulls: int = 200
     unlisted: int = 40
     pairs: int = 40
     twins: bool = True
-    effects: tuple[str, ...] = EFFECTS
+    effects: tuple[str, ...] = ()
+    worlds: tuple[World, ...] = ("plain",)
 
 
 SMALL = Counts(seeds=2, nulls=2, unlisted=2, pairs=2, twins=False, effects=("gas_loss", "coulomb_level"))
@@ -101,6 +78,7 @@ class Trial:
         size: How sizes are drawn.
         twin: Of a twin.
         is_split: Whether a twin is hidden in the lab that can tell.
+        world: How the campaign is beside what is hidden.
     """
 
     name: str
@@ -110,21 +88,29 @@ class Trial:
     size: SizeRule = "plausible"
     twin: Twin | None = None
     is_split: bool = False
+    world: World = "plain"
 
     def rng(self, seed: int) -> np.random.Generator:
         """Return the random numbers of this campaign in a study with a seed."""
         return np.random.default_rng([seed, crc32(self.name.encode())])
 
 
-def plan(counts: Counts, compiled: CompiledRobot, seed: int) -> tuple[Trial, ...]:
+def plan(counts: Counts, compiled: CompiledRobot, seed: int, lab: Lab | None = None) -> tuple[Trial, ...]:
     """Return the campaigns of a study; what takes long comes first.
 
     Args:
         counts: How many of each.
         compiled: The robot.
         seed: Of the study.
+        lab: Where; None: the ordinary one.
+
+    Raises:
+        InputError: An unknown effect, or one that cannot act on the robot.
     """
-    return tuple(_trials(counts, compiled, np.random.default_rng(seed)))
+    known = singles_of(compiled, lab or Lab())
+    if unknown := [unknown_name("effect that can act", name, known) for name in counts.effects if name not in known]:
+        raise InputError(unknown)
+    return tuple(_trials(counts, counts.effects or known, compiled, np.random.default_rng(seed)))
 
 
 def twins_of(compiled: CompiledRobot) -> tuple[Twin, ...]:
@@ -148,21 +134,41 @@ def twins_of(compiled: CompiledRobot) -> tuple[Twin, ...]:
     return tuple(found)
 
 
-def _trials(counts: Counts, compiled: CompiledRobot, rng: np.random.Generator) -> Iterator[Trial]:
-    for twin in twins_of(compiled) if counts.twins else ():
+def singles_of(compiled: CompiledRobot, lab: Lab) -> tuple[str, ...]:
+    """Return the effects of the catalogue that can act on a robot in a lab and be seen with its channels."""
+    channels = {*USUAL, *lab.channels, *type(compiled.robot.figures.instruments).model_fields}
+    return tuple(
+        name for name, effect in catalogue().items() if lab.places(effect, compiled) and set(effect.needs) <= channels
+    )
+
+
+def _trials(
+    counts: Counts, effects: tuple[str, ...], compiled: CompiledRobot, rng: np.random.Generator
+) -> Iterator[Trial]:
+    for twin in twins_of(compiled) if counts.twins and "plain" in counts.worlds else ():
         for is_split in (False, True):
             words = "split" if is_split else "ordinary"
             yield Trial(f"twin {twin.hidden[0]} {words}", "twin", (twin.hidden[0],), twin=twin, is_split=is_split)
-    for i in range(counts.pairs):
-        first, second = rng.choice(len(counts.effects), 2, replace=False)
-        pair = (counts.effects[first], counts.effects[second])
+    for world in counts.worlds:
+        listed, others = listed_in(world, effects), tuple(unlisted_in(world))
+        for trial in _of_world(counts, listed, others, rng):
+            name = trial.name if world == "plain" else f"{world} {trial.name}"
+            yield replace(trial, name=name, world=world)
+
+
+def _of_world(
+    counts: Counts, effects: tuple[str, ...], others: tuple[str, ...], rng: np.random.Generator
+) -> Iterator[Trial]:
+    for i in range(counts.pairs if len(effects) > 1 else 0):
+        first, second = rng.choice(len(effects), 2, replace=False)
+        pair = (effects[first], effects[second])
         yield Trial(f"pair {i + 1} {' '.join(pair)}", "pair", pair, i, "clear")
     for i in range(counts.unlisted):
-        kind = UNLISTED[i % len(UNLISTED)].name
-        yield Trial(f"unlisted {kind} {i // len(UNLISTED) + 1}", "unlisted", (kind,), i // len(UNLISTED), "clear")
+        kind = others[i % len(others)]
+        yield Trial(f"unlisted {kind} {i // len(others) + 1}", "unlisted", (kind,), i // len(others), "clear")
     for i in range(counts.seeds):
         size: SizeRule = "plausible" if i % 2 else "three limits"
-        for effect in counts.effects:
-            yield Trial(f"single {effect} {i + 1}", "single", (effect,), i, size)
+        for effect in effects:  # places take turns within each rule of sizes
+            yield Trial(f"single {effect} {i + 1}", "single", (effect,), i // 2, size)
     for i in range(counts.nulls):
         yield Trial(f"null {i + 1}", "null", number=i)

@@ -1,5 +1,6 @@
 """Hold one answer against the truth: was anything found, is it the right cause, and what else is right about it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from bench.effects.effect import WHOLE
@@ -14,43 +15,62 @@ AT = {"creeping_bracket": "reflector 1"}  # unlisted effects of the whole robot:
 class Marks:
     """What is right about one answer.
 
+    An explanation is right if what was hidden stands first in it and every other name is of something that acts; where
+    nothing acts beside it, that is the truth, nothing more and nothing less.
+
     Attributes:
         found: Something was found, whatever it was.
-        first: The likeliest explanation is the truth, nothing more and nothing less, and nothing is called unlisted.
+        false: Something is named that is not there, or called unlisted; counted where nothing was hidden.
+        first: The likeliest explanation is right, and nothing is called unlisted.
         in_set: So is one of those that cannot be told apart.
         all_there: Every true cause is among those of one explanation, whatever stands beside.
         unlisted: The answer is that the cause is not listed.
         place: An unlisted cause was found where it acts; None where it acts at no place or was not found.
         probability: Given to the likeliest explanation; None where none was given or something is unlisted beside it.
-        covered: (parameter, whether its 90 % interval has the truth) where the truth is in the set.
+        deviations: (parameter, truth less value over sigma) of every true cause, of the likeliest explanation with it.
     """
 
     found: bool
+    false: bool
     first: bool
     in_set: bool
     all_there: bool
     unlisted: bool
     place: bool | None
     probability: float | None
-    covered: tuple[tuple[str, bool], ...]
+    deviations: tuple[tuple[str, float], ...]
+
+    @property
+    def covered(self) -> tuple[tuple[str, bool], ...]:
+        """(parameter, whether its 90 % interval has the truth)."""
+        return tuple((name, abs(x) <= NORMAL_90) for name, x in self.deviations)
 
 
 def marks_of(outcome: Outcome) -> Marks:
     """Return the marks of an answer."""
     answer, truth = outcome.answer, frozenset(cause.name for cause in outcome.truth)
+    there = truth | {cause.name for cause in outcome.others}
     is_listed = answer.unlisted is None and answer.kind in ("cause", "several causes")
     named = answer.explanations if is_listed else ()
-    right = [explanation for explanation in named if explanation.names == truth]
+    found = answer.kind not in (NOTHING, "failed")
     return Marks(
-        found=answer.kind not in (NOTHING, "failed"),
-        first=bool(right) and named[0] is right[0],
-        in_set=bool(right),
+        found=found,
+        false=found and not (named and named[0].names <= there),
+        first=bool(named) and is_right(outcome, named[0]),
+        in_set=any(is_right(outcome, explanation) for explanation in named),
         all_there=any(truth <= explanation.names for explanation in answer.explanations),
         unlisted=answer.unlisted is not None,
         place=_is_place_right(outcome),
         probability=named[0].probability if named else None,
-        covered=tuple(_covered(outcome, right[0])) if right else (),
+        deviations=tuple(_deviations(outcome)),
     )
+
+
+def is_right(outcome: Outcome, explanation: Named) -> bool:
+    """Whether what was hidden stands first in an explanation, and every other name is of something that acts."""
+    truth = frozenset(cause.name for cause in outcome.truth)
+    first = frozenset(cause.name for cause in explanation.causes[: len(truth)])
+    return first == truth and explanation.names <= truth | {cause.name for cause in outcome.others}
 
 
 def twin_is_right(outcome: Outcome) -> bool:
@@ -73,11 +93,17 @@ def _is_place_right(outcome: Outcome) -> bool | None:
     return outcome.answer.unlisted in (cause.place, cause.place.replace("joint", "drive"))
 
 
-def _covered(outcome: Outcome, explanation: Named) -> list[tuple[str, bool]]:
-    """Return for every fitted parameter whether the truth lies in its 90 % interval."""
-    true = {cause.name: cause.values for cause in outcome.truth}
-    return [
-        (f"{cause.effect}.{name}", abs(true[cause.name][name] - found.value) <= NORMAL_90 * found.sigma)
-        for cause in explanation.causes
-        for name, found in cause.values.items()
-    ]
+def _deviations(outcome: Outcome) -> Iterator[tuple[str, float]]:
+    """Yield for every fitted parameter of a true cause how far the truth is from it, in its standard deviations.
+
+    A cause that several explanations name counts once, as the likeliest of them has it.
+    """
+    true = {cause.name: cause.values for cause in (*outcome.truth, *outcome.others)}
+    seen: set[tuple[str, str]] = set()
+    for explanation in outcome.answer.explanations:
+        for cause in explanation.causes:
+            if cause.name in true and cause.name not in seen:
+                seen.add(cause.name)
+                for name, found in cause.values.items():
+                    if found.sigma > 0:
+                        yield f"{cause.effect}.{name}", (true[cause.name][name] - found.value) / found.sigma

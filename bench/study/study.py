@@ -17,7 +17,7 @@ from bench.executor.serial import SERIAL
 from bench.study.blind import diagnose_with, signatures_of
 from bench.study.code import code_of
 from bench.study.labs import Ground, Lab, prepare
-from bench.study.make import make
+from bench.study.make import lab_of, make
 from bench.study.outcome import Answer, Outcome, answer_of, outcome_of
 from bench.study.plan import Counts, Trial, plan
 from bench.study.rows import ROWS, append, read_rows, study_of
@@ -61,12 +61,12 @@ class Campaigns:
 
     def prepare(self, executor: Executor) -> None:
         """Make what all campaigns share, so that workers need not that have what this process has in memory."""
-        _ground_of(self.settings, executor)
+        ground_of(self.settings, executor)
 
     def __call__(self, trial: Trial, _: Progress) -> Outcome:
         """Make and diagnose one campaign."""
         with threadpool_limits(1, "blas"):
-            return run_trial(trial, _ground_of(self.settings), self.settings.seed)
+            return run_trial(trial, ground_of(self.settings), self.settings.seed)
 
 
 def run_study(
@@ -99,7 +99,8 @@ def run_study(
         lines = "line was" if rows.damaged == 1 else "lines were"
         say(f"{file}: {rows.damaged} damaged {lines} dropped; what stood there is done again.")
     done = {outcome.name: outcome for outcome in rows.outcomes}
-    trials = plan(settings.counts, Lab(settings.session).compiled(), settings.seed)
+    lab = Lab(settings.session)
+    trials = plan(settings.counts, lab.compiled(), settings.seed, lab)
     missing = [trial for trial in trials if trial.name not in done]
     work = work or Campaigns(settings)
     if missing and executor.shares_memory:
@@ -129,10 +130,12 @@ def run_trial(trial: Trial, ground: Ground, seed: int) -> Outcome:
     start = process_time()
     made = make(trial, ground, seed)
     ready = process_time()
-    campaign, signatures = made.hidden.campaign, ground.signatures
-    if trial.twin is not None:  # its lab has other instruments, or another robot
-        lab = trial.twin.extra if trial.is_split else trial.twin.ordinary
-        signatures = signatures_of(campaign, lab.compiled(), ground.catalogue)
+    campaign, compiled = made.campaign, ground.compiled
+    if trial.twin is not None:  # its lab may have another robot
+        compiled = lab_of(trial, ground).compiled()
+    signatures = signatures_of(campaign, compiled, ground.catalogue)
+    if trial.twin is None and signatures.asked == ground.signatures.asked:
+        signatures = ground.signatures  # the same channels and the same causes
     try:
         answer = answer_of(diagnose_with(campaign, signatures, ground.catalogue).verdict)
     except (BenchError, LinAlgError) as error:
@@ -143,7 +146,7 @@ def run_trial(trial: Trial, ground: Ground, seed: int) -> Outcome:
 _grounds: dict[Settings, Ground] = {}  # made once in a process, and the same in every one
 
 
-def _ground_of(settings: Settings, executor: Executor = SERIAL) -> Ground:
+def ground_of(settings: Settings, executor: Executor = SERIAL) -> Ground:
     """Return what the campaigns of a study share.
 
     Raises:

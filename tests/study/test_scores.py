@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
+from bench.study.goals import Goal
 from bench.study.outcome import Answer, Outcome
-from bench.study.scores import Goal, scores_of
+from bench.study.scores import scores_of
 from bench.study.shares import Mean, Share
 from tests.study.answers import COULOMB, LOSS, WARM, explanation, outcome, single, truth
 

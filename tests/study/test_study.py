@@ -26,6 +26,8 @@ from bench.study.plan import Counts, Trial
 from bench.study.rows import ROWS
 from bench.study.scores import scores_of
 from bench.study.study import NULL_STREAM, Settings, run_study, run_trial
+from bench.study.worlds import WORLDS
+from bench.study.worlds import World as WorldName
 
 SESSION = """
 experiment: session
@@ -179,3 +181,16 @@ def test_what_finds_no_rest_is_drawn_again(monkeypatch: pytest.MonkeyPatch) -> N
     trial = Trial("single", "single")
     assert make_module.make(trial, None, 1) == "a campaign"  # type: ignore[arg-type, comparison-overlap]
     assert len({id(about[-1]) for about in tried if isinstance(about, tuple)}) == 1  # the random numbers go on
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_campaigns_of_every_world_have_the_same_channels(ground: Ground, world: WorldName) -> None:
+    plain = make_module.make(Trial("one", "null"), ground, SEED)
+    other = make_module.make(Trial("one", "single", ("gas_loss",), size="clear", world=world), ground, SEED)
+    assert [run.name for run in other.campaign.runs] == [run.name for run in plain.campaign.runs]
+    for first, second in zip(plain.campaign.runs, other.campaign.runs, strict=True):
+        assert set(first.columns) == set(second.columns)
+        assert len(first) == len(second)
+        assert np.max(np.abs(second.columns["current_2_a"] - first.columns["current_2_a"])) > 0.1
+    assert [one.acting.effect.name for one in other.effects] == ["gas_loss"]
+    assert bool(other.others) == (world == "messy")

@@ -23,7 +23,7 @@ from bench.diagnose.picture.screening import WIDTHS, Entry, Tried
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
-MAINLY = 0.8  # of what a free shape explains; causes that explain as much are not given up for it
+GREATER_PART = 0.5  # of what a free shape explains; causes that explain as much are not given up for it
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ class Linearised:
                 continue
             base, rise = model.log_posterior(rest), model.additions(rest)[shapes]
             total = base + float(np.max(rise))
-            if total > best and listed - base < MAINLY * (total - base):
+            if total > best and listed - base < GREATER_PART * (total - base):
                 found, best = (*rest, int(shapes[np.argmax(rise)])), total
         return found
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bench.report.figures.style import COLOURS, GREY, small_figure
-from bench.study.scores import Bin
+from bench.study.goals import Bin
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -4,7 +4,7 @@ from base64 import b64encode
 from importlib.resources import files
 
 from bench.report.study.figures import calibration_figure, svg_of
-from bench.report.study.words import measured_words, met_words, share_words
+from bench.report.study.words import margin_words, measured_words, met_words, share_words
 from bench.study.scores import Scores
 from bench.study.study import Settings
 
@@ -24,7 +24,7 @@ def page_of(scores: Scores, settings: Settings, n_campaigns: int, session: str) 
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"measured": measured_words, "met": met_words, "share": share_words}
+    environment.filters |= {"measured": measured_words, "met": met_words, "share": share_words, "margin": margin_words}
     source = files("bench.report.study").joinpath(TEMPLATE).read_text(encoding="utf-8")
     picture = b64encode(svg_of(calibration_figure(scores.bins))).decode() if scores.bins else ""
     return environment.from_string(source).render(

@@ -1,8 +1,9 @@
 """Numbers of a study in words."""
 
-from math import isnan
+from math import inf, isnan
 
-from bench.study.scores import Goal
+from bench.study.calibration import Margin
+from bench.study.goals import Goal
 from bench.study.shares import Mean, Share
 
 
@@ -28,3 +29,15 @@ def met_words(goal: Goal) -> str:
 def share_words(share: Share) -> str:
     """Return a share in few characters."""
     return f"{share.hits} of {share.of}" if share.of else "-"
+
+
+def margin_words(margin: Margin) -> str:
+    """Return in words what margin of evidence a set that holds asks for."""
+    given = f"The sets as given hold it in {share_words(margin.given)}."
+    if margin.nats == inf:
+        return f"Of {margin.learned_from} campaigns more than 1 % did not weigh it: no margin holds. {given}"
+    return (
+        f"Naming all that has at most {margin.nats:.1f} nats less evidence than the best, as one half of the campaigns "
+        f"({margin.learned_from}) asks for, holds the truth in {share_words(margin.held)} of the other, with "
+        f"{margin.size:.1f} explanations on average. {given}"
+    )

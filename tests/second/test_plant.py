@@ -1,0 +1,151 @@
+"""The second plant against the first model's own replay, and each of its effects against what it is to do."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import segments_of
+from bench.diagnose.replay.world import NOMINAL
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Acting
+from bench.effects.unlisted import unlisted
+from bench.hide.request import effects_of
+from bench.hide.second_plant import run_second
+from bench.robot.compiled import CompiledRobot
+from bench.scenario.session import SessionScenario
+from bench.second.campaign import Second
+from bench.second.effects import CHANGES
+from bench.second.worlds import World
+from bench.study.labs import Lab
+
+LAB = Lab(without=("line", "dwell", "repeat_at_end"))
+IN_MOTION = 2e-3  # of a drive's largest current, where it moves: bins of the replay are 40 ms wide
+SAG = 1e-2  # of a loss of gas: joint 2 sags by 5e-4 rad, the cylinder by 0.1 mm of the 130 mm that are left for gas
+AT_REST = 1e-4  # [m]; presliding on a link is not resolved by a replay that starts 2 degrees away
+
+
+def short() -> SessionScenario:
+    """Return one pose, loaded, and the sweeps of joint 2 under a payload."""
+    session = LAB.scenario().without("line", "dwell", "repeat_at_end")
+    assert session.loading
+    loading = session.loading.model_copy(update={"poses": session.loading.poses[:1]})
+    sweep = session.rotations[0].model_copy(update={"payloads_kg": (50,), "speeds_deg_per_s": (40,)})
+    return session.model_copy(update={"loading": loading, "rotations": (sweep,)})
+
+
+def second(*acting: Acting, session: SessionScenario | None = None) -> Second:
+    return run_second(LAB.robot(), session or short(), acting, rng(1), quiet=True)
+
+
+def rng(seed: int) -> np.random.Generator:
+    return np.random.default_rng(seed)
+
+
+@pytest.fixture(scope="module")
+def compiled() -> CompiledRobot:
+    return LAB.compiled()
+
+
+@pytest.fixture(scope="module")
+def quiet() -> Second:
+    return second()
+
+
+def test_replay_of_the_bench_predicts_the_nominal_plant(compiled: CompiledRobot) -> None:
+    campaign = second(session=LAB.scenario().without("line", "dwell", "repeat_at_end")).campaign
+    quantities = quantities_of(campaign.runs, compiled)
+    segments = segments_of(campaign, compiled, quantities, 400)
+    predicted = Replay(compiled, segments, quantities).predict(NOMINAL)
+    left = np.concatenate([segment.observed for segment in segments]) - predicted
+    observed = np.concatenate([segment.observed for segment in segments])
+    static = np.concatenate([np.full(len(segment), segment.is_static) for segment in segments])
+    steady = np.concatenate([~segment.rings for segment in segments]) & ~static
+    moves = np.concatenate([np.tile(~segment.standing, (len(segment), 1)) for segment in segments])
+    for c, quantity in enumerate(quantities):
+        here = np.isfinite(left[:, c])
+        if quantity.column.startswith("current"):
+            rows = here & steady & moves[:, quantity.index]
+            size = np.max(np.abs(observed[rows, c]))
+            assert np.median(np.abs(left[rows, c])) < IN_MOTION * size, quantity.column
+        elif quantity.column.startswith("reflector") and np.any(here):
+            assert np.max(np.abs(left[here & static, c])) < AT_REST, quantity.column
+        elif quantity.column.startswith("gas"):
+            assert np.max(np.abs(left[here, c])) < 1e-3 * np.max(observed[here, c])
+
+
+def test_it_runs_without_mujoco() -> None:
+    probe = (
+        "import sys; sys.modules['mujoco'] = None; import pkgutil, importlib, bench.second;"
+        "[importlib.import_module('bench.second.' + m.name) for m in pkgutil.iter_modules(bench.second.__path__)]"
+    )
+    subprocess.run([sys.executable, "-W", "error", "-c", probe], check=True)
+
+
+def changes(quiet: Second, acting: Acting) -> dict[str, float]:
+    """Return the largest change of each column over the campaign."""
+    found: dict[str, float] = {}
+    for before, after in zip(quiet.campaign.runs, second(acting).campaign.runs, strict=True):
+        for name, values in before.columns.items():
+            found[name] = max(found.get(name, 0.0), float(np.max(np.abs(after.columns[name] - values))))
+    return {name: size for name, size in found.items() if size > 1e-9}
+
+
+@pytest.mark.parametrize("name", [name for name in CHANGES if name in {**catalogue(), **unlisted()}])
+def test_every_effect_changes_something(compiled: CompiledRobot, quiet: Second, name: str) -> None:
+    """Which of the catalogue's names it knows; and what is to be seen of it is."""
+    known = {**catalogue(), **unlisted()}
+    place = {"joint": "@2", "body": "@forearm"}.get(known[name].places(compiled)[0].kind, "")
+    values = {p.name: p.typical for p in known[name].parameters}
+    (acting,) = effects_of([name + place], compiled, known)
+    seen = changes(quiet, Acting(acting.effect, acting.place, values))
+    if name in ("tracker_frame", "base_compliance"):
+        assert {column.split("_")[0] for column in seen} <= {"reflector", "current", "q", "gas"}
+        assert max(size for column, size in seen.items() if column.startswith("reflector")) > 1e-5
+    elif name in ("current_offset", "torque_constant", "current_dead_band"):
+        assert list(seen) == ["current_2_a"]
+    elif name == "gas_loss":
+        loss = values["lost"] * max(np.max(run.columns["gas_pressure_pa"]) for run in quiet.campaign.runs)
+        assert seen["gas_pressure_pa"] == pytest.approx(loss, rel=SAG)
+    else:
+        assert max(size for column, size in seen.items() if column.startswith(("current", "reflector"))) > 1e-4
+
+
+def test_gauge_reads_gas_without_the_seals(compiled: CompiledRobot, quiet: Second) -> None:
+    """The seals take 5 % of the rod's force; the gauge changes only as joint 2 sags otherwise on its spring."""
+    (acting,) = effects_of(["seal_friction=0.05"], compiled, catalogue())
+    seen = changes(quiet, acting)
+    largest = max(np.max(run.columns["gas_pressure_pa"]) for run in quiet.campaign.runs)
+    assert seen["gas_pressure_pa"] < 0.02 * 0.05 * largest
+    assert seen["current_2_a"] > 1.0
+
+
+def test_noise_and_errors_follow_the_seed(compiled: CompiledRobot) -> None:
+    scenario = short().without("rotations")
+    first, same, other = (run_second(LAB.robot(), scenario, (), rng(seed)).campaign.runs[0] for seed in (5, 5, 6))
+    assert all(np.array_equal(first.columns[name], same.columns[name]) for name in first.columns)
+    assert not np.array_equal(first.columns["current_1_a"], other.columns["current_1_a"])
+
+
+def test_chance_moves_links_where_the_world_says_so() -> None:
+    """Where links remember, they arrive at the same place whatever the motors' friction; else they do not."""
+    session = short().without("rotations")
+
+    def spread(world: World) -> tuple[float, float]:
+        runs = [
+            run_second(LAB.robot(), session, (), rng(seed), world=world, quiet=True).campaign.runs[0] for seed in (1, 2)
+        ]
+        first, second = (np.stack([run.columns["reflector_1_z_m"], run.columns["current_2_a"]]) for run in runs)
+        unloaded = runs[0].columns["load_step"] == 0  # a load moves motors, too, as far as their friction lets it
+        z, current = np.max(np.abs(first - second)[:, unloaded], axis=1)
+        return float(z), float(current)
+
+    assert spread(World()) == (0.0, 0.0)
+    z, current = spread(World(on_motors=1.0))
+    assert current > 0.1
+    assert z < 1e-7
+    z, _ = spread(World(on_links=1.0))
+    assert z > 1e-5
