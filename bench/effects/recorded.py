@@ -20,7 +20,7 @@ BREAK = (
 )
 TRAVELS = 0.005  # [rad] or [m]; a joint that goes less far in a run only gives, as for `diagnose.replay.stretches`
 LEAST_LOAD = 0.1  # [N] or [Nm]; less is what rounding leaves of a written weight: 10 g
-LateField = Literal["reflectors", "motor_torque", "counterbalance_force"]
+LateField = Literal["reflectors", "motor_torque", "gas_force"]
 
 
 @dataclass(frozen=True)

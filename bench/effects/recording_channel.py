@@ -66,7 +66,7 @@ class ChannelDelay(_OfRecording):
 
     def lateness(self, place: Place, values: Values) -> Lateness | None:
         """Return what is late, and by how much."""
-        known: dict[str, LateField] = {TRACKER.name: "reflectors", GAUGE.name: "counterbalance_force"}
+        known: dict[str, LateField] = {TRACKER.name: "reflectors", GAUGE.name: "gas_force"}
         field = known.get(place.name, "motor_torque")
         drive = place.index if field == "motor_torque" else None
         return Lateness(field, drive, values["delay"]) if values["delay"] else None

@@ -28,7 +28,7 @@ def recorded_of(
     stays, log = plan(setup.legs, (), 1.0, WarmUp(np.zeros(n), np.zeros(n), 0.0))
     time = np.concatenate([stay.begin + stay.course.ends[stay.course.marked] - setup.before_end for stay in stays])
     shapes = {"reflectors": (r, 3), "load_point": (3,), "wrench": (6,)}
-    shapes |= {"counterbalance_force": (), "counterbalance_length": ()}
+    shapes |= {"counterbalance_force": (), "gas_force": (), "counterbalance_length": ()}
     names = [name for name in Trace.__dataclass_fields__ if name != "time"]
     nothing = Trace(time=time, **{name: np.zeros((len(time), *shapes.get(name, (n,)))) for name in names})
     reading = Instruments(setup.compiled, None).read(nothing)

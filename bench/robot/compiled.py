@@ -286,7 +286,8 @@ def counterbalance_of(
         )
     fixed, moving = arms - np.outer(heights, axis)
     from_fixed_to_moving = np.arctan2(axis @ np.cross(fixed, moving), fixed @ moving)
-    amount = float(attributes_of(spec, named.actuator).get("gas_amount", 1.0))
+    given = attributes_of(spec, named.actuator)
+    amount = float(given.get("gas_amount", 1.0))
     if amount == 0:  # anchors and figures are there, the gas is not: it pulls at nothing until someone fills it
         return None
     return Counterbalance(
@@ -296,4 +297,7 @@ def counterbalance_of(
         dead_centre=float(-from_fixed_to_moving),
         gas_constant=amount * number_of(spec, named.actuator, "constant"),
         critical_length=number_of(spec, named.actuator, "critical_length"),
+        exponent=float(given.get("exponent", 1.0)),
+        reference_length=float(given.get("reference_length", 0.0)),
+        seal_friction=float(given.get("seal_friction", 0.0)),
     )

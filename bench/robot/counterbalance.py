@@ -31,6 +31,8 @@ class Counterbalance:
         dead_centre: Joint angle at which the cylinder is shortest, alpha [rad].
         gas_constant: C = P V of the gas, Eq. (5) [Nm].
         critical_length: Length at which the gas volume would be zero, l_c of Eq. (7) [m].
+        exponent, reference_length: n and l_r [m] of the polytropic law; n = 1 is Eq. (8).
+        seal_friction: Friction of the seals as a share of the gas force.
     """
 
     joint: int
@@ -39,6 +41,9 @@ class Counterbalance:
     dead_centre: float
     gas_constant: float
     critical_length: float
+    exponent: float = 1.0
+    reference_length: float = 0.0
+    seal_friction: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse figures that no cylinder can have.
@@ -75,6 +80,22 @@ class Counterbalance:
         """Return the pull of the rod, F = C / (l_c - l), Eq. (8) [N]; nan without gas volume. Shape of theta [rad]."""
         gas_column = self.critical_length - self.length(theta)
         return self.gas_constant / np.where(gas_column > 0, gas_column, np.nan)
+
+    def gas_force(self, pull: Array, length: Array) -> Array:
+        """Return what the gas alone pulls [N], which a gauge shows as pressure times area; any shape.
+
+        The seals hold up to `seal_friction` of it either way. Gas that is warmer than its surroundings pulls more than
+        the law says: what the rod shows bounds it then.
+
+        Args:
+            pull: Of the rod, the seals' friction included [N].
+            length: Of the cylinder, the same shape [m].
+        """
+        if self.seal_friction == 0:
+            return pull
+        gap = self.critical_length - length
+        law = self.gas_constant / gap * ((self.critical_length - self.reference_length) / gap) ** (self.exponent - 1)
+        return np.asarray(np.clip(law, pull / (1 + self.seal_friction), pull / (1 - self.seal_friction)))
 
     def torque(self, theta: ArrayLike) -> Array:
         """Return the restoring torque M = F dl/dtheta, Eq. (11) [Nm]; on the joint acts -M. Shape of theta [rad]."""

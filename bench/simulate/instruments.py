@@ -186,7 +186,7 @@ class Instruments:
             drift = trace.time[:, None, None] / HOUR * rate
             seen["reflectors"] = turned + errors.frame_shift + drift
         if f.pressure:
-            seen["gas_pressure"] = trace.counterbalance_force / f.pressure.piston_area_m2
+            seen["gas_pressure"] = trace.gas_force / f.pressure.piston_area_m2
         return seen
 
     def spreads(self) -> dict[str, Array | float]:

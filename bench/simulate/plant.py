@@ -32,6 +32,7 @@ class Trace:
         load_point: Shape (T, 3) [m], world frame.
         wrench: Shape (T, 6) [N, Nm], force and moment on the load point, world axes.
         counterbalance_force: Shape (T,) [N], pull of the cylinder; nan for a robot without one.
+        gas_force: Shape (T,) [N], part of it that is the gas', without the friction of the seals.
         counterbalance_length: Shape (T,) [m]; nan for a robot without one.
     """
 
@@ -47,6 +48,7 @@ class Trace:
     load_point: Array
     wrench: Array
     counterbalance_force: Array
+    gas_force: Array
     counterbalance_length: Array
 
     def __len__(self) -> int:
@@ -89,6 +91,12 @@ def add_trace_sensors(spec: mujoco.MjSpec, robot: Robot) -> None:
 def sensor_kind_name(kind: mujoco.mjtSensor) -> str:
     """Return the short lower-case name of a sensor kind."""
     return str(kind.name).removeprefix("mjSENS_").lower()
+
+
+def gas_force(compiled: CompiledRobot, pull: Array, length: Array) -> Array:
+    """Return the gas' part of the cylinder's pull, any shape [N], at lengths of the same shape [m]."""
+    balance = compiled.counterbalance
+    return balance.gas_force(pull, length) if balance else pull
 
 
 class Plant:
@@ -246,5 +254,6 @@ class Plant:
             load_point=points[:, r],
             wrench=wrench.copy(),
             counterbalance_force=-cylinder[:, 0],
+            gas_force=gas_force(self.compiled, -cylinder[:, 0], cylinder[:, 1]),
             counterbalance_length=cylinder[:, 1],
         )

@@ -24,7 +24,7 @@ from bench.actuators import library
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.equilibrium import passive_dofs
-from bench.simulate.plant import Array, Trace
+from bench.simulate.plant import Array, Trace, gas_force
 
 TOLERANCE = 1e-6  # of the torques on the links, where a balance counts as found; a tenth of that takes 4 % longer
 MAX_ITERATIONS = 100
@@ -161,6 +161,7 @@ class Prescribed:
             load_point=points[:, -1],
             wrench=motion.wrench[rows],
             counterbalance_force=cylinder[:, 0],
+            gas_force=gas_force(self.compiled, cylinder[:, 0], cylinder[:, 1]),
             counterbalance_length=cylinder[:, 1],
         )
         return trace, found

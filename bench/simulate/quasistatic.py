@@ -19,7 +19,7 @@ from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.equilibrium import Equilibrium
 from bench.simulate.instruments import Instruments, Reading
 from bench.simulate.loading import loading_sittings
-from bench.simulate.plant import Array, Trace
+from bench.simulate.plant import Array, Trace, gas_force
 from bench.simulate.policy import Step
 from bench.simulate.session import edits_of
 from bench.simulate.tables import Joints, run_of
@@ -125,6 +125,8 @@ def _instant(equilibrium: Equilibrium, step: Step, time: float) -> Trace:
     at = compiled.at
     zero = np.zeros((1, compiled.n_joints))
     has_cylinder = at.counterbalance >= 0
+    pull = np.array([-data.actuator_force[at.counterbalance] if has_cylinder else np.nan])
+    length = np.array([data.ten_length[at.counterbalance_tendon] if has_cylinder else np.nan])
     return Trace(
         time=np.array([time]),
         q=data.qpos[None, at.q].copy(),
@@ -137,6 +139,7 @@ def _instant(equilibrium: Equilibrium, step: Step, time: float) -> Trace:
         reflectors=data.site_xpos[None, at.reflectors].copy(),
         load_point=data.site_xpos[None, at.load_point].copy(),
         wrench=step.wrench[None].copy(),
-        counterbalance_force=np.array([-data.actuator_force[at.counterbalance] if has_cylinder else np.nan]),
-        counterbalance_length=np.array([data.ten_length[at.counterbalance_tendon] if has_cylinder else np.nan]),
+        counterbalance_force=pull,
+        gas_force=gas_force(compiled, pull, length),
+        counterbalance_length=length,
     )

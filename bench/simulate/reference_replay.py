@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.equilibrium import evaluate_forces
-from bench.simulate.plant import Array, Trace
+from bench.simulate.plant import Array, Trace, gas_force
 from bench.simulate.prescribed import (
     MAX_ITERATIONS,
     PATIENCE,
@@ -105,6 +105,7 @@ class Reference:
             load_point=points[:, -1],
             wrench=motion.wrench[rows],
             counterbalance_force=cylinder[:, 0],
+            gas_force=gas_force(self.compiled, cylinder[:, 0], cylinder[:, 1]),
             counterbalance_length=cylinder[:, 1],
         )
         return trace, found

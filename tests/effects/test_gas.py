@@ -77,6 +77,8 @@ def test_seals_rub_with_the_pressure_and_hold(small: Robot, small_compiled: Comp
         np.testing.assert_allclose(pull, gas * (1 + sign * share), rtol=1e-6)
     balance = compiled.counterbalance
     assert balance
+    pulls, gases, lengths = (np.array(column) for column in zip(*forces, strict=True))
+    np.testing.assert_allclose(balance.gas_force(pulls, lengths), gases, rtol=1e-9)  # what a gauge reads
     gas = law.gas_force(balance.length(0.8))
     presliding = share * float(law.gas_force(balance.length(0.0))) / 5e-5
     assert share * gas / presliding < 1e-4
@@ -92,6 +94,7 @@ def test_relaxation(small: Robot, small_compiled: CompiledRobot, law: GasSpring)
     hot = replace(law, heat_capacity_ratio=1.4, relaxation_time=5.0)
     rise = hot.temperature_rise(lengths, plant.timestep)
     np.testing.assert_allclose(trace.counterbalance_force, hot.gas_force(lengths, rise), rtol=1e-6)
+    np.testing.assert_array_equal(trace.gas_force, trace.counterbalance_force)
     assert abs(rise[1000]) > 1.2 * abs(rise[-1]) > 0.003
 
 

@@ -89,7 +89,7 @@ def test_what_is_late(small_compiled: CompiledRobot) -> None:
     found = [delay.lateness(place, {"delay": 0.01}) for place in places_of(delay, small_compiled)]
     assert [(one.field, one.drive) for one in found if one] == [
         ("reflectors", None),
-        ("counterbalance_force", None),
+        ("gas_force", None),
         ("motor_torque", 0),
         ("motor_torque", 1),
     ]

@@ -49,6 +49,7 @@ def made_film(compiled: CompiledRobot, rng: np.random.Generator | None = None) -
         load_point=load_point,
         wrench=wrench,
         counterbalance_force=np.full(LENGTH, 1.2e4),
+        gas_force=np.full(LENGTH, 1.2e4),
         counterbalance_length=np.linspace(0.5, 0.6, LENGTH),
     )
     return Film(trace, Instruments(compiled, rng).read(trace), EVENTS)

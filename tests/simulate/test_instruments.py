@@ -39,6 +39,7 @@ def standing(count: int, wrench: tuple[float, ...] = (0, 0, -100, 0, 0, 0), seco
         load_point=same([0.7, 0, 0.8]),
         wrench=same(wrench),
         counterbalance_force=np.full(count, 3456.7),
+        gas_force=np.full(count, 3456.7),
         counterbalance_length=np.full(count, 0.4),
     )
 

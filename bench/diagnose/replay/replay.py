@@ -258,6 +258,6 @@ def ideal_reading(compiled: CompiledRobot, trace: Trace) -> Reading:
         force=trace.wrench[:, :3],
         moment=trace.wrench[:, 3:],
         reflectors=trace.reflectors,
-        gas_pressure=trace.counterbalance_force / area,
+        gas_pressure=trace.gas_force / area,
         gas_temperature=np.full(len(trace), REFERENCE_K),
     )
