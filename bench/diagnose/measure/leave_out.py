@@ -76,17 +76,22 @@ def log_probability_of_folds(design: Design, tangent: Tangent, folds: Folds) -> 
     return found
 
 
-def log_probability_of_figures(fit: Fit, tangent: Tangent) -> float:
+def log_probability_of_figures(fit: Fit, tangent: Tangent, count: int | None = None) -> float:
     """Return the log probability of the stated figures, each predicted by all runs and all other figures [nats].
 
     A stated figure is a measurement too: someone weighed, somebody calibrated. Without it, nuisance i is normal with
     mean x_i / (1 - v_i) and variance v_i / (1 - v_i), if x_i and v_i are its value and variance with it; what was
     stated is 0 with a standard deviation of 1. One that is off by more than `ABSURD` counts as off by that: beyond, it
     says that something is wrong, not what.
+
+    Args:
+        fit: Of the model.
+        tangent: The same in the linear picture.
+        count: Of the nuisances, the first, that are stated figures; None: all.
     """
-    p = len(fit.nuisances)
-    rest = np.maximum(1 - np.diag(np.linalg.inv(tangent.precision))[:p], UNTOLD)
-    return float(0.5 * np.sum(np.log(rest) - np.minimum(fit.nuisances**2 / rest, ABSURD**2)))
+    stated = fit.nuisances[:count]
+    rest = np.maximum(1 - np.diag(np.linalg.inv(tangent.precision))[: len(stated)], UNTOLD)
+    return float(0.5 * np.sum(np.log(rest) - np.minimum(stated**2 / rest, ABSURD**2)))
 
 
 def errors_of_folds(design: Design, fit: Fit, tangent: Tangent, folds: Folds, reach: float = REACH) -> Array:

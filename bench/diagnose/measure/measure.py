@@ -97,7 +97,7 @@ class HeldOut:
         return self.low > NOTICEABLE
 
 
-def held_out(design: Design, before: Fit, after: Fit) -> HeldOut:
+def held_out(design: Design, before: Fit, after: Fit, before_in: Design | None = None) -> HeldOut:
     """Return what `after` is worth against `before`.
 
     Intervals are a Bayesian bootstrap over the folds (Dirichlet weights), so an effect that two runs of twenty show is
@@ -107,14 +107,18 @@ def held_out(design: Design, before: Fit, after: Fit) -> HeldOut:
         design: The campaign.
         before: Fit of the model without the extension.
         after: Fit with it.
+        before_in: The design of `before`, where that has fewer nuisances, the first of the other's; None: the same.
     """
+    designs = before_in or design, design
+    count = len(before.nuisances)
     folds = folds_of(design, design.whiten(before.residual - after.residual))
     weights = np.random.default_rng(SEED).dirichlet(np.ones(len(folds)), DRAWS)
-    tangents = [tangent_of(design, fit) for fit in (before, after)]
+    tangents = [tangent_of(own, fit) for own, fit in zip(designs, (before, after), strict=True)]
     one, two = (log_probability_of_folds(design, tangent, folds) for tangent in tangents)
-    figures = log_probability_of_figures(after, tangents[1]) - log_probability_of_figures(before, tangents[0])
+    figures = log_probability_of_figures(after, tangents[1], count) - log_probability_of_figures(before, tangents[0])
     low, high = np.quantile(figures + len(folds) * weights @ (two - one), (LOW, HIGH))
-    first, second = (errors_of_folds(design, fit, t, folds) for fit, t in zip((before, after), tangents, strict=True))
+    both = zip(designs, (before, after), tangents, strict=True)
+    first, second = (errors_of_folds(own, fit, tangent, folds) for own, fit, tangent in both)
     return HeldOut(
         nats=figures + float(np.sum(two - one)),
         low=float(low),

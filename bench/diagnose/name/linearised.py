@@ -20,6 +20,7 @@ from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.generic import Block
 from bench.diagnose.picture.marginal import Columns, Nuisances
 from bench.diagnose.picture.screening import WIDTHS, Entry, Tried
+from bench.diagnose.picture.threshold import LEAST
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
@@ -86,7 +87,7 @@ class Linearised:
         width, share = found.priors[int(np.argmax(evidence))]
         trial = self.trial_of(self.present)
         shape = replace(found.what, columns=columns, prior=float(width[0]))
-        return replace(trial, shape=shape, log_odds=trial.log_odds + share - self.threshold)
+        return replace(trial, shape=shape, log_odds=trial.log_odds + share - self.threshold - LEAST)
 
     def instead(self, which: Sequence[int]) -> tuple[int, ...]:
         """Return the free shape that is more probable than listed terms that it does without, with the others; or none.
@@ -150,7 +151,8 @@ def linearised(
     Args:
         design: The campaign.
         tried: Everything that can be tried, as this design whitens it.
-        threshold: Log evidence that chance exceeds at the declared rate: less it, evidence is posterior odds.
+        threshold: Log evidence that chance exceeds at the declared rate: less it, evidence is posterior odds. For a
+            free shape nothing but its evidence speaks, so it is taken to be a hundred times less likely.
         about: The model.
         refused: Keys of what is not tried.
     """
@@ -177,7 +179,8 @@ def linearised(
         if key in taken or key in refused or (about.shape and not entry.cause):
             continue  # a model has one free shape at most
         for prior, log_odds in entry.priors:
-            terms.append(Term(key, entry.columns, prior, log_odds - threshold, entry.sign, entry.cause is not None))
+            log_odds -= threshold if entry.cause else threshold + LEAST
+            terms.append(Term(key, entry.columns, prior, log_odds, entry.sign, entry.cause is not None))
             what.append(entry)
     start = len(marginal.scores)
     for cause, tangent in zip(about.causes, own, strict=True):
@@ -192,7 +195,8 @@ def linearised(
         log_odds = -float(np.log(len(WIDTHS)))
         its = np.array(range(start, len(scores)))
         entry = Entry(about.shape, its, ((about.shape.plausible, log_odds),))
-        terms.append(Term(str(about.shape), its, about.shape.plausible, log_odds - threshold, entry.sign, False))
+        log_odds -= threshold + LEAST
+        terms.append(Term(str(about.shape), its, about.shape.plausible, log_odds, entry.sign, False))
         what.append(entry)
     model = LinearModel(information, scores, terms)
     return Linearised(model, about, tuple(what), tuple(own), white, nuisances, threshold)

@@ -144,6 +144,7 @@ class _Selection:
     models: tuple[Model, ...] = ()
     findings: dict[Hashable, Finding] = field(default_factory=dict)
     refused: dict[Hashable, Finding] = field(default_factory=dict)
+    refused_shapes: set[str] = field(default_factory=set)
     promising: tuple[Cause, ...] = ()
 
     def __post_init__(self) -> None:
@@ -201,7 +202,7 @@ class _Selection:
             is_last: Everything that cannot be told from the best is to be known, not only the best.
         """
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
-        threshold, refused = self.screening.threshold, frozenset(self.refused)
+        threshold, refused = self.screening.threshold, frozenset(self.refused) | self.refused_shapes
         about = linearised(self.design, self.tried, threshold, self.best, refused)
         shape = about.present[-1:] if self.best.shape else ()
         found = alternatives_of(about.model, search(about.model, [about.present], shape))
@@ -251,6 +252,10 @@ class _Selection:
         findings of which either will do, one stays.
         """
         self.progress("gain of each finding on what was held out")
+        if self.best.shape and not self._shape_pays():
+            self.refused_shapes.add(str(self.best.shape))
+            self.best = Model(self._without_shape(), log_posterior=self.best.log_posterior)
+            return True
         held: dict[Hashable, Finding] = {one.cause.key: one for one in map(self._held, self.best.causes) if one}
         count = len(self.refused)
         while (failed := [one for one in held.values() if not one.is_taken]) and len(self.refused) < MOST_REFUSED:
@@ -268,6 +273,16 @@ class _Selection:
         about = linearised(self.design, self.tried, self.screening.threshold, self.best, frozenset(self.refused))
         shares = repeats(self.design, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
+
+    def _without_shape(self) -> Fit:
+        """Return the best model fitted without what is not listed."""
+        best = self.best.fit
+        return refit(self.design, best.causes, best.start, best.nuisances[: len(self.design.nuisances)])
+
+    def _shape_pays(self) -> bool:
+        """Whether what is not listed predicts what was held out better, beside the causes."""
+        design = self.best.design(self.design)
+        return held_out(design, self._without_shape(), self.best.fit, self.design).pays
 
     def _held(self, cause: Cause) -> Finding | None:
         """Return what a cause of the best model is worth beside the others; None where nothing balances without it."""
