@@ -62,6 +62,8 @@ class NamedCause:
         physics: Why it happens.
         source: Who says so.
         share, sigmas: How large and how sure it is (`extend.size.Size`); nan where it was not fitted.
+        level: Whether it is of the "machine", of this "recording", or of single runs of it ("run").
+        advice: What to look at on the robot or in the log; "" where the title says that.
     """
 
     effect: str
@@ -72,6 +74,8 @@ class NamedCause:
     source: str = ""
     share: float = float("nan")
     sigmas: float = float("nan")
+    level: str = "machine"
+    advice: str = ""
 
     @property
     def is_small(self) -> bool:
@@ -339,4 +343,13 @@ def _named(cause: Cause, fit: Fit) -> NamedCause:
 
 def _titled(cause: Cause, parameters: tuple[ParameterValue, ...]) -> NamedCause:
     effect = cause.effect
-    return NamedCause(effect.name, effect.title, str(cause.place), parameters, effect.physics, effect.source)
+    return NamedCause(
+        effect=effect.name,
+        title=effect.title,
+        place=str(cause.place),
+        parameters=parameters,
+        physics=effect.physics,
+        source=effect.source,
+        level=effect.level,
+        advice=effect.advice,
+    )

@@ -79,12 +79,14 @@ def _explanation(explanation: Explanation) -> Iterator[str]:
         for parameter in cause.parameters:
             meaning = meaning_of(parameter)
             yield f"{'':13}{parameter_text(parameter)}" + (f"   {meaning}" if meaning else "")
+        if cause.advice:
+            yield f"{'':13}check: {cause.advice}"
 
 
 def _selection(verdict: Verdict) -> Iterator[str]:
     taken = [step for step in verdict.steps if step.accepted]
     if len(taken) > 1:
-        yield "Step by step, evidence and that of data held out with its 90 % interval, in nats:"
+        yield "Each finding beside all others: evidence, and that of data held out with its 90 % interval, in nats:"
         for step in taken:
             yield f"  {step_text(step)}"
         if given_up := steps_sentence(verdict):
