@@ -59,12 +59,17 @@ class Bin:
 
 
 Marked = Sequence[tuple[Outcome, Marks]]
+THREE = 2.99  # detection limits: three, but for rounding
+
+
+def _both(outcome: Outcome, marks: Marks) -> bool:
+    return marks.all_there
 
 
 def goals_of(marked: Marked) -> Iterable[Goal]:
     """Yield the goals of a study, each with what was measured."""
     nulls, singles = of_kind(marked, "null"), of_kind(marked, "single")
-    at_limit = [(o, m) for o, m in singles if _times_limit(o) > 2.99 and o.size == AT_THREE_LIMITS]
+    at_limit = [(o, m) for o, m in singles if _times_limit(o) > THREE and o.size == AT_THREE_LIMITS]
     found = [(o, m) for o, m in singles if m.found]
     unlisted, pairs, twins = (of_kind(marked, kind) for kind in ("unlisted", "pair", "twin"))
     together, apart = ([pair for pair in twins if pair[0].is_split is split] for split in (False, True))
@@ -82,7 +87,8 @@ def goals_of(marked: Marked) -> Iterable[Goal]:
     yield _share("right, of verdicts that give 0.97 or more", sure, lambda o, m: m.first, at_least=0.97)
     yield _share("unlisted cause called unlisted", unlisted, lambda o, m: m.unlisted, at_least=0.95)
     yield _share("its place right, where it has one", placed, lambda o, m: bool(m.place), at_least=0.90)
-    yield _share("both of two effects named together", pairs, lambda o, m: m.all_there, at_least=0.85)
+    clear = [(o, m) for o, m in pairs if all(c.limit is None or c.size > THREE * c.limit for c in o.truth)]
+    yield _share("both of two effects, each at three limits or more, named together", clear, _both, at_least=0.85)
     coverage = Share(sum(covered), len(covered))
     yield Goal(
         "90 % intervals that have the truth, of all true causes named",

@@ -129,8 +129,8 @@ def sized(effect: Effect, trial: Trial, ground: Ground, rng: np.random.Generator
 
 def _size(trial: Trial, way: Way, limit: float, compiled: CompiledRobot, rng: np.random.Generator) -> float:
     match trial.size:
-        case "three limits":
-            return min(LIMITS * limit, 1.0)
+        case "three limits":  # but no smaller than it is plausibly: an offset below that is another cause's
+            return min(max(LIMITS * limit, way.smallest(compiled)), 1.0)
         case "clear" if limit == float("inf"):  # the first plant cannot say how large it has to be
             return 1.0
         case "clear":  # what is not listed has no range that binds it
