@@ -87,7 +87,7 @@ class Linearised:
         width, share = found.priors[int(np.argmax(evidence))]
         trial = self.trial_of(self.present)
         shape = replace(found.what, columns=columns, prior=float(width[0]))
-        return replace(trial, shape=shape, log_odds=trial.log_odds + share - self.threshold - LEAST)
+        return replace(trial, shape=shape, log_odds=(*trial.log_odds, share - self.threshold - LEAST))
 
     def instead(self, which: Sequence[int]) -> tuple[int, ...]:
         """Return the free shape that is more probable than listed terms that it does without, with the others; or none.
@@ -121,25 +121,28 @@ class Linearised:
         causes: list[Cause] = []
         shape: Block | None = None
         sizes = self.model.sizes(which) if len(which) else np.empty(0)
-        log_odds = 0.0
+        odds: dict[tuple[str, str], float] = {}
+        of_shape: tuple[float, ...] = ()
         for i in which:
             term, what = self.model.terms[i], self.what[i]
             mine, sizes = sizes[: len(term.columns)], sizes[len(term.columns) :]
-            log_odds += term.log_odds
             if isinstance(what, Cause):
                 causes.append(what)
+                odds[what.key] = term.log_odds
                 start |= {key: value for key, value in self.about.fit.start.items() if key[:2] == what.key}
             elif isinstance(what.what, Candidate):
                 causes.append(what.what.cause)
+                odds[what.what.cause.key] = term.log_odds
                 start |= _values(what.what, mine)
             else:
-                shape = replace(what.what, prior=float(term.prior[0]))
+                shape, of_shape = replace(what.what, prior=float(term.prior[0])), (term.log_odds,)
         order = {cause.key: place for place, cause in enumerate(self.about.causes)}
         causes.sort(key=lambda cause: order.get(cause.key, len(order)))
         # the nominal model's figures are bent by what is missing: no place to start from
         nuisances = self.about.fit.nuisances if self.about.keys else None
         if nuisances is not None and self.about.shape:
             nuisances = nuisances[: len(nuisances) - self.about.shape.columns.shape[1]]
+        log_odds = (*(odds[cause.key] for cause in causes), *of_shape)
         return Trial(tuple(causes), shape, start, nuisances, log_odds)
 
 

@@ -85,14 +85,14 @@ class Trial:
         shape: Not listed, or None.
         start: First values of the parameters.
         nuisances: First values, shape (p,), without those of the shape; None: zeros.
-        log_odds: Logarithm of its prior odds.
+        log_odds: Logarithm of the prior odds of each cause, in their order, and of the shape, if there is one.
     """
 
     causes: tuple[Cause, ...]
     shape: Block | None
     start: dict[Key, float]
     nuisances: Array | None
-    log_odds: float
+    log_odds: tuple[float, ...]
 
     @property
     def keys(self) -> frozenset[Hashable]:
@@ -120,29 +120,37 @@ class Fitter:
     models: dict[frozenset[Hashable], Model | None] = field(default_factory=dict)
 
     def fitted(self, trials: Sequence[Trial]) -> list[Model]:
-        """Return the models of trials, without those that `models` has None for.
+        """Return the models of trials, each without the causes that it turned out not to need.
+
+        Those that `models` has None for are left out.
 
         Raises:
             EffectError: An effect of the user's own fails.
         """
         new = list({trial.keys: trial for trial in trials if trial.keys not in self.models}.values())
         fits = in_order(self.executor, partial(_fit, self.design, self.known), new)
-        for trial, fit in zip(new, fits, strict=True):
-            self.models[trial.keys] = self._model(trial, fit) if fit else None
-        found = (self.models[keys] for keys in dict.fromkeys(trial.keys for trial in trials))
-        return [model for model in found if model is not None]
+        for trial, found in zip(new, fits, strict=True):
+            self.models[trial.keys] = self._model(trial, *found) if found else None
+        models = (self.models[keys] for keys in dict.fromkeys(trial.keys for trial in trials))
+        unique = {model.keys: model for model in models if model is not None}
+        return list(unique.values())
 
     def knows(self, model: Model, trial: Trial) -> Trial:
         """Take a model that was fitted to the design already, and return its trial."""
-        self.models[trial.keys] = self._model(trial, model.fit) or Model(self.null)
+        every = tuple(range(len(trial.causes)))
+        self.models[trial.keys] = self._model(trial, model.fit, every) or Model(self.null)
         return trial
 
-    def _model(self, trial: Trial, fit: Fit) -> Model | None:
-        fit = replace(fit, causes=trial.causes, unknowns=unknowns_of(trial.causes))
-        if not (fit.is_plausible and all(fit.acts(cause) for cause in trial.causes)):
+    def _model(self, trial: Trial, fit: Fit, kept: tuple[int, ...]) -> Model | None:
+        causes = tuple(trial.causes[i] for i in kept)
+        fit = replace(fit, causes=causes, unknowns=unknowns_of(causes))
+        if not (fit.is_plausible and all(fit.acts(cause) for cause in causes)):
             return None
+        if not causes and trial.shape is None:
+            return Model(self.null)
+        odds = sum(trial.log_odds[i] for i in (*kept, *range(len(trial.causes), len(trial.log_odds))))
         evidence = fit.log_evidence - self.null.log_evidence + log_of_signs(fit)
-        return Model(fit, trial.shape, evidence, evidence + trial.log_odds)
+        return Model(fit, trial.shape, evidence, evidence + odds)
 
 
 def log_of_signs(fit: Fit) -> float:
@@ -181,10 +189,10 @@ def without_shape(design: Design, count: int) -> Design:
     )
 
 
-def _fit(plain: Design, known: Fit | None, trial: Trial, _: Progress) -> Fit | None:
-    """Return the best fit without its causes, which come from a user's file and do not pass between processes.
+def _fit(plain: Design, known: Fit | None, trial: Trial, _: Progress) -> tuple[Fit, tuple[int, ...]] | None:
+    """Return the best fit, and which of the causes it needs; None where nothing balances along the measured motion.
 
-    None where the model finds no balance along the measured motion.
+    It has no causes of its own, for those come from a user's file and do not pass between processes.
     """
     design, nuisances = plain, trial.nuisances
     if trial.shape:
@@ -197,7 +205,15 @@ def _fit(plain: Design, known: Fit | None, trial: Trial, _: Progress) -> Fit | N
             fit = refit(design, trial.causes, start, nuisances, known)
             if found is None or fit.log_evidence > found.log_evidence:
                 found = fit
-    return found and replace(found, causes=(), unknowns=())
+    if found is None:
+        return None
+    try:
+        while len(needed := tuple(cause for cause in found.causes if found.acts(cause))) < len(found.causes):
+            found = refit(design, needed, found.start, found.nuisances, found)
+    except NOT_SIMULATED:
+        return None
+    kept = tuple(i for i, cause in enumerate(trial.causes) if cause in found.causes)
+    return replace(found, causes=(), unknowns=()), kept
 
 
 def _starts(trial: Trial, known: Fit | None) -> list[dict[Key, float]]:
