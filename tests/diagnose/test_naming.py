@@ -70,7 +70,7 @@ def test_what_has_a_finding_more_counts_for_the_finding() -> None:
     found = [Alternative(model.keys, Subset((), 0.0), model.log_posterior - 1.0) for model in models]
     found.append(Alternative(frozenset(), Subset((), 0.0), 0.0))
     gas, both, heat = (model.probability for model in with_probabilities(models, found))
-    total = sum(np.exp([9.0, 8.0, 5.0, 1.0]))
+    total = sum(np.exp([9.0, 8.0, 5.0, 1.0]))  # the nominal one: 1 more than linearised, as the best is
     assert gas == pytest.approx((np.exp(9.0) + np.exp(8.0)) / total)
     assert both == 0.0
     assert heat == pytest.approx(np.exp(5.0) / total)

@@ -19,7 +19,7 @@ from bench.diagnose.extend.polish import polished
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.measure.measure import HeldOut, held_out
 from bench.diagnose.name.linearised import Linearised, linearised
-from bench.diagnose.name.models import Fitter, Model, Trial, without_shape
+from bench.diagnose.name.models import Fitter, Model, Trial, log_of_signs, without_shape
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import WINDOW, Alternative, alternatives_of, search
 from bench.diagnose.picture.candidates import Cause
@@ -222,7 +222,7 @@ class _Selection:
         if not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
             beside = about.beside()
             models += fitter.fitted([beside] if beside else [])
-        models = sorted(set(models), key=lambda model: -model.log_posterior)
+        models = sorted({Model(self.null), *models}, key=lambda model: -model.log_posterior)
         fell = {keys for keys, model in fitter.models.items() if model is None}  # whatever was promised of them
         self.models = with_probabilities(models, [one for one in found if one.keys not in fell])
         self.best = self.models[0]
@@ -292,7 +292,8 @@ class _Selection:
         except NOT_SIMULATED:
             return None
         worth = held_out(self.best.design(self.design), without, best)
-        return Finding(cause, best, best.log_evidence - without.log_evidence, worth, worth.pays)
+        rise = best.log_evidence - without.log_evidence + log_of_signs(best) - log_of_signs(without)
+        return Finding(cause, best, rise, worth, worth.pays and rise > self.screening.threshold)
 
     def _without(self, cause: Cause) -> Fit:
         """Return the best model fitted without one of its causes."""
@@ -331,13 +332,17 @@ def with_probabilities(models: Sequence[Model], found: Sequence[Alternative]) ->
     """Return models with the probability that all of their findings are at work, among everything that was visited.
 
     What has all findings of a likelier model and more counts for that model. What was not simulated counts as
-    linearised, shifted by what simulation made of the others.
+    linearised, shifted by what simulation made of the best, and for no more than the least of those that promised more.
     """
     simulated = {model.keys: model.log_posterior for model in models}
     linear = {one.keys: one.log_posterior for one in found}
-    both = [keys for keys in simulated if keys in linear]
-    offset = float(np.median([simulated[keys] - linear[keys] for keys in both])) if both else 0.0
-    every = {keys: value + offset for keys, value in linear.items()} | simulated
+    offset = simulated[models[0].keys] - linear.get(models[0].keys, simulated[models[0].keys])
+    tried = [(linear[keys], value) for keys, value in simulated.items() if keys in linear]
+
+    def expected(value: float) -> float:
+        return min([value + offset, *(made for promised, made in tried if promised >= value)])
+
+    every = {keys: expected(value) for keys, value in linear.items()} | simulated
     total = float(logsumexp(list(every.values())))
     mass: dict[frozenset[Hashable], float] = {}
     for keys in sorted(every, key=lambda keys: -every[keys]):
