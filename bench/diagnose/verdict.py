@@ -302,7 +302,9 @@ def _step(finding: Finding) -> Step:
     worth = finding.held_out
     reason = f"held-out {worth.by}s {'become' if worth.pays else 'do not become'} more probable"
     if worth.pays and not finding.is_taken:
-        reason = "beside the others its evidence is no more than chance brings about"
+        reason = (
+            "beside the others its evidence is no more than chance, or what these are simulated wrong by, brings about"
+        )
     named = (_named(finding.cause, finding.fit),)
     known = (finding.log_evidence, worth.nats, worth.low, worth.high, finding.is_taken, reason, worth.channels)
     return Step(named, *known, finding.repeats)

@@ -26,6 +26,7 @@ from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design
 from bench.diagnose.picture.generic import Block
 from bench.diagnose.picture.screening import Screening, Tried
+from bench.diagnose.picture.threshold import LEAST
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -45,6 +46,9 @@ MOST_ROUNDS = 12  # of linearising and searching; the KR300 takes 6
 LEADERS = 6  # alternatives of a search that are simulated; half of them while the best model still changes
 MOST_PLAYS = 12  # models with a play that are tried; one of 20 findings would be tried for minutes
 IN_SET = 6.0  # log posterior odds behind the best, up to where a model is not told apart from it (odds of 400)
+# Share of what an effect changes, to which it is simulated: bins, time steps and how friction starts to slide; assumed,
+# from what signatures miss of simulations (0.5 to 3.5 %, tests/diagnose/test_first_order.py).
+SIMULATED = 0.02
 MOST_REFUSED = 20  # findings that do not predict better, before they are no more replaced
 
 
@@ -274,6 +278,14 @@ class _Selection:
         shares = repeats(self.design, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
 
+    @property
+    def _least(self) -> float:
+        """Evidence below which a finding beside others is chance, and what the others are simulated wrong by.
+
+        Evidence goes with the square of what is explained, so an error of a share e leaves e^2 of it.
+        """
+        return self.screening.threshold + SIMULATED**2 * max(self.best.log_evidence, 0.0)
+
     def _without_shape(self) -> Fit:
         """Return the best model fitted without what is not listed."""
         best = self.best.fit
@@ -281,8 +293,10 @@ class _Selection:
 
     def _shape_pays(self) -> bool:
         """Whether what is not listed predicts what was held out better, beside the causes."""
-        design = self.best.design(self.design)
-        return held_out(design, self._without_shape(), self.best.fit, self.design).pays
+        best, without = self.best.fit, self._without_shape()
+        if best.log_evidence - without.log_evidence < self._least + LEAST:
+            return False
+        return held_out(self.best.design(self.design), without, best, self.design).pays
 
     def _held(self, cause: Cause) -> Finding | None:
         """Return what a cause of the best model is worth beside the others; None where nothing balances without it."""
@@ -293,7 +307,7 @@ class _Selection:
             return None
         worth = held_out(self.best.design(self.design), without, best)
         rise = best.log_evidence - without.log_evidence + log_of_signs(best) - log_of_signs(without)
-        return Finding(cause, best, rise, worth, worth.pays and rise > self.screening.threshold)
+        return Finding(cause, best, rise, worth, worth.pays and rise > self._least)
 
     def _without(self, cause: Cause) -> Fit:
         """Return the best model fitted without one of its causes."""
