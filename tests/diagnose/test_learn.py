@@ -1,4 +1,4 @@
-"""What is not listed is learned: found in the linear picture, fitted by simulation, written as a model that runs."""
+"""What is not listed is learned: found in the linearised model, fitted by simulation, written as a model that runs."""
 
 import json
 from dataclasses import dataclass, replace

@@ -213,7 +213,7 @@ def _bounded_step(curvature: Array, gradient: Array, p: int, low: Array, high: A
 
 
 def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
-    """Return first values that can be simulated, and what they leave; the linear picture may promise too much."""
+    """Return first values that can be simulated, and what they leave; the linearised model may promise too much."""
     for halving in range(HALVINGS):
         try:
             return values, left(values, x)

@@ -30,7 +30,7 @@ UNTOLD = (
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """A fit in the linear picture; m whitened readings, p nuisances, k unknowns.
+    """A fit in the linearised model; m whitened readings, p nuisances, k unknowns.
 
     Attributes:
         slopes: Shape (m, p + k), whitened.
@@ -46,7 +46,7 @@ class Tangent:
 
 
 def tangent_of(design: Design, fit: Fit) -> Tangent:
-    """Return a fit in the linear picture.
+    """Return a fit in the linearised model.
 
     Args:
         design: The campaign.
@@ -86,7 +86,7 @@ def log_probability_of_figures(fit: Fit, tangent: Tangent, count: int | None = N
 
     Args:
         fit: Of the model.
-        tangent: The same in the linear picture.
+        tangent: The same in the linearised model.
         count: Of the nuisances, the first, that are stated figures; None: all.
     """
     stated = fit.nuisances[:count]
@@ -100,7 +100,7 @@ def errors_of_folds(design: Design, fit: Fit, tangent: Tangent, folds: Folds, re
     Args:
         design: The campaign.
         fit: To all of it.
-        tangent: The same in the linear picture.
+        tangent: The same in the linearised model.
         folds: What is held out at a time.
         reach: Figures of the model stay within so many standard deviations of what is stated. Without that, a robot
             that lost a tenth of its gas would be predicted well by a nominal one with a gas constant ten sigmas off.

@@ -45,7 +45,7 @@ OVER = {"angle": "rad", "angle and direction": "rad", "speed": "rad/s", "load": 
 ANGLE_NODES = (9, 17, 33)  # tried over an angle; each has those of the one before
 ROUNDS = 3  # fits in turn, each with the standard errors that the one before asks for
 SETTLED = 1.2  # times; standard errors that change by less are settled
-KEPT = 0.5  # of the evidence in the linear picture, which the simulated model has to keep
+KEPT = 0.5  # of the evidence in the linearised model, which the simulated model has to keep
 NOT_THERE = "nothing in the simulator can act so: the shape is known, but no model runs with it"
 NO_BALANCE = "a model with it finds no balance along the measured motion"
 FALLS_SHORT = "a model with it runs, but cannot do what the data ask for (friction never drives), and is not written"
@@ -85,9 +85,9 @@ def lesson_of(naming: Naming) -> Lesson | None:
 
 
 def learn(design: Design, block: Block, beside: Fit) -> Lesson:
-    """Fit a free shape by simulation, together with all causes beside it, from what the linear picture says of it.
+    """Fit a free shape by simulation, together with all causes beside it, from what the linearised model says of it.
 
-    The linear picture chooses the distance of nodes over an angle and the width of the prior, by evidence. Standard
+    The linearised model chooses the distance of nodes over an angle and the width of the prior, by evidence. Standard
     errors that a poor model raised fall to what the better one leaves, and the shape is fitted anew.
 
     Args:
@@ -138,7 +138,7 @@ def _factors(design: Design, block: Block, fit: Fit) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Estimate:
-    """A block in the linear picture; k coefficients.
+    """A block in the linearised model; k coefficients.
 
     Attributes:
         block: The free shape.

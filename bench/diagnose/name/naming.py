@@ -227,7 +227,8 @@ class _Selection:
             beside = about.beside()
             models += fitter.fitted([beside] if beside else [])
         models = sorted({Model(self.null), *models}, key=lambda model: -model.log_posterior)
-        fell = {keys for keys, model in fitter.models.items() if model is None}  # whatever was promised of them
+        # whatever was promised of those that could not be fitted, or did not need all of their causes
+        fell = {keys for keys, model in fitter.models.items() if model is None or model.keys != keys}
         self.models = with_probabilities(models, [one for one in found if one.keys not in fell])
         self.best = self.models[0]
 

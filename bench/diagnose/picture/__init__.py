@@ -1,1 +1,1 @@
-"""Show: the linear picture of a campaign, in which everything that could be wrong is weighed."""
+"""Show: the linearised model of a campaign, in which everything that could be wrong is weighed."""

@@ -54,7 +54,7 @@ class Cause:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A cause with its shape fixed, in the linear picture; m whitened readings, k sizes.
+    """A cause with its shape fixed, in the linearised model; m whitened readings, k sizes.
 
     Attributes:
         cause: Effect and place.

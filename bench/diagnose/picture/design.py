@@ -1,4 +1,4 @@
-"""The linear picture of a campaign: residuals of the nominal model and its derivatives, made comparable.
+"""The linearised model of a campaign: residuals of the nominal model and its derivatives, made comparable.
 
 All in whitened space: what cannot be predicted (noise, friction at rest) is standard normal there, and every nuisance
 is scaled to a prior of one. Effects are named in this picture first, for it is cheap; the last word is always a
@@ -35,7 +35,7 @@ HELD_MOTOR, HELD_LINK = 0.7, 0.5  # standard deviations of the part of its frict
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A campaign in the linear picture; m whitened readings, p nuisances.
+    """A campaign in the linearised model; m whitened readings, p nuisances.
 
     Attributes:
         replay: The campaign with the nominal robot.
@@ -120,7 +120,7 @@ class Design:
 
 
 def design_of(replay: Replay, nuisances: tuple[Nuisance, ...], changes: Array | None = None) -> Design:
-    """Return the linear picture of a campaign.
+    """Return the linearised model of a campaign.
 
     Args:
         replay: The campaign with the nominal robot.

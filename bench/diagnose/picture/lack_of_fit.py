@@ -17,7 +17,6 @@ from bench.record.campaign import Array
 RIDGE = 1.0  # the richest model keeps the priors of its columns
 MOST_ALIKE = 50  # lags over which the correlation of neighbours is summed
 SHARE_OF_MISSES = 0.5  # of what the present model misses, below which no standard error goes
-ADEQUATE = 2.0  # times what nothing explains, in standard errors; up to where a model is not wrong for what it leaves
 AT_A_TIME = 1024  # readings whose leverage is found together: memory stays small
 FEW = 10  # readings that say nothing of their own scatter
 
@@ -67,17 +66,6 @@ def missed(design: Design, white: Array, *, is_last: bool = False) -> Array:
     if is_last:
         return np.sqrt(_by_quantity(design, left, np.ones(len(left))))
     return SHARE_OF_MISSES * np.sqrt(_by_quantity(design, left, np.ones(len(left)), counts_alike=False))
-
-
-def is_adequate(design: Design, white: Array) -> bool:
-    """Whether a model leaves little more of any quantity than what nothing at all explains.
-
-    Args:
-        design: The campaign.
-        white: Shape (m,), residual of the model, nuisances at zero.
-    """
-    left = missed(design, white, is_last=True) * design.excess
-    return bool(np.all(left <= ADEQUATE * design.unexplained))
 
 
 def _by_quantity(design: Design, left: Array, freedom: Array, *, counts_alike: bool = True) -> Array:

@@ -1,4 +1,4 @@
-"""Everything that was tried on a campaign, in the linear picture: evidence for each candidate and each free shape."""
+"""Everything that was tried on a campaign, in the linearised model: evidence for each candidate and each free shape."""
 
 from collections import Counter
 from collections.abc import Sequence
