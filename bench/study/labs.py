@@ -129,7 +129,7 @@ class Ground:
         compiled: The nominal robot.
         catalogue: Effects to look for.
         signatures: Of nuisances and causes.
-        design: The linear picture of the null campaign, for detection limits.
+        design: The linearised model of the null campaign, for detection limits.
         blur: The same campaign, as narrow effects blur in it.
         threshold: Log evidence that chance exceeds at the declared rate.
         listed: Whitened signatures of all causes, shape (m, k) each.

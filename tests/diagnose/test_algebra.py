@@ -1,4 +1,4 @@
-"""The linear picture against dense algebra, and the declared false-alarm rate."""
+"""The linearised model against dense algebra, and the declared false-alarm rate."""
 
 from dataclasses import replace
 

@@ -1,10 +1,9 @@
-"""Rests that were read before the arm had settled, and models that leave more than they should."""
+"""Rests that were read before the arm had settled."""
 
 import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
-from bench.diagnose.picture.lack_of_fit import is_adequate
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.segments import Segment, segments_of
 from bench.effects.catalogue import catalogue
@@ -51,10 +50,3 @@ def test_a_rest_that_swayed_counts_by_its_scatter(still: Campaign, swaying: Camp
 
 def test_it_makes_nobody_find_anything(swaying: Campaign) -> None:
     assert diagnosed(swaying).verdict.kind == "nothing found"
-
-
-def test_a_model_is_adequate_until_a_channel_is_far_off(still: Campaign) -> None:
-    design = diagnosed(still).design
-    assert is_adequate(design, design.white)
-    off = np.where((design.column_of == 0) & (np.arange(len(design.white)) % 2 == 0), 8.0, 0.0)
-    assert not is_adequate(design, design.white + off)
