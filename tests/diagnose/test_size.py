@@ -71,7 +71,7 @@ def screening(cause: Cause, information: list[float], steps: float = 2e-3) -> Sc
         Entry(
             Candidate(cause, {}, np.full(count, steps), prior, np.empty((0, count))),
             np.arange(i * count, (i + 1) * count),
-            prior,
+            ((prior, 0.0),),
         )
         for i in range(len(information) // count)
     ]

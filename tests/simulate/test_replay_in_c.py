@@ -128,7 +128,6 @@ def test_failures_are_the_same(
     motion = _motion(compiled.n_joints, rng)
     for module in (prescribed, reference_replay):
         monkeypatch.setattr(module, "MAX_ITERATIONS", iterations)
-    monkeypatch.setattr(prescribed._SEARCH, "most_iterations", iterations)
     told = _told(Prescribed(compiled).follow, motion)
     assert told == _told(Reference(compiled).follow, motion)
     assert iterations > 1 or told.startswith("no balance at 100.000 s within 1 iterations")

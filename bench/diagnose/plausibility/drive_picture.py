@@ -53,7 +53,10 @@ def drive_picture(replay: Replay) -> DrivePicture:
     trace = replay.trace(NOMINAL)
     nominal = replay.predict(NOMINAL)
     missing = []
-    for effect in (UnstatedPayload(), CounterbalanceGas()):
+    # a payload is presumed only where the robot's figures say that recordings leave it unstated; else a load in another
+    # unit would pass for one
+    leaves_payload = bool(replay.compiled.robot.figures.uncertainty.payload_kg)
+    for effect in (UnstatedPayload(), CounterbalanceGas()) if leaves_payload else (CounterbalanceGas(),):
         for place in effect.places(replay.compiled):
             size = effect.parameters_at(replay.compiled, place)[0]
             world = World(acting=(Acting(effect, place, effect.complete({size.name: size.typical})),))
