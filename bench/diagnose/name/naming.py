@@ -7,7 +7,7 @@
 Every finding then has to pay on what was held out, or it is refused and the search goes on without it.
 """
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence, Set
 from dataclasses import dataclass, field, replace
 from typing import Literal, Protocol
 
@@ -229,7 +229,7 @@ class _Selection:
         models = sorted({Model(self.null), *models}, key=lambda model: -model.log_posterior)
         # whatever was promised of those that could not be fitted, or did not need all of their causes
         fell = {keys for keys, model in fitter.models.items() if model is None or model.keys != keys}
-        self.models = with_probabilities(models, [one for one in found if one.keys not in fell])
+        self.models = with_probabilities(models, found, fell)
         self.best = self.models[0]
 
     def _relinearise(self, *, is_last: bool = False) -> None:
@@ -343,16 +343,24 @@ def _scattering(about: Linearised, leader: Alternative) -> list[Trial]:
     return trials[:MOST_PLAYS]
 
 
-def with_probabilities(models: Sequence[Model], found: Sequence[Alternative]) -> tuple[Model, ...]:
+def with_probabilities(
+    models: Sequence[Model], found: Sequence[Alternative], fell: Set[frozenset[Hashable]] = frozenset()
+) -> tuple[Model, ...]:
     """Return models with the probability that all of their findings are at work, among everything that was visited.
 
     What has all findings of a likelier model and more counts for that model. What was not simulated counts as
     linearised, shifted by what simulation made of the best, and for no more than the least of those that promised more.
+
+    Args:
+        models: Simulated, the most probable first.
+        found: By the search.
+        fell: What was promised and not borne out by a simulation.
     """
     simulated = {model.keys: model.log_posterior for model in models}
     linear = {one.keys: one.log_posterior for one in found}
     offset = simulated[models[0].keys] - linear.get(models[0].keys, simulated[models[0].keys])
     tried = [(linear[keys], value) for keys, value in simulated.items() if keys in linear]
+    tried += [(linear[keys], -np.inf) for keys in fell if keys in linear]
 
     def expected(value: float) -> float:
         return min([value + offset, *(made for promised, made in tried if promised >= value)])
