@@ -49,6 +49,7 @@ IN_SET = 6.0  # log posterior odds behind the best, up to where a model is not t
 # Share of what an effect changes, to which it is simulated: bins, time steps and how friction starts to slide; assumed,
 # from what signatures miss of simulations (0.5 to 3.5 %, tests/diagnose/test_first_order.py).
 SIMULATED = 0.02
+TINY = 1e-300
 MOST_REFUSED = 20  # findings that do not predict better, before they are no more replaced
 
 
@@ -279,13 +280,23 @@ class _Selection:
         shares = repeats(self.design, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
 
-    @property
-    def _least(self) -> float:
-        """Evidence below which a finding beside others is chance, and what the others are simulated wrong by.
+    def _least(self, without: Fit) -> float:
+        """Return the evidence up to which a finding is chance, and what the others are simulated wrong by.
 
-        Evidence goes with the square of what is explained, so an error of a share e leaves e^2 of it.
+        That is counted in the channels that the finding changes: who simulates a delay of encoders wrong has not
+        simulated a torque wrong. Evidence goes with the square of what is explained: an error of a share e leaves e^2.
+
+        Args:
+            without: The best model fitted without the finding.
         """
-        return self.screening.threshold + SIMULATED**2 * max(self.best.log_evidence, 0.0)
+        design, best = self.design, self.best.fit
+        columns, count = design.column_of, len(design.quantities)
+        own, every = (
+            np.bincount(columns, design.whiten(fit.residual - best.residual) ** 2, count)
+            for fit in (without, self.null)
+        )
+        touched = float(own @ every) / max(float(own.sum()), TINY)
+        return self.screening.threshold + 0.5 * SIMULATED**2 * touched
 
     def _without_shape(self) -> Fit:
         """Return the best model fitted without what is not listed."""
@@ -295,7 +306,7 @@ class _Selection:
     def _shape_pays(self) -> bool:
         """Whether what is not listed predicts what was held out better, beside the causes."""
         best, without = self.best.fit, self._without_shape()
-        if best.log_evidence - without.log_evidence < self._least + LEAST:
+        if best.log_evidence - without.log_evidence < self._least(without) + LEAST:
             return False
         return held_out(self.best.design(self.design), without, best, self.design).pays
 
@@ -308,7 +319,7 @@ class _Selection:
             return None
         worth = held_out(self.best.design(self.design), without, best)
         rise = best.log_evidence - without.log_evidence + log_of_signs(best) - log_of_signs(without)
-        return Finding(cause, best, rise, worth, worth.pays and rise > self._least)
+        return Finding(cause, best, rise, worth, worth.pays and rise > self._least(without))
 
     def _without(self, cause: Cause) -> Fit:
         """Return the best model fitted without one of its causes."""
