@@ -11,7 +11,7 @@ from bench.diagnose.extend.fit import Fit, Key, unknowns_of
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.picture.candidates import Cause
 from bench.diagnose.picture.design import Design
-from bench.diagnose.picture.generic import Block
+from bench.diagnose.picture.generic import Block, anew
 from bench.diagnose.picture.marginal import log_half_normal
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.errors import NOT_SIMULATED
@@ -64,7 +64,11 @@ class Model:
         return replace(self.fit, nuisances=self.fit.nuisances[:p], residual=left)
 
     def shape_estimate(self, plain: Design) -> tuple[Array, Array]:
-        """Return the coefficients of the shape, shape (k,), and their covariance, (k, k), everything else free."""
+        """Return the coefficients of the shape, shape (k,), and their covariance, (k, k), everything else free.
+
+        Where the shape is orthogonal to listed causes, these are of what it adds to them: the level that a friction has
+        already is not told twice.
+        """
         assert self.shape
         design, own = self.design(plain), slice(len(plain.nuisances), None)
         slopes = np.concatenate([design.whiten(self.fit.slopes), design.slopes], axis=1)
@@ -73,7 +77,8 @@ class Model:
         )
         k = slopes.shape[1] - self.shape.columns.shape[1]
         covariance = np.linalg.inv(slopes.T @ slopes + np.diag(prior))[k:, k:]
-        return self.fit.nuisances[own] * self.shape.prior, covariance * self.shape.prior**2
+        added = np.linalg.lstsq(anew(plain, self.shape).columns, self.shape.columns * self.shape.prior)[0]
+        return added @ self.fit.nuisances[own], added @ covariance @ added.T
 
 
 @dataclass(frozen=True)
