@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from threadpoolctl import threadpool_limits
 
@@ -44,7 +45,7 @@ class Diagnosis:
     verdict: Verdict
     lesson: Lesson | None = None
 
-    @property
+    @cached_property
     def extension(self) -> Fit | None:
         """The model with what was found, listed or learned; None where there is nothing to add."""
         return extension_of(self.naming, self.lesson)
@@ -55,7 +56,12 @@ def extension_of(naming: Naming, lesson: Lesson | None) -> Fit | None:
     if lesson and lesson.pays:
         return lesson.fit
     best = naming.models[0] if naming.models else None
-    return best.listed_fit(naming.design) if best and best.causes else None
+    if best is None or not best.causes:
+        return None
+    if best.shape is None:
+        return best.fit
+    beside = best.listed_fit(naming.design)  # what was fitted beside a shape that is not handed over
+    return refit(naming.design, beside.causes, beside.start, beside.nuisances, beside)
 
 
 def diagnose(
