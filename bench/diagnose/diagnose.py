@@ -13,7 +13,8 @@ from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.measure.measure import HeldOut, PredictedError, held_out, predicted_error
 from bench.diagnose.name.learn import Lesson, lesson_of
-from bench.diagnose.name.naming import Naming, name_cause
+from bench.diagnose.name.naming import Naming
+from bench.diagnose.name.selection import name_cause
 from bench.diagnose.name.surroundings import Surroundings
 from bench.diagnose.picture.candidates import causes_of, unseen_of
 from bench.diagnose.picture.design import Design, design_of

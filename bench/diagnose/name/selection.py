@@ -1,0 +1,290 @@
+"""Select: from evidence to the findings that a model needs.
+
+    linearise about the best model so far (at first the nominal one) -> search all subsets -> simulate the leaders
+          ^                                                                                       |
+          └──────────── until the best model repeats; then whatever it misses is noise ───────────┘
+
+Every finding then has to pay on what was held out, or it is refused and the search goes on without it.
+"""
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.polish import polished
+from bench.diagnose.extend.refit import refit, refitted
+from bench.diagnose.measure.measure import held_out
+from bench.diagnose.name.linearised import Linearised, linearised
+from bench.diagnose.name.models import Fitter, Model, Trial, log_of_signs, without_shape
+from bench.diagnose.name.naming import Finding, Kind, Naming, with_probabilities
+from bench.diagnose.name.repeated import repeats
+from bench.diagnose.name.search import WINDOW, Alternative, alternatives_of, search
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.screening import Screening, Tried
+from bench.diagnose.picture.threshold import LEAST
+from bench.errors import NOT_SIMULATED
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
+from bench.executor.watched import Stopped
+
+
+class Renew(Protocol):
+    """Returns the campaign linearised about a model, with everything that can be tried there."""
+
+    def __call__(self, design: Design, model: Model, *, is_last: bool = False) -> tuple[Design, Tried]:
+        """Return the design and what can be tried; `is_last`: nothing will be added, what is missed now is noise."""
+
+
+MOST_ROUNDS = 12  # of linearising and searching; the KR300 takes 6
+LEADERS = 6  # alternatives of a search that are simulated; half of them while the best model still changes
+MOST_PLAYS = 12  # models with a play that are tried; one of 20 findings would be tried for minutes
+# Share of what an effect changes, to which it is simulated: bins, time steps and how friction starts to slide; assumed,
+# from what signatures miss of simulations (0.5 to 3.5 %, tests/diagnose/test_first_order.py).
+SIMULATED = 0.02
+TINY = 1e-300
+MOST_REFUSED = 20  # findings that do not predict better, before they are no more replaced
+
+
+def name_cause(
+    design: Design,
+    screening: Screening,
+    renew: Renew,
+    progress: Callable[[str], None] = lambda words: None,
+    executor: Executor = SERIAL,
+) -> Naming:
+    """Name what is wrong with the nominal model, or what of it was found when the work was stopped.
+
+    Args:
+        design: The campaign.
+        screening: Everything that was tried in the linearised model.
+        renew: Weighs everything anew about an extended model.
+        progress: Called with what is done next.
+        executor: Where to fit.
+    """
+    selection = _Selection(design, screening, renew, progress, executor)
+    try:
+        selection.run()
+    except Stopped as stopped:
+        return selection.naming(str(stopped))
+    return selection.naming()
+
+
+@dataclass(eq=False)
+class _Selection:
+    """Where the selection of a model stands."""
+
+    design: Design
+    screening: Screening
+    renew: Renew
+    progress: Callable[[str], None]
+    executor: Executor
+    models: tuple[Model, ...] = ()
+    findings: dict[Hashable, Finding] = field(default_factory=dict)
+    refused: dict[Hashable, Finding] = field(default_factory=dict)
+    refused_shapes: set[str] = field(default_factory=set)
+    promising: tuple[Cause, ...] = ()
+
+    def __post_init__(self) -> None:
+        self.nominal, self.tried = self.design, self.screening.tried
+        self.null = refit(self.design, (), {})
+        self.best = Model(self.null)
+
+    def naming(self, stopped: str = "") -> Naming:
+        """Return what was found."""
+        models = tuple(model for model in self.models if model.keys)
+        is_null = not self.best.keys
+        kind: Kind = "cause" if len(self.best.causes) == 1 else "several causes"
+        if self.best.shape:
+            kind = "unlisted cause"
+        elif is_null:
+            kind = "nothing found so far" if stopped else "nothing found"
+        taken = [self.findings[key] for key in self.best.keys if key in self.findings]
+        ranked = sorted(taken, key=lambda finding: -finding.log_evidence)
+        return Naming(
+            kind=kind,
+            models=() if is_null else models,
+            null=self.null,
+            screening=self.screening,
+            findings=(*ranked, *self.refused.values()),
+            design=self.nominal if is_null else self.design,
+            promising=self.promising if stopped else (),
+            stopped=stopped,
+        )
+
+    def run(self) -> None:
+        """Search until the best model repeats, then with honest errors, and keep what pays on what was held out.
+
+        What is listed comes first; what is not is looked for beside it, and in its place where it explains far more.
+        """
+        seen: set[frozenset[Hashable]] = set()
+        is_last = False
+        for _ in range(MOST_ROUNDS):
+            before = self.best.keys
+            self._search(is_last=is_last)
+            if self.best.keys != before and self.best.keys not in seen:
+                seen.add(before)
+            elif not self.best.keys:
+                return
+            elif is_last and not self._refuse():
+                self._repeat()
+                return
+            else:
+                is_last, seen = True, set()  # what is missed now is noise: intervals and sets are to be honest
+            self._relinearise(is_last=is_last)
+
+    def _search(self, *, is_last: bool = False) -> None:
+        """Search about the best model, simulate the leaders, and take the most probable.
+
+        Args:
+            is_last: Everything that cannot be told from the best is to be known, not only the best.
+        """
+        self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
+        threshold, refused = self.screening.threshold, frozenset(self.refused) | self.refused_shapes
+        about = linearised(self.design, self.tried, threshold, self.best, refused)
+        shape = about.present[-1:] if self.best.shape else ()
+        found = alternatives_of(about.model, search(about.model, [about.present], shape))
+        causes = [about.cause(i) for i in found[0].best.terms]
+        self.promising = tuple(cause for cause in causes if cause)
+        count = LEADERS if is_last else LEADERS // 2
+        leaders = [one.best.terms for one in _leaders(found, count)]
+        known = self.best.fit if self.best.keys and not self.best.shape else None
+        fitter = Fitter(self.design, self.null, self.executor, known)
+        present = fitter.knows(self.best, about.trial_of(about.present))
+        alone = tuple(i for i in found[0].best.terms if i not in shape)
+        others = [*leaders, alone if shape else about.instead(alone)]
+        trials = [present, *(about.trial_of(terms) for terms in others if len(terms))]
+        trials += _scattering(about, found[0]) if is_last else []
+        self.progress(f"fitting {len(trials) - 1} models")
+        models = fitter.fitted(trials)
+        if not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
+            beside = about.beside()
+            models += fitter.fitted([beside] if beside else [])
+        models = sorted({Model(self.null), *models}, key=lambda model: -model.log_posterior)
+        # whatever was promised of those that could not be fitted, or did not need all of their causes
+        fell = {keys for keys, model in fitter.models.items() if model is None or model.keys != keys}
+        self.models = with_probabilities(models, found, fell)
+        self.best = self.models[0]
+
+    def _relinearise(self, *, is_last: bool = False) -> None:
+        """Take the campaign about the best model: derivatives, standard errors, and everything weighed against it."""
+        if not self.best.keys:
+            return
+        self.progress("what the extended model makes possible")
+        design, model = self.design, self.best
+        if not is_last:
+            about, fit = polished(model.design(design), model.fit)
+            design, model = without_shape(about, len(design.nuisances)), replace(model, fit=fit)
+        before = design
+        self.design, self.tried = self.renew(design, model, is_last=is_last)
+        if self.design is not before:
+            self.null = refit(self.design, (), {})
+        if old := model.shape:  # as it is whitened now
+            columns = self.design.whiten(before.unwhiten(old.columns))
+            model = replace(model, shape=replace(old, columns=columns))
+        self.best = replace(model, fit=refitted(model.design(self.design), model.fit))
+
+    def _refuse(self) -> bool:
+        """Hold each finding against what was held out; refuse those that do not pay, and say whether there were any.
+
+        The worst is refused first, and the others that did not pay are held against it anew without that one: of two
+        findings of which either will do, one stays.
+        """
+        self.progress("gain of each finding on what was held out")
+        if self.best.shape and not self._shape_pays():
+            self.refused_shapes.add(str(self.best.shape))
+            self.best = Model(self._without_shape(), log_posterior=self.best.log_posterior)
+            return True
+        held: dict[Hashable, Finding] = {one.cause.key: one for one in map(self._held, self.best.causes) if one}
+        count = len(self.refused)
+        while (failed := [one for one in held.values() if not one.is_taken]) and len(self.refused) < MOST_REFUSED:
+            worst = min(failed, key=lambda one: one.held_out.low)
+            self.refused[worst.cause.key] = held.pop(worst.cause.key)
+            self.best = replace(self.best, fit=self._without(worst.cause))
+            again = map(self._held, [one.cause for one in failed if one is not worst])
+            held |= {one.cause.key: one for one in again if one}
+        self.findings = held
+        return len(self.refused) > count
+
+    def _repeat(self) -> None:
+        """Search again without each part of the runs, and note what is found again."""
+        self.progress("searching without parts of the runs")
+        about = linearised(self.design, self.tried, self.screening.threshold, self.best, frozenset(self.refused))
+        shares = repeats(self.design, self.tried, about, self.naming().alternatives)
+        self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
+
+    def _least(self, without: Fit) -> float:
+        """Return the evidence up to which a finding is chance, and what the others are simulated wrong by.
+
+        That is counted in the channels that the finding changes: who simulates a delay of encoders wrong has not
+        simulated a torque wrong. Evidence goes with the square of what is explained: an error of a share e leaves e^2.
+
+        Args:
+            without: The best model fitted without the finding.
+        """
+        design, best = self.design, self.best.fit
+        columns, count = design.column_of, len(design.quantities)
+        own, every = (
+            np.bincount(columns, design.whiten(fit.residual - best.residual) ** 2, count)
+            for fit in (without, self.null)
+        )
+        touched = float(own @ every) / max(float(own.sum()), TINY)
+        return self.screening.threshold + 0.5 * SIMULATED**2 * touched
+
+    def _without_shape(self) -> Fit:
+        """Return the best model fitted without what is not listed."""
+        best = self.best.fit
+        return refit(self.design, best.causes, best.start, best.nuisances[: len(self.design.nuisances)])
+
+    def _shape_pays(self) -> bool:
+        """Whether what is not listed predicts what was held out better, beside the causes."""
+        best, without = self.best.fit, self._without_shape()
+        if best.log_evidence - without.log_evidence < self._least(without) + LEAST:
+            return False
+        return held_out(self.best.design(self.design), without, best, self.design).pays
+
+    def _held(self, cause: Cause) -> Finding | None:
+        """Return what a cause of the best model is worth beside the others; None where nothing balances without it."""
+        best = self.best.fit
+        try:
+            without = self._without(cause)
+        except NOT_SIMULATED:
+            return None
+        worth = held_out(self.best.design(self.design), without, best)
+        rise = best.log_evidence - without.log_evidence + log_of_signs(best) - log_of_signs(without)
+        return Finding(cause, best, rise, worth, worth.pays and rise > self._least(without))
+
+    def _without(self, cause: Cause) -> Fit:
+        """Return the best model fitted without one of its causes."""
+        best = self.best.fit
+        others = tuple(other for other in best.causes if other.key != cause.key)
+        start = {key: value for key, value in best.start.items() if key[:2] != cause.key}
+        return refit(self.best.design(self.design), others, start, best.nuisances, best)
+
+
+def _leaders(found: Sequence[Alternative], count: int) -> list[Alternative]:
+    """Return what is worth a simulation: the best, and the best of those that have all of a better one and more."""
+    near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
+    larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
+    return [*[one for one in near if one not in larger][:count], *larger[:1]]
+
+
+def _scattering(about: Linearised, leader: Alternative) -> list[Trial]:
+    """Return the leader with a play beside or in the place of anything at its joint.
+
+    Where a link rests within its play is chance, so its signature alone shows little of it.
+    """
+    terms, trials = leader.best.terms, []
+    for play, what in enumerate(about.what):
+        cause = about.cause(play)
+        if cause is None or not cause.effect.scatters or cause.key in leader.keys:
+            continue
+        for i in terms:
+            other = about.cause(i)
+            if about.what[i].drive == what.drive and not (other and other.effect.scatters):
+                rest = tuple(one for one in terms if one != i)
+                trials += [about.trial_of((*rest, play)), about.trial_of((*terms, play))]
+    return trials[:MOST_PLAYS]
