@@ -64,7 +64,7 @@ def unlisted_name(unlisted: Unlisted) -> str:
 
 def cause_name(cause: NamedCause) -> str:
     """Return the title of a cause with its place, but for the robot as a whole."""
-    place = cause.place.replace("_", " ")
+    place = channel_name(cause.place).replace("_", " ")
     return cause.title if place == "robot" else f"{cause.title} ({place})"
 
 
@@ -117,7 +117,9 @@ def listed(names: Sequence[str], last: str) -> str:
 def places_text(places: Sequence[str]) -> str:
     """Return places in words: "joints 1, 3, upper arm"; "" for the robot as a whole."""
     joints = sorted((p.removeprefix("joint ") for p in places if p.startswith("joint ")), key=int)
-    others = [place.replace("_", " ") for place in places if not place.startswith("joint ") and place != "robot"]
+    others = [
+        channel_name(place).replace("_", " ") for place in places if not place.startswith("joint ") and place != "robot"
+    ]
     return ", ".join(([f"joint{'s' * (len(joints) > 1)} {', '.join(joints)}"] if joints else []) + others)
 
 

@@ -18,6 +18,7 @@ from bench.diagnose.verdict import (
 )
 from bench.report.diagnosis.headline import MOST, headline
 from bench.report.diagnosis.names import (
+    cause_name,
     cause_names,
     channel_name,
     error_text,
@@ -133,6 +134,11 @@ def test_one_cause_in_many_joints_is_named_once() -> None:
         "mass of a link (upper arm)",
         "zero of a joint (joint 2)",
     ]
+
+
+def test_a_channel_that_is_wrong_is_called_as_people_call_it() -> None:
+    assert cause_name(NamedCause("channel_scale", "scale", "current_5_a", ())) == "scale (motor current 5)"
+    assert cause_name(NamedCause("channel_delay", "delay", "tracker", ())) == "delay (tracker)"
 
 
 def test_a_rival_with_much_in_common_is_told_by_its_difference() -> None:
