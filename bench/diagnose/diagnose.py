@@ -9,6 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from bench.diagnose.ask.ask import ask
 from bench.diagnose.ask.blind_spots import blind_spots
+from bench.diagnose.conclude import unfinished_of, verdict_of
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.measure.measure import HeldOut, PredictedError, held_out, predicted_error
@@ -23,7 +24,7 @@ from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, segments_of
-from bench.diagnose.verdict import BlindSpot, Proposal, Unfinished, Verdict, unfinished_of, verdict_of
+from bench.diagnose.verdict import BlindSpot, Proposal, Unfinished, Verdict
 from bench.effects.effect import Effect
 from bench.effects.recorded import Recorded, recorded_in
 from bench.errors import BenchError, InputError

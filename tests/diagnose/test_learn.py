@@ -8,12 +8,12 @@ import mujoco
 import numpy as np
 import pytest
 
+from bench.diagnose.conclude import verdict_of
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.name.learn import NOT_THERE, effect_of, learn
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.picture.generic import Block, blocks_of
-from bench.diagnose.verdict import verdict_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
 from bench.effects.learned_torques import LearnedTorque

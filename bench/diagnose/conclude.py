@@ -1,0 +1,154 @@
+"""From what was found to the verdict, as plain data."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.size import size_of
+from bench.diagnose.measure.measure import HeldOut
+from bench.diagnose.name.learn import Lesson
+from bench.diagnose.name.learned_shape import learned_of
+from bench.diagnose.name.models import Model
+from bench.diagnose.name.naming import Finding, Naming
+from bench.diagnose.picture.candidates import Cause
+from bench.diagnose.picture.design import Design
+from bench.diagnose.picture.limits import detection_limits
+from bench.diagnose.verdict import (
+    NORMAL_95,
+    Explanation,
+    NamedCause,
+    NoisyChannel,
+    ParameterValue,
+    Proposal,
+    Step,
+    Unfinished,
+    Unlisted,
+    Verdict,
+)
+
+PROMISING = 3  # causes that an unfinished diagnosis names
+NOISY = 3.0  # times its instrument's standard error
+
+
+def verdict_of(
+    naming: Naming,
+    rate: float,
+    missing: Mapping[str, tuple[str, ...]],
+    not_simulated: tuple[str, ...],
+    worth: HeldOut | None = None,
+    proposals: tuple[Proposal, ...] = (),
+    lesson: Lesson | None = None,
+) -> Verdict:
+    """Return the verdict.
+
+    Args:
+        naming: What the data say.
+        rate: Declared false-alarm rate.
+        missing: Effect -> channels that were not there.
+        not_simulated: Causes whose model found no balance.
+        worth: What the best explanation is worth on what was held out.
+        proposals: Next experiments.
+        lesson: What became of the free shape that is called unlisted.
+    """
+    near = tuple(m for m in naming.alternatives if m.causes and bool(m.shape) == bool(naming.unlisted))
+    fits = [model.listed_fit(naming.design) for model in near]
+    design = naming.design
+    if lesson and lesson.fit and lesson.pays:
+        fits[:1], design = [lesson.fit] if near else [], lesson.design
+    return Verdict(
+        kind=naming.kind,
+        false_alarm_rate=rate,
+        threshold=naming.screening.threshold,
+        noise_scale=float(np.mean(design.excess**2)),
+        explanations=tuple(_explanation(model, fit) for model, fit in zip(near, fits, strict=True)),
+        rivals=tuple(_explanation(m, m.listed_fit(naming.design)) for m in naming.models if m.causes and m not in near),
+        unlisted=_unlisted(naming, lesson),
+        missing=missing,
+        not_simulated=not_simulated,
+        gain=worth.channels if worth else (),
+        held_out_by=worth.by if worth else "",
+        steps=tuple(_step(finding) for finding in naming.findings),
+        next=proposals,
+        detectable=detection_limits(naming.screening),
+        noisy=_noisy(design),
+    )
+
+
+def unfinished_of(naming: Naming, why: str, during: str) -> Unfinished:
+    """Return why a diagnosis ended, and what would have been fitted next."""
+    taken = {cause.key for model in naming.models for cause in model.causes}
+    causes = [cause for cause in naming.promising if cause.key not in taken][:PROMISING]
+    return Unfinished(why, during, tuple(_titled(cause, ()) for cause in causes))
+
+
+def _noisy(design: Design) -> tuple[NoisyChannel, ...]:
+    found = [
+        NoisyChannel(quantity.column, bool(kind), float(design.excess[kind, c]))
+        for c, quantity in enumerate(design.quantities)
+        for kind in (0, 1)
+        if design.excess[kind, c] > NOISY
+    ]
+    return tuple(sorted(found, key=lambda one: -one.times))
+
+
+def _step(finding: Finding) -> Step:
+    worth = finding.held_out
+    reason = f"held-out {worth.by}s {'become' if worth.pays else 'do not become'} more probable"
+    if worth.pays and not finding.is_taken:
+        reason = (
+            "beside the others its evidence is no more than chance, or what these are simulated wrong by, brings about"
+        )
+    named = (_named(finding.cause, finding.fit),)
+    known = (finding.log_evidence, worth.nats, worth.low, worth.high, finding.is_taken, reason, worth.channels)
+    return Step(named, *known, finding.repeats)
+
+
+def _unlisted(naming: Naming, lesson: Lesson | None) -> Unlisted | None:
+    shape = learned_of(naming, lesson)
+    if shape is None:
+        return None
+    block = shape.block
+    parameters = tuple(
+        ParameterValue(name, float(value), float(value - half), float(value + half), shape.unit, words)
+        for (name, words), value, half in zip(shape.names, shape.value, shape.half, strict=True)
+    )
+    runs, words = (lesson.pays, lesson.words) if lesson else (False, "")
+    return Unlisted(block.place, block.kind, block.depends_on, parameters, runs, words, shape.stands_out)
+
+
+def _explanation(model: Model, fit: Fit) -> Explanation:
+    causes = tuple(sorted((_named(cause, fit) for cause in model.causes), key=lambda cause: -cause.share))
+    return Explanation(causes, model.probability, model.log_evidence)
+
+
+def _named(cause: Cause, fit: Fit) -> NamedCause:
+    parameters = tuple(
+        ParameterValue(
+            u.parameter.name,
+            float(value),
+            float(value - NORMAL_95 * sigma),
+            float(value + NORMAL_95 * sigma),
+            u.parameter.unit,
+            u.parameter.words,
+        )
+        for u, value, sigma in zip(fit.unknowns, fit.values, fit.sigma, strict=True)
+        if u.cause is cause
+    )
+    size = size_of(cause, fit)
+    return replace(_titled(cause, parameters), share=size.share, sigmas=size.sigmas)
+
+
+def _titled(cause: Cause, parameters: tuple[ParameterValue, ...]) -> NamedCause:
+    effect = cause.effect
+    return NamedCause(
+        effect=effect.name,
+        title=effect.title,
+        place=str(cause.place),
+        parameters=parameters,
+        physics=effect.physics,
+        source=effect.source,
+        level=effect.level,
+        advice=effect.advice,
+    )
