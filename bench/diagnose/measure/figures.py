@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.diagnose.extend.fit import Fit, Unknown, is_simulated
+from bench.diagnose.extend.size import NORMAL_95
 from bench.diagnose.measure.leave_out import tangent_of
 from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.fitted import torque_constant_of
 from bench.diagnose.replay.nuisances import Nuisance
 
-WITHIN_95 = 1.959964  # standard deviations of a normal distribution
 MOVED = 2.0  # DESIGN 6.5: whatever moved beyond two standard deviations is named
 # Of two estimates, from where on one is said to trade against the other: half of the variance of the one is then gone
 # when the other is known (rho^2 = 1/2).
@@ -90,7 +90,7 @@ _Row = tuple[str, str, float, float, float, float, float, float]
 
 def _figure(nuisance: Nuisance, x: float, spread: float) -> _Row:
     """Return what a row says of a deviation that is x standard deviations as stated, give or take `spread` of them."""
-    sigma, half = nuisance.sigma, WITHIN_95 * spread
+    sigma, half = nuisance.sigma, NORMAL_95 * spread
     kind = "figure" if is_simulated(nuisance) else "campaign"
     return kind, nuisance.unit, 0.0, x * sigma, (x - half) * sigma, (x + half) * sigma, sigma, x
 
@@ -105,7 +105,7 @@ def _of_constant(row: _Row, constant: float) -> _Row:
 
 
 def _finding(unknown: Unknown, value: float, spread: float) -> _Row:
-    half, parameter = WITHIN_95 * spread, unknown.parameter
+    half, parameter = NORMAL_95 * spread, unknown.parameter
     return "finding", parameter.unit, parameter.null, value, value - half, value + half, np.nan, np.nan
 
 

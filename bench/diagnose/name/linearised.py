@@ -99,7 +99,7 @@ class Linearised:
         model, listed = self.model, self.model.log_posterior(which)
         found: tuple[int, ...] = ()
         best = listed
-        for drive in {None} | {self.what[i].drive for i in which}:
+        for drive in (None, *sorted({self.what[i].drive for i in which})):
             rest = [i for i in which if drive is not None and self.what[i].drive != drive]
             shapes = [i for i in self._shapes if drive is None or self.what[i].drive == drive]
             if not shapes:

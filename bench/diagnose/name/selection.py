@@ -45,7 +45,7 @@ MOST_PLAYS = 12  # models with a play that are tried; one of 20 findings would b
 # Share of what an effect changes, to which it is simulated: bins, time steps and how friction starts to slide; assumed,
 # from what signatures miss of simulations (0.5 to 3.5 %, tests/diagnose/test_first_order.py).
 SIMULATED = 0.02
-TINY = 1e-300
+TINY = 1e-300  # for what changes nothing, so that nothing is divided by zero
 MOST_REFUSED = 20  # findings that do not predict better, before they are no more replaced
 
 
@@ -163,7 +163,7 @@ class _Selection:
         if not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
             beside = about.beside()
             models += fitter.fitted([beside] if beside else [])
-        models = sorted({Model(self.null), *models}, key=lambda model: -model.log_posterior)
+        models = sorted([Model(self.null), *models], key=lambda model: -model.log_posterior)
         # whatever was promised of those that could not be fitted, or did not need all of their causes
         fell = {keys for keys, model in fitter.models.items() if model is None or model.keys != keys}
         self.models = with_probabilities(models, found, fell)

@@ -23,12 +23,11 @@ class Columns:
 
     Args:
         matrix: Shape (m, q).
-        is_small: There are so few columns that all their products may be formed at once.
     """
 
-    def __init__(self, matrix: Array, *, is_small: bool = False) -> None:
+    def __init__(self, matrix: Array) -> None:
         self.matrix = matrix
-        self._gram: Array | None = matrix.T @ matrix if is_small else None
+        self._gram: Array | None = None
         self._slopes: Array | None = None
         self._cross: Array = np.empty((0, 0))
 
