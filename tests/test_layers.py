@@ -37,7 +37,8 @@ MAY_IMPORT = {
     "cli": BELOW
     | {"store", "scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "benchmark", "report"},
 }
-STEPS_OF_DIAGNOSIS = ("replay", "picture", "extend", "measure", "name", "ask")  # each may import those before it
+# Steps of a diagnosis, each may import those before it
+STEPS_OF_DIAGNOSIS = ("replay", "linearise", "extend", "cross_validation", "name", "experiment_design")
 ENGINES_OF = {
     "identify": {"mujoco", "gymnasium"},
     "second": {"mujoco", "gymnasium"},

@@ -12,8 +12,8 @@ from bench.benchmark.campaigns import hidden_gas_loss, with_rows, with_runs
 from bench.benchmark.clock import exponent, interleaved
 from bench.benchmark.section import Row
 from bench.diagnose.diagnose import measured_by
-from bench.diagnose.picture.candidates import causes_of
-from bench.diagnose.picture.signatures import Signatures
+from bench.diagnose.linearise.candidates import causes_of
+from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -74,7 +74,7 @@ def _replay(campaign: Campaign, compiled: CompiledRobot) -> list[Row]:
 
     def signatures_of(n: int) -> None:
         repeated = some * (n // len(some))  # the same ones again: one kind of cause costs more than another
-        Signatures(compiled, quantities, (), repeated).changes(few)
+        Signatures(compiled, quantities, (), repeated).sensitivities(few)
 
     works = [partial(signatures_of, n) for n in CANDIDATES]
     return [*rows, _grown("signatures, candidates", CANDIDATES, works)]

@@ -5,16 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.diagnose.cross_validation.held_out import HeldOut
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.size import size_of
-from bench.diagnose.measure.measure import HeldOut
-from bench.diagnose.name.learn import Lesson
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.limits import detection_limits
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.name.discrepancy import Discrepancy
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Finding, Naming
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design
-from bench.diagnose.picture.limits import detection_limits
 from bench.diagnose.verdict import (
     NORMAL_95,
     Explanation,
@@ -37,9 +37,9 @@ def verdict_of(
     rate: float,
     missing: Mapping[str, tuple[str, ...]],
     not_simulated: tuple[str, ...],
-    worth: HeldOut | None = None,
+    gain: HeldOut | None = None,
     proposals: tuple[Proposal, ...] = (),
-    lesson: Lesson | None = None,
+    discrepancy: Discrepancy | None = None,
 ) -> Verdict:
     """Return the verdict.
 
@@ -48,31 +48,31 @@ def verdict_of(
         rate: Declared false-alarm rate.
         missing: Effect -> channels that were not there.
         not_simulated: Causes whose model found no balance.
-        worth: What the best explanation is worth on what was held out.
+        gain: What the best explanation is worth on what was held out.
         proposals: Next experiments.
-        lesson: What became of the free shape that is called unlisted.
+        discrepancy: What became of the free shape that is called unlisted.
     """
     near = tuple(m for m in naming.alternatives if m.causes and bool(m.shape) == bool(naming.unlisted))
-    fits = [model.listed_fit(naming.design) for model in near]
-    design = naming.design
-    if lesson and lesson.fit and lesson.pays:
-        fits[:1], design = [lesson.fit] if near else [], lesson.design
+    fits = [model.listed_fit(naming.linear) for model in near]
+    linear = naming.linear
+    if discrepancy and discrepancy.fit and discrepancy.is_gain:
+        fits[:1], linear = [discrepancy.fit] if near else [], discrepancy.linear
     return Verdict(
         kind=naming.kind,
         false_alarm_rate=rate,
         threshold=naming.screening.threshold,
-        noise_scale=float(np.mean(design.excess**2)),
+        noise_scale=float(np.mean(linear.inflation**2)),
         explanations=tuple(_explanation(model, fit) for model, fit in zip(near, fits, strict=True)),
-        rivals=tuple(_explanation(m, m.listed_fit(naming.design)) for m in naming.models if m.causes and m not in near),
-        unlisted=_unlisted(naming, lesson),
+        rivals=tuple(_explanation(m, m.listed_fit(naming.linear)) for m in naming.models if m.causes and m not in near),
+        unlisted=_unlisted(naming, discrepancy),
         missing=missing,
         not_simulated=not_simulated,
-        gain=worth.channels if worth else (),
-        held_out_by=worth.by if worth else "",
+        gain=gain.channels if gain else (),
+        held_out_by=gain.by if gain else "",
         steps=tuple(_step(finding) for finding in naming.findings),
         next=proposals,
         detectable=detection_limits(naming.screening),
-        noisy=_noisy(design),
+        noisy=_noisy(linear),
     )
 
 
@@ -83,30 +83,30 @@ def unfinished_of(naming: Naming, why: str, during: str) -> Unfinished:
     return Unfinished(why, during, tuple(_titled(cause, ()) for cause in causes))
 
 
-def _noisy(design: Design) -> tuple[NoisyChannel, ...]:
+def _noisy(linear: LinearisedModel) -> tuple[NoisyChannel, ...]:
     found = [
-        NoisyChannel(quantity.column, bool(kind), float(design.excess[kind, c]))
-        for c, quantity in enumerate(design.quantities)
+        NoisyChannel(quantity.column, bool(kind), float(linear.inflation[kind, c]))
+        for c, quantity in enumerate(linear.quantities)
         for kind in (0, 1)
-        if design.excess[kind, c] > NOISY
+        if linear.inflation[kind, c] > NOISY
     ]
     return tuple(sorted(found, key=lambda one: -one.times))
 
 
 def _step(finding: Finding) -> Step:
-    worth = finding.held_out
-    reason = f"held-out {worth.by}s {'become' if worth.pays else 'do not become'} more probable"
-    if worth.pays and not finding.is_taken:
+    gain = finding.held_out
+    reason = f"held-out {gain.by}s {'become' if gain.is_gain else 'do not become'} more probable"
+    if gain.is_gain and not finding.is_taken:
         reason = (
             "beside the others its evidence is no more than chance, or what these are simulated wrong by, brings about"
         )
     named = (_named(finding.cause, finding.fit),)
-    known = (finding.log_evidence, worth.nats, worth.low, worth.high, finding.is_taken, reason, worth.channels)
+    known = (finding.log_evidence, gain.nats, gain.low, gain.high, finding.is_taken, reason, gain.channels)
     return Step(named, *known, finding.repeats)
 
 
-def _unlisted(naming: Naming, lesson: Lesson | None) -> Unlisted | None:
-    shape = learned_of(naming, lesson)
+def _unlisted(naming: Naming, discrepancy: Discrepancy | None) -> Unlisted | None:
+    shape = learned_of(naming, discrepancy)
     if shape is None:
         return None
     block = shape.block
@@ -114,7 +114,7 @@ def _unlisted(naming: Naming, lesson: Lesson | None) -> Unlisted | None:
         ParameterValue(name, float(value), float(value - half), float(value + half), shape.unit, words)
         for (name, words), value, half in zip(shape.names, shape.value, shape.half, strict=True)
     )
-    runs, words = (lesson.pays, lesson.words) if lesson else (False, "")
+    runs, words = (discrepancy.is_gain, discrepancy.words) if discrepancy else (False, "")
     return Unlisted(block.place, block.kind, block.depends_on, parameters, runs, words, shape.stands_out)
 
 

@@ -7,24 +7,24 @@ from functools import cached_property
 
 from threadpoolctl import threadpool_limits
 
-from bench.diagnose.ask.ask import ask
-from bench.diagnose.ask.blind_spots import blind_spots
 from bench.diagnose.conclude import unfinished_of, verdict_of
+from bench.diagnose.cross_validation.held_out import HeldOut, PredictedError, held_out, predicted_error
+from bench.diagnose.experiment_design.propose import propose
+from bench.diagnose.experiment_design.undetectable import undetectable_effects
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
-from bench.diagnose.measure.measure import HeldOut, PredictedError, held_out, predicted_error
-from bench.diagnose.name.learn import Lesson, lesson_of
+from bench.diagnose.linearise.candidates import causes_of, unseen_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.signatures import Signatures
+from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
 from bench.diagnose.name.naming import Naming
+from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.name.selection import name_cause
-from bench.diagnose.name.surroundings import Surroundings
-from bench.diagnose.picture.candidates import causes_of, unseen_of
-from bench.diagnose.picture.design import Design, design_of
-from bench.diagnose.picture.signatures import Signatures
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, segments_of
-from bench.diagnose.verdict import BlindSpot, Proposal, Unfinished, Verdict
+from bench.diagnose.verdict import Proposal, UndetectableEffect, Unfinished, Verdict
 from bench.effects.effect import Effect
 from bench.effects.recorded import Recorded, recorded_in
 from bench.errors import BenchError, InputError
@@ -42,28 +42,28 @@ FALSE_ALARM_RATE = 0.01  # of the whole catalogue at once, declared where the ca
 class Diagnosis:
     """A verdict with all that it rests on."""
 
-    design: Design
+    linear: LinearisedModel
     naming: Naming
     verdict: Verdict
-    lesson: Lesson | None = None
+    discrepancy: Discrepancy | None = None
 
     @cached_property
     def extension(self) -> Fit | None:
         """The model with what was found, listed or learned; None where there is nothing to add."""
-        return extension_of(self.naming, self.lesson)
+        return extension_of(self.naming, self.discrepancy)
 
 
-def extension_of(naming: Naming, lesson: Lesson | None) -> Fit | None:
+def extension_of(naming: Naming, discrepancy: Discrepancy | None) -> Fit | None:
     """Return the model with what was found, listed or learned; None where there is nothing to add."""
-    if lesson and lesson.pays:
-        return lesson.fit
+    if discrepancy and discrepancy.is_gain:
+        return discrepancy.fit
     best = naming.models[0] if naming.models else None
     if best is None or not best.causes:
         return None
     if best.shape is None:
         return best.fit
-    beside = best.listed_fit(naming.design)  # what was fitted beside a shape that is not handed over
-    return refit(naming.design, beside.causes, beside.start, beside.nuisances, beside)
+    beside = best.listed_fit(naming.linear)  # what was fitted beside a shape that is not handed over
+    return refit(naming.linear, beside.causes, beside.start, beside.nuisances, beside)
 
 
 def diagnose(
@@ -74,7 +74,7 @@ def diagnose(
     progress: Callable[[str], None] = lambda words: None,
     signatures: Signatures | None = None,
     most_bins: int = MOST_BINS,
-    asks: bool = True,
+    proposes: bool = True,
     executor: Executor = SERIAL,
     check: Check = never,
     store: Store | None = None,
@@ -89,7 +89,7 @@ def diagnose(
         progress: Called with what is done next.
         signatures: Of other campaigns of the same session, if there were any; from `signatures_of`.
         most_bins: How many bins all motion together may have.
-        asks: Whether to look for the next experiment, and for what the campaign could not show.
+        proposes: Whether to look for the next experiment, and for what the campaign could not show.
         executor: Where to simulate; results do not depend on it.
         check: Called between steps and between simulations. It may raise `Stopped`, and the diagnosis ends with what it
             has found so far.
@@ -109,7 +109,7 @@ def diagnose(
             raise ValueError(
                 "these signatures are of other channels or other causes than this campaign and catalogue have"
             )
-        return _diagnose(campaign, compiled, catalogue, rate, phases, signatures or own, most_bins, asks, watched)
+        return _diagnose(campaign, compiled, catalogue, rate, phases, signatures or own, most_bins, proposes, watched)
 
 
 class _Phases:
@@ -133,7 +133,7 @@ def _diagnose(
     progress: _Phases,
     signatures: Signatures,
     most_bins: int,
-    asks: bool,
+    proposes: bool,
     executor: Executor,
 ) -> Diagnosis:
     quantities = signatures.quantities
@@ -144,48 +144,48 @@ def _diagnose(
             "encoder, or the gas pressure, beside the motor angles."
         )
     progress(f"signatures of {len(signatures.causes)} causes")
-    changes = signatures.changes(segments, executor)
-    design = design_of(Replay(compiled, segments, quantities), signatures.nuisances, changes.nuisances)
+    sensitivities = signatures.sensitivities(segments, executor)
+    linear = linearised_model_of(Replay(compiled, segments, quantities), signatures.nuisances, sensitivities.nuisances)
     progress("naming")
-    around = Surroundings(
+    around = Neighbourhood(
         compiled, catalogue, measured_by(campaign), rate, executor, recorded=recorded_by(campaign, compiled)
     )
-    design, screening = around.weighed(design, signatures.causes, changes)
-    naming = name_cause(design, screening, around.about, progress, executor)
-    worth: HeldOut | None = None
-    lesson: Lesson | None = None
+    linear, screening = around.weighed(linear, signatures.causes, sensitivities)
+    naming = name_cause(linear, screening, around.about, progress, executor)
+    gain: HeldOut | None = None
+    discrepancy: Discrepancy | None = None
     proposals: tuple[Proposal, ...] = ()
     predicted: tuple[PredictedError, ...] = ()
-    blind: tuple[BlindSpot, ...] = ()
+    blind: tuple[UndetectableEffect, ...] = ()
     unfinished: Unfinished | None = None
-    about = naming.design
+    about = naming.linear
     try:
         if naming.stopped:
             raise Stopped(naming.stopped)
         if naming.unlisted:
             progress("learning what is not listed")
-            lesson = lesson_of(naming)
-        extension = extension_of(naming, lesson)
-        about = lesson.design if lesson and lesson.pays else naming.design
+            discrepancy = discrepancy_of(naming)
+        extension = extension_of(naming, discrepancy)
+        about = discrepancy.linear if discrepancy and discrepancy.is_gain else naming.linear
         if extension:
             progress("gain on what was held out")
-            null = naming.null if about is naming.design else refit(about, (), {})
-            worth = held_out(about, null, extension)
-        if asks:
+            null = naming.null if about is naming.linear else refit(about, (), {})
+            gain = held_out(about, null, extension)
+        if proposes:
             predicted = predicted_error(about, extension or naming.null)
             if naming.models:
                 progress("the next experiment")
                 with suppress(BenchError):  # an explanation that finds no balance elsewhere proposes nothing
-                    fits = [one.listed_fit(naming.design) for one in naming.alternatives]
-                    proposals = ask(naming.design, fits, executor)
+                    fits = [one.listed_fit(naming.linear) for one in naming.alternatives]
+                    proposals = propose(naming.linear, fits, executor)
             progress("what this campaign could not show")
-            blind = blind_spots(compiled, segments, quantities, screening, signatures.causes, executor)
+            blind = undetectable_effects(compiled, segments, quantities, screening, signatures.causes, executor)
     except Stopped as stopped:
         unfinished = unfinished_of(naming, str(stopped), progress.now)
     missing = unseen_of(catalogue.values(), around.measured)
-    verdict = verdict_of(naming, rate, missing, signatures.unbalanced, worth, proposals, lesson)
+    verdict = verdict_of(naming, rate, missing, signatures.unbalanced, gain, proposals, discrepancy)
     verdict = replace(verdict, blind=blind, predicted=predicted, unfinished=unfinished)
-    return Diagnosis(about, naming, verdict, lesson)
+    return Diagnosis(about, naming, verdict, discrepancy)
 
 
 def signatures_of(

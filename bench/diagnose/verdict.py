@@ -13,12 +13,14 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from bench.diagnose.ask.ask import Proposal as Proposal  # part of the verdict
-from bench.diagnose.ask.blind_spots import BlindSpot as BlindSpot  # part of the verdict
+from bench.diagnose.cross_validation.held_out import ChannelGain as ChannelGain  # part of the verdict
+from bench.diagnose.cross_validation.held_out import PredictedError as PredictedError  # part of the verdict
+from bench.diagnose.experiment_design.propose import Proposal as Proposal  # part of the verdict
+from bench.diagnose.experiment_design.undetectable import (
+    UndetectableEffect as UndetectableEffect,
+)  # part of the verdict
 from bench.diagnose.extend.size import NORMAL_95 as NORMAL_95  # of the intervals of a verdict
-from bench.diagnose.measure.measure import ChannelGain as ChannelGain  # part of the verdict
-from bench.diagnose.measure.measure import PredictedError as PredictedError  # part of the verdict
-from bench.diagnose.picture.limits import DetectionLimit as DetectionLimit  # part of the verdict
+from bench.diagnose.linearise.limits import DetectionLimit as DetectionLimit  # part of the verdict
 
 CONFIRMED = 0.5  # of searches without a part of the runs, that find a cause again: the majority
 SMALL = 0.2  # of the plausible range (DESIGN 6.1: of 16 large effects hidden in messes the smallest came out at 0.196)
@@ -202,7 +204,7 @@ class Verdict:
     next: tuple[Proposal, ...] = ()
     detectable: tuple[DetectionLimit, ...] = ()
     predicted: tuple[PredictedError, ...] = ()
-    blind: tuple[BlindSpot, ...] = ()
+    blind: tuple[UndetectableEffect, ...] = ()
     noisy: tuple[NoisyChannel, ...] = ()
     unfinished: Unfinished | None = None
 

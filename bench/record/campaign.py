@@ -3,7 +3,7 @@
 Truth (hidden effects, true parameters, noise-free readings) is another type in another file (`bench.record.truth`).
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property
@@ -29,9 +29,11 @@ class Run:
         name: Unique in its campaign; also the name of its file.
         kind: "static": every row is one reading at rest, repeats are kept as rows, the columns `pose`, `approach`,
             `load_step` and `repeat` say which. "motion": rows are samples of one continuous movement.
-        start_s: Wall-clock time of the run since the campaign's start [s], where its `time_s` is 0.
+        start_s: Wall-clock time of the run since the start of its recording [s], where its `time_s` is 0.
         columns: Column name -> shape (n_rows,), read-only. Names and units: `bench.record.channels`.
         note: Free words.
+        recording: Name of the recording that it belongs to. Between two recordings instruments may have been set up
+            anew, another payload bolted on, gas refilled; the machine is the same.
 
     Raises:
         CampaignError: The columns are not equally long vectors.
@@ -42,6 +44,7 @@ class Run:
     start_s: float
     columns: Mapping[str, Array]
     note: str = ""
+    recording: str = ""
 
     def __post_init__(self) -> None:
         columns = {name: _read_only(values) for name, values in self.columns.items()}
@@ -87,8 +90,8 @@ class Campaign:
 
     Attributes:
         robot: Name of a robot folder, or a path to one.
-        runs: In wall-clock order, names unique.
-        started: When the campaign began, or None if nobody wrote it down.
+        runs: Recording after recording, each in wall-clock order; names unique.
+        started: When the first recording began, or None if nobody wrote it down.
         noise: Quantity -> standard deviation of one reading in the quantity's SI unit, where the lab knows better than
             the robot's figures. Quantities as in `bench.record.channels`.
         notes: Free words.
@@ -100,9 +103,20 @@ class Campaign:
     noise: Mapping[str, float] = field(default_factory=dict)
     notes: str = ""
 
+    @cached_property
+    def recordings(self) -> tuple[str, ...]:
+        """Names of the recordings, in order."""
+        return tuple(dict.fromkeys(run.recording for run in self.runs))
+
     def of_kind(self, kind: RunKind) -> Iterator[Run]:
         """Yield the runs of one kind, in order."""
         return (run for run in self.runs if run.kind == kind)
+
+
+def in_order(runs: Sequence[Run]) -> tuple[Run, ...]:
+    """Return runs recording after recording, as these are first named, each in the order of its own clock."""
+    recordings = list(dict.fromkeys(run.recording for run in runs))
+    return tuple(sorted(runs, key=lambda run: (recordings.index(run.recording), run.start_s)))
 
 
 @dataclass(frozen=True)

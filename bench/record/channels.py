@@ -71,7 +71,7 @@ class Column:
 AXES = ("x", "y", "z")
 
 CHANNELS: tuple[Channel, ...] = (
-    Channel("time", (), "s", "clock", "time; a row was read `start_s + time_s` after the start of the campaign"),
+    Channel("time", (), "s", "clock", "time; a row was read `start_s + time_s` after the start of its recording"),
     Channel("pose", (), "", "label", "number of the pose"),
     Channel("approach", (), "", "label", "+1 or -1: the side from which the pose was reached"),
     Channel("load_step", (), "", "label", "state of load in one visit to a pose, in order; 0: nothing hung"),

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.record.campaign import Arm, Campaign, Run
+from bench.record.campaign import Arm, Campaign, Run, in_order
 from bench.record.finding import Finding, Report
 from bench.record.manifest import SUFFIXES, Manifest, RunEntry, read_manifest
 from bench.record.rules import examine, suits_arm
@@ -41,7 +41,7 @@ class _Content:
         head = self.manifest.head
         if head is None or any(finding.level == "error" for finding in findings):
             return Report(self.folder, findings, None)
-        runs = tuple(sorted((sheet.run for sheet in self.sheets), key=lambda run: run.start_s))
+        runs = in_order([sheet.run for sheet in self.sheets])
         return Report(self.folder, findings, Campaign(head.robot, runs, head.started, head.noise, head.notes))
 
 
@@ -102,7 +102,9 @@ def _content(folder: Path) -> _Content:
 
 def _sheet(entry: RunEntry, table: Table) -> Sheet:
     columns = {name: values for name, values in table.columns.items() if not name.startswith(SET_ASIDE)}
-    return Sheet(Run(entry.name, entry.kind, entry.start_s, columns, entry.note), entry.path, table.names)
+    return Sheet(
+        Run(entry.name, entry.kind, entry.start_s, columns, entry.note, entry.recording), entry.path, table.names
+    )
 
 
 def _forgotten(folder: Path, listed: set[str]) -> list[Finding]:

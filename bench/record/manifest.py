@@ -35,7 +35,8 @@ class RunEntry(_Strict):
 
     name: str = Field(pattern=RUN_NAME, max_length=100, description="letters, digits, '_', '-' and '.'")
     kind: RunKind
-    start_s: float = Field(ge=0, description="seconds from the start of the campaign; file dates are good enough")
+    start_s: float = Field(ge=0, description="seconds from the start of its recording; file dates are good enough")
+    recording: str = Field("", max_length=100, description="name of the recording that the run belongs to")
     file: str = Field("", pattern=r"^[^\x00]*$", description="default: runs/<name>.csv")
     note: str = ""
 
@@ -93,6 +94,7 @@ def manifest_text(campaign: Campaign, suffix: str) -> str:
     head["runs"] = [
         {"name": run.name, "kind": run.kind, "start_s": float(run.start_s)}
         | ({"file": f"runs/{run.name}{suffix}"} if suffix != ".csv" else {})
+        | ({"recording": run.recording} if run.recording else {})
         | ({"note": run.note} if run.note else {})
         for run in campaign.runs
     ]

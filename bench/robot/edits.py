@@ -1,4 +1,4 @@
-"""Changes of a robot's model, made on its `MjSpec` before it is compiled."""
+"""Sensitivities of a robot's model, made on its `MjSpec` before it is compiled."""
 
 import mujoco
 

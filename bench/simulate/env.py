@@ -39,7 +39,7 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
 
     Args:
         robot: Name of a robot folder or a path to one.
-        edits: Changes of the model, applied before it is compiled.
+        edits: Sensitivities of the model, applied before it is compiled.
         timestep: Integration step [s]; None takes the MJCF's.
         truth: Put the noise-free `Trace` of the last instant into `info["truth"]`.
         perfect_instruments: No noise, no systematic errors, no resolution.

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 from bench.diagnose.diagnose import FALSE_ALARM_RATE, Diagnosis, diagnose
 from bench.diagnose.diagnose import signatures_of as signatures_of  # of a session, for every campaign of it
-from bench.diagnose.picture.signatures import Signatures
+from bench.diagnose.linearise.signatures import Signatures
 from bench.effects.effect import Effect
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -35,4 +35,4 @@ def diagnose_with(
         ConvergenceError: The nominal model finds no balance along the measured motion.
     """
     known = (signatures, BINS)
-    return diagnose(campaign, signatures.compiled, catalogue, rate, progress, *known, asks=False, executor=executor)
+    return diagnose(campaign, signatures.compiled, catalogue, rate, progress, *known, proposes=False, executor=executor)

@@ -41,11 +41,11 @@ def hide_and_seek(seed: int, progress: Callable[[str], None] = lambda words: Non
     names = singles_of(Lab().compiled(), Lab())
     name = names[int(rng.integers(len(names)))]
     trial = Trial("demo", "single", (name,), number=int(rng.integers(100)), size="clear")
-    ground = prepare(Lab(), catalogue(), np.random.default_rng([seed, NULL_STREAM]), progress, executor)
+    setup = prepare(Lab(), catalogue(), np.random.default_rng([seed, NULL_STREAM]), progress, executor)
     progress("a campaign with a hidden effect")
-    made = make(trial, ground, seed)
+    made = make(trial, setup, seed)
     campaign = made.campaign
-    diagnosis = diagnose_with(campaign, ground.signatures, ground.catalogue, progress=progress, executor=executor)
+    diagnosis = diagnose_with(campaign, setup.signatures, setup.catalogue, progress=progress, executor=executor)
     assert made.hidden  # it is of the first plant
     return Demo(made, made.hidden, diagnosis, outcome_of(trial, made, answer_of(diagnosis.verdict), 0.0, 0.0))
 

@@ -6,8 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from bench.diagnose.picture.design import Design
-from bench.diagnose.picture.signatures import Signatures
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.signatures import Signatures
 from bench.effects.effect import Acting, Effect, Place
 from bench.effects.recorded import Recorded
 from bench.errors import InputError
@@ -121,7 +121,7 @@ def _recorded(lab: Lab) -> Recorded:
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class Setup:
     """What the campaigns of a lab share; all of it comes from the nominal robot and one null campaign.
 
     Attributes:
@@ -129,7 +129,7 @@ class Ground:
         compiled: The nominal robot.
         catalogue: Effects to look for.
         signatures: Of nuisances and causes.
-        design: The linearised model of the null campaign, for detection limits.
+        linear: The linearised model of the null campaign, for detection limits.
         blur: The same campaign, as narrow effects blur in it.
         threshold: Log evidence that chance exceeds at the declared rate.
         listed: Whitened signatures of all causes, shape (m, k) each.
@@ -139,7 +139,7 @@ class Ground:
     compiled: CompiledRobot
     catalogue: Mapping[str, Effect]
     signatures: Signatures
-    design: Design
+    linear: LinearisedModel
     blur: Blur
     threshold: float
     listed: tuple[Array, ...]
@@ -161,7 +161,7 @@ def prepare(
     rng: np.random.Generator,
     progress: Callable[[str], None] = lambda words: None,
     executor: Executor = SERIAL,
-) -> Ground:
+) -> Setup:
     """Return what the campaigns of a lab share.
 
     Args:
@@ -177,8 +177,8 @@ def prepare(
     signatures = signatures_of(campaign, compiled, catalogue)
     diagnosis = diagnose_with(campaign, signatures, catalogue, progress=progress, executor=executor)
     listed = tuple(entry.what.columns for entry in diagnosis.naming.screening.entries if entry.cause)
-    design, threshold = diagnosis.design, diagnosis.verdict.threshold
-    return Ground(lab, compiled, catalogue, signatures, design, Blur(design.replay), threshold, listed)
+    linear, threshold = diagnosis.linear, diagnosis.verdict.threshold
+    return Setup(lab, compiled, catalogue, signatures, linear, Blur(linear.replay), threshold, listed)
 
 
 def _brief(part: RotationPart) -> RotationPart:

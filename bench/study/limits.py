@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.picture.design import Design
-from bench.diagnose.picture.limits import smallest_found
-from bench.diagnose.picture.marginal import Nuisances
+from bench.diagnose.linearise.limits import smallest_found
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import NOMINAL, World
@@ -112,14 +112,16 @@ def _finer(segment: Segment) -> Segment:
     return replace(segment, motion=finer)
 
 
-def detection_limit(way: Way, design: Design, blur: Blur, threshold: float, rivals: Sequence[Array] = ()) -> float:
+def detection_limit(
+    way: Way, linear: LinearisedModel, blur: Blur, threshold: float, rivals: Sequence[Array] = ()
+) -> float:
     """Return the size at which the expected evidence reaches a threshold, as a share of the largest plausible size.
 
     The effect is taken as linear below its typical size. Where a bin blurs it, the limit is that of the blurred effect.
 
     Args:
         way: The effect.
-        design: A null campaign of the session.
+        linear: A null campaign of the session.
         blur: The same campaign.
         threshold: Log evidence.
         rivals: Whitened signatures of listed causes, shape (m, k) each; only what none of them can imitate counts.
@@ -127,21 +129,21 @@ def detection_limit(way: Way, design: Design, blur: Blur, threshold: float, riva
     Raises:
         ConvergenceError: The model with the effect finds no balance.
     """
-    compiled = design.replay.compiled
+    compiled = linear.replay.compiled
     size = float(np.sqrt(way.smallest(compiled)))
     world = World(acting=(way.at(size, compiled),))
-    plain = design.replay.predict(world) - design.replay.predict(NOMINAL)
+    plain = linear.replay.predict(world) - linear.replay.predict(NOMINAL)
     is_whole = way.effect.level == "recording"  # of a channel, which no bin blurs
-    changes = [plain] if is_whole else [plain, blur.change(world)]
-    seen = [_information(design, change / size, rivals) for change in changes]
+    sensitivities = [plain] if is_whole else [plain, blur.change(world)]
+    seen = [_information(linear, change / size, rivals) for change in sensitivities]
     return smallest_found(min(seen), PRIOR, threshold)
 
 
-def _information(design: Design, change: Array, rivals: Sequence[Array]) -> float:
+def _information(linear: LinearisedModel, change: Array, rivals: Sequence[Array]) -> float:
     """Return the information on a size, nuisances integrated out, that no rival can take away."""
-    column = design.whiten(change[:, :, None])
+    column = linear.whiten(change[:, :, None])
     columns = np.concatenate([column, *rivals], axis=1)
-    products = Nuisances(design.slopes).products(design.white, columns).information
+    products = Nuisances(linear.jacobian).products(linear.white, columns).information
     information, start = float(products[0, 0]), 1
     for rival in rivals:
         own = np.arange(start, start + rival.shape[1])

@@ -11,7 +11,7 @@ from bench.errors import BenchError, ConvergenceError
 from bench.hide.campaign import Hidden
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
-from bench.study.labs import Ground, Lab, machine_components
+from bench.study.labs import Lab, Setup, machine_components
 from bench.study.limits import Way, detection_limit
 from bench.study.plan import Trial
 from bench.study.worlds import OF_SECOND, surroundings_of, travel_of, unlisted_in
@@ -53,69 +53,69 @@ class Made:
     hidden: Hidden | None = None
 
 
-def make(trial: Trial, ground: Ground, seed: int) -> Made:
+def make(trial: Trial, setup: Setup, seed: int) -> Made:
     """Return the campaign of a trial; where a robot with what was drawn finds no rest, it is drawn again.
 
     Args:
         trial: What to hide.
-        ground: Of the ordinary lab, for detection limits.
+        setup: Of the ordinary lab, for detection limits.
         seed: Of the study.
 
     Raises:
         ConvergenceError: None of several draws finds a rest.
     """
-    rng, lab = trial.rng(seed), lab_of(trial, ground)
+    rng, lab = trial.rng(seed), lab_of(trial, setup)
     for _ in range(TRIES - 1):
         with suppress(ConvergenceError):
-            return _made(trial, ground, lab, rng)
-    return _made(trial, ground, lab, rng)
+            return _made(trial, setup, lab, rng)
+    return _made(trial, setup, lab, rng)
 
 
-def _made(trial: Trial, ground: Ground, lab: Lab, rng: np.random.Generator) -> Made:
-    effects = tuple(_drawn(trial, ground, rng))
+def _made(trial: Trial, setup: Setup, lab: Lab, rng: np.random.Generator) -> Made:
+    effects = tuple(_drawn(trial, setup, rng))
     acting = tuple(one.acting for one in effects)
     if trial.world in OF_SECOND:
         return Made(lab.hide_in_second(acting, rng, rests=trial.world == "resting"), effects)
-    known = machine_components(ground.catalogue, ground.lab, ground.compiled)
-    others = surroundings_of(trial.world, acting, tuple(known), ground.compiled, rng)
+    known = machine_components(setup.catalogue, setup.lab, setup.compiled)
+    others = surroundings_of(trial.world, acting, tuple(known), setup.compiled, rng)
     everything = (*acting, *(one for one, _ in others), *travel_of(trial.world, rng))
     hidden = lab.hide(everything, rng, gives=trial.world == "servo")
     beside = tuple(Sized(one, size, float("inf")) for one, size in others)
     return Made(hidden.campaign, effects, beside, hidden)
 
 
-def lab_of(trial: Trial, ground: Ground) -> Lab:
+def lab_of(trial: Trial, setup: Setup) -> Lab:
     """Return the lab of a trial."""
     if trial.twin is None:
-        return ground.lab
+        return setup.lab
     return trial.twin.extra if trial.is_split else trial.twin.ordinary
 
 
-def _drawn(trial: Trial, ground: Ground, rng: np.random.Generator) -> Iterator[Sized]:
+def _drawn(trial: Trial, setup: Setup, rng: np.random.Generator) -> Iterator[Sized]:
     if trial.twin is not None:
         name, place = trial.twin.hidden
-        effect = ground.catalogue[name]
+        effect = setup.catalogue[name]
         first = effect.parameters[0].name
-        way = Way(effect, _named(effect, place, ground.compiled), {first: 1.0}, {})
-        yield Sized(way.at(trial.twin.size, ground.compiled), trial.twin.size, float("inf"))
+        way = Way(effect, _named(effect, place, setup.compiled), {first: 1.0}, {})
+        yield Sized(way.at(trial.twin.size, setup.compiled), trial.twin.size, float("inf"))
         return
-    known = unlisted_in(trial.world) if trial.kind == "unlisted" else ground.catalogue
+    known = unlisted_in(trial.world) if trial.kind == "unlisted" else setup.catalogue
     for name in trial.effects:
-        yield sized(known[name], trial, ground, rng)
+        yield sized(known[name], trial, setup, rng)
 
 
-def sized(effect: Effect, trial: Trial, ground: Ground, rng: np.random.Generator) -> Sized:
+def sized(effect: Effect, trial: Trial, setup: Setup, rng: np.random.Generator) -> Sized:
     """Return an effect at the next place where it shows at a plausible size, and as large as the trial asks.
 
     Where it shows nowhere, it is taken where it comes nearest to that, at the largest plausible size.
     """
-    places = ground.lab.places(effect, ground.compiled)
-    rivals = ground.listed if trial.kind == "unlisted" else ()
+    places = setup.lab.places(effect, setup.compiled)
+    rivals = setup.listed if trial.kind == "unlisted" else ()
     drawn: list[tuple[float, Way]] = []
     for i in range(TRIES):
-        way = Way.draw(effect, places[(trial.number + i) % len(places)], ground.compiled, rng)
+        way = Way.draw(effect, places[(trial.number + i) % len(places)], setup.compiled, rng)
         try:
-            limit = detection_limit(way, ground.design, ground.blur, ground.threshold, rivals)
+            limit = detection_limit(way, setup.linear, setup.blur, setup.threshold, rivals)
         except BenchError:
             limit = float("inf")
         drawn.append((limit, way))
@@ -123,8 +123,8 @@ def sized(effect: Effect, trial: Trial, ground: Ground, rng: np.random.Generator
             break
     limit, way = min(drawn, key=lambda one: one[0])
     limit = float(f"{limit:.2g}")  # balances are found within a tolerance; a study that is repeated shall be the same
-    size = _size(trial, way, limit, ground.compiled, rng)
-    return Sized(way.at(size, ground.compiled), size, limit)
+    size = _size(trial, way, limit, setup.compiled, rng)
+    return Sized(way.at(size, setup.compiled), size, limit)
 
 
 def _size(trial: Trial, way: Way, limit: float, compiled: CompiledRobot, rng: np.random.Generator) -> float:

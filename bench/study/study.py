@@ -16,7 +16,7 @@ from bench.executor.contract import Executor, Progress, ignore
 from bench.executor.serial import SERIAL
 from bench.study.blind import diagnose_with, signatures_of
 from bench.study.code import code_of
-from bench.study.labs import Ground, Lab, prepare
+from bench.study.labs import Lab, Setup, prepare
 from bench.study.make import lab_of, make
 from bench.study.outcome import Answer, Outcome, answer_of, outcome_of
 from bench.study.plan import Counts, Trial, plan
@@ -61,12 +61,12 @@ class Campaigns:
 
     def prepare(self, executor: Executor) -> None:
         """Make what all campaigns share, so that workers need not that have what this process has in memory."""
-        ground_of(self.settings, executor)
+        setup_of(self.settings, executor)
 
     def __call__(self, trial: Trial, _: Progress) -> Outcome:
         """Make and diagnose one campaign."""
         with threadpool_limits(1, "blas"):
-            return run_trial(trial, ground_of(self.settings), self.settings.seed)
+            return run_trial(trial, setup_of(self.settings), self.settings.seed)
 
 
 def run_study(
@@ -117,49 +117,49 @@ def run_study(
     return tuple(done[trial.name] for trial in trials)
 
 
-def run_trial(trial: Trial, ground: Ground, seed: int) -> Outcome:
+def run_trial(trial: Trial, setup: Setup, seed: int) -> Outcome:
     """Make one campaign, diagnose it, and only then look at what was hidden.
 
     A diagnosis that comes to no end is an outcome too.
 
     Args:
         trial: What to hide.
-        ground: Of the ordinary lab.
+        setup: Of the ordinary lab.
         seed: Of the study.
     """
     start = process_time()
-    made = make(trial, ground, seed)
+    made = make(trial, setup, seed)
     ready = process_time()
-    campaign, compiled = made.campaign, ground.compiled
+    campaign, compiled = made.campaign, setup.compiled
     if trial.twin is not None:  # its lab may have another robot
-        compiled = lab_of(trial, ground).compiled()
-    signatures = signatures_of(campaign, compiled, ground.catalogue)
-    if trial.twin is None and signatures.asked == ground.signatures.asked:
-        signatures = ground.signatures  # the same channels and the same causes
+        compiled = lab_of(trial, setup).compiled()
+    signatures = signatures_of(campaign, compiled, setup.catalogue)
+    if trial.twin is None and signatures.asked == setup.signatures.asked:
+        signatures = setup.signatures  # the same channels and the same causes
     try:
-        answer = answer_of(diagnose_with(campaign, signatures, ground.catalogue).verdict)
+        answer = answer_of(diagnose_with(campaign, signatures, setup.catalogue).verdict)
     except (BenchError, LinAlgError) as error:
         answer = Answer("failed", failure=f"{type(error).__name__}: {error}")
     return outcome_of(trial, made, answer, ready - start, process_time() - ready)
 
 
-_grounds: dict[Settings, Ground] = {}  # made once in a process, and the same in every one
+_setups: dict[Settings, Setup] = {}  # made once in a process, and the same in every one
 
 
-def ground_of(settings: Settings, executor: Executor = SERIAL) -> Ground:
+def setup_of(settings: Settings, executor: Executor = SERIAL) -> Setup:
     """Return what the campaigns of a study share.
 
     Raises:
         InputError: This process has other code than the one that began the study.
     """
-    if settings not in _grounds:
+    if settings not in _setups:
         code = code_of(settings.session)
         if code != settings.code:
             raise InputError(
                 f"this worker has other code ({code}) than the study ({settings.code}); install the same version on it."
             )
         rng = np.random.default_rng([settings.seed, NULL_STREAM])
-        ground = prepare(Lab(settings.session), catalogue(), rng, executor=executor)
-        _grounds.clear()
-        _grounds[settings] = ground
-    return _grounds[settings]
+        setup = prepare(Lab(settings.session), catalogue(), rng, executor=executor)
+        _setups.clear()
+        _setups[settings] = setup
+    return _setups[settings]

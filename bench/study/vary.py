@@ -17,7 +17,7 @@ from bench.study.labs import Lab
 from bench.study.make import make
 from bench.study.outcome import Answer, Name, Named, answer_of
 from bench.study.plan import Counts, plan
-from bench.study.study import Settings, ground_of
+from bench.study.study import Settings, setup_of
 
 FACTORS = (0.5, 2.0)
 FEW = Counts(seeds=1, nulls=1, unlisted=1, pairs=1, twins=False, effects=("gas_loss", "backlash"))
@@ -128,9 +128,9 @@ _made: dict[Settings, tuple[dict[str, Campaign], dict[str, Answer]]] = {}  # onc
 def _plain(settings: Settings) -> tuple[dict[str, Campaign], dict[str, Answer]]:
     """Return the campaigns, and what is said of them with all constants as they stand."""
     if settings not in _made:
-        ground = ground_of(settings)
-        trials = plan(settings.counts, ground.compiled, settings.seed, ground.lab)
-        campaigns = {trial.name: make(trial, ground, settings.seed).campaign for trial in trials}
+        setup = setup_of(settings)
+        trials = plan(settings.counts, setup.compiled, settings.seed, setup.lab)
+        campaigns = {trial.name: make(trial, setup, settings.seed).campaign for trial in trials}
         _made[settings] = campaigns, _answers(campaigns, settings)
     return _made[settings]
 

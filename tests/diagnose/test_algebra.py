@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.diagnose.picture import threshold as threshold_module
-from bench.diagnose.picture.marginal import Columns, Marginal, Nuisances
-from bench.diagnose.picture.threshold import family_threshold
-from bench.diagnose.replay.piece import centre_weights
+from bench.diagnose.linearise import threshold as threshold_module
+from bench.diagnose.linearise.marginal import Columns, Marginal, Nuisances
+from bench.diagnose.linearise.threshold import family_threshold
+from bench.diagnose.replay.segment_input import centre_weights
 
 M, P, K = 60, 5, 4
 
@@ -20,46 +20,46 @@ def data() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def test_products_are_those_of_the_marginal_covariance(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
-    slopes, white, columns = data
-    inverse = np.linalg.inv(np.eye(M) + slopes @ slopes.T)
-    found = Nuisances(slopes).products(white, columns)
+    jacobian, white, columns = data
+    inverse = np.linalg.inv(np.eye(M) + jacobian @ jacobian.T)
+    found = Nuisances(jacobian).products(white, columns)
     assert found.misfit == pytest.approx(white @ inverse @ white)
     np.testing.assert_allclose(found.scores, columns.T @ inverse @ white, rtol=1e-9)
     np.testing.assert_allclose(found.information, columns.T @ inverse @ columns, rtol=1e-9)
 
 
 def test_evidence_is_the_ratio_of_two_normal_densities(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
-    slopes, white, columns = data
+    jacobian, white, columns = data
     prior = np.array([0.5, 2.0])
-    null = np.eye(M) + slopes @ slopes.T
+    null = np.eye(M) + jacobian @ jacobian.T
     more = null + (columns[:, :2] * prior**2) @ columns[:, :2].T
 
     def log_density(covariance: np.ndarray) -> float:
         return float(-0.5 * white @ np.linalg.solve(covariance, white) - 0.5 * np.linalg.slogdet(covariance)[1])
 
-    found = Nuisances(slopes).products(white, columns).log_evidence(np.arange(2), prior)
+    found = Nuisances(jacobian).products(white, columns).log_evidence(np.arange(2), prior)
     assert found == pytest.approx(log_density(more) - log_density(null), abs=1e-6)
 
 
 def test_evidence_of_many_groups_is_that_of_each_alone(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
-    slopes, white, columns = data
+    jacobian, white, columns = data
     groups = np.array([[0, 1], [1, 3], [2, 3]])
     prior = np.array([[0.5, 2.0], [1.0, 0.1], [3.0, 3.0]])
     alone = [
-        Nuisances(slopes).products(white, columns[:, group]).log_evidence(np.arange(2), sigma)
+        Nuisances(jacobian).products(white, columns[:, group]).log_evidence(np.arange(2), sigma)
         for group, sigma in zip(groups, prior, strict=True)
     ]
-    marginal = Nuisances(slopes).products(white, columns)
+    marginal = Nuisances(jacobian).products(white, columns)
     np.testing.assert_allclose(marginal.log_evidences(groups, prior), alone, rtol=1e-9)
     assert marginal.columns.gram.shape == (K, K)  # formed now, and used from now on
     np.testing.assert_allclose(marginal.log_evidences(groups, prior), alone, rtol=1e-9)
 
 
 def test_columns_serve_another_model_with_a_few_other_slopes(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
-    slopes, white, columns = data
+    jacobian, white, columns = data
     known = Columns(columns)
-    Nuisances(slopes).products(white, known)
-    other = slopes.copy()
+    Nuisances(jacobian).products(white, known)
+    other = jacobian.copy()
     other[:, 2] *= -0.3
     tangent = 2.0 * np.sin(np.outer(np.arange(M), [1.0, 2.0]))
     found = Nuisances(other, tangent).products(white, known)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import signatures_of
-from bench.diagnose.picture.design import Design, design_of
-from bench.diagnose.picture.first_order import FirstOrder
-from bench.diagnose.picture.signatures import Signatures
+from bench.diagnose.linearise.first_order import FirstOrder
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import NOMINAL, World
@@ -30,7 +30,7 @@ BINS = 300
 
 
 @cache
-def campaign() -> tuple[Signatures, Replay, Design]:
+def campaign() -> tuple[Signatures, Replay, LinearisedModel]:
     """Return a lab's day with the HH-150, without anything hidden."""
     robot = load_robot("hh150")
     hidden = hide_campaign(robot, read_scenario("session-study"), (), np.random.default_rng(3))
@@ -38,7 +38,7 @@ def campaign() -> tuple[Signatures, Replay, Design]:
     signatures = signatures_of(hidden.campaign, compiled, catalogue())
     segments = segments_of(hidden.campaign, compiled, signatures.quantities, BINS)
     replay = Replay(compiled, segments, signatures.quantities)
-    return signatures, replay, design_of(replay, signatures.nuisances)
+    return signatures, replay, linearised_model_of(replay, signatures.nuisances)
 
 
 def acting(name: str, signatures: Signatures) -> list[Acting]:
@@ -48,8 +48,8 @@ def acting(name: str, signatures: Signatures) -> list[Acting]:
 
 @pytest.mark.parametrize("name", TORQUES)
 def test_first_order_is_what_a_simulation_says(name: str) -> None:
-    signatures, replay, design = campaign()
-    errors = list(_errors(signatures, FirstOrder(replay, NOMINAL), replay, design, name, NOMINAL))
+    signatures, replay, linear = campaign()
+    errors = list(_errors(signatures, FirstOrder(replay, NOMINAL), replay, linear, name, NOMINAL))
     if not errors:
         pytest.skip("a robot with friction has no place for friction that is left out")
     print(f"{name}: median {np.median(errors):.2%}, largest {max(errors):.2%} of {len(errors)}")
@@ -58,10 +58,10 @@ def test_first_order_is_what_a_simulation_says(name: str) -> None:
 
 
 def test_first_order_holds_about_an_extended_model() -> None:
-    signatures, replay, design = campaign()
+    signatures, replay, linear = campaign()
     found = catalogue()["coulomb_level"]
     around = World(acting=(Acting(found, found.places(replay.compiled)[1], {"change": 0.3}),))
-    errors = list(_errors(signatures, FirstOrder(replay, around), replay, design, "friction_ripple", around))
+    errors = list(_errors(signatures, FirstOrder(replay, around), replay, linear, "friction_ripple", around))
     assert errors
     assert max(errors) < WORST
 
@@ -78,14 +78,14 @@ def test_what_is_not_plain_is_simulated(name: str, values: dict[str, float]) -> 
 
 
 def _errors(
-    signatures: Signatures, about: FirstOrder, replay: Replay, design: Design, name: str, around: World
+    signatures: Signatures, about: FirstOrder, replay: Replay, linear: LinearisedModel, name: str, around: World
 ) -> Iterator[float]:
     nominal = replay.predict(around)
     for one in acting(name, signatures):
         change = about.change(one)
         assert change is not None
         simulated = replay.predict(World(acting=(*around.acting, one))) - nominal
-        white = design.whiten(np.stack([simulated, change], axis=2))
+        white = linear.whiten(np.stack([simulated, change], axis=2))
         size = float(np.linalg.norm(white[:, 0]))
         if size > VISIBLE:
             yield float(np.linalg.norm(white[:, 1] - white[:, 0])) / size

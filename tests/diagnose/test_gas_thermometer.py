@@ -21,7 +21,7 @@ def verdict(hidden: dict[str, dict[str, float]], channels: tuple[str, ...]) -> V
     acting = [Acting(effects[name], WHOLE, effects[name].complete(values)) for name, values in hidden.items()]
     data = hide_campaign(robot, SWEEP, acting, np.random.default_rng(3), channels=channels)
     choice = {name: effects[name] for name in CHOICE}
-    return diagnose(data.campaign, compile_robot(robot), choice, most_bins=BINS, asks=False).verdict
+    return diagnose(data.campaign, compile_robot(robot), choice, most_bins=BINS, proposes=False).verdict
 
 
 def names(found: Verdict) -> list[set[str]]:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.diagnose.linearise.generic import Block
 from bench.diagnose.name.learned_shape import LearnedCurve, LearnedShape
-from bench.diagnose.picture.generic import Block
 
 NODES = np.array([0.1, 0.2, 0.3])
 TABLE = Block("joint 1", "link torque", "angle", 0, "Nm", NODES, 5.0)

@@ -31,7 +31,7 @@ def sweeps() -> Campaign:
 @pytest.fixture(autouse=True)
 def without_proposals(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the next experiment, which takes most of the time."""
-    monkeypatch.setattr("bench.diagnose.diagnose.ask", lambda *given: ())
+    monkeypatch.setattr("bench.diagnose.diagnose.propose", lambda *given: ())
 
 
 def verdict_on(campaign: Campaign, robot: CompiledRobot) -> Verdict:

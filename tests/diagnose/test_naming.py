@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
-from bench.diagnose.extend import polish
+from bench.diagnose.extend import relinearise
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Naming, with_probabilities
 from bench.diagnose.name.search import Alternative, Subset
@@ -39,17 +39,17 @@ def test_two_effects_are_not_taken_for_one_free_shape() -> None:
     """Derivatives about a model with a fifth of the friction say nothing of what the nominal one leaves."""
     campaign = made(SWEEPS, 6, {"viscous_level": -0.8, "gas_loss": 0.15})
     effects = catalogue()
-    verdict = diagnose(campaign, nominal(), {name: effects[name] for name in CHOICE}, asks=False).verdict
+    verdict = diagnose(campaign, nominal(), {name: effects[name] for name in CHOICE}, proposes=False).verdict
     assert verdict.kind == "several causes"
     assert {cause.effect for cause in verdict.explanations[0].causes} == {"viscous_level", "gas_loss"}
 
 
 def test_a_fit_that_finds_no_balance_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fails(design: object, fit: object) -> None:
+    def fails(linear: object, fit: object) -> None:
         raise ConvergenceError("no balance")
 
-    monkeypatch.setattr(polish, "_polished", fails)
-    assert polish.polished("design", "fit") == ("design", "fit")  # type: ignore[arg-type,comparison-overlap]
+    monkeypatch.setattr(relinearise, "_relinearised_fit", fails)
+    assert relinearise.relinearised_fit("design", "fit") == ("design", "fit")  # type: ignore[arg-type,comparison-overlap]
 
 
 def fake(log_posterior: float, *keys: str) -> Model:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import diagnose
-from bench.diagnose.picture.design import Design, design_of, with_play
-from bench.diagnose.picture.scatter import PLACED, STIRS
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_play
+from bench.diagnose.linearise.noise_covariance import PLACED, STIRS
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.play import expected, is_loose, link_load
 from bench.diagnose.replay.quantities import quantities_of
@@ -33,48 +33,48 @@ JOINT = 0  # it has no load, but for a force across
 
 
 @pytest.fixture(scope="module")
-def design() -> Design:
+def linear() -> LinearisedModel:
     compiled, campaign = nominal(), made(ACROSS, seed=5)
     quantities = quantities_of(campaign.runs, compiled)
     replay = Replay(compiled, segments_of(campaign, compiled, quantities), quantities)
-    return design_of(replay, nuisances_of(compiled, quantities)[:2])
+    return linearised_model_of(replay, nuisances_of(compiled, quantities)[:2])
 
 
-def with_gap(design: Design) -> Design:
-    return with_play(design, GAP * (np.arange(design.replay.compiled.n_joints) == JOINT))
+def with_gap(linear: LinearisedModel) -> LinearisedModel:
+    return with_play(linear, GAP * (np.arange(linear.replay.compiled.n_joints) == JOINT))
 
 
-def matrix_of(design: Design, segment: int) -> Array:
+def matrix_of(linear: LinearisedModel, segment: int) -> Array:
     """Return the map that whitens the measured readings of a segment, shape (m, m)."""
-    whitening = design.whitenings[segment]
-    shape = design.segments[segment].observed.shape
+    whitening = linear.whitenings[segment]
+    shape = linear.segments[segment].observed.shape
     unit = np.eye(whitening.rows.size)[:, whitening.rows].reshape(*shape, -1)
     return whitening(unit)
 
 
-def test_whitening_is_undone_and_knows_its_determinant(design: Design) -> None:
-    for one in (design, with_gap(design)):
+def test_whitening_is_undone_and_knows_its_determinant(linear: LinearisedModel) -> None:
+    for one in (linear, with_gap(linear)):
         for k in range(len(one.segments)):
             matrix = matrix_of(one, k)
             assert np.sum(one.whitenings[k].log_determinants) == pytest.approx(np.linalg.slogdet(matrix)[1])
-        values = np.random.default_rng(0).standard_normal((*design.replay.shape, 2))
+        values = np.random.default_rng(0).standard_normal((*linear.replay.shape, 2))
         again = one.unwhiten(one.whiten(values))
-        seen = np.concatenate([w.rows for w in one.whitenings]).reshape(design.replay.shape)
+        seen = np.concatenate([w.rows for w in one.whitenings]).reshape(linear.replay.shape)
         np.testing.assert_allclose(again[seen], values[seen], atol=1e-9)
 
 
-def test_a_loose_link_scatters_within_its_gap_and_no_drive_feels_it(design: Design) -> None:
+def test_a_loose_link_scatters_within_its_gap_and_no_drive_feels_it(linear: LinearisedModel) -> None:
     k = 0
-    before, after = (np.linalg.inv(matrix_of(one, k)) for one in (design, with_gap(design)))
-    found = np.zeros(2 * (design.segments[k].observed.size,))
-    rows = np.flatnonzero(design.whitenings[k].rows)
+    before, after = (np.linalg.inv(matrix_of(one, k)) for one in (linear, with_gap(linear)))
+    found = np.zeros(2 * (linear.segments[k].observed.size,))
+    rows = np.flatnonzero(linear.whitenings[k].rows)
     found[np.ix_(rows, rows)] = after @ after.T - before @ before.T
-    response = design.responses[k]
-    loose = is_loose(design.replay.compiled, response.link_load)[:, JOINT]
+    response = linear.responses[k]
+    loose = is_loose(linear.replay.compiled, response.link_load)[:, JOINT]
     assert 0 < np.count_nonzero(loose) < len(loose)  # the loads push it to a flank
-    per_gap = response.link[:, :, JOINT] * design.replay.compiled.stiffness[JOINT] * GAP * loose[:, None]
-    per_gap[:, [quantity.is_drive for quantity in design.quantities]] = 0.0
-    seen = (per_gap.reshape(-1) * design.whitenings[k].rows).reshape(per_gap.shape)
+    per_gap = response.link[:, :, JOINT] * linear.replay.compiled.stiffness[JOINT] * GAP * loose[:, None]
+    per_gap[:, [quantity.is_drive for quantity in linear.quantities]] = 0.0
+    seen = (per_gap.reshape(-1) * linear.whitenings[k].rows).reshape(per_gap.shape)
     for i in range(len(loose)):
         own = slice(i * seen.shape[1], (i + 1) * seen.shape[1])
         np.testing.assert_allclose(found[own, own], (PLACED**2 + STIRS**2) * np.outer(seen[i], seen[i]), atol=1e-11)
@@ -82,10 +82,10 @@ def test_a_loose_link_scatters_within_its_gap_and_no_drive_feels_it(design: Desi
     np.testing.assert_allclose(found[: seen.shape[1], last * seen.shape[1] :], 0.0, atol=1e-11)
 
 
-def test_a_loose_link_is_expected_in_the_middle_and_a_loaded_one_at_its_flank(design: Design) -> None:
+def test_a_loose_link_is_expected_in_the_middle_and_a_loaded_one_at_its_flank(linear: LinearisedModel) -> None:
     effect = catalogue()["backlash"]
     acting = Acting(effect, effect.places(nominal())[JOINT], {"gap": GAP})
-    replay = design.replay
+    replay = linear.replay
     rigid, found = replay.traces(World())[0], replay.traces(World(acting=(acting,)))[0]
     lost = (found.theta - rigid.theta)[:, JOINT]
     loose = is_loose(replay.compiled, link_load(replay.compiled, rigid))[:, JOINT]
@@ -127,7 +127,7 @@ def test_play_of_an_unloaded_joint_is_named() -> None:
     acting = Acting(effect, effect.places(compiled)[JOINT], {"gap": GAP})
     campaign = hide_campaign(robot, session, [acting], np.random.default_rng(4)).campaign
     choice = ("backlash", "softening", "hysteresis", "joint_compliance", "friction_side", "transmission_error")
-    naming = diagnose(campaign, compiled, {name: effects[name] for name in choice}, asks=False).naming
+    naming = diagnose(campaign, compiled, {name: effects[name] for name in choice}, proposes=False).naming
     assert naming.kind == "cause"
     best = naming.models[0].fit
     assert [cause.key for cause in best.causes] == [("backlash", "joint 1")]
@@ -139,6 +139,6 @@ def test_play_of_a_loaded_joint_is_found_as_large_as_it_is(seed: int) -> None:
     """That the blow lets go what standing joints hold was believed once: half the gap with more noise did as well."""
     effects = {name: catalogue()[name] for name in ("backlash", "softening", "joint_compliance")}
     campaign = made(SWEEPS, seed, hidden={"backlash": 2.5e-4})
-    best = diagnose(campaign, nominal(), effects, asks=False).naming.models[0].fit
+    best = diagnose(campaign, nominal(), effects, proposes=False).naming.models[0].fit
     assert [cause.key for cause in best.causes] == [("backlash", "joint 2")]
     assert best.values[0] == pytest.approx(2.5e-4, rel=0.1)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import measured_by, recorded_by, signatures_of
-from bench.diagnose.name.surroundings import Surroundings
-from bench.diagnose.picture.design import design_of
-from bench.diagnose.picture.first_order import FirstOrder
+from bench.diagnose.linearise.first_order import FirstOrder
+from bench.diagnose.linearise.linearised_model import linearised_model_of
+from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -146,8 +146,8 @@ def test_signatures_of_other_loads_are_not_shared(hide: Hide, compiled: Compiled
     effects = {"payload_mass": catalogue()["payload_mass"]}
     shared, own = signatures_of(right, compiled, effects), signatures_of(wrong, compiled, effects)
     segments = segments_of(wrong, compiled, own.quantities, 100)
-    shared.changes(segments_of(right, compiled, shared.quantities, 100))
-    np.testing.assert_array_equal(shared.changes(segments).causes[0], own.changes(segments).causes[0])
+    shared.sensitivities(segments_of(right, compiled, shared.quantities, 100))
+    np.testing.assert_array_equal(shared.sensitivities(segments).causes[0], own.sensitivities(segments).causes[0])
 
 
 WORDS = (
@@ -172,11 +172,13 @@ def test_comes_first(words: str, name: str, place: str, hide: Hide, compiled: Co
     everything = catalogue()
     signatures = signatures_of(campaign, compiled, everything)
     segments = segments_of(campaign, compiled, signatures.quantities)
-    changes = signatures.changes(segments)
-    design = design_of(Replay(compiled, segments, signatures.quantities), signatures.nuisances, changes.nuisances)
+    sensitivities = signatures.sensitivities(segments)
+    linear = linearised_model_of(
+        Replay(compiled, segments, signatures.quantities), signatures.nuisances, sensitivities.nuisances
+    )
     recorded = recorded_by(campaign, compiled)
-    around = Surroundings(compiled, everything, measured_by(campaign), RATE, recorded=recorded)
-    _, screening = around.weighed(design, signatures.causes, changes)
+    around = Neighbourhood(compiled, everything, measured_by(campaign), RATE, recorded=recorded)
+    _, screening = around.weighed(linear, signatures.causes, sensitivities)
     first = screening.listed[0]
     assert first.cause is not None
     assert first.cause.key == (name, place)

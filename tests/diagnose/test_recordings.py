@@ -52,7 +52,7 @@ def test_emps_needs_coulomb_friction_first() -> None:
     diagnosis = found(read(data_folder("emps") / "emps.csv", "emps"))
     first = diagnosis.naming.findings[0]
     assert first.cause.effect.name == "coulomb_friction"
-    assert first.held_out.pays
+    assert first.held_out.is_gain
     assert first.held_out.channels[0].after < 0.3 * first.held_out.channels[0].before
     np.testing.assert_allclose(levels(diagnosis)["coulomb_friction"], PUBLISHED["coulomb"], rtol=CLOSE)
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.diagnose import diagnose
 from bench.diagnose.extend.fit import Fit, Unknown, unknowns_of
 from bench.diagnose.extend.refit import refit, refitted
-from bench.diagnose.measure.leave_out import tangent_of
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design, design_of, raised
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, raised
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -33,7 +33,7 @@ def test_a_short_period_is_found_between_those_that_are_tried() -> None:
     effect = catalogue()["friction_ripple"]
     acting = Acting(effect, effect.places(nominal())[1], {"sin": 0.2, "cos": -0.1, "period": PERIOD})
     campaign = hide_campaign(load_robot("hh150"), SWEEPS, [acting], np.random.default_rng(8)).campaign
-    best = diagnose(campaign, nominal(), {effect.name: effect}, asks=False).naming.models[0].fit
+    best = diagnose(campaign, nominal(), {effect.name: effect}, proposes=False).naming.models[0].fit
     assert [cause.key for cause in best.causes] == [("friction_ripple", "joint 2")]
     np.testing.assert_allclose(best.values[:2], [0.2, -0.1], rtol=BLURRED)
     assert best.values[2] == pytest.approx(PERIOD, rel=0.01)
@@ -51,19 +51,19 @@ def test_fits_stay_where_a_parameter_means_something(effect: Effect) -> None:
 
 def test_a_fit_is_at_its_optimum() -> None:
     """Who leaves runs out relies on it; a fit that stopped just before it was once held out three times as badly."""
-    design = _design()
-    fit = refit(design, (_whole("gas_loss"),), {})
-    tangent = tangent_of(design, fit)
+    linear = _design()
+    fit = refit(linear, (_whole("gas_loss"),), {})
+    tangent = tangent_of(linear, fit)
     pull = np.concatenate([fit.nuisances, fit.values / fit.unknowns[0].sigma ** 2])
-    gradient = tangent.slopes.T @ tangent.white - pull
+    gradient = tangent.jacobian.T @ tangent.white - pull
     assert gradient @ np.linalg.solve(tangent.precision, gradient) < 1e-12
 
 
 def test_a_fit_with_other_weights_starts_with_what_was_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
-    design = _design()
+    linear = _design()
     causes = _whole("gas_loss"), _whole("payload_mass")
-    first = refit(design, causes, {})
-    other = raised(design, np.array([np.full(len(design.quantities), 3.0), np.ones(len(design.quantities))]))
+    first = refit(linear, causes, {})
+    other = raised(linear, np.array([np.full(len(linear.quantities), 3.0), np.ones(len(linear.quantities))]))
     afresh = refit(other, causes, first.start, first.nuisances)
     simulated = []
     predict = Replay.predict
@@ -75,11 +75,11 @@ def test_a_fit_with_other_weights_starts_with_what_was_simulated(monkeypatch: py
     assert again.log_evidence == pytest.approx(afresh.log_evidence, abs=0.1)
 
 
-def _design() -> Design:
+def _design() -> LinearisedModel:
     campaign = made(SWEEPS, seed=9, hidden={"gas_loss": 0.1})
     quantities = quantities_of(campaign.runs, nominal())
     replay = Replay(nominal(), segments_of(campaign, nominal(), quantities), quantities)
-    return design_of(replay, nuisances_of(nominal(), quantities))
+    return linearised_model_of(replay, nuisances_of(nominal(), quantities))
 
 
 def _whole(name: str) -> Cause:
@@ -101,7 +101,7 @@ def test_a_cause_acts_where_a_size_is_off_its_null_value() -> None:
         objective=0.0,
         log_evidence=0.0,
         residual=np.zeros((1, 1)),
-        slopes=np.zeros((1, 1, 3)),
+        jacobian=np.zeros((1, 1, 3)),
         play=np.zeros(1),
     )
     assert not idle.acts(cause)
@@ -114,6 +114,6 @@ def test_where_it_is_simulated_changes_nothing() -> None:
     campaign = made(SWEEPS, seed=9, hidden={"gas_loss": 0.1})
     found = []
     for executor in (SERIAL, Threads(3), Processes(2)):
-        naming = diagnose(campaign, nominal(), effects, asks=False, executor=executor).naming
+        naming = diagnose(campaign, nominal(), effects, proposes=False, executor=executor).naming
         found.append([(sorted(map(str, m.keys)), m.log_evidence, m.fit.values.tolist()) for m in naming.models])
     assert found[0] == found[1] == found[2]

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnose.replay.piece import Piece
-from bench.diagnose.replay.stretches import SETTLES, lowest_period, stretches_of
+from bench.diagnose.replay.motion_segments import SETTLES, lowest_period, stretches_of
+from bench.diagnose.replay.segment_input import SegmentInput
 from bench.record.campaign import Array, Run
 from tests.diagnose.sweeps import SWEEP, made, nominal
 
@@ -14,17 +14,17 @@ SECONDS = 12.0
 SPEED = 0.1  # [rad/s]
 
 
-def piece_of(run: Run, speed: Array) -> tuple[Piece, float]:
+def piece_of(run: Run, speed: Array) -> tuple[SegmentInput, float]:
     """Return a motion of joint 2 at a speed, shape (rows,), and the period of the arm's lowest mode."""
     compiled = nominal()
     time = np.arange(len(speed)) * SAMPLE
     angle = -0.3 + np.cumsum(speed) * SAMPLE
     columns = {"time_s": time} | {f"q_motor_{i + 1}_rad": np.zeros(len(time)) for i in range(compiled.n_joints)}
     columns["q_motor_2_rad"] = angle
-    (piece,) = stretches_of(replace(run, columns=columns), compiled, 0.1)
+    (segment_input,) = stretches_of(replace(run, columns=columns), compiled, 0.1)
     at = np.zeros(compiled.n_joints)
     at[1] = angle.mean()
-    return piece, lowest_period(compiled, at)
+    return segment_input, lowest_period(compiled, at)
 
 
 def test_it_may_ring_after_the_beginning_and_after_a_jerk_and_no_longer() -> None:
@@ -33,12 +33,12 @@ def test_it_may_ring_after_the_beginning_and_after_a_jerk_and_no_longer() -> Non
     steady, period = piece_of(run, np.full(len(time), SPEED))
     jerk = SECONDS / 2
     jerked, _ = piece_of(run, np.where(time < jerk, SPEED, 0.6 * SPEED))
-    for piece, starts in ((steady, [0.0]), (jerked, [0.0, jerk])):
-        begins = np.array([time[rows[0]] for rows in piece.groups])
-        ends = np.array([time[rows[-1]] for rows in piece.groups])
+    for segment_input, starts in ((steady, [0.0]), (jerked, [0.0, jerk])):
+        begins = np.array([time[rows[0]] for rows in segment_input.groups])
+        ends = np.array([time[rows[-1]] for rows in segment_input.groups])
         surely = np.any([(begins >= start + 0.3) & (ends < start + SETTLES * period) for start in starts], axis=0)
         hardly = np.all([(ends < start - 0.5) | (begins > start + SETTLES * period + 0.5) for start in starts], axis=0)
         assert np.any(surely)
         assert np.any(hardly)
-        assert np.all(piece.rings[surely])
-        assert not np.any(piece.rings[hardly])
+        assert np.all(segment_input.rings[surely])
+        assert not np.any(segment_input.rings[hardly])

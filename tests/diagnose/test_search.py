@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import trapezoid
 from scipy.stats import multivariate_normal, norm
 
-from bench.diagnose.name.search import WINDOW, LinearModel, Term, alternatives_of, search
-from bench.diagnose.picture.marginal import Nuisances
+from bench.diagnose.linearise.marginal import Nuisances
+from bench.diagnose.name.search import WINDOW, SubsetPosterior, Term, alternatives_of, search
 
 M, P = 40, 3
 ODDS = -3.0
@@ -16,13 +16,13 @@ EXACT = 1e-6  # of logarithms; the algebra adds 1e-9 to diagonals
 
 
 def model_of(
-    columns: np.ndarray, white: np.ndarray, slopes: np.ndarray, signs: tuple[float, ...], prior: float = 1.5
-) -> LinearModel:
-    products = Nuisances(slopes).products(white, columns)
+    columns: np.ndarray, white: np.ndarray, jacobian: np.ndarray, signs: tuple[float, ...], prior: float = 1.5
+) -> SubsetPosterior:
+    products = Nuisances(jacobian).products(white, columns)
     terms = [
         Term(f"cause {i}", np.array([i]), np.array([prior]), ODDS, np.array([sign])) for i, sign in enumerate(signs)
     ]
-    return LinearModel(products.information, products.scores, terms)
+    return SubsetPosterior(products.information, products.scores, terms)
 
 
 @pytest.fixture
@@ -34,9 +34,9 @@ def data() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def test_posterior_is_the_ratio_of_normal_densities_with_prior_odds(
     data: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> None:
-    columns, white, slopes = data
-    model = model_of(columns, white, slopes, (0.0,) * 4)
-    null = np.eye(M) + slopes @ slopes.T
+    columns, white, jacobian = data
+    model = model_of(columns, white, jacobian, (0.0,) * 4)
+    null = np.eye(M) + jacobian @ jacobian.T
     for which in [(1,), (0, 2), (0, 1, 3)]:
         own = 1.5 * columns[:, list(which)]
         expected = multivariate_normal(cov=null + own @ own.T).logpdf(white) - multivariate_normal(cov=null).logpdf(
@@ -46,9 +46,12 @@ def test_posterior_is_the_ratio_of_normal_densities_with_prior_odds(
 
 
 def test_a_size_of_one_sign_has_a_half_normal_prior(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
-    columns, white, slopes = data
-    free, bound = model_of(columns, white, slopes, (0.0,) * 4), model_of(columns, white, slopes, (0.0, -1.0, 0.0, 0.0))
-    inverse = np.linalg.inv(np.eye(M) + slopes @ slopes.T)
+    columns, white, jacobian = data
+    free, bound = (
+        model_of(columns, white, jacobian, (0.0,) * 4),
+        model_of(columns, white, jacobian, (0.0, -1.0, 0.0, 0.0)),
+    )
+    inverse = np.linalg.inv(np.eye(M) + jacobian @ jacobian.T)
 
     (a, ab), (_, b) = columns[:, :2].T @ inverse @ columns[:, :2]
     r, s = columns[:, :2].T @ inverse @ white
@@ -61,8 +64,8 @@ def test_a_size_of_one_sign_has_a_half_normal_prior(data: tuple[np.ndarray, np.n
 
 
 def test_what_an_addition_promises_is_what_it_brings(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
-    columns, white, slopes = data
-    model = model_of(columns, white, slopes, (0.0, 0.0, 1.0, -1.0))
+    columns, white, jacobian = data
+    model = model_of(columns, white, jacobian, (0.0, 0.0, 1.0, -1.0))
     for which in [(), (0,), (0, 1)]:
         rise = model.additions(which)
         for i in range(4):
@@ -102,14 +105,14 @@ def test_two_causes_behind_one_that_looks_like_both_are_found() -> None:
 def test_shapes_of_one_cause_exclude_each_other_and_count_together(
     data: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> None:
-    columns, white, slopes = data
-    plain = model_of(columns, white + 3 * columns[:, 0], slopes, (0.0,) * 4)
+    columns, white, jacobian = data
+    plain = model_of(columns, white + 3 * columns[:, 0], jacobian, (0.0,) * 4)
     keys = ("a", "a", "b", "c")
     terms = [
         Term(key, term.columns, term.prior, ODDS, term.sign, key != "c")
         for key, term in zip(keys, plain.terms, strict=True)
     ]
-    model = LinearModel(plain.information, plain.scores, terms)
+    model = SubsetPosterior(plain.information, plain.scores, terms)
     subsets = search(model)
     assert not any({0, 1} <= set(s.terms) or 3 in s.terms for s in subsets)
     assert all(3 in s.terms for s in search(model, always=(3,)))

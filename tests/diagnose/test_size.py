@@ -7,9 +7,9 @@ import pytest
 
 from bench.diagnose.extend.fit import Fit, Unknown
 from bench.diagnose.extend.size import Size, size_of
-from bench.diagnose.picture.candidates import Candidate, Cause, shape_grid
-from bench.diagnose.picture.limits import DetectionLimit, detection_limits, smallest_found
-from bench.diagnose.picture.screening import Entry, Screening
+from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
+from bench.diagnose.linearise.limits import DetectionLimit, detection_limits, smallest_found
+from bench.diagnose.linearise.screening import Entry, Screening
 from bench.diagnose.verdict import SMALL, NamedCause
 from bench.effects.effect import WHOLE, Effect, Parameter
 

@@ -31,7 +31,7 @@ def swaying(still: Campaign) -> Campaign:
 
 def diagnosed(campaign: Campaign) -> Diagnosis:
     effects = catalogue()
-    return diagnose(campaign, nominal(), {name: effects[name] for name in CHOICE}, asks=False)
+    return diagnose(campaign, nominal(), {name: effects[name] for name in CHOICE}, proposes=False)
 
 
 def segments(campaign: Campaign) -> tuple[tuple[Segment, ...], int]:

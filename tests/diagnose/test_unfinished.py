@@ -6,7 +6,7 @@ from itertools import count
 import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose, signatures_of
-from bench.diagnose.picture.signatures import Signatures
+from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.verdict import Verdict
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Effect

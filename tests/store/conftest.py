@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from bench.diagnose.picture.signatures import Signatures
+from bench.diagnose.linearise.signatures import Signatures
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.store.store import Store

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.signatures import Changes, Signatures
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.signatures import Sensitivities, Signatures
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
@@ -47,13 +47,13 @@ def causes_of(compiled: CompiledRobot, effects: Sequence[Effect]) -> tuple[Cause
 
 def learned(
     compiled: CompiledRobot, store: Store | None, segment: Segment, effects: Sequence[Effect] = (), **other: Any
-) -> Changes:
+) -> Sensitivities:
     causes = causes_of(compiled, effects or [CATALOGUE[name] for name in NAMES])
     given = {"quantities": QUANTITIES, "nuisances": nuisances_of(compiled, QUANTITIES), "causes": causes} | other
-    return Signatures(compiled, **given, store=store).changes((segment,))
+    return Signatures(compiled, **given, store=store).sensitivities((segment,))
 
 
-def same(one: Changes, other: Changes) -> bool:
+def same(one: Sensitivities, other: Sensitivities) -> bool:
     return np.array_equal(one.nuisances, other.nuisances) and all(
         np.array_equal(a, b) for a, b in zip(one.causes, other.causes, strict=True) if a is not None and b is not None
     )

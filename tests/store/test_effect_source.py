@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.diagnose.picture import effect_source
-from bench.diagnose.picture.effect_source import MAKES_SIGNATURES, PACKAGE, source_of
+from bench.diagnose.linearise import effect_source
+from bench.diagnose.linearise.effect_source import MAKES_SIGNATURES, PACKAGE, source_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Effect
 from bench.robot.compiled import CompiledRobot

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from bench.diagnose.picture import signature_key
-from bench.diagnose.picture.reference_motion import SAME_ACCELERATION, SAME_ANGLE, SAME_LOAD, SAME_VELOCITY
+from bench.diagnose.linearise import signature_key
+from bench.diagnose.linearise.reference_motion import SAME_ACCELERATION, SAME_ANGLE, SAME_LOAD, SAME_VELOCITY
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import World

@@ -19,7 +19,7 @@ from bench.record.campaign import Campaign
 from bench.report.study.write import PAGE, RESULTS, write_study
 from bench.study import make as make_module
 from bench.study import study
-from bench.study.labs import Ground, Lab, prepare
+from bench.study.labs import Lab, Setup, prepare
 from bench.study.limits import Way, detection_limit
 from bench.study.outcome import Outcome
 from bench.study.plan import Counts, Trial
@@ -57,22 +57,22 @@ def choice() -> Mapping[str, Effect]:
 
 
 @pytest.fixture(scope="module")
-def ground(session: str, choice: Mapping[str, Effect]) -> Ground:
+def setup(session: str, choice: Mapping[str, Effect]) -> Setup:
     return prepare(Lab(session), choice, np.random.default_rng([SEED, NULL_STREAM]))
 
 
-def run(ground: Ground, folder: Path, executor: Executor = SERIAL) -> tuple[Outcome, ...]:
-    """Run the study on a ground that was prepared before."""
+def run(setup: Setup, folder: Path, executor: Executor = SERIAL) -> tuple[Outcome, ...]:
+    """Run the study on a setup that was prepared before."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "prepare", lambda *arguments, executor: ground)
-        return run_study(Settings(COUNTS, SEED, ground.lab.session), folder, executor)
+        patch.setattr(study, "prepare", lambda *arguments, executor: setup)
+        return run_study(Settings(COUNTS, SEED, setup.lab.session), folder, executor)
 
 
 @pytest.fixture(scope="module")
-def done(ground: Ground, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def done(setup: Setup, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study")
-    outcomes = run(ground, folder, Processes(2))
-    write_study(outcomes, scores_of(outcomes), Settings(COUNTS, SEED, ground.lab.session), "Two sweeps.", folder)
+    outcomes = run(setup, folder, Processes(2))
+    write_study(outcomes, scores_of(outcomes), Settings(COUNTS, SEED, setup.lab.session), "Two sweeps.", folder)
     return folder
 
 
@@ -91,18 +91,18 @@ def test_page_needs_nothing_else(done: Path) -> None:
     assert "<script" not in page
 
 
-def test_interrupted_study_goes_on(done: Path, ground: Ground, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupted_study_goes_on(done: Path, setup: Setup, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The last row is cut off, as by a power failure; it alone is done again, and comes out the same."""
     rows = (done / ROWS).read_text().splitlines()
     (tmp_path / ROWS).write_text("\n".join(rows[:-1]) + "\n" + rows[-1][:50])
     ran: list[str] = []
 
-    def noted(trial: Trial, ground: Ground, seed: int) -> Outcome:
+    def noted(trial: Trial, setup: Setup, seed: int) -> Outcome:
         ran.append(trial.name)
-        return run_trial(trial, ground, seed)
+        return run_trial(trial, setup, seed)
 
     monkeypatch.setattr(study, "run_trial", noted)
-    outcomes = run(ground, tmp_path)
+    outcomes = run(setup, tmp_path)
     lost = Outcome.from_json(rows[-1])
     (again,) = (one for one in outcomes if one.name == lost.name)
     assert ran == [lost.name]
@@ -115,7 +115,7 @@ def test_other_settings_are_another_study(done: Path, session: str) -> None:
         run_study(Settings(COUNTS, SEED + 1, session), done)
 
 
-def test_diagnosis_is_given_the_campaign_alone(ground: Ground, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_diagnosis_is_given_the_campaign_alone(setup: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
     """What acts is drawn after all else that is handed in was made, and none of its names stands in the campaign."""
     given: list[tuple[object, ...]] = []
 
@@ -124,44 +124,44 @@ def test_diagnosis_is_given_the_campaign_alone(ground: Ground, monkeypatch: pyte
         raise InputError("enough seen.")
 
     monkeypatch.setattr(study, "diagnose_with", spy)
-    outcome = run_trial(Trial("one", "single", ("coulomb_level",), size="clear"), ground, 1)
+    outcome = run_trial(Trial("one", "single", ("coulomb_level",), size="clear"), setup, 1)
     ((campaign, signatures, effects),) = given
     assert type(campaign) is Campaign
-    assert signatures is ground.signatures
-    assert effects is ground.catalogue
+    assert signatures is setup.signatures
+    assert effects is setup.catalogue
     assert "coulomb" not in campaign.notes + " ".join(run.name for run in campaign.runs)
     assert outcome.answer.kind == "failed"
     assert outcome.truth[0].effect == "coulomb_level"
 
 
-def test_detection_limit_is_where_evidence_reaches_the_threshold(ground: Ground, rng: np.random.Generator) -> None:
+def test_detection_limit_is_where_evidence_reaches_the_threshold(setup: Setup, rng: np.random.Generator) -> None:
     """Data of the nominal model with a current offset of that size, which acts linearly, and without noise."""
-    from bench.diagnose.picture.marginal import Nuisances
+    from bench.diagnose.linearise.marginal import Nuisances
 
-    effect = ground.catalogue["current_offset"]
-    way = Way.draw(effect, effect.places(ground.compiled)[1], ground.compiled, rng)
-    limit = detection_limit(way, ground.design, ground.blur, ground.threshold)
-    replay = ground.design.replay
-    at_limit = replay.predict(World(acting=(way.at(limit, ground.compiled),))) - replay.predict(World())
-    column = ground.design.whiten(at_limit[:, :, None])
-    products = Nuisances(ground.design.slopes).products(column[:, 0], column / limit)
+    effect = setup.catalogue["current_offset"]
+    way = Way.draw(effect, effect.places(setup.compiled)[1], setup.compiled, rng)
+    limit = detection_limit(way, setup.linear, setup.blur, setup.threshold)
+    replay = setup.linear.replay
+    at_limit = replay.predict(World(acting=(way.at(limit, setup.compiled),))) - replay.predict(World())
+    column = setup.linear.whiten(at_limit[:, :, None])
+    products = Nuisances(setup.linear.jacobian).products(column[:, 0], column / limit)
     evidence = products.log_evidence(np.array([0]), np.array([1 / np.sqrt(3)]))
-    assert evidence == pytest.approx(ground.threshold, rel=CLOSE)
+    assert evidence == pytest.approx(setup.threshold, rel=CLOSE)
     (size,) = (p for p in effect.parameters if not p.is_shape)
-    assert abs(way.at(1.0, ground.compiled).values["offset"] - size.null) == pytest.approx(size.high)
+    assert abs(way.at(1.0, setup.compiled).values["offset"] - size.null) == pytest.approx(size.high)
 
 
-def test_what_is_narrower_than_a_bin_is_seen_as_little_as_its_data_show_it(ground: Ground) -> None:
+def test_what_is_narrower_than_a_bin_is_seen_as_little_as_its_data_show_it(setup: Setup) -> None:
     """Many periods of a ripple within a bin: they show where a bin is one instant, and blur where it is a stretch."""
     ripple, offset = catalogue()["friction_ripple"], catalogue()["current_offset"]
-    place = ripple.places(ground.compiled)[1]
+    place = ripple.places(setup.compiled)[1]
     fine = World(acting=(Acting(ripple, place, ripple.complete({"sin": 0.3, "period": 0.011})),))
     even = World(acting=(Acting(offset, place, offset.complete({"offset": 0.2})),))
-    replay = ground.design.replay
+    replay = setup.linear.replay
     sizes = {}
     for name, world in (("fine", fine), ("even", even)):
         at_instants = replay.predict(world) - replay.predict(World())
-        sizes[name] = np.nanstd(ground.blur.change(world)) / np.nanstd(at_instants)
+        sizes[name] = np.nanstd(setup.blur.change(world)) / np.nanstd(at_instants)
     assert sizes["fine"] < 0.6
     assert sizes["even"] == pytest.approx(1.0)
 
@@ -184,9 +184,9 @@ def test_what_finds_no_rest_is_drawn_again(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 @pytest.mark.parametrize("world", WORLDS)
-def test_campaigns_of_every_world_have_the_same_channels(ground: Ground, world: WorldName) -> None:
-    plain = make_module.make(Trial("one", "null"), ground, SEED)
-    other = make_module.make(Trial("one", "single", ("gas_loss",), size="clear", world=world), ground, SEED)
+def test_campaigns_of_every_world_have_the_same_channels(setup: Setup, world: WorldName) -> None:
+    plain = make_module.make(Trial("one", "null"), setup, SEED)
+    other = make_module.make(Trial("one", "single", ("gas_loss",), size="clear", world=world), setup, SEED)
     assert [run.name for run in other.campaign.runs] == [run.name for run in plain.campaign.runs]
     for first, second in zip(plain.campaign.runs, other.campaign.runs, strict=True):
         assert set(first.columns) == set(second.columns)

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
 from bench.effects.effect import Parameter
@@ -68,7 +68,7 @@ class Fit:
         objective: Chi-square plus penalties of the priors.
         log_evidence: Logarithm of the marginal likelihood, up to a constant that all fits of a campaign share.
         residual: Shape (T, c), measured less simulated; nan where not measured.
-        slopes: Shape (T, c, k), change of the readings with each unknown.
+        jacobian: Shape (T, c, k), change of the readings with each unknown.
         play: Shape (n,) [rad] or [m], of the gears, within which links were taken to rest anywhere.
     """
 
@@ -80,7 +80,7 @@ class Fit:
     objective: float
     log_evidence: float
     residual: Array
-    slopes: Array
+    jacobian: Array
     play: Array
 
     @property
@@ -97,7 +97,7 @@ class Fit:
         """Return its derivatives with those of some unknowns that it has, each by its index, shape (T, c)."""
         mine = {(*u.cause.key, u.parameter.name): i for i, u in enumerate(self.unknowns)}
         places = {i: mine.get((*u.cause.key, u.parameter.name)) for i, u in enumerate(unknowns)}
-        return {i: self.slopes[:, :, place] for i, place in places.items() if place is not None}
+        return {i: self.jacobian[:, :, place] for i, place in places.items() if place is not None}
 
     def acts(self, cause: Cause) -> bool:
         """Whether any size of a cause is more than its standard deviation away from none."""
@@ -116,18 +116,18 @@ class Fit:
                 return False
         return True
 
-    def world(self, design: Design) -> World:
+    def world(self, linear: LinearisedModel) -> World:
         """Return the world that was fitted."""
-        return world_of(design, self.causes, self.unknowns, self.values, self.nuisances)
+        return world_of(linear, self.causes, self.unknowns, self.values, self.nuisances)
 
 
 def world_of(
-    design: Design, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array, nuisances: Array
+    linear: LinearisedModel, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array, nuisances: Array
 ) -> World:
     """Return the world with these values."""
     deviations = {
         nuisance: float(x) * nuisance.sigma
-        for nuisance, x in zip(design.nuisances, nuisances, strict=True)
+        for nuisance, x in zip(linear.nuisances, nuisances, strict=True)
         if is_simulated(nuisance)
     }
     acting = []
@@ -142,9 +142,9 @@ def unknowns_of(causes: tuple[Cause, ...]) -> tuple[Unknown, ...]:
     return tuple(Unknown(cause, p) for cause in causes for p in (*cause.sizes, *cause.shapes))
 
 
-def play_of(design: Design, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array) -> Array:
+def play_of(linear: LinearisedModel, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array) -> Array:
     """Return the play of the gears in a model with these values, shape (n,) [rad] or [m]."""
-    return design.replay.play(world_of(design, causes, unknowns, values, np.zeros(len(design.nuisances))))
+    return linear.replay.play(world_of(linear, causes, unknowns, values, np.zeros(len(linear.nuisances))))
 
 
 def is_simulated(nuisance: Nuisance) -> bool:
@@ -152,7 +152,7 @@ def is_simulated(nuisance: Nuisance) -> bool:
     return bool(nuisance.edit or nuisance.on_reading or nuisance.scales_wrench or nuisance.scales_payload)
 
 
-def fit_without(design: Design, fit: Fit, cause: Cause) -> Fit:
+def fit_without(linear: LinearisedModel, fit: Fit, cause: Cause) -> Fit:
     """Return a fit with one of its causes taken away and nothing fitted anew.
 
     Raises:
@@ -161,8 +161,8 @@ def fit_without(design: Design, fit: Fit, cause: Cause) -> Fit:
     kept = [i for i, unknown in enumerate(fit.unknowns) if unknown.cause is not cause]
     causes = tuple(other for other in fit.causes if other is not cause)
     unknowns, values = tuple(fit.unknowns[i] for i in kept), fit.values[kept]
-    here = design.replay.predict(fit.world(design))
-    without = design.replay.predict(world_of(design, causes, unknowns, values, fit.nuisances))
+    here = linear.replay.predict(fit.world(linear))
+    without = linear.replay.predict(world_of(linear, causes, unknowns, values, fit.nuisances))
     return replace(
         fit,
         causes=causes,
@@ -170,11 +170,11 @@ def fit_without(design: Design, fit: Fit, cause: Cause) -> Fit:
         values=values,
         covariance=fit.covariance[np.ix_(kept, kept)],
         residual=fit.residual + here - without,
-        slopes=fit.slopes[:, :, kept],
-        play=play_of(design, causes, unknowns, values),
+        jacobian=fit.jacobian[:, :, kept],
+        play=play_of(linear, causes, unknowns, values),
     )
 
 
-def pseudo_residual(design: Design, fit: Fit) -> Array:
+def pseudo_residual(linear: LinearisedModel, fit: Fit) -> Array:
     """Return the whitened residual of a fit as it would be with all nuisances at zero, shape (m,)."""
-    return design.whiten(fit.residual) + design.slopes @ fit.nuisances
+    return linear.whiten(fit.residual) + linear.jacobian @ fit.nuisances

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bench.diagnose.extend.fit import Fit, Key, Unknown, is_simulated, play_of, unknowns_of, world_of
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design, is_same_play, with_play
-from bench.diagnose.picture.first_order import FirstOrder
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.first_order import FirstOrder
+from bench.diagnose.linearise.linearised_model import LinearisedModel, is_same_play, with_play
 from bench.diagnose.replay.world import World
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
@@ -29,17 +29,17 @@ class _Point:
         values: Shape (k,), of the unknowns.
         nuisances: Shape (p,).
         residual: Shape (T, c); None: to be simulated.
-        slopes: Unknown, by its index -> shape (T, c); others are to be simulated.
+        jacobian: Unknown, by its index -> shape (T, c); others are to be simulated.
     """
 
     values: Array
     nuisances: Array
     residual: Array | None = None
-    slopes: Mapping[int, Array] = field(default_factory=dict)
+    jacobian: Mapping[int, Array] = field(default_factory=dict)
 
 
 def refit(
-    design: Design,
+    linear: LinearisedModel,
     causes: tuple[Cause, ...],
     start: Mapping[Key, float],
     nuisances: Array | None = None,
@@ -51,7 +51,7 @@ def refit(
     scatter their links in it; where the fit changes the play, it is repeated with the new scatter.
 
     Args:
-        design: The campaign.
+        linear: The campaign.
         causes: What to add to the nominal model.
         start: (effect, place, parameter) -> first value; null where nothing is given.
         nuisances: Shape (p,), first values; None: zeros.
@@ -63,22 +63,22 @@ def refit(
     unknowns = unknowns_of(causes)
     low, high = _bounds(unknowns)
     values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
-    x = np.zeros(len(design.nuisances)) if nuisances is None else nuisances.copy()
-    slopes = known.slopes_of(unknowns) if known else {}
-    return _with_its_play(design, causes, _Point(np.clip(values, low, high), x, None, slopes))
+    x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
+    jacobian = known.slopes_of(unknowns) if known else {}
+    return _with_its_play(linear, causes, _Point(np.clip(values, low, high), x, None, jacobian))
 
 
-def refitted(design: Design, fit: Fit) -> Fit:
+def refitted(linear: LinearisedModel, fit: Fit) -> Fit:
     """Fit an extension again to a design that weighs its readings otherwise; it starts with what was simulated.
 
     Args:
-        design: The campaign.
+        linear: The campaign.
         fit: Of the extension.
 
     Raises:
         ConvergenceError, RobotError: As `refit`.
     """
-    return _with_its_play(design, fit.causes, _point_of(fit))
+    return _with_its_play(linear, fit.causes, _point_of(fit))
 
 
 def _point_of(fit: Fit) -> _Point:
@@ -90,35 +90,35 @@ def _bounds(unknowns: tuple[Unknown, ...]) -> tuple[Array, Array]:
     return low, high
 
 
-def _with_its_play(design: Design, causes: tuple[Cause, ...], point: _Point) -> Fit:
+def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -> Fit:
     """Fit an extension until the play that its scatter belongs to is the play that it finds."""
     unknowns = unknowns_of(causes)
-    play = play_of(design, causes, unknowns, point.values)
+    play = play_of(linear, causes, unknowns, point.values)
     for _ in range(MOST_PLAYS):
-        fit = _fitted(with_play(design, play), causes, point)
-        found = play_of(design, causes, unknowns, fit.values)
+        fit = _fitted(with_play(linear, play), causes, point)
+        found = play_of(linear, causes, unknowns, fit.values)
         if is_same_play(found, play):
             break
         play, point = found, _point_of(fit)
     return fit
 
 
-def _fitted(design: Design, causes: tuple[Cause, ...], point: _Point) -> Fit:
+def _fitted(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -> Fit:
     """Fit an extension to a design that knows its play."""
     unknowns = unknowns_of(causes)
     sigma = np.array([u.sigma for u in unknowns])
     origin = np.array([u.parameter.null for u in unknowns])
     low, high = _bounds(unknowns)
-    linear = [i for i, nuisance in enumerate(design.nuisances) if not is_simulated(nuisance)]
-    observed = np.concatenate([segment.observed for segment in design.segments])
+    by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not is_simulated(nuisance)]
+    observed = np.concatenate([segment.observed for segment in linear.segments])
 
     def left(values: Array, x: Array) -> Array:
-        simulated = design.replay.predict(world_of(design, causes, unknowns, values, x))
-        residual: Array = observed - simulated - design.changes[:, :, linear] @ x[linear]
+        simulated = linear.replay.predict(world_of(linear, causes, unknowns, values, x))
+        residual: Array = observed - simulated - linear.sensitivities[:, :, by_sensitivity] @ x[by_sensitivity]
         return residual
 
     def objective(residual: Array, values: Array, x: Array) -> float:
-        white = design.whiten(residual)
+        white = linear.whiten(residual)
         penalty = float(np.sum(((values - origin) / sigma) ** 2)) if len(values) else 0.0
         return float(white @ white) + float(x @ x) + penalty
 
@@ -131,24 +131,24 @@ def _fitted(design: Design, causes: tuple[Cause, ...], point: _Point) -> Fit:
 
     def slopes_at(values: Array, x: Array, residual: Array, known: Mapping[int, Array]) -> Array:
         def world_at(values: Array) -> World:
-            return world_of(design, causes, unknowns, values, x)
+            return world_of(linear, causes, unknowns, values, x)
 
-        known = {**_of_torques(design, world_at, causes, unknowns, values, known), **known}
+        known = {**_of_torques(linear, world_at, causes, unknowns, values, known), **known}
         return _slopes(left, residual, values, x, unknowns, known)
 
-    slopes, borrowed = slopes_at(values, x, residual, point.slopes), bool(point.slopes)
-    tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
+    jacobian, borrowed = slopes_at(values, x, residual, point.jacobian), bool(point.jacobian)
+    tangent = np.concatenate([linear.jacobian, linear.whiten(jacobian)], axis=1)
     curvature = tangent.T @ tangent + prior
     fell = np.inf
     for iteration in range(MOST_ITERATIONS + 1):
         pull = np.concatenate([x, (values - origin) / sigma**2])
-        gradient = tangent.T @ design.whiten(residual) - pull
+        gradient = tangent.T @ linear.whiten(residual) - pull
         limits = low - values, high - values
         step = _bounded_step(curvature, gradient, p, *limits)
         promised = float(2 * gradient @ step - step @ (curvature @ step))
         if promised < ENOUGH:  # not worth a simulation; but who leaves runs out takes a fit to be at its optimum
             x, values, best = x + step[:p], values + step[p:], best - promised
-            residual = residual - design.changes @ step[:p] - slopes @ step[p:]
+            residual = residual - linear.sensitivities @ step[:p] - jacobian @ step[p:]
             break
         if fell < ENOUGH or iteration == MOST_ITERATIONS:
             break
@@ -165,16 +165,16 @@ def _fitted(design: Design, causes: tuple[Cause, ...], point: _Point) -> Fit:
                 x, values, residual, best = new_x, new_values, new_residual, new
                 break
         if fell < FAITHFUL * promised and (borrowed or fell >= ENOUGH):
-            slopes, borrowed = slopes_at(values, x, residual, {}), False
-            tangent = np.concatenate([design.slopes, design.whiten(slopes)], axis=1)
+            jacobian, borrowed = slopes_at(values, x, residual, {}), False
+            tangent = np.concatenate([linear.jacobian, linear.whiten(jacobian)], axis=1)
             curvature, fell = tangent.T @ tangent + prior, np.inf
         elif fell == 0:
             break
     covariance = np.asarray(np.linalg.inv(curvature)[p:, p:], dtype=np.float64)
     _, determinant = np.linalg.slogdet(curvature)
     evidence = -0.5 * best - 0.5 * float(determinant) - float(np.sum(np.log(sigma)))
-    evidence += float(np.sum(design.log_determinants))
-    return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, slopes, design.play)
+    evidence += float(np.sum(linear.log_determinants))
+    return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, jacobian, linear.play)
 
 
 def _ever_shorter(step: Array, curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Iterator[Array]:
@@ -223,7 +223,7 @@ def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-u
 
 
 def _of_torques(
-    design: Design,
+    linear: LinearisedModel,
     world_at: Callable[[Array], World],
     causes: tuple[Cause, ...],
     unknowns: tuple[Unknown, ...],
@@ -235,7 +235,7 @@ def _of_torques(
     if not which:
         return {}
     here = world_at(values)
-    about = FirstOrder(design.replay, here)
+    about = FirstOrder(linear.replay, here)
     found: dict[int, Array] = {}
     for i in which:
         step, moved = unknowns[i].step_from(float(values[i])), values.copy()

@@ -9,10 +9,10 @@ import numpy as np
 
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.size import NORMAL_95
-from bench.diagnose.name.learn import OVER, Lesson
+from bench.diagnose.linearise.generic import Block
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.name.discrepancy import OVER, Discrepancy
 from bench.diagnose.name.naming import Naming
-from bench.diagnose.picture.design import Design
-from bench.diagnose.picture.generic import Block
 from bench.effects.learned_readings import (
     IN_ROOM,
     IN_TIME,
@@ -121,34 +121,35 @@ def of_slide(unit: str) -> str:
     return unit.replace("Nm", "N").replace("rad", "m")
 
 
-def learned_of(naming: Naming, lesson: Lesson | None = None) -> LearnedShape | None:
+def learned_of(naming: Naming, discrepancy: Discrepancy | None = None) -> LearnedShape | None:
     """Return the shape that a naming calls unlisted, or None where it calls nothing so.
 
     Args:
         naming: What the data say.
-        lesson: The shape as fitted by simulation; without it, or where no model has it, the linearised model says it.
+        discrepancy: The shape as fitted by simulation; without it, or where no model has it, the linearised model says
+            it.
     """
     block = naming.unlisted
     if block is None:
         return None
-    slides = block.drive >= 0 and bool(naming.design.replay.compiled.is_slide[block.drive])
-    if lesson and lesson.fit and lesson.pays:
-        shape = replace(_simulated(lesson, lesson.fit, block), slides=slides)
-        return replace(shape, curves=curves_of(shape, lesson.design))
-    shape = LearnedShape(block, *naming.models[0].shape_estimate(naming.design), slides)
-    return replace(shape, curves=curves_of(shape, naming.design))
+    slides = block.drive >= 0 and bool(naming.linear.replay.compiled.is_slide[block.drive])
+    if discrepancy and discrepancy.fit and discrepancy.is_gain:
+        shape = replace(_simulated(discrepancy, discrepancy.fit, block), slides=slides)
+        return replace(shape, curves=curves_of(shape, discrepancy.linear))
+    shape = LearnedShape(block, *naming.models[0].shape_estimate(naming.linear), slides)
+    return replace(shape, curves=curves_of(shape, naming.linear))
 
 
-def _simulated(lesson: Lesson, fit: Fit, block: Block) -> LearnedShape:
+def _simulated(discrepancy: Discrepancy, fit: Fit, block: Block) -> LearnedShape:
     cause = fit.causes[-1]
     mine = [i for i, unknown in enumerate(fit.unknowns) if unknown.cause is cause]
-    columns = lesson.design.whiten(fit.slopes)[:, mine]
+    columns = discrepancy.linear.whiten(fit.jacobian)[:, mine]
     nodes = getattr(cause.effect, "nodes", block.nodes)
     shape = replace(block, nodes=nodes, columns=columns)
     return LearnedShape(shape, fit.values[mine], fit.covariance[np.ix_(mine, mine)])
 
 
-def curves_of(learned: LearnedShape, design: Design) -> tuple[LearnedCurve, ...]:
+def curves_of(learned: LearnedShape, linear: LinearisedModel) -> tuple[LearnedCurve, ...]:
     """Return the curves of a learned shape; none where it depends on a place in the room."""
     block = learned.block
     if len(block.nodes):
@@ -159,7 +160,7 @@ def curves_of(learned: LearnedShape, design: Design) -> tuple[LearnedCurve, ...]
         basis = of_reading(share)[:, list(block.functions)]
         return (_curve(learned, "", "reading", learned.unit, share * block.size, basis),)
     if block.depends_on == "time":
-        ends = [segment.motion.time for segment in (design.segments[0], design.segments[-1])]
+        ends = [segment.motion.time for segment in (linear.segments[0], linear.segments[-1])]
         hours = np.linspace(0.0, float(ends[1][-1] - ends[0][0]) / 3600, POINTS)
         found = []
         for axis, name in enumerate("xyz"):

@@ -9,10 +9,10 @@ import numpy as np
 
 from bench.diagnose.extend.fit import Fit, Key, unknowns_of
 from bench.diagnose.extend.refit import refit
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design
-from bench.diagnose.picture.generic import Block, anew
-from bench.diagnose.picture.marginal import log_half_normal
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.generic import Block, anew
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.marginal import log_half_normal
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor, Progress, in_order
@@ -51,38 +51,38 @@ class Model:
         shape = {str(self.shape)} if self.shape else set()
         return frozenset({cause.key for cause in self.causes} | shape)
 
-    def design(self, plain: Design) -> Design:
+    def linear(self, plain: LinearisedModel) -> LinearisedModel:
         """Return the design that it is fitted in."""
         return with_shape(plain, self.shape) if self.shape else plain
 
-    def listed_fit(self, plain: Design) -> Fit:
+    def listed_fit(self, plain: LinearisedModel) -> Fit:
         """Return the fit without what is not listed: its part is left in the residual."""
         if self.shape is None:
             return self.fit
-        p, design = len(plain.nuisances), self.design(plain)
-        left = self.fit.residual + design.changes[:, :, p:] @ self.fit.nuisances[p:]
+        p, linear = len(plain.nuisances), self.linear(plain)
+        left = self.fit.residual + linear.sensitivities[:, :, p:] @ self.fit.nuisances[p:]
         return replace(self.fit, nuisances=self.fit.nuisances[:p], residual=left)
 
-    def shape_estimate(self, plain: Design) -> tuple[Array, Array]:
+    def shape_estimate(self, plain: LinearisedModel) -> tuple[Array, Array]:
         """Return the coefficients of the shape, shape (k,), and their covariance, (k, k), everything else free.
 
         Where the shape is orthogonal to listed causes, these are of what it adds to them: the level that a friction has
         already is not told twice.
         """
         assert self.shape
-        design, own = self.design(plain), slice(len(plain.nuisances), None)
-        slopes = np.concatenate([design.whiten(self.fit.slopes), design.slopes], axis=1)
+        linear, own = self.linear(plain), slice(len(plain.nuisances), None)
+        jacobian = np.concatenate([linear.whiten(self.fit.jacobian), linear.jacobian], axis=1)
         prior = np.concatenate(
-            [[1 / unknown.sigma**2 for unknown in self.fit.unknowns], np.ones(design.slopes.shape[1])]
+            [[1 / unknown.sigma**2 for unknown in self.fit.unknowns], np.ones(linear.jacobian.shape[1])]
         )
-        k = slopes.shape[1] - self.shape.columns.shape[1]
-        covariance = np.linalg.inv(slopes.T @ slopes + np.diag(prior))[k:, k:]
+        k = jacobian.shape[1] - self.shape.columns.shape[1]
+        covariance = np.linalg.inv(jacobian.T @ jacobian + np.diag(prior))[k:, k:]
         added = np.linalg.lstsq(anew(plain, self.shape).columns, self.shape.columns * self.shape.prior)[0]
         return added @ self.fit.nuisances[own], added @ covariance @ added.T
 
 
 @dataclass(frozen=True)
-class Trial:
+class CandidateModel:
     """A model that is to be fitted.
 
     Attributes:
@@ -111,20 +111,20 @@ class Fitter:
     """Fits models to a design, and remembers them.
 
     Attributes:
-        design: The campaign.
+        linear: The campaign.
         null: Fit of the nominal model to it.
         executor: Where to fit.
         known: Fit near all of them, whose derivatives will do as long as they promise what comes true; or None.
         models: Keys -> model; None where it finds no balance, is not plausible, or does not need one of its causes.
     """
 
-    design: Design
+    linear: LinearisedModel
     null: Fit
     executor: Executor
     known: Fit | None = None
     models: dict[frozenset[Hashable], Model | None] = field(default_factory=dict)
 
-    def fitted(self, trials: Sequence[Trial]) -> list[Model]:
+    def fitted(self, candidates: Sequence[CandidateModel]) -> list[Model]:
         """Return the models of trials, each without the causes that it turned out not to need.
 
         Those that `models` has None for are left out.
@@ -132,30 +132,32 @@ class Fitter:
         Raises:
             EffectError: An effect of the user's own fails.
         """
-        new = list({trial.keys: trial for trial in trials if trial.keys not in self.models}.values())
-        fits = in_order(self.executor, partial(_fit, self.design, self.known), new)
-        for trial, found in zip(new, fits, strict=True):
-            self.models[trial.keys] = self._model(trial, *found) if found else None
-        models = (self.models[keys] for keys in dict.fromkeys(trial.keys for trial in trials))
+        new = list(
+            {candidate.keys: candidate for candidate in candidates if candidate.keys not in self.models}.values()
+        )
+        fits = in_order(self.executor, partial(_fit, self.linear, self.known), new)
+        for candidate, found in zip(new, fits, strict=True):
+            self.models[candidate.keys] = self._model(candidate, *found) if found else None
+        models = (self.models[keys] for keys in dict.fromkeys(candidate.keys for candidate in candidates))
         unique = {model.keys: model for model in models if model is not None}
         return list(unique.values())
 
-    def knows(self, model: Model, trial: Trial) -> Trial:
+    def knows(self, model: Model, candidate: CandidateModel) -> CandidateModel:
         """Take a model that was fitted to the design already, and return its trial."""
-        every = tuple(range(len(trial.causes)))
-        self.models[trial.keys] = self._model(trial, model.fit, every) or Model(self.null)
-        return trial
+        every = tuple(range(len(candidate.causes)))
+        self.models[candidate.keys] = self._model(candidate, model.fit, every) or Model(self.null)
+        return candidate
 
-    def _model(self, trial: Trial, fit: Fit, kept: tuple[int, ...]) -> Model | None:
-        causes = tuple(trial.causes[i] for i in kept)
+    def _model(self, candidate: CandidateModel, fit: Fit, kept: tuple[int, ...]) -> Model | None:
+        causes = tuple(candidate.causes[i] for i in kept)
         fit = replace(fit, causes=causes, unknowns=unknowns_of(causes))
         if not (fit.is_plausible and all(fit.acts(cause) for cause in causes)):
             return None
-        if not causes and trial.shape is None:
+        if not causes and candidate.shape is None:
             return Model(self.null)
-        odds = sum(trial.log_odds[i] for i in (*kept, *range(len(trial.causes), len(trial.log_odds))))
+        odds = sum(candidate.log_odds[i] for i in (*kept, *range(len(candidate.causes), len(candidate.log_odds))))
         evidence = fit.log_evidence - self.null.log_evidence + log_of_signs(fit)
-        return Model(fit, trial.shape, evidence, evidence + odds)
+        return Model(fit, candidate.shape, evidence, evidence + odds)
 
 
 def log_of_signs(fit: Fit) -> float:
@@ -165,78 +167,80 @@ def log_of_signs(fit: Fit) -> float:
     return float(np.sum(log_half_normal(mean, np.maximum(fit.sigma[sizes], TINY), np.ones(len(sizes)))))
 
 
-def with_shape(design: Design, shape: Block) -> Design:
+def with_shape(linear: LinearisedModel, shape: Block) -> LinearisedModel:
     """Return a design that has a free shape among its nuisances; it acts by its changes alone.
 
     Args:
-        design: The campaign.
+        linear: The campaign.
         shape: As this design whitens it.
     """
-    slopes = shape.columns * shape.prior
-    nuisances = tuple(Nuisance(f"{shape}, {i + 1}", shape.unit, shape.prior) for i in range(slopes.shape[1]))
+    jacobian = shape.columns * shape.prior
+    nuisances = tuple(Nuisance(f"{shape}, {i + 1}", shape.unit, shape.prior) for i in range(jacobian.shape[1]))
     return replace(
-        design,
-        nuisances=(*design.nuisances, *nuisances),
-        changes=np.concatenate([design.changes, design.unwhiten(slopes)], axis=2),
-        slopes=np.concatenate([design.slopes, slopes], axis=1),
+        linear,
+        nuisances=(*linear.nuisances, *nuisances),
+        sensitivities=np.concatenate([linear.sensitivities, linear.unwhiten(jacobian)], axis=2),
+        jacobian=np.concatenate([linear.jacobian, jacobian], axis=1),
     )
 
 
-def without_shape(design: Design, count: int) -> Design:
+def without_shape(linear: LinearisedModel, count: int) -> LinearisedModel:
     """Return a design with its first nuisances alone."""
-    if len(design.nuisances) == count:
-        return design
+    if len(linear.nuisances) == count:
+        return linear
     return replace(
-        design,
-        nuisances=design.nuisances[:count],
-        changes=design.changes[:, :, :count],
-        slopes=design.slopes[:, :count],
+        linear,
+        nuisances=linear.nuisances[:count],
+        sensitivities=linear.sensitivities[:, :, :count],
+        jacobian=linear.jacobian[:, :count],
     )
 
 
-def _fit(plain: Design, known: Fit | None, trial: Trial, _: Progress) -> tuple[Fit, tuple[int, ...]] | None:
+def _fit(
+    plain: LinearisedModel, known: Fit | None, candidate: CandidateModel, _: Progress
+) -> tuple[Fit, tuple[int, ...]] | None:
     """Return the best fit, and which of the causes it needs; None where nothing balances along the measured motion.
 
     It has no causes of its own, for those come from a user's file and do not pass between processes.
     """
-    design, nuisances = plain, trial.nuisances
-    if trial.shape:
-        design = with_shape(plain, trial.shape)
+    linear, nuisances = plain, candidate.nuisances
+    if candidate.shape:
+        linear = with_shape(plain, candidate.shape)
         if nuisances is not None:
-            nuisances = np.concatenate([nuisances, np.zeros(len(design.nuisances) - len(nuisances))])
+            nuisances = np.concatenate([nuisances, np.zeros(len(linear.nuisances) - len(nuisances))])
     found: Fit | None = None
-    for start in _starts(trial, known):
+    for start in _starts(candidate, known):
         with suppress(*NOT_SIMULATED):
-            fit = refit(design, trial.causes, start, nuisances, known)
+            fit = refit(linear, candidate.causes, start, nuisances, known)
             if found is None or fit.log_evidence > found.log_evidence:
                 found = fit
     if found is None:
         return None
     try:
         while len(needed := tuple(cause for cause in found.causes if found.acts(cause))) < len(found.causes):
-            found = refit(design, needed, found.start, found.nuisances, found)
+            found = refit(linear, needed, found.start, found.nuisances, found)
     except NOT_SIMULATED:
         return None
-    kept = tuple(i for i, cause in enumerate(trial.causes) if cause in found.causes)
+    kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
     return replace(found, causes=(), unknowns=()), kept
 
 
-def _starts(trial: Trial, known: Fit | None) -> list[dict[Key, float]]:
+def _starts(candidate: CandidateModel, known: Fit | None) -> list[dict[Key, float]]:
     """Return where to start: as the linearised model says, and where that may be far off.
 
     Between the shapes tried, where those lie far apart; and from the largest size of a play, for less of it explains
     as well with more noise, so a fit may stay at the smaller of two sizes.
     """
     old = {cause.key for cause in known.causes} if known else set()
-    starts = [trial.start]
-    for cause in trial.causes:
+    starts = [candidate.start]
+    for cause in candidate.causes:
         if cause.key in old:
             continue
         for shape in cause.shapes:
             if shape.ratio < NARROW:
                 key = (*cause.key, shape.name)
-                value = trial.start.get(key, shape.null)
-                starts += [trial.start | {key: value * shape.ratio ** (side / 3)} for side in (-1, 1)]
+                value = candidate.start.get(key, shape.null)
+                starts += [candidate.start | {key: value * shape.ratio ** (side / 3)} for side in (-1, 1)]
         if cause.effect.scatters:
-            starts.append(trial.start | {(*cause.key, size.name): size.high for size in cause.sizes})
+            starts.append(candidate.start | {(*cause.key, size.name): size.high for size in cause.sizes})
     return starts

@@ -7,14 +7,14 @@ from typing import Literal
 import numpy as np
 from scipy.special import logsumexp
 
+from bench.diagnose.cross_validation.held_out import HeldOut
 from bench.diagnose.extend.fit import Fit
-from bench.diagnose.measure.measure import HeldOut
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.generic import Block
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.screening import Screening
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.search import Alternative
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design
-from bench.diagnose.picture.generic import Block
-from bench.diagnose.picture.screening import Screening
 
 Kind = Literal["nothing found", "cause", "several causes", "unlisted cause", "nothing found so far"]
 IN_SET = 6.0  # log posterior odds behind the best, up to where a model is not told apart from it (odds of 400)
@@ -51,7 +51,7 @@ class Naming:
         null: Fit of the nominal model.
         screening: Everything that was tried against the nominal model.
         findings: Of the best model, the one with the most evidence first; then those that were refused.
-        design: The campaign linearised about the best model, its standard errors.
+        linear: The campaign linearised about the best model, its standard errors.
         promising: Causes that the last search found likely and that were not fitted.
         stopped: Why the search ended early; "" where it did not.
     """
@@ -61,7 +61,7 @@ class Naming:
     null: Fit
     screening: Screening
     findings: tuple[Finding, ...]
-    design: Design
+    linear: LinearisedModel
     promising: tuple[Cause, ...] = ()
     stopped: str = ""
 

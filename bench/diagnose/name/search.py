@@ -1,7 +1,7 @@
 """Posterior over subsets of what may be wrong, linearised: best-first, with additions, deletions and exchanges.
 
 With whitened residuals r of the model without any finding and columns X, background and nuisances integrated out
-(`picture/marginal.py`), the evidence of a subset S with normal priors P^2 is closed:
+(`linearise/marginal.py`), the evidence of a subset S with normal priors P^2 is closed:
 
     log E(S) = 1/2 s' H^-1 s - 1/2 log det(P H P),    H = G + P^-2,    G = X' M^-1 X,  s = X' M^-1 r
 
@@ -18,7 +18,7 @@ import numpy as np
 from scipy.linalg import cho_solve, solve_triangular
 from scipy.special import logsumexp
 
-from bench.diagnose.picture.marginal import JITTER, log_evidences_of, log_half_normal
+from bench.diagnose.linearise.marginal import JITTER, log_evidences_of, log_half_normal
 from bench.record.campaign import Array
 
 WINDOW = 10.0  # log posterior odds behind the best, beyond which a subset is not expanded (odds of 22 000)
@@ -61,7 +61,7 @@ class Subset:
     log_posterior: float
 
 
-class LinearModel:
+class SubsetPosterior:
     """A linearised model with everything that may be added to it.
 
     Args:
@@ -141,7 +141,7 @@ class LinearModel:
 
 
 def search(
-    model: LinearModel,
+    model: SubsetPosterior,
     start: Iterable[Sequence[int]] = ((),),
     always: tuple[int, ...] = (),
     expanded: int = MOST_EXPANDED,
@@ -206,7 +206,7 @@ class Alternative:
     log_posterior: float
 
 
-def alternatives_of(model: LinearModel, subsets: Iterable[Subset]) -> list[Alternative]:
+def alternatives_of(model: SubsetPosterior, subsets: Iterable[Subset]) -> list[Alternative]:
     """Return what subsets say, whatever the shapes, the most probable first."""
     same: dict[frozenset[Hashable], list[Subset]] = {}
     for subset in subsets:

@@ -13,19 +13,19 @@ from typing import Protocol
 
 import numpy as np
 
+from bench.diagnose.cross_validation.held_out import held_out
 from bench.diagnose.extend.fit import Fit
-from bench.diagnose.extend.polish import polished
 from bench.diagnose.extend.refit import refit, refitted
-from bench.diagnose.measure.measure import held_out
-from bench.diagnose.name.linearised import Linearised, linearised
-from bench.diagnose.name.models import Fitter, Model, Trial, log_of_signs, without_shape
+from bench.diagnose.extend.relinearise import relinearised_fit
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.screening import Screening, Tried
+from bench.diagnose.linearise.threshold import LEAST
+from bench.diagnose.name.models import CandidateModel, Fitter, Model, log_of_signs, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, with_probabilities
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import WINDOW, Alternative, alternatives_of, search
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design
-from bench.diagnose.picture.screening import Screening, Tried
-from bench.diagnose.picture.threshold import LEAST
+from bench.diagnose.name.search_space import SearchSpace, search_space
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -35,7 +35,9 @@ from bench.executor.watched import Stopped
 class Renew(Protocol):
     """Returns the campaign linearised about a model, with everything that can be tried there."""
 
-    def __call__(self, design: Design, model: Model, *, is_last: bool = False) -> tuple[Design, Tried]:
+    def __call__(
+        self, linear: LinearisedModel, model: Model, *, is_last: bool = False
+    ) -> tuple[LinearisedModel, Tried]:
         """Return the design and what can be tried; `is_last`: nothing will be added, what is missed now is noise."""
 
 
@@ -50,7 +52,7 @@ MOST_REFUSED = 20  # findings that do not predict better, before they are no mor
 
 
 def name_cause(
-    design: Design,
+    linear: LinearisedModel,
     screening: Screening,
     renew: Renew,
     progress: Callable[[str], None] = lambda words: None,
@@ -59,13 +61,13 @@ def name_cause(
     """Name what is wrong with the nominal model, or what of it was found when the work was stopped.
 
     Args:
-        design: The campaign.
+        linear: The campaign.
         screening: Everything that was tried in the linearised model.
         renew: Weighs everything anew about an extended model.
         progress: Called with what is done next.
         executor: Where to fit.
     """
-    selection = _Selection(design, screening, renew, progress, executor)
+    selection = _Selection(linear, screening, renew, progress, executor)
     try:
         selection.run()
     except Stopped as stopped:
@@ -77,7 +79,7 @@ def name_cause(
 class _Selection:
     """Where the selection of a model stands."""
 
-    design: Design
+    linear: LinearisedModel
     screening: Screening
     renew: Renew
     progress: Callable[[str], None]
@@ -89,8 +91,8 @@ class _Selection:
     promising: tuple[Cause, ...] = ()
 
     def __post_init__(self) -> None:
-        self.nominal, self.tried = self.design, self.screening.tried
-        self.null = refit(self.design, (), {})
+        self.nominal, self.tried = self.linear, self.screening.tried
+        self.null = refit(self.linear, (), {})
         self.best = Model(self.null)
 
     def naming(self, stopped: str = "") -> Naming:
@@ -110,7 +112,7 @@ class _Selection:
             null=self.null,
             screening=self.screening,
             findings=(*ranked, *self.refused.values()),
-            design=self.nominal if is_null else self.design,
+            linear=self.nominal if is_null else self.linear,
             promising=self.promising if stopped else (),
             stopped=stopped,
         )
@@ -144,7 +146,7 @@ class _Selection:
         """
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
         threshold, refused = self.screening.threshold, frozenset(self.refused) | self.refused_shapes
-        about = linearised(self.design, self.tried, threshold, self.best, refused)
+        about = search_space(self.linear, self.tried, threshold, self.best, refused)
         shape = about.present[-1:] if self.best.shape else ()
         found = alternatives_of(about.model, search(about.model, [about.present], shape))
         causes = [about.cause(i) for i in found[0].best.terms]
@@ -152,14 +154,14 @@ class _Selection:
         count = LEADERS if is_last else LEADERS // 2
         leaders = [one.best.terms for one in _leaders(found, count)]
         known = self.best.fit if self.best.keys and not self.best.shape else None
-        fitter = Fitter(self.design, self.null, self.executor, known)
-        present = fitter.knows(self.best, about.trial_of(about.present))
+        fitter = Fitter(self.linear, self.null, self.executor, known)
+        present = fitter.knows(self.best, about.candidate_of(about.present))
         alone = tuple(i for i in found[0].best.terms if i not in shape)
         others = [*leaders, alone if shape else about.instead(alone)]
-        trials = [present, *(about.trial_of(terms) for terms in others if len(terms))]
-        trials += _scattering(about, found[0]) if is_last else []
-        self.progress(f"fitting {len(trials) - 1} models")
-        models = fitter.fitted(trials)
+        candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms))]
+        candidates += _scattering(about, found[0]) if is_last else []
+        self.progress(f"fitting {len(candidates) - 1} models")
+        models = fitter.fitted(candidates)
         if not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
             beside = about.beside()
             models += fitter.fitted([beside] if beside else [])
@@ -174,18 +176,18 @@ class _Selection:
         if not self.best.keys:
             return
         self.progress("what the extended model makes possible")
-        design, model = self.design, self.best
+        linear, model = self.linear, self.best
         if not is_last:
-            about, fit = polished(model.design(design), model.fit)
-            design, model = without_shape(about, len(design.nuisances)), replace(model, fit=fit)
-        before = design
-        self.design, self.tried = self.renew(design, model, is_last=is_last)
-        if self.design is not before:
-            self.null = refit(self.design, (), {})
+            about, fit = relinearised_fit(model.linear(linear), model.fit)
+            linear, model = without_shape(about, len(linear.nuisances)), replace(model, fit=fit)
+        before = linear
+        self.linear, self.tried = self.renew(linear, model, is_last=is_last)
+        if self.linear is not before:
+            self.null = refit(self.linear, (), {})
         if old := model.shape:  # as it is whitened now
-            columns = self.design.whiten(before.unwhiten(old.columns))
+            columns = self.linear.whiten(before.unwhiten(old.columns))
             model = replace(model, shape=replace(old, columns=columns))
-        self.best = replace(model, fit=refitted(model.design(self.design), model.fit))
+        self.best = replace(model, fit=refitted(model.linear(self.linear), model.fit))
 
     def _refuse(self) -> bool:
         """Hold each finding against what was held out; refuse those that do not pay, and say whether there were any.
@@ -212,8 +214,8 @@ class _Selection:
     def _repeat(self) -> None:
         """Search again without each part of the runs, and note what is found again."""
         self.progress("searching without parts of the runs")
-        about = linearised(self.design, self.tried, self.screening.threshold, self.best, frozenset(self.refused))
-        shares = repeats(self.design, self.tried, about, self.naming().alternatives)
+        about = search_space(self.linear, self.tried, self.screening.threshold, self.best, frozenset(self.refused))
+        shares = repeats(self.linear, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
 
     def _least(self, without: Fit) -> float:
@@ -225,10 +227,10 @@ class _Selection:
         Args:
             without: The best model fitted without the finding.
         """
-        design, best = self.design, self.best.fit
-        columns, count = design.column_of, len(design.quantities)
+        linear, best = self.linear, self.best.fit
+        columns, count = linear.column_of, len(linear.quantities)
         own, every = (
-            np.bincount(columns, design.whiten(fit.residual - best.residual) ** 2, count)
+            np.bincount(columns, linear.whiten(fit.residual - best.residual) ** 2, count)
             for fit in (without, self.null)
         )
         touched = float(own @ every) / max(float(own.sum()), TINY)
@@ -237,14 +239,14 @@ class _Selection:
     def _without_shape(self) -> Fit:
         """Return the best model fitted without what is not listed."""
         best = self.best.fit
-        return refit(self.design, best.causes, best.start, best.nuisances[: len(self.design.nuisances)])
+        return refit(self.linear, best.causes, best.start, best.nuisances[: len(self.linear.nuisances)])
 
     def _shape_pays(self) -> bool:
         """Whether what is not listed predicts what was held out better, beside the causes."""
         best, without = self.best.fit, self._without_shape()
         if best.log_evidence - without.log_evidence < self._least(without) + LEAST:
             return False
-        return held_out(self.best.design(self.design), without, best, self.design).pays
+        return held_out(self.best.linear(self.linear), without, best, self.linear).is_gain
 
     def _held(self, cause: Cause) -> Finding | None:
         """Return what a cause of the best model is worth beside the others; None where nothing balances without it."""
@@ -253,16 +255,16 @@ class _Selection:
             without = self._without(cause)
         except NOT_SIMULATED:
             return None
-        worth = held_out(self.best.design(self.design), without, best)
+        gain = held_out(self.best.linear(self.linear), without, best)
         rise = best.log_evidence - without.log_evidence + log_of_signs(best) - log_of_signs(without)
-        return Finding(cause, best, rise, worth, worth.pays and rise > self._least(without))
+        return Finding(cause, best, rise, gain, gain.is_gain and rise > self._least(without))
 
     def _without(self, cause: Cause) -> Fit:
         """Return the best model fitted without one of its causes."""
         best = self.best.fit
         others = tuple(other for other in best.causes if other.key != cause.key)
         start = {key: value for key, value in best.start.items() if key[:2] != cause.key}
-        return refit(self.best.design(self.design), others, start, best.nuisances, best)
+        return refit(self.best.linear(self.linear), others, start, best.nuisances, best)
 
 
 def _leaders(found: Sequence[Alternative], count: int) -> list[Alternative]:
@@ -272,12 +274,12 @@ def _leaders(found: Sequence[Alternative], count: int) -> list[Alternative]:
     return [*[one for one in near if one not in larger][:count], *larger[:1]]
 
 
-def _scattering(about: Linearised, leader: Alternative) -> list[Trial]:
+def _scattering(about: SearchSpace, leader: Alternative) -> list[CandidateModel]:
     """Return the leader with a play beside or in the place of anything at its joint.
 
     Where a link rests within its play is chance, so its signature alone shows little of it.
     """
-    terms, trials = leader.best.terms, []
+    terms, candidates = leader.best.terms, []
     for play, what in enumerate(about.what):
         cause = about.cause(play)
         if cause is None or not cause.effect.scatters or cause.key in leader.keys:
@@ -286,5 +288,5 @@ def _scattering(about: Linearised, leader: Alternative) -> list[Trial]:
             other = about.cause(i)
             if about.what[i].drive == what.drive and not (other and other.effect.scatters):
                 rest = tuple(one for one in terms if one != i)
-                trials += [about.trial_of((*rest, play)), about.trial_of((*terms, play))]
-    return trials[:MOST_PLAYS]
+                candidates += [about.candidate_of((*rest, play)), about.candidate_of((*terms, play))]
+    return candidates[:MOST_PLAYS]

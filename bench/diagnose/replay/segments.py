@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtri
 
+from bench.diagnose.replay.motion_segments import stretches_of
 from bench.diagnose.replay.noise import UNIFORM, Noise
-from bench.diagnose.replay.piece import Path, Piece, centre_weights
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.stretches import stretches_of
-from bench.diagnose.replay.visits import visits_of
+from bench.diagnose.replay.segment_input import Path, SegmentInput, centre_weights
+from bench.diagnose.replay.static_segments import visits_of
 from bench.effects.effect import REFERENCE_K, Conditions
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.compiled import CompiledRobot
@@ -79,25 +79,25 @@ def segments_of(
     width = moving / most_bins
     found: list[Segment] = []
     for run in campaign.runs:
-        for piece in visits_of(run, compiled) if run.kind == "static" else stretches_of(run, compiled, width):
-            observed, sigma = _means(run, piece, quantities, noise)
-            motion = piece.motion
+        for segment_input in visits_of(run, compiled) if run.kind == "static" else stretches_of(run, compiled, width):
+            observed, sigma = _means(run, segment_input, quantities, noise)
+            motion = segment_input.motion
             if not np.any(np.isfinite(observed)):
                 continue
             speed = np.max(np.abs(motion.velocity[motion.read]), axis=0)
             found.append(
                 Segment(
                     run.name,
-                    piece.label,
+                    segment_input.label,
                     run.kind == "static",
                     motion,
-                    conditions_of(run, piece.rows, compiled.n_joints),
+                    conditions_of(run, segment_input.rows, compiled.n_joints),
                     observed,
                     sigma,
                     speed == 0.0,
-                    piece.acceleration_error,
-                    piece.rings,
-                    piece.path,
+                    segment_input.acceleration_error,
+                    segment_input.rings,
+                    segment_input.path,
                 )
             )
     return _rounded_alike(found, quantities, noise) if found else ()
@@ -139,18 +139,20 @@ def conditions_of(run: Run, rows: Index, n: int) -> Conditions:
     )
 
 
-def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Noise) -> tuple[Array, Array]:
+def _means(
+    run: Run, segment_input: SegmentInput, quantities: tuple[Quantity, ...], noise: Noise
+) -> tuple[Array, Array]:
     """Return mean and standard error of every instant, shape (T, c) each.
 
     Readings that feel a joint which starts or turns round are left out: friction is between its levels there.
     """
     is_static = run.kind == "static"
-    groups = piece.groups
+    groups = segment_input.groups
     shape = (len(groups), len(quantities))
     mean, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
     weights = [np.full(len(group), 1 / len(group)) if is_static else centre_weights(len(group)) for group in groups]
     averaging = np.array([np.linalg.norm(w) for w in weights])
-    any_turning = np.any(piece.turning, axis=1)
+    any_turning = np.any(segment_input.turning, axis=1)
     present = [c for c, quantity in enumerate(quantities) if quantity.column in run.columns]
     if not present:
         return mean, sigma
@@ -166,7 +168,7 @@ def _means(run: Run, piece: Piece, quantities: tuple[Quantity, ...], noise: Nois
         if is_static:
             error = np.maximum(error, _swayed(values, groups, np.hypot(one, noise.rounding(quantity))))
         sigma[:, c] = np.hypot(error, noise.lasting(quantity))
-        turning = piece.turning[:, quantity.index] if quantity.is_of_drive else any_turning
+        turning = segment_input.turning[:, quantity.index] if quantity.is_of_drive else any_turning
         mean[turning, c] = np.nan
     return mean, sigma
 

@@ -43,12 +43,12 @@ def key_of_motion(world: World) -> Hashable:
 
 def _moves(effect: Effect) -> bool:
     own, none = type(effect), Effect
-    changes = (
+    differ = (
         own.edit is not none.edit,
         own.encoder_error is not none.encoder_error,
         own.log_error is not none.log_error,
     )
-    return any(changes)
+    return any(differ)
 
 
 def steps_of(world: World, conditions: Conditions) -> list[Step]:

@@ -10,8 +10,10 @@ ROUNDING_S = 1.0  # dates of files come in whole seconds
 
 
 def no_overlap(sheets: Sequence[Sheet]) -> Iterator[Finding]:
-    """One robot does one run at a time, and the campaign's clock does not begin anew."""
-    for before, after in pairwise(sorted(sheets, key=lambda sheet: sheet.run.start_s)):
+    """One robot does one run at a time, and the clock of a recording does not begin anew."""
+    for before, after in pairwise(sorted(sheets, key=lambda sheet: (sheet.run.recording, sheet.run.start_s))):
+        if before.run.recording != after.run.recording:
+            continue
         time = before.get("time_s")
         end = before.run.start_s + (float(time[-1]) if time is not None and len(time) else 0.0)
         if end > after.run.start_s + ROUNDING_S:

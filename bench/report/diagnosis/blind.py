@@ -1,6 +1,6 @@
 """What a campaign could not show, in sentences: the missing instruments with what each would show."""
 
-from bench.diagnose.verdict import BlindSpot, Verdict
+from bench.diagnose.verdict import UndetectableEffect, Verdict
 from bench.report.diagnosis.names import listed, places_text
 
 INSTRUMENTS = {
@@ -38,7 +38,7 @@ def _instruments(kinds: tuple[str, ...], last: str) -> str:
     return listed([INSTRUMENTS.get(kind, kind.replace("_", " ")) for kind in kinds], last)
 
 
-def _named(spots: list[BlindSpot]) -> str:
+def _named(spots: list[UndetectableEffect]) -> str:
     """Return "Coulomb level (joints 1, 3), gas loss", each effect once."""
     places: dict[str, list[str]] = {}
     for spot in spots:

@@ -90,7 +90,7 @@ def facts_of(diagnosis: Diagnosis, readings: Readings, campaign: Campaign | None
         campaign: That was diagnosed, if it is at hand.
         command: That made it.
     """
-    learned = learned_of(diagnosis.naming, diagnosis.lesson)
+    learned = learned_of(diagnosis.naming, diagnosis.discrepancy)
     return Facts(
         data=_data(diagnosis, campaign, len(readings.before)),
         channels=readings.channels,
@@ -119,19 +119,19 @@ def _versions() -> dict[str, str]:
 
 
 def _data(diagnosis: Diagnosis, campaign: Campaign | None, readings: int) -> Data:
-    design = diagnosis.design
+    linear = diagnosis.linear
     rows = {run.name: len(run) for run in campaign.runs} if campaign else {}
     runs: list[RunFacts] = []
-    for name in design.runs:
-        mine = [segment for segment in design.segments if segment.run == name]
+    for name in linear.runs:
+        mine = [segment for segment in linear.segments if segment.run == name]
         kind = "static" if mine[0].is_static else "motion"
         runs.append(RunFacts(len(runs) + 1, name, kind, rows.get(name, 0), sum(len(segment) for segment in mine)))
     for run in campaign.runs if campaign else ():
-        if run.name not in design.runs:
+        if run.name not in linear.runs:
             runs.append(RunFacts(len(runs) + 1, run.name, run.kind, len(run), 0))
     started = campaign.started.isoformat(" ") if campaign and campaign.started else ""
     return Data(
-        robot=design.replay.compiled.robot.figures.title,
+        robot=linear.replay.compiled.robot.figures.title,
         started=started,
         notes=campaign.notes if campaign else "",
         runs=tuple(runs),

@@ -6,13 +6,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.cross_validation.floor import floor_variance
+from bench.diagnose.cross_validation.floor import measured as measured_at
+from bench.diagnose.cross_validation.folds import instant_of
 from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.extend.fit import pseudo_residual
-from bench.diagnose.measure.floor import floor_variance
-from bench.diagnose.measure.floor import measured as measured_at
-from bench.diagnose.measure.folds import instant_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name.learned_shape import learned_of
-from bench.diagnose.picture.design import Design
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import World
@@ -122,49 +122,51 @@ class _Comparison:
 
 def readings_of(diagnosis: Diagnosis) -> Readings:
     """Return the readings of a diagnosis; a few simulations."""
-    design = diagnosis.design
-    segments = design.segments
+    linear = diagnosis.linear
+    segments = linear.segments
     measured = np.concatenate([segment.observed for segment in segments])
     found = _comparison(diagnosis, measured)
     moved = [np.sign(s.motion.velocity[s.motion.read]) * _moves(s) for s in segments]
-    there = measured_at(design)
-    clock = recording_clock_of(design)
+    there = measured_at(linear)
+    clock = recording_clock_of(linear)
     return Readings(
-        quantities=design.quantities,
-        nominal=np.where(there, design.residual, np.nan),
+        quantities=linear.quantities,
+        nominal=np.where(there, linear.residual, np.nan),
         left=np.where(there, found.left, np.nan),
-        noise=np.sqrt(floor_variance(design)),
+        noise=np.sqrt(floor_variance(linear)),
         before=found.before,
         after=found.after,
         measured=measured,
         simulated=found.simulated,
         extended=found.extended,
-        instant=instant_of(design),
-        column=design.column_of.astype(np.int64),
-        run=np.concatenate([np.full(len(s), design.runs.index(s.run)) for s in segments]),
+        instant=instant_of(linear),
+        column=linear.column_of.astype(np.int64),
+        run=np.concatenate([np.full(len(s), linear.runs.index(s.run)) for s in segments]),
         seconds=clock.seconds[~clock.is_break],
-        is_slide=np.array(design.replay.compiled.is_slide, dtype=bool),
+        is_slide=np.array(linear.replay.compiled.is_slide, dtype=bool),
         angle=np.concatenate([s.motion.q[s.motion.read] for s in segments]),
         direction=np.concatenate(moved),
     )
 
 
 def _comparison(diagnosis: Diagnosis, measured: Array) -> _Comparison:
-    design, naming = diagnosis.design, diagnosis.naming
+    linear, naming = diagnosis.linear, diagnosis.naming
     fit = diagnosis.extension or naming.null
-    learned = None if diagnosis.lesson and diagnosis.lesson.pays else learned_of(naming)  # else the fit has it
+    learned = (
+        None if diagnosis.discrepancy and diagnosis.discrepancy.is_gain else learned_of(naming)
+    )  # else the fit has it
     change = np.zeros_like(measured)  # by the listed causes
     if fit.causes:
-        world = fit.world(design)
-        change = design.replay.predict(world) - design.replay.predict(World(world.deviations))
+        world = fit.world(linear)
+        change = linear.replay.predict(world) - linear.replay.predict(World(world.deviations))
     extended = measured - fit.residual
-    left, shape = fit.residual, np.zeros(len(design.white))
+    left, shape = fit.residual, np.zeros(len(linear.white))
     if learned is not None and learned.stands_out:
         shape = learned.block.columns @ learned.value
-        nuisances = _nuisances(design, pseudo_residual(design, fit) - shape)
-        left = left + design.changes @ (fit.nuisances - nuisances) - design.unwhiten(shape[:, None])[:, :, 0]
-    after = design.whiten(left)
-    before = after + shape + design.whiten(change)
+        nuisances = _nuisances(linear, pseudo_residual(linear, fit) - shape)
+        left = left + linear.sensitivities @ (fit.nuisances - nuisances) - linear.unwhiten(shape[:, None])[:, :, 0]
+    after = linear.whiten(left)
+    before = after + shape + linear.whiten(change)
     is_found = bool(np.any(shape)) or bool(fit.causes)
     return _Comparison(
         left,
@@ -181,10 +183,10 @@ def _moves(segment: Segment) -> NDArray[np.bool_]:
     return moves
 
 
-def _nuisances(design: Design, white: Array) -> Array:
+def _nuisances(linear: LinearisedModel, white: Array) -> Array:
     """Return the nuisances that explain a whitened residual best under their priors, shape (p,)."""
-    normal = design.slopes.T @ design.slopes + np.eye(design.slopes.shape[1])
-    return np.asarray(np.linalg.solve(normal, design.slopes.T @ white), dtype=np.float64)
+    normal = linear.jacobian.T @ linear.jacobian + np.eye(linear.jacobian.shape[1])
+    return np.asarray(np.linalg.solve(normal, linear.jacobian.T @ white), dtype=np.float64)
 
 
 def rms(values: Array) -> float:

@@ -45,8 +45,8 @@ def write_diagnosis_recording(path: Path, diagnosis: Diagnosis, readings: Readin
         InputError: The file cannot be written.
         RobotError: The scene that the robot's figures name does not compile.
     """
-    compiled = diagnosis.design.replay.compiled
-    time = recording_clock_of(diagnosis.design)
+    compiled = diagnosis.linear.replay.compiled
+    time = recording_clock_of(diagnosis.linear)
     trace, robot, ghost = _poses(diagnosis, time)
     scene = scene_of(compiled)
     plots = plots_of(readings, time)
@@ -70,15 +70,15 @@ def write_diagnosis_recording(path: Path, diagnosis: Diagnosis, readings: Readin
 
 def _poses(diagnosis: Diagnosis, time: RecordingClock) -> tuple[Trace, Poses, Poses]:
     """Return the motion as found, and the poses of the robot and of what it is compared with, frame by frame."""
-    design, naming = diagnosis.design, diagnosis.naming
+    linear, naming = diagnosis.linear, diagnosis.naming
     fit = diagnosis.extension or naming.null
-    world = fit.world(design)
-    trace = design.replay.trace(world)[time.frame]
-    robot = elastic_poses(design.replay.compiled, trace, MAGNIFICATION)
+    world = fit.world(linear)
+    trace = linear.replay.trace(world)[time.frame]
+    robot = elastic_poses(linear.replay.compiled, trace, MAGNIFICATION)
     if not fit.causes:
-        return trace, robot, rigid_poses(design.replay.compiled, trace)
-    nominal = design.replay.trace(World(world.deviations))[time.frame]
-    return trace, robot, elastic_poses(design.replay.compiled, nominal, MAGNIFICATION)
+        return trace, robot, rigid_poses(linear.replay.compiled, trace)
+    nominal = linear.replay.trace(World(world.deviations))[time.frame]
+    return trace, robot, elastic_poses(linear.replay.compiled, nominal, MAGNIFICATION)
 
 
 def _log_verdict(writer: RecordingWriter, verdict: Verdict) -> None:

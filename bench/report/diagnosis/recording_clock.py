@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.picture.design import Design
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.record.campaign import Array
 
 LONGEST_STEP = 2.0  # [s], between instants of one segment: dwells and rests need no more to be looked at
@@ -39,11 +39,11 @@ class RecordingClock:
         return held
 
 
-def recording_clock_of(design: Design) -> RecordingClock:
+def recording_clock_of(linear: LinearisedModel) -> RecordingClock:
     """Return the clock of a campaign."""
     seconds, frame, is_break, begins = [], [], [], []
     now, first = 0.0, 0
-    for segment in design.segments:
+    for segment in linear.segments:
         time = segment.motion.time[segment.motion.read]
         if first:
             seconds.append(now + BREAK / 2)

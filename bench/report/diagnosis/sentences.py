@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.diagnose.verdict import BlindSpot, ChannelGain, NamedCause, Proposal, Step, Verdict
+from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, UndetectableEffect, Verdict
 from bench.report.diagnosis.names import (
     cause_name,
     channel_name,
@@ -116,7 +116,7 @@ def remainder_sentence(verdict: Verdict) -> str:
     )
 
 
-def undetectable_sentence(verdict: Verdict, but: Sequence[BlindSpot] = ()) -> str:
+def undetectable_sentence(verdict: Verdict, but: Sequence[UndetectableEffect] = ()) -> str:
     """Return the sizes that this campaign would not have shown as far as they are plausible, "" where there is none.
 
     Args:

@@ -4,8 +4,8 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
+from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.diagnose import Diagnosis
-from bench.diagnose.measure.figures import fitted_figures
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.verdict import Verdict
 from bench.record.campaign import Campaign
@@ -52,8 +52,8 @@ def write_diagnosis(
     readings = readings_of(diagnosis)
     facts = facts_of(diagnosis, readings, campaign, command)
     fit = diagnosis.extension or diagnosis.naming.null
-    handed = hand_over(diagnosis.design, fit, folder / ROBOT, folder / NOMINAL_MJCF)
-    figures = fitted_figures(diagnosis.design, fit)
+    handed = hand_over(diagnosis.linear, fit, folder / ROBOT, folder / NOMINAL_MJCF)
+    figures = fitted_figures(diagnosis.linear, fit)
     _write(folder / DIFFERENCE, handed.difference)
     _write(folder / FIGURES, csv_of(figures))
     handed_over = {"disagreement": handed.disagreement, "missing": handed.missing}
@@ -61,7 +61,7 @@ def write_diagnosis(
     content |= {"figures": [asdict(figure) for figure in figures], "handed_over": handed_over}
     _write(folder / VERDICT, json.dumps(to_jsonable(content), indent=2) + "\n")
     write_diagnosis_recording(folder / RECORDING, diagnosis, readings)
-    learned = learned_of(diagnosis.naming, diagnosis.lesson)
+    learned = learned_of(diagnosis.naming, diagnosis.discrepancy)
     pictures = Pictures(
         worst=pictures_of(readings),
         learned=tuple(learned_picture(curve, learned.block.kind) for curve in facts.learned) if learned else (),

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.picture.design import Design
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.replay import ideal_reading
 from bench.diagnose.replay.world import NOMINAL
 from bench.effects.effect import Acting
@@ -15,7 +15,7 @@ from bench.robot.figures import Drive, Figures
 LINEAR = (TorqueConstant, CurrentOffset)
 
 
-def with_drive_readings(figures: Figures, design: Design, acting: Sequence[Acting]) -> Figures:
+def with_drive_readings(figures: Figures, linear: LinearisedModel, acting: Sequence[Acting]) -> Figures:
     """Return figures in which torque constants and current offsets that are effects have become figures.
 
     Effects make the current I a I + b, and the fitted errors of readings (1 + g) (a I + b) + o: that is what a drive
@@ -24,10 +24,10 @@ def with_drive_readings(figures: Figures, design: Design, acting: Sequence[Actin
 
     Args:
         figures: With everything fitted in `fitted`.
-        design: The campaign.
+        linear: The campaign.
         acting: The effects of `figures.fitted.effects`, in their order.
     """
-    is_linear = ~_changed(design, [one for one in acting if not isinstance(one.effect, LINEAR)])
+    is_linear = ~_changed(linear, [one for one in acting if not isinstance(one.effect, LINEAR)])
     n = len(figures.drives)
     slope, offset, of_torque = np.ones(n), np.zeros(n), np.ones(n)
     kept = []
@@ -65,11 +65,11 @@ def with_drive_readings(figures: Figures, design: Design, acting: Sequence[Actin
     return figures.model_copy(update={"drives": tuple(drives), "fitted": fitted})
 
 
-def _changed(design: Design, acting: Sequence[Acting]) -> NDArray[np.bool_]:
+def _changed(linear: LinearisedModel, acting: Sequence[Acting]) -> NDArray[np.bool_]:
     """Return of which drives some effects change the reported current or torque, shape (n,)."""
-    compiled, trace = design.replay.compiled, design.replay.trace(NOMINAL)
+    compiled, trace = linear.replay.compiled, linear.replay.trace(NOMINAL)
     before, found = ideal_reading(compiled, trace), np.zeros(compiled.n_joints, dtype=np.bool_)
-    for conditions in {segment.conditions.key: segment.conditions for segment in design.segments}.values():
+    for conditions in {segment.conditions.key: segment.conditions for segment in linear.segments}.values():
         after = before
         for one in acting:
             after = one.effect.distort(one.place, one.values, after, trace, conditions)

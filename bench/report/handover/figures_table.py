@@ -7,7 +7,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from bench.diagnose.measure.figures import FittedFigure
+from bench.diagnose.cross_validation.figures import FittedFigure
 from bench.report.diagnosis.names import shown, unit_name
 
 COLUMNS = tuple(field.name for field in fields(FittedFigure))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.diagnose.extend.fit import Fit
-from bench.diagnose.picture.design import Design
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import figures_with
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
@@ -48,13 +48,13 @@ class Handed:
     disagreement: float
 
 
-def hand_over(design: Design, fit: Fit, folder: Path, nominal: Path) -> Handed:
+def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path) -> Handed:
     """Write the robot as fitted.
 
     What acts by its changes alone (friction that joints held at rest) belongs to the campaign and is left out.
 
     Args:
-        design: The campaign.
+        linear: The campaign.
         fit: To all of it.
         folder: Of the new robot; made here.
         nominal: File for the nominal robot's MJCF as MuJoCo writes it, which the difference is against.
@@ -62,7 +62,7 @@ def hand_over(design: Design, fit: Fit, folder: Path, nominal: Path) -> Handed:
     Raises:
         RobotError: The robot's files are no longer what they were when they were read.
     """
-    compiled, world = design.replay.compiled, fit.world(design)
+    compiled, world = linear.replay.compiled, fit.world(linear)
     robot = compiled.robot
     division = divided(compiled, world.acting)
     before, spec = read_spec(robot), read_spec(robot)
@@ -78,10 +78,10 @@ def hand_over(design: Design, fit: Fit, folder: Path, nominal: Path) -> Handed:
     title = robot.figures.title.removesuffix(AS_FITTED) + AS_FITTED
     fitted = Fitted(readings=readings, weights=weights, effects=effects)
     figures = robot.figures.model_copy(update={"title": title, "fitted": fitted})
-    figures = with_drive_readings(figures, design, [*design.replay.fitted.acting, *(one for one, _ in beside)])
+    figures = with_drive_readings(figures, linear, [*linear.replay.fitted.acting, *(one for one, _ in beside)])
     folder.mkdir()
     after = write_robot(robot, spec, figures, folder, "")
-    disagreement = _disagreement(design, world, compile_robot(load_robot(folder)))
+    disagreement = _disagreement(linear, world, compile_robot(load_robot(folder)))
     readme = readme_of(robot, figures, missing, disagreement)
     (folder / "README.md").write_text(readme, encoding="utf-8")
     name = f"{folder.name}/{figures.mjcf}"
@@ -119,10 +119,10 @@ def _means(entry: FittedEffect, acting: Acting, compiled: CompiledRobot) -> bool
     return replace(again.place, index=acting.place.index) == acting.place and again.values == acting.values
 
 
-def _disagreement(design: Design, world: World, handed: CompiledRobot) -> float:
+def _disagreement(linear: LinearisedModel, world: World, handed: CompiledRobot) -> float:
     """Return `Handed.disagreement`."""
-    nominal, campaign = design.replay.compiled, (design.segments, design.quantities)
-    sigma = np.concatenate([segment.sigma for segment in design.segments])
+    nominal, campaign = linear.replay.compiled, (linear.segments, linear.quantities)
+    sigma = np.concatenate([segment.sigma for segment in linear.segments])
     for tolerance in TOLERANCES:
         try:
             expected = Replay(nominal, *campaign, tolerance).predict(world)

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bench.diagnose.verdict import (
-    BlindSpot,
     Explanation,
     NamedCause,
     NoisyChannel,
     ParameterValue,
     PredictedError,
+    UndetectableEffect,
     Unlisted,
 )
 from bench.report.diagnosis.headline import MOST, headline
@@ -164,7 +164,7 @@ def test_nothing_found_says_what_would_have_been() -> None:
     assert "transmission error, joint 2: sin 0.0018 to 0.0054 deg, by its shape" in text
     assert "18391" not in text
     assert "Not detectable at a plausible size: link length (length) of upper arm; stribeck" in text
-    blind = replace(VERDICTS["nothing"], blind=(BlindSpot("link_length", ("upper_arm",), ()),))
+    blind = replace(VERDICTS["nothing"], blind=(UndetectableEffect("link_length", ("upper_arm",), ()),))
     assert "Not detectable at a plausible size: stribeck (rise of some shapes) of joints 1, 2." in words_of(blind)
 
 

@@ -10,9 +10,9 @@ from rerun.chunk import RrdReader
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.extend.refit import refit
+from bench.diagnose.linearise.generic import Block, anew
 from bench.diagnose.name.models import Model, with_shape
 from bench.diagnose.name.naming import Naming
-from bench.diagnose.picture.generic import Block, anew
 from bench.diagnose.verdict import Unlisted
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
@@ -68,8 +68,8 @@ def named(found: Diagnosis, kind: str) -> Diagnosis:
     if kind == "unlisted cause":
         shape = naming.screening.free[0].what
         assert isinstance(shape, Block)
-        block = anew(naming.design, shape)
-        own = with_shape(naming.design, block)
+        block = anew(naming.linear, shape)
+        own = with_shape(naming.linear, block)
         changed = replace(naming, kind="unlisted cause", models=(Model(refit(own, (), {}), block),))
         unlisted = Unlisted(block.place, block.kind, block.depends_on)
         return replace(found, naming=changed, verdict=replace(empty, unlisted=unlisted))
@@ -125,13 +125,13 @@ def test_what_was_found_explains_the_channel_that_was_wrong(found: Diagnosis) ->
 def test_residuals_and_simulations_agree(found: Diagnosis) -> None:
     readings = readings_of(found)
     np.testing.assert_allclose(
-        found.design.whiten(readings.measured - readings.simulated), readings.before, rtol=1e-6, atol=1e-6
+        found.linear.whiten(readings.measured - readings.simulated), readings.before, rtol=1e-6, atol=1e-6
     )
 
 
 def test_the_recording_runs_without_the_hours_in_between(found: Diagnosis) -> None:
-    time = recording_clock_of(found.design)
+    time = recording_clock_of(found.linear)
     assert np.all(np.diff(time.seconds) > 0)
-    assert time.is_break.sum() == len(found.design.segments) - 1
+    assert time.is_break.sum() == len(found.linear.segments) - 1
     angle = time.curve(readings_of(found).angle[:, 1])
     assert np.array_equal(np.isnan(angle), time.is_break)

@@ -8,8 +8,8 @@ import numpy as np
 import yaml
 
 from bench.diagnose.extend.fit import Fit, unknowns_of
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design, design_of
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -83,7 +83,7 @@ def torque_robot(folder: Path) -> Path:
     return folder
 
 
-def design_for(compiled: CompiledRobot) -> Design:
+def design_for(compiled: CompiledRobot) -> LinearisedModel:
     """Return a campaign with motion, rests under load, payloads, and drives that warm up."""
     robot = compiled.robot
     campaign = hide_campaign(robot, small_rotation(robot.folder), [], np.random.default_rng(1)).campaign
@@ -95,10 +95,10 @@ def design_for(compiled: CompiledRobot) -> Design:
         warm = segment.conditions.gear_k + WARM_K * (i % 3)
         conditions = replace(segment.conditions, payload_kg=PAYLOADS_KG[i % 2], gear_k=warm)
         segments.append(replace(segment, conditions=conditions))
-    return design_of(Replay(compiled, tuple(segments), quantities), nuisances_of(compiled, quantities))
+    return linearised_model_of(Replay(compiled, tuple(segments), quantities), nuisances_of(compiled, quantities))
 
 
-def fit_of(design: Design, case: Case, rng: np.random.Generator) -> Fit:
+def fit_of(linear: LinearisedModel, case: Case, rng: np.random.Generator) -> Fit:
     """Return a fit in which every figure is off, as nobody would fit it."""
     causes, values = [], []
     for effect, place, given in case.causes:
@@ -107,17 +107,19 @@ def fit_of(design: Design, case: Case, rng: np.random.Generator) -> Fit:
         causes.append(Cause(effect, place, sizes, shapes))
         values += [given.get(p.name, p.null if given else p.typical) for p in (*sizes, *shapes)]
     unknowns = unknowns_of(tuple(causes))
-    k, nuisances = len(unknowns), rng.standard_normal(len(design.nuisances))
-    residual = np.zeros(design.replay.shape)
-    slopes = np.zeros((*residual.shape, k))
-    return Fit(tuple(causes), unknowns, np.array(values), np.eye(k), nuisances, 0.0, 0.0, residual, slopes, design.play)
+    k, nuisances = len(unknowns), rng.standard_normal(len(linear.nuisances))
+    residual = np.zeros(linear.replay.shape)
+    jacobian = np.zeros((*residual.shape, k))
+    return Fit(
+        tuple(causes), unknowns, np.array(values), np.eye(k), nuisances, 0.0, 0.0, residual, jacobian, linear.play
+    )
 
 
-def predictions(design: Design, fit: Fit, folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def predictions(linear: LinearisedModel, fit: Fit, folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return what the fit predicts, the folder, and the nominal robot, in units of each channel's largest reading."""
-    compiled, campaign = design.replay.compiled, (design.segments, design.quantities)
+    compiled, campaign = linear.replay.compiled, (linear.segments, linear.quantities)
     nominal = Replay(compiled, *campaign, TOLERANCES[0])
     handed = Replay(compile_robot(load_robot(folder)), *campaign, TOLERANCES[0])
-    fitted = nominal.predict(fit.world(design))
-    scale = np.nanmax(np.fmax(np.abs(fitted), np.concatenate([s.sigma for s in design.segments])), axis=0)
+    fitted = nominal.predict(fit.world(linear))
+    scale = np.nanmax(np.fmax(np.abs(fitted), np.concatenate([s.sigma for s in linear.segments])), axis=0)
     return fitted / scale, handed.predict(NOMINAL) / scale, nominal.predict(NOMINAL) / scale

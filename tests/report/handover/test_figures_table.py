@@ -5,30 +5,30 @@ from dataclasses import fields, replace
 
 import numpy as np
 
+from bench.diagnose.cross_validation.figures import FittedFigure, fitted_figures
+from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.extend.refit import refit
-from bench.diagnose.measure.figures import FittedFigure, fitted_figures
-from bench.diagnose.measure.leave_out import tangent_of
-from bench.diagnose.picture.candidates import Cause
-from bench.diagnose.picture.design import Design
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.report.handover.figures_table import COLUMNS, csv_of, moved_sentences
 from tests.report.handover.made import EFFECTS, SECOND
 
 
-def test_the_table_is_the_fit(design: Design) -> None:
+def test_the_table_is_the_fit(linear: LinearisedModel) -> None:
     """Values and errors of findings are those of the fit; the table reads back as it was written."""
     effect = EFFECTS["coulomb_level"]
-    fit = refit(design, (Cause(effect, SECOND, effect.parameters, ()),), {})
-    rows = fitted_figures(design, fit)
-    assert len(rows) == len(design.nuisances) + 1
+    fit = refit(linear, (Cause(effect, SECOND, effect.parameters, ()),), {})
+    rows = fitted_figures(linear, fit)
+    assert len(rows) == len(linear.nuisances) + 1
     found = rows[0]
     assert found.kind == "finding"
     assert (found.found, found.stated) == (fit.values[0], 0.0)
     np.testing.assert_allclose((found.high - found.low) / 2 / 1.959964, fit.sigma[0], rtol=1e-6)
     by_name = {(row.name, row.kind): row for row in rows}
-    for nuisance, x in zip(design.nuisances, fit.nuisances, strict=True):
+    for nuisance, x in zip(linear.nuisances, fit.nuisances, strict=True):
         row = by_name.get((nuisance.name, "figure")) or by_name[nuisance.name, "campaign"]
         if nuisance.name.startswith("torque constant of"):
-            stated = 100.0 if "current_1_a" in [quantity.column for quantity in design.quantities] else 1.0
+            stated = 100.0 if "current_1_a" in [quantity.column for quantity in linear.quantities] else 1.0
             constant = row.found + (row.stated == 0)
             np.testing.assert_allclose(constant * (1 + x * nuisance.sigma), stated)
             assert row.low < row.found < row.high
@@ -36,8 +36,8 @@ def test_the_table_is_the_fit(design: Design) -> None:
         else:
             assert (row.found, row.sigmas, row.sigma) == (x * nuisance.sigma, x, nuisance.sigma)
             assert row.high - row.low <= 2 * 1.96 * nuisance.sigma * (1 + 1e-9)  # data never know less than was stated
-    names = [*(nuisance.name for nuisance in design.nuisances), found.name]
-    columns = np.linalg.solve(tangent_of(design, fit).precision, np.eye(len(names)))
+    names = [*(nuisance.name for nuisance in linear.nuisances), found.name]
+    columns = np.linalg.solve(tangent_of(linear, fit).precision, np.eye(len(names)))
     rho = columns / np.sqrt(np.outer(np.diag(columns), np.diag(columns))) - np.eye(len(names))
     assert len(set(names)) == len(names)
     partners = [names[i] if abs(row[i]) > np.sqrt(0.5) else "" for row in rho for i in [int(np.argmax(np.abs(row)))]]

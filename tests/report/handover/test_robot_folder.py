@@ -13,8 +13,8 @@ import pytest
 import yaml
 
 from bench.cli import main
-from bench.diagnose.measure.figures import fitted_figures
-from bench.diagnose.picture.design import Design
+from bench.diagnose.cross_validation.figures import fitted_figures
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.replay import Replay
 from bench.effects.effect import WHOLE
 from bench.effects.sensing_drive import EncoderDelay
@@ -28,42 +28,42 @@ from tests.small_robot import FIGURES
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_folder_predicts_what_was_fitted(design: Design, name: str, tmp_path: Path) -> None:
-    if ("current" in name or "saturation" in name) and not design.replay.compiled.robot.figures.instruments.current:
+def test_the_folder_predicts_what_was_fitted(linear: LinearisedModel, name: str, tmp_path: Path) -> None:
+    if ("current" in name or "saturation" in name) and not linear.replay.compiled.robot.figures.instruments.current:
         pytest.skip("the drives report no current")
-    fit = fit_of(design, CASES[name], np.random.default_rng(7))
-    handed = hand_over(design, fit, tmp_path / "robot", tmp_path / "nominal.xml")
+    fit = fit_of(linear, CASES[name], np.random.default_rng(7))
+    handed = hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
     assert handed.missing == ()
     assert handed.disagreement < AGREES
-    fitted, found, nominal = predictions(design, fit, tmp_path / "robot")
+    fitted, found, nominal = predictions(linear, fit, tmp_path / "robot")
     np.testing.assert_allclose(found, fitted, atol=AGREES)
     assert np.nanmax(np.abs(fitted - nominal)) > FAR * AGREES
     listed = load_robot(tmp_path / "robot").figures.fitted.effects
     assert tuple(one.effect for one in listed) == CASES[name].beside
     mujoco.MjModel.from_xml_path(str(tmp_path / "robot" / "small.xml"))
-    assert mujoco.MjModel.from_xml_path(str(tmp_path / "nominal.xml")).nv == design.replay.compiled.model.nv
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "nominal.xml")).nv == linear.replay.compiled.model.nv
 
 
-def test_friction_held_at_rest_is_left_out(design: Design, tmp_path: Path) -> None:
+def test_friction_held_at_rest_is_left_out(linear: LinearisedModel, tmp_path: Path) -> None:
     """It is of the campaign: with it alone off, the folder is the nominal robot."""
-    held = np.array([float("held at rest" in nuisance.name) for nuisance in design.nuisances])
+    held = np.array([float("held at rest" in nuisance.name) for nuisance in linear.nuisances])
     assert held.any()
-    fit = replace(fit_of(design, Case(()), np.random.default_rng(1)), nuisances=held)
-    handed = hand_over(design, fit, tmp_path / "robot", tmp_path / "nominal.xml")
+    fit = replace(fit_of(linear, Case(()), np.random.default_rng(1)), nuisances=held)
+    handed = hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
     assert handed.difference == ""
     figures = load_robot(tmp_path / "robot").figures
-    assert figures.model_copy(update={"title": FIGURES["title"]}) == design.replay.compiled.robot.figures
-    rows = fitted_figures(design, replace(fit, covariance=np.zeros((0, 0))))
+    assert figures.model_copy(update={"title": FIGURES["title"]}) == linear.replay.compiled.robot.figures
+    rows = fitted_figures(linear, replace(fit, covariance=np.zeros((0, 0))))
     assert {row.kind for row in rows if "held at rest" in row.name} == {"campaign"}
 
 
-def test_what_was_handed_over_can_be_diagnosed_and_handed_over_again(design: Design, tmp_path: Path) -> None:
+def test_what_was_handed_over_can_be_diagnosed_and_handed_over_again(linear: LinearisedModel, tmp_path: Path) -> None:
     """Figures are found on top of figures. Tilts of the force sensor, which are large, add to first order alone."""
     rng = np.random.default_rng(3)
-    fit = fit_of(design, CASES["encoder delay"], rng)
-    hand_over(design, fit, tmp_path / "robot", tmp_path / "nominal.xml")
-    again = replace(design, replay=Replay(compile_robot(load_robot(tmp_path / "robot")), *design_parts(design)))
-    names = [nuisance.name for nuisance in design.nuisances]
+    fit = fit_of(linear, CASES["encoder delay"], rng)
+    hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
+    again = replace(linear, replay=Replay(compile_robot(load_robot(tmp_path / "robot")), *design_parts(linear)))
+    names = [nuisance.name for nuisance in linear.nuisances]
     assert names == [nuisance.name for nuisance in again.nuisances]
     second = fit_of(again, CASES["torque constant"], rng)
     is_tilt = np.array([name.startswith("tilt of the force sensor") for name in names])
@@ -75,17 +75,17 @@ def test_what_was_handed_over_can_be_diagnosed_and_handed_over_again(design: Des
     assert [one.effect for one in figures.fitted.effects] == ["encoder_delay"]
 
 
-def design_parts(design: Design) -> tuple:
-    return design.segments, design.quantities
+def design_parts(linear: LinearisedModel) -> tuple:
+    return linear.segments, linear.quantities
 
 
-def test_an_effect_of_a_users_own_file_is_said_to_be_missing(design: Design, tmp_path: Path) -> None:
+def test_an_effect_of_a_users_own_file_is_said_to_be_missing(linear: LinearisedModel, tmp_path: Path) -> None:
     class Own(EncoderDelay):
         name = "own_delay"
 
     case = Case(((Own(), WHOLE, {"delay": 3e-3}),))
     handed = hand_over(
-        design, fit_of(design, case, np.random.default_rng(2)), tmp_path / "robot", tmp_path / "nominal.xml"
+        linear, fit_of(linear, case, np.random.default_rng(2)), tmp_path / "robot", tmp_path / "nominal.xml"
     )
     assert len(handed.missing) == 1
     assert "own_delay" in handed.missing[0]
@@ -95,10 +95,12 @@ def test_an_effect_of_a_users_own_file_is_said_to_be_missing(design: Design, tmp
     assert "differs from what was fitted" in readme
 
 
-def test_an_effect_that_the_robot_alone_has_no_place_for_is_of_the_campaign(design: Design, tmp_path: Path) -> None:
+def test_an_effect_that_the_robot_alone_has_no_place_for_is_of_the_campaign(
+    linear: LinearisedModel, tmp_path: Path
+) -> None:
     case = Case(((EFFECTS["encoder_delay"], SECOND, {"delay": 3e-3}),))  # all encoders are late, or none
     handed = hand_over(
-        design, fit_of(design, case, np.random.default_rng(2)), tmp_path / "robot", tmp_path / "nominal.xml"
+        linear, fit_of(linear, case, np.random.default_rng(2)), tmp_path / "robot", tmp_path / "nominal.xml"
     )
     assert len(handed.missing) == 1
     assert "is of this campaign" in handed.missing[0]
@@ -106,14 +108,14 @@ def test_an_effect_that_the_robot_alone_has_no_place_for_is_of_the_campaign(desi
     assert load_robot(tmp_path / "robot").figures.fitted.effects == ()
 
 
-def test_the_torque_constant_stands_where_every_command_looks_for_it(design: Design, tmp_path: Path) -> None:
-    fit = fit_of(design, CASES["torque constant"], np.random.default_rng(7))
-    hand_over(design, fit, tmp_path / "robot", tmp_path / "nominal.xml")
+def test_the_torque_constant_stands_where_every_command_looks_for_it(linear: LinearisedModel, tmp_path: Path) -> None:
+    fit = fit_of(linear, CASES["torque constant"], np.random.default_rng(7))
+    hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
     figures = load_robot(tmp_path / "robot").figures
     for j, drive in enumerate(figures.drives):
         (gain, *_) = (
             x * n.sigma
-            for n, x in zip(design.nuisances, fit.nuisances, strict=True)
+            for n, x in zip(linear.nuisances, fit.nuisances, strict=True)
             if n.name == f"torque constant of {drive.joint}"
         )
         change = 1.08 if j == 1 else 1.0
@@ -140,9 +142,9 @@ def patched(text: str, difference: str) -> str:
     return "".join(found + lines[at:])
 
 
-def test_the_difference_makes_the_new_mjcf_of_the_nominal_one(design: Design, tmp_path: Path) -> None:
-    fit = fit_of(design, CASES["friction"], np.random.default_rng(7))
-    handed = hand_over(design, fit, tmp_path / "robot", tmp_path / "nominal.xml")
+def test_the_difference_makes_the_new_mjcf_of_the_nominal_one(linear: LinearisedModel, tmp_path: Path) -> None:
+    fit = fit_of(linear, CASES["friction"], np.random.default_rng(7))
+    handed = hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
     expected = (tmp_path / "robot" / "small.xml").read_text()
     assert patched((tmp_path / "nominal.xml").read_text(), handed.difference) == expected
     program = shutil.which("patch")

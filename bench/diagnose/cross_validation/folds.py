@@ -1,0 +1,91 @@
+"""What is held out at a time: whole runs, or blocks of the one run that shows an effect alone."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.record.campaign import Array
+
+MOST_RUNS = 40  # folds; beyond that, runs far apart in the campaign share one
+ALONE = 0.9  # of all that an extension changes; a run with more than that cannot be checked with the others
+BLOCKS = 8  # of the only run, or of one that has to be checked with itself
+GAP = 0.25  # of a block, on both sides of it
+
+
+@dataclass(frozen=True, eq=False)
+class Folds:
+    """K folds over T instants.
+
+    Attributes:
+        by: Of what kind they are.
+        of_instants: Shape (T,), fold of every instant.
+        gap: Shape (T, K) bool, instants that are left out beside a fold without being predicted.
+    """
+
+    by: Literal["run", "block"]
+    of_instants: NDArray[np.int64]
+    gap: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return int(self.gap.shape[1])
+
+    def of_rows(self, linear: LinearisedModel) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Return the fold, shape (m,), and the gaps, shape (m, K), of whitened readings."""
+        instant = instant_of(linear)
+        return self.of_instants[instant], self.gap[instant]
+
+    def sums(self, values: Array) -> Array:
+        """Return sums over the instants of each fold, shape (K,), of values of shape (T,)."""
+        return np.bincount(self.of_instants, values, len(self)).astype(np.float64)
+
+
+def instant_of(linear: LinearisedModel) -> NDArray[np.int64]:
+    """Return the instant of every whitened reading, shape (m,)."""
+    rows = np.concatenate([whitening.rows for whitening in linear.whitenings])
+    return np.flatnonzero(rows) // len(linear.quantities)
+
+
+def folds_of(linear: LinearisedModel, changed: Array | None = None) -> Folds:
+    """Return the folds of a campaign.
+
+    A fold is a run. Beyond 40 runs every fold takes several that lie far apart, as up and down of one sweep do not.
+    Where one run shows nearly all of an extension, it is cut into blocks, and the other runs stay whole.
+
+    Args:
+        linear: The campaign.
+        changed: Shape (m,), whitened change of the prediction by the extension; None: there is none.
+    """
+    lengths = [len(segment) for segment in linear.segments]
+    run = np.repeat([linear.runs.index(segment.run) for segment in linear.segments], lengths)
+    power = np.ones(len(linear.runs)) if changed is None else np.bincount(linear.run_of, changed**2, len(linear.runs))
+    alone = int(np.argmax(power))
+    if len(linear.runs) == 1 or power[alone] > ALONE * power.sum():
+        return _with_blocks(run, alone)
+    n_folds = min(len(linear.runs), MOST_RUNS)
+    return Folds("run", run % n_folds, np.zeros((len(run), n_folds), dtype=bool))
+
+
+def _with_blocks(run: NDArray[np.int64], alone: int) -> Folds:
+    """Return folds in which one run is cut into blocks of equal numbers of instants.
+
+    Args:
+        run: Shape (T,).
+        alone: The run to cut.
+    """
+    mine = np.flatnonzero(run == alone)
+    n_blocks = min(BLOCKS, len(mine))
+    others = run - (run > alone)  # numbered without the one that is cut
+    n_others = min(int(run.max()), MOST_RUNS)
+    fold = n_blocks + (others % n_others if n_others else others)
+    position = np.arange(len(mine))
+    fold[mine] = position * n_blocks // len(mine)
+    gap = np.zeros((len(run), n_blocks + n_others), dtype=bool)
+    margin = round(GAP * len(mine) / n_blocks)
+    for block in range(n_blocks):
+        inside = position[fold[mine] == block]
+        near = (position >= inside[0] - margin) & (position <= inside[-1] + margin) & (fold[mine] != block)
+        gap[mine[near], block] = True
+    return Folds("block", fold, gap)

@@ -1,0 +1,255 @@
+"""Measure: what an extension is worth on runs that it was not fitted to.
+
+It pays if what was held out becomes more probable. Two kinds of things are held out, one at a time:
+
+- every run, predicted by the model fitted to the others;
+- every stated figure of robot and instruments, predicted by all runs and the other figures. A nominal model with
+  absurd figures predicts held-out runs as well as an extension does (a gas constant 12 sigmas off acts exactly as a
+  loss of gas does), so runs alone would refuse causes that are true; the figure tells.
+
+An effect that a single run shows nearly alone cannot be checked with other runs. That run is then cut into blocks of
+time, with a gap on both sides of the block that is held out; `HeldOut.by` says so, for it is the weaker proof.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.special import stdtrit
+
+from bench.diagnose.cross_validation.floor import floor_variance
+from bench.diagnose.cross_validation.folds import Folds, folds_of
+from bench.diagnose.cross_validation.leave_out import (
+    errors_of_folds,
+    log_probability_of_figures,
+    log_probability_of_folds,
+    tangent_of,
+)
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
+from bench.record.campaign import Array
+
+DRAWS = 2000  # of the Bayesian bootstrap
+SEED = 0  # any: the same campaign gives the same interval
+LOW, HIGH = 0.05, 0.95  # quantiles of a 90 % interval
+NOTICEABLE = 0.1  # [nats]; what changes nothing rises by rounding
+
+
+@dataclass(frozen=True)
+class ChannelGain:
+    """How well runs that were not fitted are predicted, for one channel.
+
+    Attributes:
+        channel: Column of the campaign.
+        unit: SI.
+        before: Root mean square of what the model without the extension leaves of a run, fitted to the other runs as
+            far as the stated uncertainty of its figures allows (`leave_out.REACH`).
+        after: The same with the extension.
+        floor: What noise and friction at rest would leave of a perfect model.
+        gain: 1 - after / before.
+        low, high: 90 % interval of the gain, over the runs.
+        measured: Root mean square of what was measured about its mean, with the same weights.
+        nominal: What the nominal model leaves as it stands, nothing fitted.
+        over_better: 1 - after / min(before, nominal): the gain over the better of the two, for a model whose figures
+            were bent by the other runs may predict a run worse than the nominal one does.
+        over_better_low, over_better_high: 90 % interval of it.
+    """
+
+    channel: str
+    unit: str
+    before: float
+    after: float
+    floor: float
+    gain: float
+    low: float
+    high: float
+    measured: float
+    nominal: float
+    over_better: float
+    over_better_low: float
+    over_better_high: float
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """What an extension is worth on what it was not fitted to.
+
+    Attributes:
+        nats: Rise of the log probability of all that was held out.
+        low, high: 90 % interval of it, over the runs.
+        figures: The part of `nats` that comes from the stated figures; the rest comes from the runs.
+        by: What was held out at a time.
+        folds: Number of them.
+        channels: One entry for each column of the campaign that is compared.
+    """
+
+    nats: float
+    low: float
+    high: float
+    figures: float
+    by: Literal["run", "block"]
+    folds: int
+    channels: tuple[ChannelGain, ...]
+
+    @property
+    def is_gain(self) -> bool:
+        """Whether what was held out becomes more probable, whichever runs one happened to make."""
+        return self.low > NOTICEABLE
+
+
+def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: LinearisedModel | None = None) -> HeldOut:
+    """Return what `after` is worth against `before`.
+
+    Intervals are a Bayesian bootstrap over the folds (Dirichlet weights), so an effect that two runs of twenty show is
+    not refused for the eighteen that say nothing.
+
+    Args:
+        linear: The campaign.
+        before: Fit of the model without the extension.
+        after: Fit with it.
+        before_in: The design of `before`, where that has fewer nuisances, the first of the other's; None: the same.
+    """
+    designs = before_in or linear, linear
+    count = len(before.nuisances)
+    folds = folds_of(linear, linear.whiten(before.residual - after.residual))
+    weights = np.random.default_rng(SEED).dirichlet(np.ones(len(folds)), DRAWS)
+    tangents = [tangent_of(own, fit) for own, fit in zip(designs, (before, after), strict=True)]
+    one, two = (log_probability_of_folds(linear, tangent, folds) for tangent in tangents)
+    figures = log_probability_of_figures(after, tangents[1], count) - log_probability_of_figures(before, tangents[0])
+    low, high = np.quantile(figures + len(folds) * weights @ (two - one), (LOW, HIGH))
+    both = zip(designs, (before, after), tangents, strict=True)
+    first, second = (errors_of_folds(own, fit, tangent, folds) for own, fit, tangent in both)
+    return HeldOut(
+        nats=figures + float(np.sum(two - one)),
+        low=float(low),
+        high=float(high),
+        figures=figures,
+        by=folds.by,
+        folds=len(folds),
+        channels=_channels(with_play(linear, after.play), folds, first, second, weights),
+    )
+
+
+def _channels(
+    linear: LinearisedModel, folds: Folds, before: Array, after: Array, weights: Array
+) -> tuple[ChannelGain, ...]:
+    """Return the gain of every channel.
+
+    Root mean squares are weighted with the floor's inverse variance. Static friction blurs currents at rest by up to
+    twice the Coulomb level; plainly averaged, it would set the floor of the whole channel and hide in it any error of
+    steady motion. With these weights `after / floor` is the root mean square of every reading's error in standard
+    deviations of that reading: a perfect model gives 1, and a goal of 1.2 is a statement about all readings.
+
+    Args:
+        linear: The campaign.
+        folds: What was held out at a time; K.
+        before: Shape (T, c), held-out errors without the extension.
+        after: Shape (T, c), with it.
+        weights: Shape (draws, K), of the bootstrap.
+    """
+    variance = floor_variance(linear)
+    observed = np.concatenate([segment.observed for segment in linear.segments])
+    found = []
+    for c, quantity in enumerate(linear.quantities):
+        seen = np.isfinite(variance[:, c])
+        precision = np.where(seen, 1 / variance[:, c], 0.0)
+        total = float(precision.sum())
+        if total == 0:
+            continue
+        about = np.where(seen, observed[:, c], 0.0)
+        about = about - float(precision @ about) / total
+        values = (before[:, c], after[:, c], linear.residual[:, c], about)
+        one, two, zero, raw = (folds.sums(precision * np.where(seen, value, 0.0) ** 2) for value in values)
+        drawn_one, drawn_two, drawn_zero = weights @ one, weights @ two, weights @ zero
+        low, high = np.quantile(_gain(drawn_one, drawn_two), (LOW, HIGH))
+        better_low, better_high = np.quantile(_gain(np.minimum(drawn_one, drawn_zero), drawn_two), (LOW, HIGH))
+        sums = np.array([one.sum(), two.sum(), zero.sum(), raw.sum()])
+        left, better, nominal, measured = np.sqrt(sums / total).tolist()
+        gain, over_better = _gain(np.array([sums[0], min(sums[0], sums[2])]), sums[[1, 1]]).tolist()
+        found.append(
+            ChannelGain(
+                channel=quantity.column,
+                unit=quantity.unit,
+                before=left,
+                after=better,
+                floor=float(np.sqrt(np.count_nonzero(seen) / total)),
+                gain=gain,
+                low=float(low),
+                high=float(high),
+                measured=measured,
+                nominal=nominal,
+                over_better=over_better,
+                over_better_low=float(better_low),
+                over_better_high=float(better_high),
+            )
+        )
+    return tuple(found)
+
+
+def _gain(before: Array, after: Array) -> Array:
+    """Return the gains between sums of squares, same shape; 0 where nothing was to be gained."""
+    share = np.divide(after, before, out=np.ones_like(after), where=before > 0)
+    return 1 - np.asarray(np.sqrt(share), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class PredictedError:
+    """What a model will leave of one channel in a recording that nobody has made yet.
+
+    Attributes:
+        channel: Column of the campaign.
+        unit: SI.
+        kind: Of recording.
+        runs: Runs it rests on.
+        rms: Plain root mean square over the held-out readings of all these runs.
+        low, high: 90 % prediction interval of the root mean square of one more run; nan if there are less than two.
+    """
+
+    channel: str
+    unit: str
+    kind: Literal["static", "motion"]
+    runs: int
+    rms: float
+    low: float
+    high: float
+
+
+def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, ...]:
+    """Return what a fitted model will leave of an unseen recording of the same robot, for static runs and for motion.
+
+    Each run of the campaign is predicted by the model as fitted to the others. The logarithms of their root mean
+    squares are taken as normal; one more run lies within t_(K-1) s sqrt(1 + 1/K) of their mean. Instruments that are
+    set up anew bring their own errors, which are not in it. A campaign of one run is cut into blocks that stand for
+    runs.
+
+    Args:
+        linear: The campaign.
+        fit: The model.
+    """
+    folds = folds_of(linear)
+    error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds)
+    is_static = np.repeat([s.is_static for s in linear.segments], [len(s) for s in linear.segments])
+    kinds: tuple[tuple[Literal["static", "motion"], Array], ...] = (("static", is_static), ("motion", ~is_static))
+    found = []
+    for c, quantity in enumerate(linear.quantities):
+        for kind, chosen in kinds:
+            seen = chosen & np.isfinite(error[:, c])
+            count = folds.sums(seen.astype(np.float64))
+            square = folds.sums(np.where(seen, error[:, c], 0.0) ** 2)
+            there = count > 0
+            if not np.any(there):
+                continue
+            rms = float(np.sqrt(square.sum() / count.sum()))
+            low, high = _one_more(np.sqrt(square[there] / count[there]))
+            found.append(PredictedError(quantity.column, quantity.unit, kind, int(there.sum()), rms, low, high))
+    return tuple(found)
+
+
+def _one_more(rms: Array) -> tuple[float, float]:
+    """Return the 90 % prediction interval of one more positive number, shape (K,), log-normal; nan if K < 2."""
+    k = len(rms)
+    if k < 2 or not np.all(rms > 0):
+        return np.nan, np.nan
+    logs = np.log(rms)
+    half = float(stdtrit(k - 1, HIGH)) * logs.std(ddof=1) * np.sqrt(1 + 1 / k)
+    return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))

@@ -1,0 +1,161 @@
+"""Leave out: every fold predicted by a model that was fitted to the others, without simulating anything again.
+
+A fit is taken as converged, and its slopes as good over the small step that leaving out a run makes. In whitened
+space, with residual r, slopes T (nuisances, then unknowns) and precision P of the priors, that step is
+
+    d = -H^-1 b,   H = P + T^T T over the runs that stay,   b = T^T r over those that are left out,
+
+and what is left out is normal around its prediction, with covariance I + T H^-1 T^T.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import lsq_linear
+
+from bench.diagnose.cross_validation.floor import measured
+from bench.diagnose.cross_validation.folds import Folds
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
+from bench.record.campaign import Array
+
+REACH = 4.0  # standard deviations by which a figure may be off before it makes another model; one in 16000 is
+ABSURD = 20.0  # standard deviations, beyond which it does not matter by how much a stated figure is wrong
+UNTOLD = (
+    1e-3  # relative fall of a variance; below, data know a figure thirty times worse than it is stated, or not at all
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """A fit in the linearised model; m whitened readings, p nuisances, k unknowns.
+
+    Attributes:
+        jacobian: Shape (m, p + k), whitened.
+        white: Shape (m,), whitened residual.
+        precision: Shape (p + k, p + k), of all parameters given all data.
+        log_determinants: Shape (m,), of whitening.
+    """
+
+    jacobian: Array
+    white: Array
+    precision: Array
+    log_determinants: Array
+
+
+def tangent_of(linear: LinearisedModel, fit: Fit) -> Tangent:
+    """Return a fit in the linearised model.
+
+    Args:
+        linear: The campaign.
+        fit: To all of it.
+    """
+    linear = with_play(linear, fit.play)
+    jacobian = np.concatenate([linear.jacobian, linear.whiten(fit.jacobian)], axis=1)
+    prior = np.concatenate([np.ones(len(fit.nuisances)), [1 / unknown.sigma**2 for unknown in fit.unknowns]])
+    precision = jacobian.T @ jacobian + np.diag(prior)
+    return Tangent(jacobian, linear.whiten(fit.residual), precision, linear.log_determinants)
+
+
+def log_probability_of_folds(linear: LinearisedModel, tangent: Tangent, folds: Folds) -> Array:
+    """Return the log probability of the readings of each fold given the others, shape (K,) [nats].
+
+    An extension that is sure of what it does not know loses here; one that only says it does not know, hardly.
+    """
+    row_fold, row_gap = folds.of_rows(linear)
+    free = np.arange(tangent.jacobian.shape[1])
+    found = np.empty(len(folds))
+    for f in range(len(folds)):
+        mine = row_fold == f
+        step, rest = _step(tangent, tangent.white, mine | row_gap[:, f], free)
+        own = tangent.jacobian[mine]
+        volume = float(np.sum(tangent.log_determinants[mine]))
+        found[f] = volume + _log_density(tangent.white[mine] - own @ step, own, rest)
+    return found
+
+
+def log_probability_of_figures(fit: Fit, tangent: Tangent, count: int | None = None) -> float:
+    """Return the log probability of the stated figures, each predicted by all runs and all other figures [nats].
+
+    A stated figure is a measurement too: someone weighed, somebody calibrated. Without it, nuisance i is normal with
+    mean x_i / (1 - v_i) and variance v_i / (1 - v_i), if x_i and v_i are its value and variance with it; what was
+    stated is 0 with a standard deviation of 1. One that is off by more than `ABSURD` counts as off by that: beyond, it
+    says that something is wrong, not what.
+
+    Args:
+        fit: Of the model.
+        tangent: The same in the linearised model.
+        count: Of the nuisances, the first, that are stated figures; None: all.
+    """
+    stated = fit.nuisances[:count]
+    rest = np.maximum(1 - np.diag(np.linalg.inv(tangent.precision))[: len(stated)], UNTOLD)
+    return float(0.5 * np.sum(np.log(rest) - np.minimum(stated**2 / rest, ABSURD**2)))
+
+
+def errors_of_folds(linear: LinearisedModel, fit: Fit, tangent: Tangent, folds: Folds, reach: float = REACH) -> Array:
+    """Return measured less predicted, shape (T, c), each reading while its fold was held out; nan where not measured.
+
+    Args:
+        linear: The campaign.
+        fit: To all of it.
+        tangent: The same in the linearised model.
+        folds: What is held out at a time.
+        reach: Figures of the model stay within so many standard deviations of what is stated. Without that, a robot
+            that lost a tenth of its gas would be predicted well by a nominal one with a gas constant ten sigmas off.
+    """
+    p = len(fit.nuisances)
+    clamp, free = _clamped(fit, tangent, reach)
+    white = tangent.white - tangent.jacobian @ clamp
+    row_fold, row_gap = folds.of_rows(linear)
+    error = np.where(measured(linear), fit.residual, np.nan)
+    for f in range(len(folds)):
+        step, _ = _step(tangent, white, (row_fold == f) | row_gap[:, f], free)
+        moved = clamp.copy()
+        moved[free] += step
+        at = folds.of_instants == f
+        error[at] -= linear.sensitivities[at] @ moved[:p] + fit.jacobian[at] @ moved[p:]
+    return error
+
+
+def _step(tangent: Tangent, white: Array, absent: NDArray[np.bool_], free: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Return the step of the free parameters without some readings, and the precision that is left of them.
+
+    Args:
+        tangent: The fit.
+        white: Shape (m,), residual at its optimum.
+        absent: Shape (m,), readings that are left out.
+        free: Shape (q,), parameters that may move.
+    """
+    gone = tangent.jacobian[absent][:, free]
+    rest = tangent.precision[np.ix_(free, free)] - gone.T @ gone
+    step = -cho_solve(cho_factor(rest), gone.T @ white[absent])
+    return step, rest
+
+
+def _clamped(fit: Fit, tangent: Tangent, reach: float) -> tuple[Array, NDArray[np.int64]]:
+    """Return the step from a fit to the best one within reach, shape (p + k,), and the parameters that stay free."""
+    p, size = len(fit.nuisances), len(tangent.precision)
+    if np.all(np.abs(fit.nuisances) <= reach):
+        return np.zeros(size), np.arange(size)
+    low, high = np.full(size, -np.inf), np.full(size, np.inf)
+    low[:p], high[:p] = -reach - fit.nuisances, reach - fit.nuisances
+    root = np.linalg.cholesky(tangent.precision).T
+    found = lsq_linear(root, np.zeros(size), (low, high), method="bvls")
+    return np.asarray(found.x, dtype=np.float64), np.flatnonzero(found.active_mask == 0)
+
+
+def _log_density(error: Array, jacobian: Array, precision: Array) -> float:
+    """Return the log density of an error that is normal with covariance I + slopes precision^-1 slopes^T.
+
+    Args:
+        error: Shape (m,).
+        jacobian: Shape (m, q).
+        precision: Shape (q, q).
+    """
+    both = precision + jacobian.T @ jacobian
+    pull = jacobian.T @ error
+    square = float(error @ error) - float(pull @ cho_solve(cho_factor(both), pull))
+    determinant = float(np.linalg.slogdet(both)[1] - np.linalg.slogdet(precision)[1])
+    return -0.5 * (square + determinant + len(error) * float(np.log(2 * np.pi)))

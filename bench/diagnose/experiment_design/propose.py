@@ -1,0 +1,139 @@
+"""Ask: the next experiment, the one that would best split what today's data cannot tell apart."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from bench.diagnose.experiment_design.direct import direct_measurements
+from bench.diagnose.experiment_design.experiments import experiments_for
+from bench.diagnose.experiment_design.preposterior import (
+    Expectation,
+    Preposterior,
+    expected_log_bayes_factor,
+    narrowing,
+)
+from bench.diagnose.experiment_design.workspace import quantities_with_more
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
+
+MOST_PROPOSALS = 5  # in the verdict, the best first
+MOST_FITS = 4  # explanations that are told apart, the best first
+SIMULATED = 8  # experiments that are simulated with every deviation of the model
+TOLD_APART = 6.0  # log Bayes factor; more than that is as good
+LEAST = 1.0  # expected log Bayes factor below which an experiment is not worth a lab's time
+LEAST_NARROWING = 0.9  # of the standard deviation, above which the same holds
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """An experiment that would tell explanations apart, or show what these data cannot.
+
+    Attributes:
+        experiment: In words: pose, speed, load, dwell, or an instrument.
+        splits: Names of the two explanations that it tells apart best; of one that stands alone, its name and "".
+        separation: Expected log Bayes factor between the two, if the one that it favours less is true. Of one alone,
+            the logarithm of the factor by which the standard deviation of its least known parameter shrinks.
+        today: The same with the data at hand; 0 for one alone.
+        narrows: Of one alone, what it does to that parameter, in words; else "".
+    """
+
+    experiment: str
+    splits: tuple[str, str]
+    separation: float
+    today: float
+    narrows: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Rated:
+    """An experiment with its worth.
+
+    Attributes:
+        proposal: For people.
+        family: What it is like.
+        gain: By which it is ranked: log Bayes factors of all pairs, each counted up to where it is told apart, then
+            that of the best pair.
+    """
+
+    proposal: Proposal
+    family: str
+    gain: tuple[float, float]
+
+
+def propose(linear: LinearisedModel, fits: Sequence[Fit], executor: Executor = SERIAL) -> tuple[Proposal, ...]:
+    """Return at most five experiments, the best first, each of another kind; none where nothing tried would help.
+
+    With several explanations, an experiment is worth what it tells apart; with one, by how much it narrows the size of
+    which these data have told least of what was plausible.
+
+    Args:
+        linear: Today's campaign.
+        fits: The explanations that today's data cannot tell apart, the best first.
+        executor: Where to simulate.
+
+    Raises:
+        ConvergenceError, RobotError: An explanation cannot be simulated in one of the experiments.
+    """
+    fits = [fit for fit in fits if fit.unknowns][:MOST_FITS]
+    if not fits:
+        return ()
+    quantities = quantities_with_more(linear)
+    is_thermal = any(cause.effect.needs for fit in fits for cause in fit.causes)
+    experiments = experiments_for(linear, is_thermal)
+    quick = Preposterior(linear, fits, experiments, quantities, is_quick=True, executor=executor)
+    first = [_rate(e.words, e.family, fits, quick.expect(e)) for e in experiments]
+    best = sorted(range(len(experiments)), key=lambda i: first[i].gain, reverse=True)[:SIMULATED]
+    chosen = [experiments[i] for i in best]
+    full = Preposterior(linear, fits, chosen, quantities, is_quick=False, executor=executor)
+    rated = [_rate(e.words, e.family, fits, full.expect(e)) for e in chosen]
+    direct = direct_measurements(linear, fits, quick.trace)
+    rated += [_rate(d.words, d.family, fits, d.expectations) for d in direct]
+    return _best_of_each(rated, LEAST if len(fits) > 1 else -np.log(LEAST_NARROWING))
+
+
+def _best_of_each(rated: Sequence[Rated], least: float) -> tuple[Proposal, ...]:
+    found: dict[str, Proposal] = {}
+    for one in sorted(rated, key=lambda r: r.gain, reverse=True):
+        if one.proposal.separation >= least:
+            found.setdefault(one.family, one.proposal)
+    return tuple(found.values())[:MOST_PROPOSALS]
+
+
+def _rate(words: str, family: str, fits: Sequence[Fit], expectations: Sequence[Expectation]) -> Rated:
+    """Return the worth of an experiment."""
+    if len(fits) == 1:
+        return _rate_narrowing(words, family, fits[0], expectations[0])
+    pairs = list(combinations(range(len(fits)), 2))
+    apart = [expected_log_bayes_factor(expectations[i], expectations[j]) for i, j in pairs]
+    best = int(np.argmax(apart))
+    one, two = (fits[i] for i in pairs[best])
+    proposal = Proposal(
+        experiment=words,
+        splits=(name_of(one), name_of(two)),
+        separation=apart[best],
+        today=abs(one.log_evidence - two.log_evidence),
+    )
+    return Rated(proposal, family, (sum(min(value, TOLD_APART) for value in apart), apart[best]))
+
+
+def _rate_narrowing(words: str, family: str, fit: Fit, expectation: Expectation) -> Rated:
+    told = [0.0 if u.parameter.is_shape else s / u.sigma for u, s in zip(fit.unknowns, fit.sigma, strict=True)]
+    least = int(np.argmax(told))
+    share = narrowing(expectation, len(expectation.covariance) - len(fit.unknowns) + least)
+    unknown, sigma = fit.unknowns[least], float(fit.sigma[least])
+    unit = f" {unknown.parameter.unit}" if unknown.parameter.unit else ""
+    narrows = (
+        f"{unknown.parameter.name} of {unknown.cause}: {fit.values[least]:.3g} +- {sigma:.2g}{unit} today, "
+        f"+- {share * sigma:.2g}{unit} then"
+    )
+    gain = float(-np.log(max(share, np.finfo(float).tiny)))
+    return Rated(Proposal(words, (name_of(fit), ""), gain, 0.0, narrows), family, (gain, gain))
+
+
+def name_of(fit: Fit) -> str:
+    """Return an explanation in words."""
+    return " and ".join(str(cause) for cause in fit.causes)

@@ -1,0 +1,145 @@
+"""What a campaign cannot show: effects that stay unseen at their largest plausible size, and what would show them.
+
+Each such effect is simulated along the same motion, with every instrument that is not there. Where one would move by
+many of its standard errors, it is named; where none would, other runs are needed.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.limits import detection_limits
+from bench.diagnose.linearise.screening import Screening
+from bench.diagnose.replay.noise import UNIFORM
+from bench.diagnose.replay.quantities import AXES, Quantity
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.simulations import simulate_all
+from bench.diagnose.replay.world import NOMINAL, World
+from bench.errors import BenchError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+
+CLEAR = 10.0  # norm of a change in standard errors; an instrument that is new brings errors of its own
+# Noise of an instrument that the robot's figures do not name; assumed.
+CURRENT_SHARE = 0.005  # of the largest nominal torque of a drive
+TRACKER_M = 30e-6
+LINK_ENCODER = 5e-6  # [rad] or [m]
+FORCE_N, MOMENT_NM = 0.5, 0.2
+
+
+@dataclass(frozen=True)
+class UndetectableEffect:
+    """An effect that a campaign would not have shown.
+
+    Attributes:
+        effect: Of the catalogue.
+        places: Where.
+        shown_by: Quantities of the campaign format that would show it in the same runs ("current", "reflector", ...);
+            empty: it takes other runs.
+    """
+
+    effect: str
+    places: tuple[str, ...]
+    shown_by: tuple[str, ...]
+
+
+def undetectable_effects(
+    compiled: CompiledRobot,
+    segments: tuple[Segment, ...],
+    quantities: tuple[Quantity, ...],
+    screening: Screening,
+    causes: Sequence[Cause],
+    executor: Executor = SERIAL,
+) -> tuple[UndetectableEffect, ...]:
+    """Return what a campaign cannot show.
+
+    Args:
+        compiled: The nominal robot.
+        segments: The campaign.
+        quantities: That it has.
+        screening: Of everything, against the nominal model.
+        causes: That were looked for.
+        executor: Where to simulate.
+    """
+    seen = _seen(screening, causes)
+    unseen = [cause for cause in causes if cause.key not in seen]
+    more = _absent(compiled, quantities)
+    if not unseen:
+        return ()
+    shown: list[tuple[str, ...]] = [()] * len(unseen)
+    if more:
+        replay = Replay(compiled, segments, more)
+        sigma = _sigma(compiled, more, replay.predict(NOMINAL))
+        worlds = [World(acting=(cause.acting({s.name: s.null + s.high for s in cause.sizes}),)) for cause in unseen]
+        nominal = replay.predict(NOMINAL)
+        for i, found in enumerate(simulate_all(replay, worlds, executor)):
+            if not isinstance(found, BenchError):
+                shown[i] = _clear(more, (found - nominal) / sigma)
+    grouped: dict[tuple[str, tuple[str, ...]], list[str]] = {}
+    for cause, by in zip(unseen, shown, strict=True):
+        grouped.setdefault((cause.effect.name, by), []).append(str(cause.place))
+    return tuple(UndetectableEffect(effect, tuple(places), by) for (effect, by), places in grouped.items())
+
+
+def _seen(screening: Screening, causes: Iterable[Cause]) -> set[tuple[str, str]]:
+    """Return the causes that would have been found at a plausible size."""
+    largest: Mapping[tuple[str, str, str], float] = {
+        (*cause.key, size.name): size.high for cause in causes for size in cause.sizes
+    }
+    limits = detection_limits(screening)
+    return {(one.effect, one.place) for one in limits if one.limit <= largest[one.effect, one.place, one.parameter]}
+
+
+def _absent(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
+    """Return what instruments could read that the campaign has not; a drive's torque counts as its current."""
+    there = {("current" if q.is_drive else q.kind, q.index, q.axis) for q in quantities}
+    every = []
+    for j, is_slide in enumerate(compiled.is_slide):
+        unit = "m" if is_slide else "rad"
+        every.append(Quantity(f"current_{j + 1}_a", "current", "A", j))
+        every.append(Quantity(f"q_link_{j + 1}_{unit}", "q_link", unit, j))
+    for k in range(len(compiled.robot.figures.reflectors)):
+        every += [Quantity(f"reflector_{k + 1}_{a}_m", "reflector", "m", k, i) for i, a in enumerate(AXES)]
+    every += [Quantity(f"force_{a}_n", "force", "N", axis=i) for i, a in enumerate(AXES)]
+    every += [Quantity(f"moment_{a}_nm", "moment", "Nm", axis=i) for i, a in enumerate(AXES)]
+    if compiled.counterbalance is not None and compiled.robot.figures.instruments.pressure is not None:
+        every.append(Quantity("gas_pressure_pa", "gas_pressure", "Pa"))
+    kinds = {kind for kind, _, _ in there if kind not in ("current", "q_link")}  # one reflector is a tracker
+    return tuple(q for q in every if (q.kind, q.index, q.axis) not in there and q.kind not in kinds)
+
+
+def _sigma(compiled: CompiledRobot, quantities: tuple[Quantity, ...], nominal: Array) -> Array:
+    """Return the noise of one reading of instruments that are not there, shape (c,)."""
+    fitted = compiled.robot.figures.instruments
+    found = []
+    for c, quantity in enumerate(quantities):
+        match quantity.kind:
+            case "current":
+                largest = float(np.max(np.abs(nominal[:, c])))
+                sigma = fitted.current.sigma_a if fitted.current else max(CURRENT_SHARE * largest, 1e-6)
+            case "reflector":
+                far = float(np.linalg.norm(fitted.tracker.position_m)) if fitted.tracker else 0.0
+                sigma = fitted.tracker.sigma_per_distance * far if fitted.tracker and far else TRACKER_M
+            case "q_link":
+                sigma = LINK_ENCODER
+            case "force":
+                sigma = fitted.force.sigma_n if fitted.force else FORCE_N
+            case "moment":
+                sigma = fitted.force.sigma_nm if fitted.force else MOMENT_NM
+            case _:
+                sigma = UNIFORM * fitted.pressure.resolution_pa if fitted.pressure else np.inf
+        found.append(sigma)
+    return np.array(found)
+
+
+def _clear(quantities: tuple[Quantity, ...], change: Array) -> tuple[str, ...]:
+    """Return the kinds of instruments that a change, in standard errors, would show."""
+    square: dict[str, float] = {}
+    for c, quantity in enumerate(quantities):
+        square[quantity.kind] = square.get(quantity.kind, 0.0) + float(np.sum(change[:, c] ** 2))
+    return tuple(kind for kind, size in square.items() if size > CLEAR**2)

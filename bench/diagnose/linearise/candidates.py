@@ -1,0 +1,173 @@
+"""Which effects could act on a robot, where, and what a campaign would show of each: signatures, by simulation."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.linearise.linearised_model import WHITENED_TOGETHER, LinearisedModel
+from bench.effects.effect import WHOLE, Acting, Effect, Parameter, Place
+from bench.effects.recorded import NOTHING_RECORDED, Recorded
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+
+FEWEST_SHAPES = 3  # values of a shape parameter that are tried at first
+INVISIBLE = 1e-3  # norm of a whitened signature at its largest plausible size, below which nobody can see an effect
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An effect at a place.
+
+    Attributes:
+        effect: What.
+        place: Where.
+        sizes: Its parameters that are sizes there.
+        shapes: Its parameters that only shape it.
+    """
+
+    effect: Effect
+    place: Place
+    sizes: tuple[Parameter, ...]
+    shapes: tuple[Parameter, ...]
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Name of the effect and place, in words."""
+        return self.effect.name, str(self.place)
+
+    @property
+    def drive(self) -> int:
+        """Index of the drive at which it acts, or -1."""
+        return self.place.index if self.place.kind == "joint" else -1
+
+    def __str__(self) -> str:
+        where = "" if self.place == WHOLE else f" of {self.place}"
+        return f"{self.effect.title}{where}"
+
+    def acting(self, values: Mapping[str, float]) -> Acting:
+        """Return the cause with some of its parameters given."""
+        return Acting(self.effect, self.place, self.effect.complete(values))
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A cause with its shape fixed, in the linearised model; m whitened readings, k sizes.
+
+    Attributes:
+        cause: Effect and place.
+        shape: Values of the shape parameters.
+        step: Shape (k,), size - null at which the columns were simulated.
+        prior: Shape (k,), standard deviation of the sizes as plausible, in steps.
+        columns: Shape (m, k), whitened change of the readings with one step of each size.
+    """
+
+    cause: Cause
+    shape: Mapping[str, float]
+    step: Array
+    prior: Array
+    columns: Array
+
+    @property
+    def plausible(self) -> Array:
+        """Shape (k,), standard deviations of the sizes, in steps."""
+        return self.prior
+
+
+def causes_of(
+    catalogue: Iterable[Effect],
+    compiled: CompiledRobot,
+    measured: frozenset[str],
+    recorded: Recorded = NOTHING_RECORDED,
+) -> tuple[Cause, ...]:
+    """Return every effect at every place where it may act on this robot, as far as these channels could show it.
+
+    Args:
+        catalogue: Effects.
+        compiled: The robot.
+        measured: Quantities that the campaign has.
+        recorded: Its runs and columns; without them errors of the recording have no place.
+    """
+    found = []
+    for effect in catalogue:
+        if any(need not in measured for need in effect.needs):
+            continue
+        for place in effect.places_in(compiled, recorded):
+            parameters = effect.parameters_at(compiled, place)
+            sizes = tuple(parameter for parameter in parameters if not parameter.is_shape)
+            shapes = tuple(parameter for parameter in parameters if parameter.is_shape)
+            found.append(Cause(effect, place, sizes, shapes))
+    return tuple(found)
+
+
+def unseen_of(catalogue: Iterable[Effect], measured: frozenset[str]) -> dict[str, tuple[str, ...]]:
+    """Return the effects that need channels which the campaign has not: name -> those channels."""
+    missing = {effect.name: tuple(need for need in effect.needs if need not in measured) for effect in catalogue}
+    return {name: needs for name, needs in missing.items() if needs}
+
+
+def shape_grid(cause: Cause) -> list[dict[str, float]]:
+    """Return the shapes that are tried at first: a few values of each shape parameter, on a logarithmic scale."""
+    axes = []
+    for parameter in cause.shapes:
+        low, high, count = parameter.low, parameter.high, FEWEST_SHAPES
+        if low > 0:
+            count = max(count, 1 + int(np.ceil(np.log(high / low) / np.log(parameter.ratio))))
+        values = (np.geomspace if low > 0 else np.linspace)(low, high, count)
+        axes.append([(parameter.name, float(value)) for value in values])
+    return [dict(point) for point in product(*axes)]
+
+
+def candidates_of(
+    linear: LinearisedModel, causes: Sequence[Cause], sensitivities: Sequence[NDArray[np.floating] | None]
+) -> tuple[Candidate, ...]:
+    """Return the visible candidates of a campaign: every cause at every shape that leaves a trace in it.
+
+    Args:
+        linear: The campaign.
+        causes: What to try.
+        sensitivities: Of the readings, shape (T, c) each, with one size of one shape of one cause at its typical
+            value, in the order of `plan_of`; None where the model found no balance.
+    """
+    seen = [i for i, change in enumerate(sensitivities) if change is not None]
+    if not seen:
+        return ()
+    white = np.empty((len(linear.white), len(seen)))
+    for start in range(0, len(seen), WHITENED_TOGETHER):
+        there = (sensitivities[i] for i in seen[start : start + WHITENED_TOGETHER])
+        some = np.stack([change for change in there if change is not None], axis=2)
+        white[:, start : start + WHITENED_TOGETHER] = linear.whiten(some)
+    norms = np.sqrt(np.einsum("ij,ij->j", white, white))
+    column_of = {i: column for column, i in enumerate(seen)}
+    found = []
+    i = 0
+    for cause, shape in plan_of(causes):
+        kept = [(size, column_of[i + k]) for k, size in enumerate(cause.sizes) if i + k in column_of]
+        i += len(cause.sizes)
+        if not kept:
+            continue
+        step = np.array([size.typical - size.null for size, _ in kept])
+        prior = np.array([size.high for size, _ in kept]) / np.sqrt(3) / np.abs(step)
+        columns = np.array([column for _, column in kept])
+        visible = norms[columns] * prior > INVISIBLE
+        if np.any(visible):
+            sizes = tuple(size for (size, _), is_visible in zip(kept, visible, strict=True) if is_visible)
+            shown = Cause(cause.effect, cause.place, sizes, cause.shapes)
+            found.append(Candidate(shown, shape, step[visible], prior[visible], _view(white, columns[visible])))
+    return tuple(found)
+
+
+def _view(white: Array, columns: Array) -> Array:
+    """Return some columns, without a copy where they are neighbours."""
+    first, count = int(columns[0]), len(columns)
+    if int(columns[-1]) - first == count - 1:
+        return white[:, first : first + count]
+    some: Array = white[:, columns]
+    return some
+
+
+def plan_of(causes: Sequence[Cause]) -> list[tuple[Cause, dict[str, float]]]:
+    """Return every cause with each of its shapes."""
+    return [(cause, shape) for cause in causes for shape in shape_grid(cause)]

@@ -1,0 +1,213 @@
+"""What nobody listed: torques, gear errors and sensor errors as free functions of angle, direction, speed, load.
+
+Each block is one place and one dependence with a handful of free coefficients. If a block explains what the catalogue
+cannot, the cause is unlisted, and the block says where it acts, on what it depends, and how it runs.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from bench.diagnose.linearise.linearised_model import WHITENED_TOGETHER, LinearisedModel
+from bench.diagnose.replay.world import NOMINAL
+from bench.effects.learned_readings import force_of, in_room, in_time, of_reading, under_force
+from bench.effects.learned_torques import LearnedDrag
+from bench.record.campaign import Array
+from bench.simulate.instruments import HOUR
+from bench.simulate.plant import Trace
+
+ANGLE_NODES = 9
+SPEED_NODES = 4
+TORQUE_SHARE = 0.03  # plausible size of an unlisted torque, of the largest that the motor pays
+READING_SHARE = 0.05  # plausible size of an unlisted error of a reading, of the largest reading
+GEAR_ANGLE = 3e-4  # [rad], plausible size of an unlisted error of a gear
+TRACKER_ERROR = 3e-4  # [m], plausible size of an unlisted error of the tracker over its room, in an hour, under force
+LEAST_FORCE = 1.0  # [N]; below, nothing pulls at the load point
+LEAST_RANGE = 0.02  # [rad]; a joint that moves less shows no dependence on its angle
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """One place and one dependence.
+
+    Attributes:
+        place: "joint 2", "drive 3", "tracker", "reflector 1".
+        kind: "link torque", "motor torque", "gear angle", "reading".
+        depends_on: "angle", "angle and direction", "speed", "load", "place", "time", "force".
+        drive: Index of the drive, or -1.
+        reflector: Index of the reflector, or -1.
+        unit: Of the coefficients.
+        nodes: Shape (k,), where each coefficient sits, in the unit of what it depends on; empty: polynomial.
+        prior: Standard deviation of a coefficient as plausible, in `unit`.
+        columns: Shape (m, k), whitened.
+        functions: Shape (k,), which of the functions that a polynomial may have each coefficient belongs to.
+        origin, size: What it depends on is counted from `origin`, in units of `size`.
+    """
+
+    place: str
+    kind: str
+    depends_on: str
+    drive: int
+    unit: str
+    nodes: Array
+    prior: float
+    columns: Array = field(default_factory=lambda: np.empty((0, 0)))
+    functions: tuple[int, ...] = ()
+    origin: Array = field(default_factory=lambda: np.zeros(1))
+    size: float = 1.0
+    reflector: int = -1
+
+    @property
+    def plausible(self) -> Array:
+        """Shape (k,), standard deviations of the coefficients."""
+        return np.full(self.columns.shape[1], self.prior)
+
+    def __str__(self) -> str:
+        return f"{self.kind} at {self.place}, depending on {self.depends_on}"
+
+
+def blocks_of(linear: LinearisedModel) -> tuple[Block, ...]:
+    """Return the blocks that a campaign can say something about."""
+    return tuple(block for block in _whitened(linear, _shapes(linear, ANGLE_NODES)) if block is not None)
+
+
+def anew(linear: LinearisedModel, block: Block, angle_nodes: int = ANGLE_NODES) -> Block:
+    """Return a block as another design whitens it, and with another number of nodes if it depends on the angle."""
+    one = next((shape, raw) for shape, raw in _shapes(linear, angle_nodes) if str(shape) == str(block))
+    (found,) = _whitened(linear, [one])
+    assert found
+    return found
+
+
+def _whitened(linear: LinearisedModel, shapes: Iterable[tuple[Block, Array]]) -> Iterator[Block | None]:
+    """Yield blocks with their columns from raw ones, shape (T, c, k); None for one that leaves no trace."""
+    some: list[tuple[Block, Array]] = []
+    for one in shapes:
+        some.append(one)
+        if sum(raw.shape[2] for _, raw in some) >= WHITENED_TOGETHER:
+            yield from _seen(linear, some)
+            some = []
+    if some:
+        yield from _seen(linear, some)
+
+
+def _seen(linear: LinearisedModel, shapes: Sequence[tuple[Block, Array]]) -> Iterator[Block | None]:
+    """Yield blocks without the columns that leave no trace."""
+    white = linear.whiten(np.concatenate([raw for _, raw in shapes], axis=2))
+    start = 0
+    for shape, raw in shapes:
+        columns = white[:, start : start + raw.shape[2]]
+        start += raw.shape[2]
+        size = np.linalg.norm(columns, axis=0)
+        seen = size > 1e-9 * max(float(np.max(size)), 1e-300)
+        if not np.any(seen):
+            yield None
+            continue
+        nodes = shape.nodes[seen] if len(shape.nodes) else shape.nodes
+        yield replace(shape, nodes=nodes, columns=columns[:, seen], functions=tuple(np.flatnonzero(seen).tolist()))
+
+
+def hats(values: Array, nodes: Array) -> Array:
+    """Return piecewise linear functions of `values`, shape (T,), one for each node, shape (T, k)."""
+    return np.stack([np.interp(values, nodes, row) for row in np.eye(len(nodes))], axis=1)
+
+
+def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, Array]]:
+    """Yield blocks without columns, each with its raw ones, shape (T, c, k)."""
+    segments = linear.segments
+    trace = linear.replay.trace(NOMINAL)
+    link = np.concatenate([response.link for response in linear.responses])
+    motor = np.concatenate([response.motor for response in linear.responses])
+    stiffness = linear.replay.compiled.stiffness
+    is_static = np.concatenate([np.full(len(segment), segment.is_static) for segment in segments])
+    standing = np.concatenate([np.tile(segment.standing, (len(segment), 1)) for segment in segments])
+    direction = np.where(standing | is_static[:, None], 0.0, np.sign(trace.q_velocity))
+    idle = standing & ~is_static[:, None]  # whose friction is anywhere: it says nothing of the joint
+    link, motor = np.where(idle[:, None], 0.0, link), np.where(idle[:, None], 0.0, motor)
+    names = [drive.joint for drive in linear.replay.compiled.robot.figures.drives]
+    for j in range(len(names)):
+        angle, way, speed = trace.q[:, j], direction[:, j], np.abs(trace.q_velocity[:, j])
+        moves = way != 0
+        transmitted = stiffness[j] * (trace.q[:, j] - trace.theta[:, j])
+        place = f"joint {j + 1}"
+        gear = link[:, :, j] * stiffness[j]
+        gear[:, [q.is_drive for q in linear.quantities]] = 0.0
+        torque = TORQUE_SHARE * float(np.max(np.abs(trace.motor_torque[:, j])))
+        for kind, unit, prior, response in (
+            ("link torque", "Nm", torque, link[:, :, j]),
+            ("motor torque", "Nm", torque, motor[:, :, j]),
+            ("gear angle", "rad", GEAR_ANGLE, gear),
+        ):
+            if not np.any(response):
+                continue
+            if np.ptp(angle) > LEAST_RANGE:
+                nodes = np.linspace(np.min(angle), np.max(angle), angle_nodes)
+                table = hats(angle, nodes)
+                yield Block(place, kind, "angle", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]
+                if kind != "gear angle" and np.any(way > 0) and np.any(way < 0):
+                    directed = table * way[:, None]
+                    yield (
+                        Block(place, kind, "angle and direction", j, unit, nodes, prior),
+                        response[:, :, None] * directed[:, None, :],
+                    )
+            if kind != "gear angle" and np.any(moves):
+                fast = speed[moves]
+                if np.max(fast) > 1.2 * np.min(fast):
+                    nodes = LearnedDrag.speeds(np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES)))
+                    directed = hats(speed, nodes) * way[:, None]
+                    yield (
+                        Block(place, kind, "speed", j, unit, nodes, prior),
+                        response[:, :, None] * directed[:, None, :],
+                    )
+            spread = np.max(np.abs(transmitted))
+            if spread > 1.0:
+                nodes = np.linspace(np.min(transmitted), np.max(transmitted), 7)
+                table = hats(transmitted, nodes)
+                if kind == "gear angle":
+                    yield Block(place, kind, "load", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]
+                elif np.any(moves):
+                    directed = table * way[:, None]
+                    yield Block(place, kind, "load", j, unit, nodes, prior), response[:, :, None] * directed[:, None, :]
+    yield from _sensors(linear, trace)
+
+
+def _sensors(linear: LinearisedModel, trace: Trace) -> Iterator[tuple[Block, Array]]:
+    quantities = linear.quantities
+    nominal = linear.replay.predict(NOMINAL)
+    for c, quantity in enumerate(quantities):
+        if quantity.is_drive:
+            size = max(float(np.max(np.abs(nominal[:, c]))), 1e-12)
+            functions = of_reading(nominal[:, c] / size)
+            raw = np.zeros((*nominal.shape, functions.shape[1]))
+            raw[:, c] = functions
+            j, unit, prior = quantity.index, quantity.unit, READING_SHARE * size
+            yield Block(f"drive {j + 1}", "reading", "load", j, unit, np.empty(0), prior, size=size), raw
+    axes = [c for c, quantity in enumerate(quantities) if quantity.kind == "reflector"]
+    if axes:
+        of_axis = [quantities[c].axis for c in axes]
+        spot = trace.reflectors.mean(axis=1)
+        centre, size = spot.mean(axis=0), max(float(np.ptp(spot)), 1e-9)
+        raw = np.zeros((*nominal.shape, 12))
+        raw[:, axes] = in_room((spot - centre) / size)[:, of_axis]
+        yield Block("tracker", "reading", "place", -1, "m", np.empty(0), TRACKER_ERROR, origin=centre, size=size), raw
+        if np.ptp(trace.time) > 0:
+            raw = np.zeros((*nominal.shape, 6))
+            raw[:, axes] = in_time((trace.time - trace.time[0]) / HOUR)[:, of_axis]
+            yield (
+                Block(
+                    "tracker", "reading", "time", -1, "m", np.empty(0), TRACKER_ERROR, origin=trace.time[:1], size=HOUR
+                ),
+                raw,
+            )
+        force = force_of(trace)
+        largest = float(np.max(force))
+        if np.ptp(force) > LEAST_FORCE:
+            for r in sorted({quantities[c].index for c in axes}):
+                mine = [c for c in axes if quantities[c].index == r]
+                functions = under_force(force / largest)[:, [quantities[c].axis for c in mine]]
+                raw = np.zeros((*nominal.shape, functions.shape[2]))
+                raw[:, mine] = functions
+                place = f"reflector {r + 1}"
+                shape = Block(place, "reading", "force", -1, "m", np.empty(0), TRACKER_ERROR, size=largest, reflector=r)
+                yield shape, raw

@@ -1,0 +1,98 @@
+"""What not even the richest model explains is noise too: by how much the standard errors of quantities are too small.
+
+A real drive has cogging, a real arm rings, a clock jitters. One factor for a whole campaign would let the worst channel
+drown the others; so each quantity has its own, at rest and in motion. Neighbours that err alike count as one reading.
+
+While a model is still far from the data, signatures are those of a wrong model, good to a share of what it misses: no
+quantity counts as known better than half of that. As the climb goes on, standard errors fall to what instruments have.
+"""
+
+import numpy as np
+from scipy.linalg import cho_solve, solve_triangular
+
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.marginal import Columns
+from bench.record.campaign import Array
+
+RIDGE = 1.0  # the richest model keeps the priors of its columns
+MOST_ALIKE = 50  # lags over which the correlation of neighbours is summed
+SHARE_OF_MISSES = 0.5  # of what the present model misses, below which no standard error goes
+AT_A_TIME = 1024  # readings whose leverage is found together: memory stays small
+FEW = 10  # readings that say nothing of their own scatter
+
+
+def unexplained(linear: LinearisedModel, white: Array, columns: Columns, prior: Array) -> Array:
+    """Return what not even the richest model explains, in standard errors of every quantity, shape (2, c).
+
+    The first row holds rests, the second motion; neighbours that err alike count once.
+
+    Args:
+        linear: The campaign, with the standard errors of the instruments.
+        white: Shape (m,), residual of the model so far, nuisances at zero.
+        columns: Whitened, of everything that could be added to it; q.
+        prior: Shape (q,), standard deviations of the columns' sizes.
+    """
+    p = linear.jacobian.shape[1]
+    normal = np.empty((p + len(prior), p + len(prior)))
+    normal[:p, :p] = linear.jacobian.T @ linear.jacobian
+    normal[p:, :p] = (columns.with_slopes(linear.jacobian) * prior).T
+    normal[:p, p:] = normal[p:, :p].T
+    normal[p:, p:] = prior[:, None] * columns.gram * prior
+    normal[np.diag_indices_from(normal)] += RIDGE
+    root = np.linalg.cholesky(normal)
+    pull = np.concatenate([linear.jacobian.T @ white, prior * (columns.matrix.T @ white)])
+    sizes = cho_solve((root, True), pull)
+    left = white - linear.jacobian @ sizes[:p] - columns.matrix @ (prior * sizes[p:])
+    # what each reading's own fit took away from its scatter
+    leverage = np.empty(len(white))
+    for start in range(0, len(white), AT_A_TIME):
+        rows = slice(start, start + AT_A_TIME)
+        rich = np.concatenate([linear.jacobian[rows], columns.matrix[rows] * prior], axis=1)
+        own = solve_triangular(root, rich.T, lower=True, overwrite_b=True, check_finite=False)
+        leverage[rows] = np.einsum("ij,ij->j", own, own)
+    return np.sqrt(_by_quantity(linear, left, 1 - np.clip(leverage, 0.0, 0.9)))
+
+
+def missed(linear: LinearisedModel, white: Array, *, is_last: bool = False) -> Array:
+    """Return the share of what a model misses below which no standard error should go, in standard errors as they are.
+
+    Args:
+        linear: The campaign.
+        white: Shape (m,), residual of the model, nuisances at zero.
+        is_last: Nothing will be added any more: all that it misses is noise, and neighbours that err alike count once.
+    """
+    own = linear.jacobian
+    left = white - own @ np.linalg.solve(own.T @ own + RIDGE * np.eye(own.shape[1]), own.T @ white)
+    if is_last:
+        return np.sqrt(_by_quantity(linear, left, np.ones(len(left))))
+    return SHARE_OF_MISSES * np.sqrt(_by_quantity(linear, left, np.ones(len(left)), counts_alike=False))
+
+
+def _by_quantity(linear: LinearisedModel, left: Array, freedom: Array, *, counts_alike: bool = True) -> Array:
+    """Return the variance of residuals, shape (m,), of every quantity at rest and in motion, shape (2, c)."""
+    still = np.array([segment.is_static for segment in linear.segments])
+    at_rest = np.concatenate([np.full(int(w.rows.sum()), one) for w, one in zip(linear.whitenings, still, strict=True)])
+    found = np.ones((2, len(linear.quantities)))
+    for c in range(len(linear.quantities)):
+        for kind, rows in enumerate((at_rest & (linear.column_of == c), ~at_rest & (linear.column_of == c))):
+            if np.count_nonzero(rows) >= FEW:
+                alike = _alike(left[rows], linear.run_of[rows]) if kind == 1 and counts_alike else 1.0
+                found[kind, c] = alike * float(np.sum(left[rows] ** 2) / np.sum(freedom[rows]))
+    return found
+
+
+def _alike(left: Array, run_of: Array) -> float:
+    """Return how many neighbours err together: the integrated autocorrelation, summed until it turns negative."""
+    sequences = [left[run_of == run] for run in np.unique(run_of)]
+    power = sum(float(s @ s) for s in sequences)
+    total = 1.0
+    for lag in range(1, MOST_ALIKE):
+        pairs = sum(float(s[lag:] @ s[:-lag]) for s in sequences if len(s) > lag)
+        count = sum(len(s) - lag for s in sequences if len(s) > lag)
+        if power <= 0 or count < FEW:
+            break
+        correlation = pairs / count / (power / len(left))
+        if correlation <= 0:
+            break
+        total += 2 * correlation
+    return total

@@ -1,0 +1,75 @@
+"""How large an effect must be to be found in a campaign: from the instruments, what may be off, and the threshold."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
+from bench.diagnose.linearise.screening import Screening
+from bench.effects.effect import Parameter
+
+
+@dataclass(frozen=True)
+class DetectionLimit:
+    """The smallest size of a cause that this campaign would have shown.
+
+    Attributes:
+        effect: Of the catalogue.
+        place: Where it would act.
+        parameter: Its size.
+        limit: Smallest size that would have been found, in `unit`; of several shapes, that of the one seen best.
+        unit: SI; "" for a relative size.
+        worst: The same for the shape seen worst; inf where the data say nothing of one of the shapes.
+        plausible: Largest plausible size.
+        shapes: How many were tried; 1 for a cause that has no shape parameter.
+    """
+
+    effect: str
+    place: str
+    parameter: str
+    limit: float
+    unit: str
+    worst: float
+    plausible: float
+    shapes: int
+
+    @property
+    def is_plausible(self) -> bool:
+        """Whether a plausible size would have been found, whatever the shape."""
+        return self.worst <= self.plausible
+
+
+def smallest_found(information: float, prior: float, threshold: float) -> float:
+    """Return the smallest size whose expected evidence reaches a threshold; inf where the data say nothing of it.
+
+    With the information I on a size, nuisances integrated out, and its prior p, noise-free data of size s give a log
+    evidence of s^2 I w / 2 - log(1 + p^2 I) / 2 with w = p^2 I / (1 + p^2 I).
+    """
+    known = prior**2 * information
+    if known <= 0:
+        return float("inf")
+    return float(np.sqrt((2 * threshold + np.log1p(known)) * (1 + known) / known / information))
+
+
+def detection_limits(screening: Screening) -> tuple[DetectionLimit, ...]:
+    """Return the limits of everything that was tried, over all shapes of each cause."""
+    known = screening.marginal.diagonal
+    found: dict[tuple[str, str, str], list[float]] = {}
+    sizes: dict[tuple[str, str, str], tuple[Cause, Parameter]] = {}
+    for entry in screening.entries:
+        what = entry.what
+        if not isinstance(what, Candidate):
+            continue
+        prior, share = entry.priors[0]
+        for size, column, sigma, step in zip(what.cause.sizes, entry.columns, prior, what.step, strict=True):
+            limit = smallest_found(float(known[column]), float(sigma), screening.threshold - share) * abs(float(step))
+            found.setdefault((*what.cause.key, size.name), []).append(limit)
+            sizes[*what.cause.key, size.name] = what.cause, size
+    return tuple(_over_shapes(key, limits, *sizes[key]) for key, limits in found.items() if np.isfinite(np.min(limits)))
+
+
+def _over_shapes(key: tuple[str, str, str], limits: list[float], cause: Cause, size: Parameter) -> DetectionLimit:
+    """Return the limit of one size of a cause from those of its shapes; one that leaves no trace was not tried."""
+    shapes = len(shape_grid(cause))
+    worst = max(limits) if len(limits) == shapes else float("inf")
+    return DetectionLimit(*key, min(limits), size.unit, worst, size.high, shapes)

@@ -1,0 +1,291 @@
+"""The linearised model of a campaign: residuals of the nominal model and its derivatives, made comparable.
+
+All in whitened space: what cannot be predicted (noise, friction at rest) is standard normal there, and every nuisance
+is scaled to a prior of one. Effects are named in this picture first, for it is cheap; the last word is always a
+simulation (`bench.diagnose.extend.refit`).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from bench.diagnose.linearise.noise_covariance import Whitening, whitening_of
+from bench.diagnose.linearise.torque_response import TorqueResponse, torque_response
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.simulations import simulate_all
+from bench.diagnose.replay.world import NOMINAL, World
+from bench.errors import BenchError
+from bench.record.campaign import Array
+from bench.simulate.plant import Trace
+
+ROUGHNESS_WINDOW = 9  # bins, over which the roughness of a residual is averaged
+ROUGH = 2.0  # times the variance that instruments explain, from where on the data's own word counts
+SAME_PLAY = 0.1  # relative; a change of play that changes hardly any scatter
+WHITENED_TOGETHER = 64  # columns at a time, where there are hundreds: memory stays small
+HELD_MOTOR, HELD_LINK = 0.7, 0.5  # standard deviations of the part of its friction that a joint lets go of at rest
+
+
+@dataclass(frozen=True, eq=False)
+class LinearisedModel:
+    """A campaign in the linearised model; m whitened readings, p nuisances.
+
+    Attributes:
+        replay: The campaign with the nominal robot.
+        nuisances: What may be a little wrong. One that changes neither model nor readings acts by its
+            `sensitivities` alone.
+        responses: Of every segment to torques.
+        whitenings: Of every segment.
+        play: Shape (n,) [rad] or [m], of the gears, which the whitenings know.
+        weighed: The segments with the standard errors that count here.
+        inflation: Shape (2, c), by what the standard errors were raised for lack of fit, at rest and in motion.
+        unexplained: Shape (2, c), by what they had to be raised in any case: not even everything together explains it.
+        sensitivities: Shape (T, c, p), change of every reading with one standard deviation of each nuisance.
+        residual: Shape (T, c), measured less nominal; nan where not measured.
+        jacobian: Shape (m, p), `sensitivities` whitened.
+        white: Shape (m,), `residual` whitened.
+        run_of: Shape (m,), index into `runs`.
+        runs: Names of the runs.
+        column_of: Shape (m,), index into the quantities; whitening mixes the quantities of an instant a little.
+    """
+
+    replay: Replay
+    nuisances: tuple[Nuisance, ...]
+    responses: tuple[TorqueResponse, ...]
+    whitenings: tuple[Whitening, ...]
+    play: Array
+    weighed: tuple[Segment, ...]
+    inflation: Array
+    unexplained: Array
+    sensitivities: Array
+    residual: Array
+    jacobian: Array
+    white: Array
+    run_of: Array
+    runs: tuple[str, ...]
+    column_of: Array
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What is compared."""
+        return self.replay.quantities
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """What is replayed."""
+        return self.replay.segments
+
+    def whiten(self, values: Array) -> Array:
+        """Return whitened values, shape (m, ...), of values of shape (T, c, ...); nan counts as not measured."""
+        length, c, *more = values.shape
+        k = math.prod(more)
+        factors, rows = self._stacked
+        white = (factors @ np.nan_to_num(values.reshape(length, c, k))).reshape(length * c, k)[rows]
+        for whitening, start, end in zip(self.whitenings, self._edges[:-1], self._edges[1:], strict=True):
+            whitening.settle(white[start:end])
+        return white.reshape(len(white), *more)
+
+    def unwhiten(self, whitened: Array) -> Array:
+        """Return values, shape (T, c, k), of whitened ones, shape (m, k); 0 where not measured."""
+        parts = np.split(whitened, self._edges[1:-1])
+        return np.concatenate([w.undone(part) for w, part in zip(self.whitenings, parts, strict=True)])
+
+    @cached_property
+    def log_determinants(self) -> Array:
+        """Shape (m,); their sum is what the evidence of models that differ in what cannot be predicted has to count."""
+        return np.concatenate([whitening.log_determinants for whitening in self.whitenings])
+
+    @cached_property
+    def _edges(self) -> list[int]:
+        """Whitened readings before each segment, and of all."""
+        return [0, *np.cumsum([len(whitening.modes) for whitening in self.whitenings]).tolist()]
+
+    @cached_property
+    def _stacked(self) -> tuple[Array, NDArray[np.int64]]:
+        """Factors, shape (T, c, c), and indices of what was measured, shape (m,), of all segments."""
+        return (
+            np.concatenate([whitening.factors for whitening in self.whitenings]),
+            np.flatnonzero(np.concatenate([whitening.rows for whitening in self.whitenings])),
+        )
+
+    def split(self, values: Array) -> list[Array]:
+        """Return values of shape (T, ...) segment by segment."""
+        return np.split(values, np.cumsum([len(segment) for segment in self.segments])[:-1])
+
+
+def linearised_model_of(
+    replay: Replay, nuisances: tuple[Nuisance, ...], sensitivities: Array | None = None
+) -> LinearisedModel:
+    """Return the linearised model of a campaign.
+
+    Args:
+        replay: The campaign with the nominal robot.
+        nuisances: What may be a little wrong.
+        sensitivities: Shape (T, c, p), if they are known from a campaign of the same design.
+    """
+    nominal = replay.predict(NOMINAL)
+    if sensitivities is None:
+        worlds = [World({nuisance: nuisance.sigma}) for nuisance in nuisances]
+        sensitivities = np.stack([_sound(found) - nominal for found in simulate_all(replay, worlds)], axis=2)
+    observed = np.concatenate([segment.observed for segment in replay.segments])
+    residual = observed - nominal
+    traces = replay.traces(NOMINAL)
+    responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
+    held, held_changes = held_friction(replay, traces, responses)
+    nuisances, sensitivities = (*nuisances, *held), np.concatenate([sensitivities, held_changes], axis=2)
+    plain = _assemble(replay, nuisances, responses, replay.compiled.play, replay.segments, sensitivities, residual)
+    # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
+    return roughened(plain, residual - plain.sensitivities @ fit(plain), [segment.rings for segment in replay.segments])
+
+
+def relinearised(linear: LinearisedModel, which: Sequence[int], sensitivities: Array) -> LinearisedModel:
+    """Return the design with other `sensitivities` of some nuisances, as they are about another world.
+
+    Args:
+        linear: About the world so far.
+        which: Indices of q nuisances.
+        sensitivities: Shape (T, c, q), of theirs.
+    """
+    every, jacobian = linear.sensitivities.copy(), linear.jacobian.copy()
+    every[:, :, which], jacobian[:, which] = sensitivities, linear.whiten(sensitivities)
+    return replace(linear, sensitivities=every, jacobian=jacobian)
+
+
+def raised(linear: LinearisedModel, factors: Array) -> LinearisedModel:
+    """Return the design with larger standard errors.
+
+    Args:
+        linear: The campaign.
+        factors: Shape (2, c), for every quantity at rest and in motion.
+    """
+    if np.all(factors == 1):
+        return linear
+    segments = tuple(
+        replace(segment, sigma=segment.sigma * factors[0 if segment.is_static else 1]) for segment in linear.weighed
+    )
+    return replace(_reassembled(linear, segments, linear.play), inflation=linear.inflation * factors)
+
+
+def with_play(linear: LinearisedModel, play: Array) -> LinearisedModel:
+    """Return the design with gears that have play, shape (n,) [rad] or [m]: links may rest anywhere within it."""
+    return linear if is_same_play(play, linear.play) else _reassembled(linear, linear.weighed, play)
+
+
+def is_same_play(one: Array, other: Array) -> bool:
+    """Whether two plays, shape (n,) each, scatter links alike."""
+    return bool(np.all(np.abs(one - other) <= SAME_PLAY * np.maximum(one, other)))
+
+
+def roughened(
+    linear: LinearisedModel, left: Array, where: Sequence[NDArray[np.bool_]] | None = None
+) -> LinearisedModel:
+    """Return the design with larger standard errors in motion where a residual is rough: what is not resolved is noise.
+
+    Args:
+        linear: The campaign.
+        left: Shape (T, c), residual of a model.
+        where: Of every segment, shape (T of the segment,), instants to look at; None: all.
+    """
+    chosen = where or [np.ones(len(segment), dtype=bool) for segment in linear.weighed]
+    segments = tuple(
+        segment
+        if segment.is_static
+        else replace(segment, sigma=np.where(rows[:, None], _roughened(part, segment.sigma), segment.sigma))
+        for segment, part, rows in zip(linear.weighed, linear.split(left), chosen, strict=True)
+    )
+    return _reassembled(linear, segments, linear.play)
+
+
+def held_friction(
+    replay: Replay, traces: list[Trace], responses: tuple[TorqueResponse, ...]
+) -> tuple[tuple[Nuisance, ...], Array]:
+    """Return nuisances for how much of its friction a joint still holds at rest, and their changes, shape (T, c, q).
+
+    Settling and shaking let go of part of it, on each side of the gear, and more in one joint than in another.
+    """
+    found, sensitivities = [], []
+    for j, drive in enumerate(replay.compiled.robot.figures.drives):
+        for side, sigma in (("motor", HELD_MOTOR), ("link", HELD_LINK)):
+            change = np.concatenate(
+                [
+                    (segment.is_static or segment.standing[j])
+                    * getattr(response, side)[:, :, j]
+                    * getattr(trace, f"{side}_friction")[:, [j]]
+                    for segment, trace, response in zip(replay.segments, traces, responses, strict=True)
+                ]
+            )
+            if np.any(change):
+                found.append(Nuisance(f"{side}-side friction held at rest by {drive.joint}", "", sigma))
+                sensitivities.append(sigma * change)
+    if not found:
+        return (), np.zeros((*replay.shape, 0))
+    return tuple(found), np.stack(sensitivities, axis=2)
+
+
+def fit(linear: LinearisedModel) -> Array:
+    """Return the nuisances that explain the residuals best under their priors, shape (p,), in standard deviations."""
+    normal = linear.jacobian.T @ linear.jacobian + np.eye(linear.jacobian.shape[1])
+    return np.asarray(np.linalg.solve(normal, linear.jacobian.T @ linear.white), dtype=np.float64)
+
+
+def _sound(found: Array | BenchError) -> Array:
+    if isinstance(found, BenchError):
+        raise found
+    return found
+
+
+def _reassembled(linear: LinearisedModel, segments: tuple[Segment, ...], play: Array) -> LinearisedModel:
+    known = (linear.replay, linear.nuisances, linear.responses)
+    new = _assemble(*known, play, segments, linear.sensitivities, linear.residual)
+    return replace(new, inflation=linear.inflation, unexplained=linear.unexplained)
+
+
+def _assemble(
+    replay: Replay,
+    nuisances: tuple[Nuisance, ...],
+    responses: tuple[TorqueResponse, ...],
+    play: Array,
+    segments: tuple[Segment, ...],
+    sensitivities: Array,
+    residual: Array,
+) -> LinearisedModel:
+    whitenings = tuple(
+        whitening_of(replay.compiled, segment, response, replay.quantities, play)
+        for segment, response in zip(segments, responses, strict=True)
+    )
+    runs = tuple(dict.fromkeys(segment.run for segment in segments))
+    c = len(replay.quantities)
+    run_of = np.concatenate(
+        [np.full(int(w.rows.sum()), runs.index(segment.run)) for segment, w in zip(segments, whitenings, strict=True)]
+    )
+    column_of = np.concatenate(
+        [np.tile(np.arange(c), len(segment))[w.rows] for segment, w in zip(segments, whitenings, strict=True)]
+    )
+    empty = np.empty(0)
+    ones = np.ones((2, c))
+    known = (replay, nuisances, responses, whitenings, play, segments, ones, ones, sensitivities, residual)
+    draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of)
+    both = draft.whiten(np.concatenate([sensitivities, residual[:, :, None]], axis=2))
+    return replace(draft, jacobian=both[:, :-1], white=both[:, -1])
+
+
+def _roughened(left: Array, sigma: Array) -> Array:
+    """Return the standard errors of one motion, raised to the roughness of its residuals, both shape (T, c)."""
+    raised = sigma.copy()
+    window = min(ROUGHNESS_WINDOW, len(left) - 2)
+    if window < 1:
+        return raised
+    for c in range(left.shape[1]):
+        if not np.all(np.isfinite(left[:, c])):
+            continue
+        second = np.pad(np.diff(left[:, c], 2) ** 2 / 6, 1, mode="edge")  # of white noise: its variance
+        local = uniform_filter1d(second, window, mode="nearest")
+        raised[:, c] = np.where(local > ROUGH * sigma[:, c] ** 2, np.sqrt(local), sigma[:, c])
+    return raised

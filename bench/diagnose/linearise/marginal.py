@@ -1,0 +1,210 @@
+"""Inner products after nuisances were integrated out: all that comparing linear models needs.
+
+With whitened residuals r, nuisance slopes A (prior one) and columns X of candidates, the covariance of r under the null
+model is M = I + A A^T, and [r X]^T M^-1 [r X] holds every score, every loss of fit and every evidence. With the
+Cholesky factor L of I + A^T A, X^T M^-1 X = X^T X - R^T R, R = L^-1 A^T X. Only R depends on the model, so X^T X is
+formed once for all models of a campaign.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.special import log_ndtr
+
+from bench.record.campaign import Array
+
+JITTER = 1e-9
+
+
+class Columns:
+    """Whitened columns with their inner products, each formed when it is first needed.
+
+    Args:
+        matrix: Shape (m, q).
+    """
+
+    def __init__(self, matrix: Array) -> None:
+        self.matrix = matrix
+        self._gram: Array | None = None
+        self._slopes: Array | None = None
+        self._cross: Array = np.empty((0, 0))
+
+    @property
+    def gram(self) -> Array:
+        """Shape (q, q), X^T X."""
+        if self._gram is None:
+            self._gram = self.matrix.T @ self.matrix
+        gram: Array = self._gram
+        return gram
+
+    @cached_property
+    def squares(self) -> Array:
+        """Shape (q,), diagonal of X^T X."""
+        return np.asarray(np.einsum("ij,ij->j", self.matrix, self.matrix), dtype=np.float64)
+
+    def products_of(self, columns: Array) -> Array:
+        """Return the inner products of E groups of k columns, shape (E, k, k), for indices of shape (E, k)."""
+        if columns.shape[1] == 1:
+            single: Array = self.squares[columns][:, :, None]
+            return single
+        if self._gram is not None:
+            return np.asarray(self._gram[columns[:, :, None], columns[:, None, :]], dtype=np.float64)
+        groups = (self.matrix[:, own] for own in columns)
+        return np.stack([group.T @ group for group in groups])
+
+    def with_slopes(self, jacobian: Array) -> Array:
+        """Return A^T X, shape (p, q), for slopes of shape (m, p); only slopes that are new are multiplied."""
+        if self._slopes is None or self._slopes.shape != jacobian.shape:
+            self._cross = jacobian.T @ self.matrix
+        elif jacobian is not self._slopes:
+            new = np.flatnonzero(np.any(jacobian != self._slopes, axis=0))
+            self._cross = self._cross.copy()
+            self._cross[new] = jacobian[:, new].T @ self.matrix
+        self._slopes = jacobian
+        cross: Array = self._cross
+        return cross
+
+
+@dataclass(frozen=True, eq=False)
+class Marginal:
+    """Inner products under the null model.
+
+    Attributes:
+        misfit: Chi-square of the null model.
+        scores: Shape (q,), X^T M^-1 r.
+        columns: X.
+        reduced: Shape (p, q), R.
+        n: Number of readings.
+    """
+
+    misfit: float
+    scores: Array
+    columns: Columns
+    reduced: Array
+    n: int
+
+    @property
+    def information(self) -> Array:
+        """Shape (q, q), X^T M^-1 X."""
+        information: Array = self.columns.gram - self.reduced.T @ self.reduced
+        return information
+
+    @property
+    def diagonal(self) -> Array:
+        """Shape (q,), of the information."""
+        diagonal: Array = self.columns.squares - np.einsum("ij,ij->j", self.reduced, self.reduced)
+        return diagonal
+
+    def sizes(self, columns: Array, prior: Array | None = None) -> tuple[Array, Array]:
+        """Return the best sizes of some columns and their covariance."""
+        covariance = np.asarray(np.linalg.inv(self._penalised(columns, prior)), dtype=np.float64)
+        return covariance @ self.scores[columns], covariance
+
+    def log_evidence(self, columns: Array, prior: Array) -> float:
+        """Return the logarithm of the Bayes factor of some columns with normal priors against the null model."""
+        return float(self.log_evidences(columns[None], prior[None])[0])
+
+    def log_evidences(self, columns: Array, prior: Array, sign: Array | None = None) -> Array:
+        """Return the log evidence of E groups of k columns, shape (E,), for indices and priors of shape (E, k).
+
+        Args:
+            columns: Indices.
+            prior: Standard deviations of normal priors.
+            sign: Shape (E, k), of sizes that can have one sign only, with half-normal priors; None: either.
+        """
+        h, b = self._blocks(columns), self.scores[columns]
+        every = np.arange(columns.shape[1])
+        h[:, every, every] += JITTER * np.maximum(h[:, every, every], 1.0) + 1 / prior**2
+        return log_evidences_of(h, b, prior, sign)
+
+    def given(self, columns: Array, prior: Array | None = None) -> "Marginal":
+        """Return the products with some columns in the model already."""
+        if len(columns) == 0:
+            return self
+        root = np.linalg.cholesky(self._penalised(columns, prior))
+        own = self.columns.matrix[:, columns]
+        cross = own.T @ self.columns.matrix - self.reduced[:, columns].T @ self.reduced
+        more = solve_triangular(root, np.column_stack([cross, self.scores[columns]]), lower=True)
+        reduced, pull = more[:, :-1], more[:, -1]
+        both = np.concatenate([self.reduced, reduced])
+        return Marginal(self.misfit - float(pull @ pull), self.scores - pull @ reduced, self.columns, both, self.n)
+
+    def _blocks(self, columns: Array) -> Array:
+        own = np.moveaxis(self.reduced[:, columns], 0, 1)
+        blocks: Array = self.columns.products_of(columns) - own.transpose(0, 2, 1) @ own
+        return blocks
+
+    def _penalised(self, columns: Array, prior: Array | None) -> Array:
+        h: Array = self._blocks(columns[None])[0]
+        diagonal = np.diag(h)
+        h[np.diag_indices_from(h)] += JITTER * np.maximum(diagonal, 1.0)
+        if prior is not None:
+            h[np.diag_indices_from(h)] += 1 / prior**2
+        return h
+
+
+def log_evidences_of(h: Array, b: Array, prior: Array, sign: Array | None = None) -> Array:
+    """Return the log evidence of E groups of k sizes, shape (E,), by their products.
+
+    Args:
+        h: Shape (E, k, k), information with that of the priors.
+        b: Shape (E, k), scores.
+        prior: Shape (E, k), standard deviations of normal priors.
+        sign: Shape (E, k), of sizes that can have one sign only, with half-normal priors; 0 or None: either.
+    """
+    mean = np.linalg.solve(h, b[:, :, None])[:, :, 0]
+    volume = 0.5 * np.linalg.slogdet(h)[1] + np.sum(np.log(prior), axis=1)
+    found: Array = 0.5 * np.sum(mean * b, axis=1) - volume
+    if sign is not None and np.any(sign):
+        deviation = np.sqrt(np.diagonal(np.linalg.inv(h), axis1=1, axis2=2))
+        found = found + log_half_normal(mean * sign, deviation, sign).sum(axis=1)
+    return found
+
+
+def log_half_normal(mean: Array, deviation: Array, sign: Array) -> Array:
+    """Return the logarithm of what a half-normal prior makes of the evidence of a normal one, same shape.
+
+    Args:
+        mean: Posterior mean of each size under the normal prior, positive where it has its sign.
+        deviation: Its standard deviation.
+        sign: 0 where both signs are possible: 0 then.
+    """
+    return np.asarray(np.where(sign == 0, 0.0, np.log(2) + log_ndtr(mean / deviation)), dtype=np.float64)
+
+
+class Nuisances:
+    """Integrates nuisances out of whitened vectors.
+
+    Args:
+        jacobian: Shape (m, p).
+        tangent: Shape (m, k), further slopes with a prior of one; None: there are none.
+    """
+
+    def __init__(self, jacobian: Array, tangent: Array | None = None) -> None:
+        self.jacobian = jacobian
+        self.tangent = tangent
+        every = jacobian if tangent is None else np.concatenate([jacobian, tangent], axis=1)
+        self._every = every
+        self._factor = np.linalg.cholesky(np.eye(every.shape[1]) + every.T @ every)
+
+    def regression(self, known: Array, columns: Array) -> Array:
+        """Return the coefficients of columns, shape (m, k), on known ones, shape (m, n): shape (n, k)."""
+        reduced = [solve_triangular(self._factor, self._every.T @ some, lower=True) for some in (known, columns)]
+        information = known.T @ known - reduced[0].T @ reduced[0]
+        information[np.diag_indices_from(information)] += JITTER * np.maximum(np.diag(information), 1.0)
+        cross = known.T @ columns - reduced[0].T @ reduced[1]
+        return np.asarray(np.linalg.solve(information, cross), dtype=np.float64)
+
+    def products(self, white: Array, columns: Array | Columns) -> Marginal:
+        """Return the inner products of a whitened residual, shape (m,), and columns, shape (m, q)."""
+        if not isinstance(columns, Columns):
+            columns = Columns(columns)
+        cross = columns.with_slopes(self.jacobian)
+        if self.tangent is not None:
+            cross = np.concatenate([cross, self.tangent.T @ columns.matrix])
+        reduced = solve_triangular(self._factor, cross, lower=True)
+        pull = solve_triangular(self._factor, self._every.T @ white, lower=True)
+        scores = columns.matrix.T @ white - pull @ reduced
+        return Marginal(float(white @ white - pull @ pull), scores, columns, reduced, len(white))

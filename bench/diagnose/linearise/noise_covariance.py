@@ -1,0 +1,189 @@
+"""What no replay can predict: noise of the instruments, and where static friction came to rest.
+
+A joint at rest holds any friction torque up to its level; which one depends on how the servo settled and on what shook.
+The replay knows the side of the approach, the rest is scatter: a part that stays over a visit or a run, and a part
+anew at every rest. So it is with a link in a gear with play: as long as friction holds its load, it may rest anywhere
+between the flanks. Dividing by scatter (whitening) makes all quantities comparable and independent.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from bench.diagnose.linearise.torque_response import TorqueResponse
+from bench.diagnose.replay.play import is_loose
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.segments import Segment
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+
+# Shares of the Coulomb level, from the virtual robot in time (README.md): how far friction at rest lies from what the
+# path of commands and loads alone would leave.
+MOTOR_REST, LINK_REST = 0.8, 0.15  # anew at every rest
+MOTOR_VISIT, LINK_VISIT = 2.0, 0.6  # the same for a visit; a motor may have let go of all it held
+STANDING = 1.0  # a joint that stands while others move: anywhere between its two levels, changing slowly
+STANDING_REST = 0.3  # and by so much anew at every instant
+SLOWNESS = 5  # polynomials over the run that describe the slow change
+PLACED = 12**-0.5  # of a gap: where a loose link rests, it may be anywhere within it
+BOUNCES = 0.7  # of a gap, anew at every instant, when a link bounces at a flank that hardly any torque holds it to
+LIGHT = 0.3  # of the torque that twists a gear by its gap; more holds links to the flank
+RATTLES = 3.0  # periods of a joint's own oscillation, in which bounces fade to 1/e
+CROSSING = 0.3  # of a gap, at the instant nearest to a crossing, which may come earlier or later
+NEAR = 0.6  # of the change of torque in which the crossing lies
+CREEPS = 0.05  # of a gap, slowly, while other joints move
+STIRS = 0.02  # of a gap, anew at every instant
+TINY = 1e-300
+
+
+@dataclass(frozen=True, eq=False)
+class Whitening:
+    """A linear map after which what cannot be predicted is standard normal, for one segment.
+
+    Attributes:
+        rows: Shape (T * c,) bool; entries that were measured.
+        factors: Shape (T, c, c), inverse Cholesky factors, instant by instant.
+        modes: Shape (m, r), orthonormal, what is common to the segment, in whitened space.
+        shrink: Shape (r,), by how much each mode is taken back.
+    """
+
+    rows: NDArray[np.bool_]
+    factors: Array
+    modes: Array
+    shrink: Array
+
+    def __call__(self, values: Array) -> Array:
+        """Return whitened values, shape (m, ...), of values of shape (T, c, ...); entries not measured are dropped."""
+        length, c, *more = values.shape
+        k = math.prod(more)
+        white = (self.factors @ np.nan_to_num(values.reshape(length, c, k))).reshape(length * c, k)
+        whitened: Array = white[self.rows]
+        self.settle(whitened)
+        return whitened.reshape(len(whitened), *more)
+
+    def settle(self, white: Array) -> None:
+        """Take what is common to the segment out of values, shape (m, k), that were whitened instant by instant."""
+        if len(self.shrink):
+            white -= self.modes @ (self.shrink[:, None] * (self.modes.T @ white))
+
+    def undone(self, whitened: Array) -> Array:
+        """Return values, shape (T, c, k), of whitened ones, shape (m, k); 0 where not measured."""
+        stretch = self.shrink / (1 - self.shrink)
+        white = whitened + self.modes @ (stretch[:, None] * (self.modes.T @ whitened))
+        length, c, _ = self.factors.shape
+        flat = np.zeros((length * c, whitened.shape[1]))
+        flat[self.rows] = white
+        return np.asarray(np.linalg.solve(self.factors, flat.reshape(length, c, -1)), dtype=np.float64)
+
+    @property
+    def log_determinants(self) -> Array:
+        """Shape (m,); their sum is the logarithm of the map's determinant. What is common counts with equal shares."""
+        diagonal = np.diagonal(self.factors, axis1=1, axis2=2).reshape(-1)[self.rows]
+        common = float(np.sum(np.log(1 - self.shrink))) / max(len(diagonal), 1)
+        return np.asarray(np.log(diagonal) + common, dtype=np.float64)
+
+
+def whitening_of(
+    compiled: CompiledRobot,
+    segment: Segment,
+    response: TorqueResponse,
+    quantities: tuple[Quantity, ...],
+    play: Array,
+) -> Whitening:
+    """Return how a segment is whitened.
+
+    Args:
+        compiled: The robot.
+        segment: To whiten.
+        response: Of its readings to torques.
+        quantities: What is compared.
+        play: Shape (n,) [rad] or [m], of the gears.
+    """
+    length, c = segment.observed.shape
+    measured = np.isfinite(segment.observed) & np.isfinite(segment.sigma)
+    if not segment.is_static:  # what a motor pays that stands says nothing about its load
+        is_gain = np.array([quantity.is_drive and bool(segment.standing[quantity.index]) for quantity in quantities])
+        measured &= ~is_gain
+    n = compiled.n_joints
+    levels = np.concatenate([compiled.link_coulomb, compiled.motor_coulomb])
+    if segment.is_static:
+        stands = np.ones(n, dtype=bool)
+        once, lasting = np.repeat([LINK_REST, MOTOR_REST], n), np.repeat([LINK_VISIT, MOTOR_VISIT], n)
+        slow = np.asarray(np.ones((length, 1)), dtype=np.float64)
+    else:
+        stands = segment.standing
+        once, lasting = STANDING_REST * np.tile(stands, 2), STANDING * np.tile(stands, 2)
+        slow = np.asarray(legendre.legvander(np.linspace(-1, 1, length), SLOWNESS - 1), dtype=np.float64)
+    spread = np.concatenate([response.link, response.motor], axis=2) * levels  # (T, c, 2n), a whole level
+    spread = np.where(measured[:, :, None], spread, 0.0)
+    loose = is_loose(compiled, response.link_load) & stands & (play > 0)
+    moves = measured & np.array([not quantity.is_drive for quantity in quantities])  # a drive feels no torque of it
+    gaps = np.where(moves[:, :, None], response.link * compiled.stiffness * play, 0.0)
+    stirs = np.where(loose, STIRS, 0.0)
+    if not segment.is_static and np.any(play):
+        stirs += _rattles(compiled, segment, response, play)
+    stirred = gaps * stirs[:, None]
+    noise = np.where(measured, segment.sigma, 1.0)
+    covariance = (spread * once**2) @ spread.transpose(0, 2, 1)
+    covariance += stirred @ stirred.transpose(0, 2, 1)
+    error = segment.acceleration_error[:, None, :]
+    for inertial in (
+        response.link * response.link_inertia[:, None] * error,
+        response.motor * response.rotor_inertia * error,
+    ):
+        seen = np.where(measured[:, :, None], inertial, 0.0)
+        covariance += seen @ seen.transpose(0, 2, 1)
+    covariance[:, np.arange(c), np.arange(c)] += noise**2
+    factors = np.linalg.inv(np.linalg.cholesky(covariance))
+    rows = measured.reshape(-1)
+    part = (spread * lasting)[:, :, lasting * levels > 0]
+    shared = [part * slow[:, m, None, None] for m in range(slow.shape[1])]
+    for j in np.flatnonzero(loose.any(axis=0)):
+        gap = gaps[:, :, [j]] * loose[:, j, None, None]
+        spell = np.cumsum(np.diff(loose[:, j], prepend=False))  # odd while loose: until it is pushed, a link stays
+        shared.append(PLACED * gap * (spell[:, None] == np.unique(spell[loose[:, j]]))[:, None])
+        shared += [CREEPS * gap * slow[:, m, None, None] for m in range(1, slow.shape[1])]
+    common = np.concatenate([factors @ mode for mode in shared], axis=2)
+    common = common.reshape(length * c, -1)[rows]
+    if common.shape[1] == 0 or not np.any(common):
+        return Whitening(rows, factors, np.zeros((int(rows.sum()), 0)), np.zeros(0))
+    modes, size, _ = np.linalg.svd(common, full_matrices=False)
+    kept = size > 1e-9 * size[0]
+    return Whitening(rows, factors, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2))
+
+
+def _rattles(compiled: CompiledRobot, segment: Segment, response: TorqueResponse, play: Array) -> Array:
+    """Return how links scatter while they cross the gaps of their gears and bounce, shape (T, n), in gaps.
+
+    A link that moves crosses when the torque on its gear changes sign, and bounces too when that becomes so small that
+    what the arm rings is enough. One that stands crosses when a load that friction does not hold pushes it over.
+
+    Args:
+        compiled: The robot.
+        segment: A motion.
+        response: Of its readings to torques.
+        play: Shape (n,) [rad] or [m], of the gears.
+    """
+    torque, time = response.transmitted, segment.motion.time[segment.motion.read][:, None]
+    light = LIGHT * compiled.stiffness * play
+    moves = (play > 0) & np.logical_not(segment.standing)
+    is_light: NDArray[np.bool_] = np.abs(torque) < light
+    held = np.abs(response.link_load) <= compiled.link_coulomb
+    last = np.maximum.accumulate(np.where(held, 0, np.arange(len(torque))[:, None]), axis=0)
+    pushed = np.take_along_axis(np.sign(response.link_load) * ~held, last, axis=0)
+    side = np.where(segment.standing, pushed, np.sign(torque))
+    changed: NDArray[np.bool_] = np.diff(side, axis=0, prepend=side[:1]) != 0
+    crosses = changed & (play > 0)
+    begins = crosses | (is_light & np.concatenate([np.ones_like(moves)[None], ~is_light[:-1]]) & moves)
+    since = time - np.maximum.accumulate(np.where(begins, time, -np.inf))
+    period = 2 * np.pi * np.sqrt(response.link_inertia / compiled.stiffness)
+    height = light / np.maximum(np.abs(torque), np.maximum(light, TINY))
+    scatter = np.asarray(BOUNCES * height * np.exp(-since / (RATTLES * period)), dtype=np.float64)
+    change = np.abs(np.diff(torque, axis=0))
+    for rows in (slice(1, None), slice(None, -1)):  # after and before the crossing
+        soon = np.logical_or(segment.standing, np.abs(torque[rows]) <= NEAR * change)
+        is_near = np.logical_and(crosses[1:], soon)
+        scatter[rows] = np.where(is_near, np.maximum(scatter[rows], CROSSING), scatter[rows])
+    return scatter

@@ -1,0 +1,156 @@
+"""Everything that was tried on a campaign, in the linearised model: evidence for each candidate and each free shape."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.diagnose.linearise.candidates import Candidate, Cause
+from bench.diagnose.linearise.generic import Block
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.marginal import Columns, Marginal, Nuisances
+from bench.diagnose.linearise.threshold import family_threshold
+from bench.record.campaign import Array
+
+# times the prior of a free shape: nobody knows how large what is not listed may be; beside a listed cause it is small
+WIDTHS = (0.1, 0.3, 1.0, 3.0, 10.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """One thing that was tried.
+
+    Attributes:
+        what: A candidate (a cause with its shape fixed) or a block (a free shape).
+        columns: Shape (k,), consecutive indices into the columns of all that was tried.
+        priors: Standard deviations of the columns' sizes, shape (k,) each, and the logarithm of the share that each has
+            of the prior odds: a cause shares them among its shapes, a free shape among its widths.
+        log_evidence: Against the model so far, with that share.
+    """
+
+    what: Candidate | Block
+    columns: Array
+    priors: tuple[tuple[Array, float], ...]
+    log_evidence: float = 0.0
+
+    @property
+    def cause(self) -> Cause | None:
+        """The cause, if it is listed."""
+        return self.what.cause if isinstance(self.what, Candidate) else None
+
+    @property
+    def drive(self) -> int:
+        """Index of the drive at which it acts, or -1."""
+        return self.what.drive if isinstance(self.what, Block) else self.what.cause.drive
+
+    @property
+    def sign(self) -> Array:
+        """Shape (k,), sign of the columns whose size can have one sign only; 0: either."""
+        if isinstance(self.what, Block):
+            return np.zeros(len(self.columns))
+        free = np.array([size.signed for size in self.what.cause.sizes])
+        return np.where(free, 0.0, np.sign(self.what.step))
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """Everything that is tried on a model, whitened.
+
+    Attributes:
+        entries: Not weighed yet.
+        columns: Of all entries.
+    """
+
+    entries: tuple[Entry, ...]
+    columns: Columns
+
+    @property
+    def prior(self) -> Array:
+        """Shape (q,), standard deviations of the columns' sizes."""
+        return np.concatenate([entry.what.plausible for entry in self.entries])
+
+
+@dataclass(frozen=True, eq=False)
+class Screening:
+    """What was tried, against one model.
+
+    Attributes:
+        marginal: Products of residuals and all columns.
+        entries: By falling evidence.
+        threshold: Log evidence that chance exceeds at the declared rate; less it, evidence is posterior odds.
+        tried: The same entries as they are whitened now.
+    """
+
+    marginal: Marginal
+    entries: tuple[Entry, ...]
+    threshold: float
+    tried: Tried
+
+    @property
+    def listed(self) -> tuple[Entry, ...]:
+        """The best shape of every cause, by falling evidence."""
+        best: dict[tuple[str, str], Entry] = {}
+        for entry in self.entries:
+            if entry.cause:
+                best.setdefault(entry.cause.key, entry)
+        return tuple(best.values())
+
+    @property
+    def free(self) -> tuple[Entry, ...]:
+        """Blocks by falling evidence."""
+        return tuple(entry for entry in self.entries if entry.cause is None)
+
+
+def tried_of(what: Sequence[Candidate | Block]) -> Tried:
+    """Return things to try with the places of their columns among those of all, in the order given."""
+    edges = np.cumsum([0, *(one.columns.shape[1] for one in what)])
+    matrix = np.empty((len(what[0].columns) if what else 0, int(edges[-1])))
+    shapes = Counter(one.cause.key for one in what if isinstance(one, Candidate))
+    entries = []
+    for one, start, end in zip(what, edges[:-1], edges[1:], strict=True):
+        matrix[:, start:end] = one.columns
+        if isinstance(one, Candidate):
+            priors: tuple[tuple[Array, float], ...] = ((one.prior, -float(np.log(shapes[one.cause.key]))),)
+        else:
+            share = -float(np.log(len(WIDTHS)))
+            priors = tuple((np.full(end - start, width * one.prior), share) for width in WIDTHS)
+        entries.append(Entry(replace(one, columns=matrix[:, start:end]), np.arange(start, end), priors))
+    return Tried(tuple(entries), Columns(matrix))
+
+
+def screen(linear: LinearisedModel, white: Array, tried: Tried, rate: float) -> Screening:
+    """Return the evidence for everything against a model.
+
+    Args:
+        linear: The campaign, linear about the model.
+        white: Shape (m,), residual of the model with nuisances at zero.
+        tried: Listed causes and free shapes.
+        rate: Declared false-alarm rate of the whole.
+    """
+    marginal = Nuisances(linear.jacobian).products(white, tried.columns)
+    blocks = [(entry.columns, *prior) for entry in tried.entries for prior in entry.priors]
+    threshold = family_threshold(marginal, blocks, rate, np.random.default_rng(0))
+    return Screening(marginal, _ranked(marginal, tried.entries), threshold, tried)
+
+
+def _ranked(marginal: Marginal, entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    evidence = _log_evidences(marginal, entries)
+    order = np.argsort(-evidence, kind="stable")
+    return tuple(replace(entries[i], log_evidence=float(evidence[i])) for i in order)
+
+
+def _log_evidences(marginal: Marginal, entries: Sequence[Entry]) -> Array:
+    """Return the evidence for every entry with the best of its priors, shape (E,)."""
+    found = np.full(len(entries), -np.inf)
+    kinds: dict[tuple[int, int], list[int]] = {}
+    for i, entry in enumerate(entries):
+        for width in range(len(entry.priors)):
+            kinds.setdefault((width, len(entry.columns)), []).append(i)
+    for (width, _), which in kinds.items():
+        columns = np.stack([entries[i].columns for i in which])
+        prior = np.stack([entries[i].priors[width][0] for i in which])
+        share = np.array([entries[i].priors[width][1] for i in which])
+        sign = np.stack([entries[i].sign for i in which])
+        found[which] = np.maximum(found[which], marginal.log_evidences(columns, prior, sign) + share)
+    return found

@@ -1,0 +1,154 @@
+"""Signatures on disk: which entry of the store holds them, and what the key of that entry is made of.
+
+There is an entry for the nuisances, and one for every effect with all its places and shapes. Its key is a digest of all
+that a simulation of its columns depends on: robot, figures, code, engine, motion, channels, and the effect itself.
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.linearise.effect_source import source_of, source_of_bench
+from bench.diagnose.linearise.reference_motion import Session, remember, session_of
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.world import World
+from bench.effects.effect import Acting, Effect
+from bench.robot.compiled import CompiledRobot
+from bench.simulate.bare import bare_spec
+from bench.store.digest import digest
+from bench.store.store import Store
+
+COLUMNS = "columns"  # name of the array in an entry
+
+
+@dataclass(frozen=True)
+class Group:
+    """Columns that stand in one entry.
+
+    Attributes:
+        name: Of the effect, for people.
+        columns: Which, among nuisances and then causes.
+        key: Of the entry; empty where nobody can say when the columns are the same: they are always simulated.
+    """
+
+    name: str
+    columns: tuple[int, ...]
+    key: str
+
+
+class StoredSignatures:
+    """The columns of a campaign's signatures that the store knows, and the place for those that it does not.
+
+    Args:
+        store: On disk.
+        compiled: The nominal robot.
+        quantities: What is compared.
+        nuisances: Of the first columns.
+        plan: Of the other columns.
+        around: World that is changed.
+        segments: What has to be simulated.
+
+    Attributes:
+        segments: The same, along the motion that the signatures belong to (`reference_motion`).
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        compiled: CompiledRobot,
+        quantities: tuple[Quantity, ...],
+        nuisances: tuple[Nuisance, ...],
+        plan: Sequence[Acting],
+        around: World,
+        segments: Sequence[Segment],
+    ) -> None:
+        self._store = store
+        self._session = session_of(segments, store)
+        self.segments = self._session.segments
+        self._shape = sum(len(segment) for segment in segments), len(quantities)
+        self._label = (
+            f"{compiled.robot.name}, {self._shape[0]} instants of {self._shape[1]} channels, "
+            f"{segments[0].run} to {segments[-1].run}"
+        )
+        self._groups = groups_of(compiled, quantities, nuisances, plan, around, self._session)
+
+    def read(self) -> Iterator[tuple[int, NDArray[np.floating]]]:
+        """Yield what is known: column, and change of the readings, shape (T, c), nan where there is no balance."""
+        for group in self._groups:
+            kept = self._store.get(group.key) if group.key else None
+            columns = kept.get(COLUMNS) if kept else None
+            if columns is not None and columns.shape == (len(group.columns), *self._shape[::-1]):
+                yield from ((at, column.T) for at, column in zip(group.columns, columns, strict=True))
+
+    def write(self, sensitivities: NDArray[np.floating], new: Collection[int]) -> None:
+        """Keep what was simulated.
+
+        Args:
+            sensitivities: All columns, shape (T, c, columns).
+            new: Those that were not known.
+        """
+        remember(self._session, self._store, self._label)
+        for group in self._groups:
+            if group.key and not set(group.columns).isdisjoint(new):
+                columns = sensitivities[:, :, list(group.columns)].T  # zeros of a channel side by side
+                self._store.put(group.key, {COLUMNS: columns}, self._label)
+
+
+def groups_of(
+    compiled: CompiledRobot,
+    quantities: tuple[Quantity, ...],
+    nuisances: tuple[Nuisance, ...],
+    plan: Sequence[Acting],
+    around: World,
+    session: Session,
+) -> tuple[Group, ...]:
+    """Return the entries of a campaign; arguments as in `StoredSignatures`."""
+    try:
+        about = _key_of_all(compiled, quantities, around, session)
+    except TypeError:
+        return ()
+    weather = digest([(segment.run, segment.conditions) for segment in session.segments])
+    named = [(nuisance.name, nuisance.unit, nuisance.sigma) for nuisance in nuisances]
+    groups = [Group("nuisances", tuple(range(len(nuisances))), digest(about, "nuisances", named))] if nuisances else []
+    effects = {acting.effect.name: acting.effect for acting in plan}
+    for name, effect in effects.items():
+        which = [i for i, acting in enumerate(plan) if acting.effect.name == name]
+        try:
+            acting = [(plan[i].place, dict(plan[i].values)) for i in which]
+            key = digest(about, source_of(effect), acting, weather if _feels_weather(effect) else None)
+        except TypeError:
+            key = ""
+        groups.append(Group(name, tuple(len(nuisances) + i for i in which), key))
+    return tuple(groups)
+
+
+def _key_of_all(compiled: CompiledRobot, quantities: tuple[Quantity, ...], around: World, session: Session) -> str:
+    """Return the digest of what all columns depend on.
+
+    The compiled model does not hold everything: effects edit the description that it was compiled from.
+    """
+    model = np.empty(mujoco.mj_sizeModel(compiled.model), np.uint8)
+    mujoco.mj_saveModel(compiled.model, None, model)
+    return digest(
+        source_of_bench(),
+        mujoco.__version__,
+        np.__version__,
+        model,
+        bare_spec(compiled.robot).to_xml(),
+        compiled.robot.figures.model_dump_json(),
+        quantities,
+        [(nuisance.name, value) for nuisance, value in around.deviations.items()],
+        [(source_of(one.effect), one.place, dict(one.values)) for one in around.acting],
+        session.key,
+    )
+
+
+def _feels_weather(effect: Effect) -> bool:
+    """Whether temperatures or time enter: those that a model is edited by, or whatever may distort a reading."""
+    changes_with_time = type(effect).phase is not Effect.phase
+    return effect.depends_on_conditions or changes_with_time or type(effect).distort is not Effect.distort

@@ -1,0 +1,141 @@
+"""What can be tried about an extended model: a robot that has friction may have more of it at low speed, and so on."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.diagnose.extend.fit import is_simulated, pseudo_residual
+from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
+from bench.diagnose.linearise.generic import blocks_of
+from bench.diagnose.linearise.lack_of_fit import missed, unexplained
+from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, relinearised, with_play
+from bench.diagnose.linearise.screening import Screening, Tried, screen, tried_of
+from bench.diagnose.linearise.signatures import Sensitivities, Signatures
+from bench.diagnose.name.models import Model, without_shape
+from bench.effects.effect import Effect
+from bench.effects.recorded import NOTHING_RECORDED, Recorded
+from bench.errors import InputError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+
+ENOUGH = 1.2  # times; standard errors that have to be raised by less are settled
+ROUNDS = 6
+
+
+class Neighbourhood:
+    """Weighs everything that can be tried on a model, and on each model that extends it.
+
+    Args:
+        compiled: The nominal robot.
+        catalogue: Effects.
+        measured: Quantities that the campaign has.
+        rate: Declared false-alarm rate.
+        executor: Where to simulate.
+        recorded: Runs and columns of the campaign.
+    """
+
+    def __init__(
+        self,
+        compiled: CompiledRobot,
+        catalogue: Mapping[str, Effect],
+        measured: frozenset[str],
+        rate: float,
+        executor: Executor = SERIAL,
+        recorded: Recorded = NOTHING_RECORDED,
+    ) -> None:
+        self.compiled = compiled
+        self.catalogue = catalogue
+        self.measured = measured
+        self.rate = rate
+        self.executor = executor
+        self.recorded = recorded
+        self._causes: tuple[Cause, ...] = ()
+        self._changes = Sensitivities(np.empty(0), ())
+        self._tried: Tried | None = None
+        self._tried_for: tuple[object, object] = (None, None)  # whitenings and changes
+
+    def weighed(
+        self, linear: LinearisedModel, causes: Sequence[Cause], sensitivities: Sensitivities
+    ) -> tuple[LinearisedModel, Screening]:
+        """Return the nominal model with everything weighed against it.
+
+        Args:
+            linear: The campaign.
+            causes: What to try.
+            sensitivities: What they change.
+        """
+        self._causes, self._changes = tuple(causes), sensitivities
+        linear = self._looked_around(linear, lambda nominal: nominal.white)
+        linear = _settled(linear, lambda nominal: nominal.white)
+        return linear, screen(linear, linear.white, self._everything(linear), self.rate)
+
+    def about(self, linear: LinearisedModel, model: Model, *, is_last: bool = False) -> tuple[LinearisedModel, Tried]:
+        """Return the campaign linearised about an extended model, with everything that can be tried there.
+
+        Signatures are simulated anew where effects find places that they did not find before.
+
+        Args:
+            linear: About the model before.
+            model: The extended model.
+            is_last: Nothing will be added any more.
+        """
+        fit, count = model.fit, len(linear.nuisances)
+        nominal = model.linear(linear)
+        own = with_play(nominal, fit.play)
+        world = fit.world(own)
+        causes = causes_of(self.catalogue.values(), own.replay.robot(world), self.measured, self.recorded)
+        taken = {cause.key for cause in fit.causes}
+        if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
+            which = [i for i, nuisance in enumerate(own.nuisances) if is_simulated(nuisance)]
+            nuisances = tuple(own.nuisances[i] for i in which)
+            known = {cause.key for cause in causes}
+            self._causes = (*causes, *(cause for cause in self._causes if cause.key not in known))
+            signatures = Signatures(self.compiled, own.quantities, nuisances, self._causes, world)
+            self._changes = signatures.sensitivities(own.segments, self.executor)
+            own = relinearised(own, which, self._changes.nuisances)
+        if own is not nominal:
+            own = self._looked_around(own, lambda other: pseudo_residual(other, fit))
+        own = _settled(own, lambda other: pseudo_residual(other, fit), is_last=is_last)
+        linear = without_shape(own, count)
+        return linear, self._everything(linear)
+
+    def _looked_around(self, linear: LinearisedModel, white_of: Callable[[LinearisedModel], Array]) -> LinearisedModel:
+        """Return the design with what not even everything together explains, by the instruments' standard errors."""
+        plain = raised(linear, 1 / linear.inflation)
+        tried = self._everything(plain)
+        if not tried.entries:
+            raise InputError(
+                "nothing of the catalogue would leave a trace in this campaign: log motor currents or torques, a "
+                "reflector, a link encoder, or the gas pressure, beside the motor angles."
+            )
+        least = np.maximum(unexplained(plain, white_of(plain), tried.columns, tried.prior), 1.0)
+        return replace(linear, unexplained=least)
+
+    def _everything(self, linear: LinearisedModel) -> Tried:
+        """Return every cause and every free shape as a design whitens them."""
+        known = (linear.whitenings, self._changes)
+        if self._tried is None or self._tried_for[0] is not known[0] or self._tried_for[1] is not known[1]:
+            self._tried = None  # not two of them at a time: they are the largest matrices of a diagnosis
+            candidates = candidates_of(linear, self._causes, self._changes.causes)
+            self._tried, self._tried_for = tried_of([*candidates, *blocks_of(linear)]), known
+        return self._tried
+
+
+def _settled(
+    linear: LinearisedModel, white_of: Callable[[LinearisedModel], Array], *, is_last: bool = False
+) -> LinearisedModel:
+    """Return the design with standard errors raised to what its model misses."""
+    for _ in range(ROUNDS):
+        factors = _factors(linear, white_of(linear), is_last=is_last)
+        if np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)):
+            break
+        linear = raised(linear, factors)
+    return linear
+
+
+def _factors(linear: LinearisedModel, white: Array, *, is_last: bool) -> Array:
+    """Return by what the standard errors have to be raised, shape (2, c)."""
+    return np.maximum(missed(linear, white, is_last=is_last) * linear.inflation, linear.unexplained) / linear.inflation

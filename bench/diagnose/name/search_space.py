@@ -1,0 +1,236 @@
+"""Everything that may be wrong, linearised about a fitted model, to be searched; and what a search proposes to fit.
+
+About a model with causes S, the residual is taken back to the model without them by simulating it without each of them,
+and the sensitivities of S are corrected so that taking one cause away is exact (a secant condition, after Broyden,
+1965): J' = J + (d - J x) x' / x'x, where x are the cause's sizes and d is what it changes.
+"""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.extend.fit import Fit, Key, fit_without, pseudo_residual
+from bench.diagnose.linearise.candidates import Candidate, Cause
+from bench.diagnose.linearise.generic import Block
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.marginal import Columns, Nuisances
+from bench.diagnose.linearise.screening import WIDTHS, Entry, Tried
+from bench.diagnose.linearise.threshold import LEAST
+from bench.diagnose.name.models import CandidateModel, Model
+from bench.diagnose.name.search import SubsetPosterior, Term
+from bench.errors import NOT_SIMULATED
+from bench.record.campaign import Array
+
+GREATER_PART = 0.5  # of what a free shape explains; causes that explain as much are not given up for it
+
+
+@dataclass(frozen=True, eq=False)
+class SearchSpace:
+    """A campaign linearised about a model.
+
+    Attributes:
+        model: To search.
+        about: The model.
+        what: Of each term: something that was screened, or a cause of the model.
+        tangents: Of each cause of the model, shape (m, k), whitened.
+        white: Shape (m,), residual without any finding, whitened.
+        nuisances: That are integrated out.
+        threshold: Log evidence that chance exceeds at the declared rate.
+    """
+
+    model: SubsetPosterior
+    about: Model
+    what: tuple[Entry | Cause, ...]
+    tangents: tuple[Array, ...]
+    white: Array
+    nuisances: Nuisances
+    threshold: float
+
+    def cause(self, i: int) -> Cause | None:
+        """Return the cause that a term stands for; None for a free shape."""
+        what = self.what[i]
+        return what if isinstance(what, Cause) else what.cause
+
+    @cached_property
+    def _shapes(self) -> NDArray[np.intp]:
+        """Indices of the free shapes."""
+        return np.array([i for i, term in enumerate(self.model.terms) if not term.is_listed], dtype=np.intp)
+
+    def beside(self) -> CandidateModel | None:
+        """Return the model that it is linearised about with the free shape that is needed most, None where none is.
+
+        What is not listed is orthogonal to what the causes at its drive can do (Plumlee, Bayesian calibration of
+        inexact computer models, 2017): else it would take the constant part of a friction from the level.
+        """
+        rise = self.model.additions(self.present)[self._shapes]
+        if not len(rise) or np.max(rise) < 0:
+            return None
+        found = self.what[int(self._shapes[np.argmax(rise)])]
+        assert isinstance(found, Entry)
+        assert isinstance(found.what, Block)
+        mine = [cause.drive == found.drive for cause in self.about.causes]
+        tangents = [tangent for tangent, is_mine in zip(self.tangents, mine, strict=True) if is_mine]
+        columns = found.what.columns
+        if tangents:
+            own = np.concatenate(tangents, axis=1)
+            columns = np.asarray(columns - own @ self.nuisances.regression(own, columns))
+        every = np.concatenate([*self.tangents, columns], axis=1)
+        products = self.nuisances.products(self.white, every)
+        terms = [i for i in self.present if isinstance(self.what[i], Cause)]
+        prior = np.concatenate([np.empty(0), *(self.model.terms[i].prior for i in terms)])
+        count = np.array(range(every.shape[1]))
+        marginal, which = products.given(count[: len(prior)], prior), count[len(prior) :]
+        evidence = [marginal.log_evidence(which, width) + share for width, share in found.priors]
+        width, share = found.priors[int(np.argmax(evidence))]
+        candidate = self.candidate_of(self.present)
+        shape = replace(found.what, columns=columns, prior=float(width[0]))
+        return replace(candidate, shape=shape, log_odds=(*candidate.log_odds, share - self.threshold - LEAST))
+
+    def instead(self, which: Sequence[int]) -> tuple[int, ...]:
+        """Return the free shape that is more probable than listed terms that it does without, with the others; or none.
+
+        It may stand for all of them, or for those at its drive. One that merely does as well as causes that explain
+        most of it is not preferred to them: a robot that only lacks Coulomb friction would be called unlisted, for a
+        torque over angle and direction holds that too.
+        """
+        model, listed = self.model, self.model.log_posterior(which)
+        found: tuple[int, ...] = ()
+        best = listed
+        for drive in (None, *sorted({self.what[i].drive for i in which})):
+            rest = [i for i in which if drive is not None and self.what[i].drive != drive]
+            shapes = [i for i in self._shapes if drive is None or self.what[i].drive == drive]
+            if not shapes:
+                continue
+            base, rise = model.log_posterior(rest), model.additions(rest)[shapes]
+            total = base + float(np.max(rise))
+            if total > best and listed - base < GREATER_PART * (total - base):
+                found, best = (*rest, int(shapes[np.argmax(rise)])), total
+        return found
+
+    @property
+    def present(self) -> tuple[int, ...]:
+        """The terms of the model that it is linearised about."""
+        return tuple(range(len(self.what) - len(self.about.keys), len(self.what)))
+
+    def candidate_of(self, which: Sequence[int]) -> CandidateModel:
+        """Return the model of some terms, to be fitted from what the linearised model says of their sizes."""
+        start: dict[Key, float] = {}
+        causes: list[Cause] = []
+        shape: Block | None = None
+        sizes = self.model.sizes(which) if len(which) else np.empty(0)
+        odds: dict[tuple[str, str], float] = {}
+        of_shape: tuple[float, ...] = ()
+        for i in which:
+            term, what = self.model.terms[i], self.what[i]
+            mine, sizes = sizes[: len(term.columns)], sizes[len(term.columns) :]
+            if isinstance(what, Cause):
+                causes.append(what)
+                odds[what.key] = term.log_odds
+                start |= {key: value for key, value in self.about.fit.start.items() if key[:2] == what.key}
+            elif isinstance(what.what, Candidate):
+                causes.append(what.what.cause)
+                odds[what.what.cause.key] = term.log_odds
+                start |= _values(what.what, mine)
+            else:
+                shape, of_shape = replace(what.what, prior=float(term.prior[0])), (term.log_odds,)
+        order = {cause.key: place for place, cause in enumerate(self.about.causes)}
+        causes.sort(key=lambda cause: order.get(cause.key, len(order)))
+        # the nominal model's figures are bent by what is missing: no place to start from
+        nuisances = self.about.fit.nuisances if self.about.keys else None
+        if nuisances is not None and self.about.shape:
+            nuisances = nuisances[: len(nuisances) - self.about.shape.columns.shape[1]]
+        log_odds = (*(odds[cause.key] for cause in causes), *of_shape)
+        return CandidateModel(tuple(causes), shape, start, nuisances, log_odds)
+
+
+def search_space(
+    linear: LinearisedModel, tried: Tried, threshold: float, about: Model, refused: frozenset[Hashable] = frozenset()
+) -> SearchSpace:
+    """Return everything linearised about a model.
+
+    Args:
+        linear: The campaign.
+        tried: Everything that can be tried, as this design whitens it.
+        threshold: Log evidence that chance exceeds at the declared rate: less it, evidence is posterior odds. For a
+            free shape nothing but its evidence speaks, so it is taken to be a hundred times less likely.
+        about: The model.
+        refused: Keys of what is not tried.
+    """
+    fit, its_design = about.fit, about.linear(linear)
+    white = pseudo_residual(its_design, fit)
+    own = []
+    for cause in about.causes:
+        removed, tangent = _removal(its_design, fit, cause)
+        white = white + removed
+        own.append(tangent)
+    shape = [about.shape.columns] if about.shape else []
+    mine = np.concatenate([*own, *shape], axis=1) if about.keys else np.empty((len(white), 0))
+    nuisances = Nuisances(linear.jacobian)
+    marginal = nuisances.products(white, tried.columns)
+    second = nuisances.products(white, Columns(mine))
+    cross = tried.columns.matrix.T @ mine - marginal.reduced.T @ second.reduced
+    information = np.block([[marginal.information, cross], [cross.T, second.information]])
+    scores = np.concatenate([marginal.scores, second.scores])
+    taken = {cause.key for cause in about.causes}
+    terms: list[Term] = []
+    what: list[Entry | Cause] = []
+    for entry in tried.entries:
+        key = entry.cause.key if entry.cause else str(entry.what)
+        if key in taken or key in refused or (about.shape and not entry.cause):
+            continue  # a model has one free shape at most
+        for prior, log_odds in entry.priors:
+            log_odds -= threshold if entry.cause else threshold + LEAST
+            terms.append(Term(key, entry.columns, prior, log_odds, entry.sign, entry.cause is not None))
+            what.append(entry)
+    start = len(marginal.scores)
+    for cause, tangent in zip(about.causes, own, strict=True):
+        columns = np.arange(start, start + tangent.shape[1])
+        start += tangent.shape[1]
+        unknowns = [unknown for unknown in fit.unknowns if unknown.cause is cause]
+        sigma = np.array([unknown.sigma for unknown in unknowns])
+        sign = np.array([0.0 if u.parameter.is_shape or u.parameter.signed else 1.0 for u in unknowns])
+        terms.append(Term(cause.key, columns, sigma, -threshold, sign))
+        what.append(cause)
+    if about.shape:
+        log_odds = -float(np.log(len(WIDTHS)))
+        its = np.array(range(start, len(scores)))
+        entry = Entry(about.shape, its, ((about.shape.plausible, log_odds),))
+        log_odds -= threshold + LEAST
+        terms.append(Term(str(about.shape), its, about.shape.plausible, log_odds, entry.sign, False))
+        what.append(entry)
+    model = SubsetPosterior(information, scores, terms)
+    return SearchSpace(model, about, tuple(what), tuple(own), white, nuisances, threshold)
+
+
+def _removal(linear: LinearisedModel, fit: Fit, cause: Cause) -> tuple[Array, Array]:
+    """Return what a cause changes, shape (m,), and the sensitivities to its parameters, shape (m, k), both whitened."""
+    mine = [i for i, unknown in enumerate(fit.unknowns) if unknown.cause is cause]
+    tangent = linear.whiten(fit.jacobian[:, :, mine])
+    sizes = np.array(
+        [0.0 if fit.unknowns[i].parameter.is_shape else fit.values[i] - fit.unknowns[i].parameter.null for i in mine]
+    )
+    try:
+        removed = linear.whiten(fit_without(linear, fit, cause).residual - fit.residual)
+    except NOT_SIMULATED:  # without it the model finds no balance along the measured motion
+        removed = tangent @ sizes
+    # in units of each prior, so that sizes of different units count alike
+    scale = np.array([fit.unknowns[i].sigma for i in mine])
+    x = sizes / scale
+    if np.any(x):
+        tangent = tangent + np.outer(removed - tangent @ sizes, x / (x @ x)) / scale
+    return removed, tangent
+
+
+def _values(candidate: Candidate, sizes: Array) -> dict[Key, float]:
+    """Return first values of a candidate's parameters, from its sizes in steps."""
+    key = candidate.cause.key
+    values = {(*key, name): value for name, value in candidate.shape.items()}
+    for size, x, step in zip(candidate.cause.sizes, sizes, candidate.step, strict=True):
+        value = size.null + float(x * step)
+        if candidate.cause.effect.scatters:  # where chance acts, which the linearised model does not know
+            value = max(value, size.typical)
+        values[*key, size.name] = value
+    return values

@@ -1,0 +1,47 @@
+"""Static runs, visit by visit: a visit is one approach of one pose, with the loads that were hung on there."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from bench.diagnose.replay.segment_input import SegmentInput, angles_of, wrench_of
+from bench.record.campaign import Run
+from bench.robot.compiled import CompiledRobot
+from bench.simulate.prescribed import Motion
+
+APPROACH = np.deg2rad(2.0)  # [rad]; friction is sliding long before
+
+
+def visits_of(run: Run, compiled: CompiledRobot) -> Iterator[SegmentInput]:
+    """Yield the visits of a static run: the pose is approached from its side, then load follows load."""
+    angles, wrenches = angles_of(run, compiled), wrench_of(run, compiled)
+    count = np.zeros(len(run))
+    pose, step = run.columns["pose"], run.columns["load_step"]
+    approach = run.columns.get("approach", count)
+    begins = np.flatnonzero(
+        np.concatenate([[True], (np.diff(pose) != 0) | (np.diff(approach) != 0) | (np.diff(step) < 0)])
+    )
+    for first, last in zip(begins, np.append(begins[1:], len(run)), strict=True):
+        rows = np.arange(first, last)
+        edges = np.flatnonzero(np.concatenate([[True], np.diff(step[rows]) != 0]))
+        groups = np.split(rows, edges[1:])
+        q = np.stack([angles[group].mean(axis=0) for group in groups])
+        wrench = np.stack([wrenches[group].mean(axis=0) for group in groups])
+        clock = run.columns.get("time_s", np.arange(len(run), dtype=np.float64))
+        time = run.start_s + np.array([clock[group].mean() for group in groups])
+        side = approach[first]
+        before = q[:1] - side * APPROACH if side else q[:1]
+        zeros = np.zeros((len(q) + 1, q.shape[1]))
+        motion = Motion(
+            time=np.concatenate([time[:1] - 1.0, time]),
+            q=np.concatenate([before, q]),
+            velocity=zeros,
+            acceleration=zeros,
+            wrench=np.concatenate([np.zeros((1, 6)), wrench]),
+            read=np.concatenate([[False], np.ones(len(q), dtype=bool)]),
+        )
+        words = {1.0: " from below", -1.0: " from above"}.get(float(side), "")
+        still = np.zeros(q.shape, dtype=bool)
+        yield SegmentInput(
+            f"{run.name}, pose {pose[first]:g}{words}", tuple(groups), motion, zeros[1:], still, still[:, 0]
+        )

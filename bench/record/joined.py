@@ -1,0 +1,43 @@
+"""Several campaigns of one machine as one: each of them is a recording of it."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from bench.errors import CampaignError
+from bench.record.campaign import Campaign
+
+
+def joined(campaigns: Mapping[str, Campaign]) -> Campaign:
+    """Return several campaigns of one machine as one.
+
+    Runs are named `<campaign>.<run>`. The recordings of a campaign that tells several apart stay apart, as
+    `<campaign>.<recording>`; a campaign that does not is one recording, by the campaign's name.
+
+    Args:
+        campaigns: Name -> campaign, in the order in which they were recorded.
+
+    Raises:
+        CampaignError: They are of different robots, or their manifests give different noise.
+    """
+    if not campaigns:
+        raise CampaignError("no campaign was given")
+    if len(campaigns) == 1:
+        return next(iter(campaigns.values()))
+    first_name, first = next(iter(campaigns.items()))
+    runs = []
+    for name, campaign in campaigns.items():
+        if campaign.robot != first.robot:
+            raise CampaignError(
+                f"{name} is of the robot {campaign.robot!r}, {first_name} of {first.robot!r}: give "
+                "campaigns of one machine"
+            )
+        if dict(campaign.noise) != dict(first.noise):
+            raise CampaignError(
+                f"{name} and {first_name} state different noise in their manifests: one instrument has one noise; "
+                "state the same in both, or leave it out"
+            )
+        runs += [
+            replace(run, name=f"{name}.{run.name}", recording=".".join(filter(None, (name, run.recording))))
+            for run in campaign.runs
+        ]
+    return Campaign(first.robot, tuple(runs), first.started, first.noise, first.notes)
