@@ -2,7 +2,8 @@
 
 Schema of `verdict.json` (format 1): `kind` is "nothing found", "cause", "several causes" or "unlisted cause";
 `explanations` holds the explanations that the data cannot tell apart, the likeliest first, each with its causes,
-parameters, units and 95 % intervals; `rivals` the ones that were fitted and fell behind; `unlisted` the place and the
+parameters, units and 95 % intervals; `findings` says the same finding by finding, each with all causes that may be
+behind it and their probabilities; `rivals` the ones that were fitted and fell behind; `unlisted` the place and the
 dependence of what no listed effect explains; `missing` the channels that were not there; `blind` what the campaign
 could not have shown, and what would. `unfinished` is null, or says why the diagnosis ended before it was done, and
 during what; then what stands there is what had been found so far, and `kind` may also be "nothing found so far" or
@@ -11,6 +12,7 @@ during what; then what stands there is what had been found so far, and `kind` ma
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from math import isfinite
 from typing import Any
 
 from bench.diagnose.cross_validation.held_out import ChannelGain as ChannelGain  # part of the verdict
@@ -66,9 +68,44 @@ class NamedCause:
     advice: str = ""
 
     @property
+    def name(self) -> tuple[str, str]:
+        """What tells it from others: its effect and its place."""
+        return self.effect, self.place
+
+    @property
     def is_small(self) -> bool:
         """Whether it is a small finding, which is reported after the large ones; one that was not fitted is not."""
         return self.share < SMALL
+
+
+@dataclass(frozen=True)
+class PossibleCause:
+    """One of the names that a finding may have, with the probability that it acts, all other findings as they are.
+
+    Parameters are those of the likeliest model that was fitted with it; a cause that no fitted model has is without.
+    """
+
+    cause: NamedCause
+    probability: float
+
+
+@dataclass(frozen=True)
+class AmbiguityGroup:
+    """One finding, with all causes that these data cannot tell apart in its place.
+
+    Attributes:
+        names: The likeliest first; the fewest that together hold 99 %.
+        probability: That any of them acts.
+    """
+
+    names: tuple[PossibleCause, ...]
+    probability: float
+
+    @property
+    def is_small(self) -> bool:
+        """Whether it is reported after the large ones: every cause of it that was fitted is small."""
+        fitted = [one.cause for one in self.names if isfinite(one.cause.share)]
+        return bool(fitted) and all(cause.is_small for cause in fitted)
 
 
 @dataclass(frozen=True)
@@ -175,6 +212,8 @@ class Verdict:
         noise_scale: Variance that is left against what the instruments explain, at least 1.
         explanations: That cannot be told apart, the likeliest first.
         rivals: Fitted, and behind.
+        findings: The same finding by finding: of each, the causes that may be behind it. Large findings first, and the
+            surest of these.
         unlisted: Where nothing listed explains the data.
         missing: Effect -> channels without which it was not looked for.
         not_simulated: Causes whose model found no balance along the measured motion.
@@ -198,6 +237,7 @@ class Verdict:
     unlisted: Unlisted | None
     missing: Mapping[str, tuple[str, ...]]
     not_simulated: tuple[str, ...]
+    findings: tuple[AmbiguityGroup, ...] = ()
     gain: tuple[ChannelGain, ...] = ()
     held_out_by: str = ""
     steps: tuple[Step, ...] = ()
@@ -207,6 +247,12 @@ class Verdict:
     blind: tuple[UndetectableEffect, ...] = ()
     noisy: tuple[NoisyChannel, ...] = ()
     unfinished: Unfinished | None = None
+
+    @property
+    def other_explanations(self) -> tuple[Explanation, ...]:
+        """Explanations that are more than another name for single findings, such as two causes in the place of one."""
+        names = {one.cause.name for group in self.findings for one in group.names}
+        return tuple(e for e in self.explanations[1:] if not {cause.name for cause in e.causes} <= names)
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of `verdict.json`."""

@@ -8,8 +8,6 @@ from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, Unde
 from bench.report.diagnosis.names import (
     cause_name,
     channel_name,
-    explanation_name,
-    letter,
     listed,
     parameter_text,
     percent,
@@ -37,16 +35,18 @@ def unfinished_sentence(verdict: Verdict) -> str:
     return words
 
 
-def explanation_of_set(verdict: Verdict) -> str:
-    """Return what it means that explanations stand side by side, "" where there is one."""
-    count = len(verdict.explanations)
-    if count < 2:
+def open_names_sentence(verdict: Verdict) -> str:
+    """Return what it means that a finding has several names, "" where none has."""
+    count = sum(len(group.names) > 1 for group in verdict.findings)
+    if not count and not verdict.other_explanations:
         return ""
-    named = "; ".join(f"{letter(i)}, {explanation_name(e)}" for i, e in enumerate(verdict.explanations))
+    which = f"{count} of {len(verdict.findings)} findings have" if len(verdict.findings) > 1 else "the finding has"
+    several = f"These data cannot tell the causes of a finding apart where several are named ({which} several). "
+    if not count:
+        several = "These data cannot tell the explanations apart. "
     return (
-        f"These data cannot tell {count} explanations apart: {named}. Their probabilities are no reason to prefer one; "
-        "each fits, with its own parameters. Do not correct the robot for one of them before another experiment has "
-        "split them."
+        f"{several}Their probabilities are no reason to prefer one; each fits, with its own parameters. Do not correct "
+        "the robot for one of them before another experiment has split them."
     )
 
 
