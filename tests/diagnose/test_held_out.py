@@ -64,6 +64,7 @@ def design_with(
         play=np.zeros(1),
         weighed=tuple(segments),
         inflation=np.ones((2, 1)),
+        shaken=0.0,
         unexplained=np.ones((2, 1)),
         sensitivities=sensitivities[:, None, :],
         residual=residual[:, None],

@@ -105,6 +105,7 @@ class Preposterior:
         executor: Executor = SERIAL,
     ) -> None:
         self.fits = fits
+        self._shaken = linear.shaken
         self._index: dict[int, int] = {}
         unique: list[Segment] = []
         for segment in (s for experiment in experiments for s in experiment.segments):
@@ -149,7 +150,7 @@ class Preposterior:
         compiled, quantities = self._replay.compiled, self._replay.quantities
         where = [self._index[id(segment.motion)] for segment in experiment.segments]
         maps = [
-            whitening_of(compiled, segment, self._responses[i], quantities, compiled.play)
+            whitening_of(compiled, segment, self._responses[i], quantities, compiled.play, self._shaken)
             for segment, i in zip(experiment.segments, where, strict=True)
         ]
         found = []

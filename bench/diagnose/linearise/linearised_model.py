@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from bench.diagnose.linearise.noise_covariance import Whitening, whitening_of
+from bench.diagnose.linearise.standing_joints import shaken_share
 from bench.diagnose.linearise.torque_response import TorqueResponse, torque_response
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
@@ -44,6 +45,7 @@ class LinearisedModel:
         responses: Of every segment to torques.
         whitenings: Of every segment.
         play: Shape (n,) [rad] or [m], of the gears, which the whitenings know.
+        shaken: Share of its friction that a standing joint takes anew at every instant.
         weighed: The segments with the standard errors that count here.
         inflation: Shape (2, c), by what the standard errors were raised for lack of fit, at rest and in motion.
         unexplained: Shape (2, c), by what they had to be raised in any case: not even everything together explains it.
@@ -61,6 +63,7 @@ class LinearisedModel:
     responses: tuple[TorqueResponse, ...]
     whitenings: tuple[Whitening, ...]
     play: Array
+    shaken: float
     weighed: tuple[Segment, ...]
     inflation: Array
     unexplained: Array
@@ -140,7 +143,10 @@ def linearised_model_of(
     responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
     held, held_changes = held_friction(replay, traces, responses)
     nuisances, sensitivities = (*nuisances, *held), np.concatenate([sensitivities, held_changes], axis=2)
-    plain = _assemble(replay, nuisances, responses, replay.compiled.play, replay.segments, sensitivities, residual)
+    parts = np.split(residual, np.cumsum([len(segment) for segment in replay.segments])[:-1])
+    shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
+    noise = (replay.compiled.play, shaken)
+    plain = _assemble(replay, nuisances, responses, noise, replay.segments, sensitivities, residual)
     # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
     return roughened(plain, residual - plain.sensitivities @ fit(plain), [segment.rings for segment in replay.segments])
 
@@ -243,7 +249,7 @@ def _sound(found: Array | BenchError) -> Array:
 
 def _reassembled(linear: LinearisedModel, segments: tuple[Segment, ...], play: Array) -> LinearisedModel:
     known = (linear.replay, linear.nuisances, linear.responses)
-    new = _assemble(*known, play, segments, linear.sensitivities, linear.residual)
+    new = _assemble(*known, (play, linear.shaken), segments, linear.sensitivities, linear.residual)
     return replace(new, inflation=linear.inflation, unexplained=linear.unexplained)
 
 
@@ -251,13 +257,13 @@ def _assemble(
     replay: Replay,
     nuisances: tuple[Nuisance, ...],
     responses: tuple[TorqueResponse, ...],
-    play: Array,
+    noise: tuple[Array, float],
     segments: tuple[Segment, ...],
     sensitivities: Array,
     residual: Array,
 ) -> LinearisedModel:
     whitenings = tuple(
-        whitening_of(replay.compiled, segment, response, replay.quantities, play)
+        whitening_of(replay.compiled, segment, response, replay.quantities, *noise)
         for segment, response in zip(segments, responses, strict=True)
     )
     runs = tuple(dict.fromkeys(segment.run for segment in segments))
@@ -270,7 +276,7 @@ def _assemble(
     )
     empty = np.empty(0)
     ones = np.ones((2, c))
-    known = (replay, nuisances, responses, whitenings, play, segments, ones, ones, sensitivities, residual)
+    known = (replay, nuisances, responses, whitenings, *noise, segments, ones, ones, sensitivities, residual)
     draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of)
     both = draft.whiten(np.concatenate([sensitivities, residual[:, :, None]], axis=2))
     return replace(draft, jacobian=both[:, :-1], white=both[:, -1])

@@ -4,6 +4,7 @@ A static run is read visit by visit: the pose is approached from its side, then 
 mean with its standard error. A motion is cut into bins of constant direction, short against everything that changes.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -100,13 +101,17 @@ def segments_of(
                     segment_input.path,
                 )
             )
-    return _rounded_alike(found, quantities, noise) if found else ()
+    runs = {run.name: run for run in campaign.runs}
+    return _rounded_alike(found, runs, quantities, noise) if found else ()
 
 
-def _rounded_alike(found: list[Segment], quantities: tuple[Quantity, ...], noise: Noise) -> tuple[Segment, ...]:
+def _rounded_alike(
+    found: list[Segment], runs: Mapping[str, Run], quantities: tuple[Quantity, ...], noise: Noise
+) -> tuple[Segment, ...]:
     """Return the segments with readings that were rounded to the same number counted as one.
 
-    A gauge shows the same digit all day while its joint stands; a thousand such readings know no more than one.
+    A gauge shows the same digit all day while its joint stands; a thousand such readings know no more than one. In a
+    bin of motion that runs through k digits rounding averages out, but for a part of the first and the last: 1/k of it.
     """
     sigma = [segment.sigma.copy() for segment in found]
     for c, quantity in enumerate(quantities):
@@ -119,7 +124,11 @@ def _rounded_alike(found: list[Segment], quantities: tuple[Quantity, ...], noise
         for segment, own in zip(found, sigma, strict=True):
             values = segment.observed[:, c]
             alike = np.searchsorted(known, values + half) - np.searchsorted(known, values - half)
-            own[:, c] = np.hypot(own[:, c], step * np.sqrt(np.maximum(alike, 1)))
+            digits = np.ones(len(segment))
+            if segment.path and not segment.is_static:
+                shown = runs[segment.run].columns[quantity.column]
+                digits = np.array([max(1.0, np.ptp(shown[group]) / (2 * half)) for group in segment.path.groups])
+            own[:, c] = np.hypot(own[:, c], step * np.sqrt(np.maximum(alike, 1)) / digits)
     return tuple(replace(segment, sigma=own) for segment, own in zip(found, sigma, strict=True))
 
 
