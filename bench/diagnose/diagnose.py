@@ -20,6 +20,7 @@ from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.name.selection import name_cause
+from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -194,7 +195,8 @@ def signatures_of(
     """Return the signatures of a campaign and of all others of its session; nothing is simulated yet."""
     quantities = quantities_of(campaign.runs, compiled)
     causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled))
-    return Signatures(compiled, quantities, nuisances_of(compiled, quantities), causes, store=store)
+    nuisances = with_recordings(nuisances_of(compiled, quantities), compiled, campaign.recordings)
+    return Signatures(compiled, quantities, nuisances, causes, store=store)
 
 
 def measured_by(campaign: Campaign) -> frozenset[str]:

@@ -45,6 +45,7 @@ class Segment:
         acceleration_error: Shape (T, n), standard deviation of the motors' accelerations, as differentiated.
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest, and for a motion that nobody measured.
+        recording: Name of the recording that the run belongs to.
     """
 
     run: str
@@ -58,6 +59,7 @@ class Segment:
     acceleration_error: Array
     rings: NDArray[np.bool_]
     path: Path | None = None
+    recording: str = ""
 
     def __len__(self) -> int:
         return len(self.observed)
@@ -98,6 +100,7 @@ def segments_of(
                     segment_input.acceleration_error,
                     segment_input.rings,
                     segment_input.path,
+                    run.recording,
                 )
             )
     return _rounded_alike(found, quantities, noise) if found else ()
