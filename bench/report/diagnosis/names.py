@@ -12,6 +12,7 @@ from bench.diagnose.verdict import (
     PredictedError,
     Unlisted,
 )
+from bench.effects.effect import IN_RECORDING
 
 KINDS = {
     "current": "motor current",
@@ -64,8 +65,11 @@ def unlisted_name(unlisted: Unlisted) -> str:
 
 def cause_name(cause: NamedCause) -> str:
     """Return the title of a cause with its place, but for the robot as a whole."""
-    place = channel_name(cause.place).replace("_", " ")
-    return cause.title if place == "robot" else f"{cause.title} ({place})"
+    where, within, recording = cause.place.partition(IN_RECORDING)
+    place = channel_name(where).replace("_", " ")
+    if not within:
+        return cause.title if place == "robot" else f"{cause.title} ({place})"
+    return f"{cause.title} ({'' if place == 'robot' else f'{place} '}{within.lstrip()}{recording})"
 
 
 def ordered(causes: Sequence[NamedCause]) -> list[NamedCause]:

@@ -26,6 +26,7 @@ from bench.report.diagnosis.sentences import (
     gain_text,
     proposal_text,
     rate_sentence,
+    refused_text,
     remainder_sentence,
     scatter_sentence,
     step_text,
@@ -61,7 +62,7 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     yield from _predicted(verdict)
     for step in verdict.steps:
         if not step.accepted:
-            yield f"Refused: {' with '.join(cause_name(cause) for cause in step.added)}: {step.reason.rstrip('.')}."
+            yield refused_text(step)
     for proposal in verdict.next[:BEST_PROPOSALS]:
         yield f"Next: {proposal.experiment}"
         yield f"      {proposal_text(proposal)}"
