@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.segments import recordings_of
 from bench.record.campaign import Array
 
 MOST_RUNS = 40  # folds; beyond that, runs far apart in the campaign share one
@@ -64,7 +65,7 @@ def folds_of(linear: LinearisedModel, changed: Array | None = None) -> Folds:
     lengths = [len(segment) for segment in linear.segments]
     run = np.repeat([linear.runs.index(segment.run) for segment in linear.segments], lengths)
     power = np.ones(len(linear.runs)) if changed is None else _sums(linear.run_of, changed**2, len(linear.runs))
-    names = linear.replay.recordings
+    names = recordings_of(linear.segments)
     if len(names) == 1:
         return _of_runs(run, power)
     of_run = dict(

@@ -28,6 +28,7 @@ from bench.diagnose.cross_validation.leave_out import (
 )
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
+from bench.diagnose.replay.segments import recordings_of
 from bench.record.campaign import Array
 
 DRAWS = 2000  # of the Bayesian bootstrap
@@ -148,7 +149,7 @@ def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: Linear
         by=folds.by,
         folds=len(folds),
         channels=_channels(with_play(linear, after.play), folds, first, second, weights),
-        recordings=_of_recordings(linear.replay.recordings, folds, two - one),
+        recordings=_of_recordings(recordings_of(linear.segments), folds, two - one),
     )
 
 

@@ -12,6 +12,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.levels import world_in
 from bench.diagnose.replay.nuisances import THERMOMETER_K
 from bench.diagnose.replay.replay import ideal_reading
+from bench.diagnose.replay.segments import recordings_of
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
 from bench.effects.effect import REFERENCE_K, Conditions
 from bench.robot.compiled import compile_robot
@@ -45,7 +46,7 @@ def direct_measurements(linear: LinearisedModel, fits: Sequence[Fit], trace: Tra
         fits: Explanations.
         trace: Any motion of the nominal robot; its first instant is read.
     """
-    compiled, last = linear.replay.compiled, linear.replay.recordings[-1]
+    compiled, last = linear.replay.compiled, recordings_of(linear.segments)[-1]
     found = []
     conditions = [segment.conditions for segment in linear.segments]
     if compiled.counterbalance is not None and all(c.gas_k == REFERENCE_K for c in conditions):

@@ -20,7 +20,7 @@ from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.segments import Segment, recordings_of
 from bench.diagnose.replay.simulations import simulate_all
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError
@@ -118,7 +118,7 @@ class Preposterior:
         self._responses = [torque_response(self._replay.compiled, trace, quantities) for trace in traces]
         held, held_changes = held_friction(self._replay, traces, tuple(self._responses))
         nuisances = with_recordings(
-            nuisances_of(self._replay.compiled, quantities), self._replay.compiled, linear.replay.recordings
+            nuisances_of(self._replay.compiled, quantities), self._replay.compiled, recordings_of(linear.segments)
         )
         simulated = [n for n in nuisances if not (is_quick and _moves(n))]
         unknown_worlds, steps = _unknown_worlds(linear, fits)

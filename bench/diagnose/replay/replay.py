@@ -90,11 +90,6 @@ class Replay:
         """Instants that are read, and quantities."""
         return sum(count_of(segment) for segment in self.segments), len(self.quantities)
 
-    @property
-    def recordings(self) -> tuple[str, ...]:
-        """Names of the recordings, in order."""
-        return tuple(self._recordings)
-
     def predict(self, world: World) -> Array:
         """Return what instruments show in a world, shape (T, c), segment after segment.
 

@@ -4,6 +4,7 @@ A static run is read visit by visit: the pose is approached from its side, then 
 mean with its standard error. A motion is cut into bins of constant direction, short against everything that changes.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -63,6 +64,11 @@ class Segment:
 
     def __len__(self) -> int:
         return len(self.observed)
+
+
+def recordings_of(segments: Iterable[Segment]) -> tuple[str, ...]:
+    """Return the names of the recordings that segments belong to, in order."""
+    return tuple(dict.fromkeys(segment.recording for segment in segments))
 
 
 def segments_of(

@@ -18,6 +18,7 @@ from bench.report.diagnosis.names import (
     ordered,
     parameter_text,
     percent,
+    place_name,
     small_text,
 )
 from bench.report.diagnosis.sentences import (
@@ -116,8 +117,8 @@ def _limits(verdict: Verdict) -> Iterator[str]:
         yield "Larger ones would have been found, for instance of more than:"
         best = sorted(shown, key=lambda limit: (bool(limit.unit), limit.worst))
         for limit in best[:BEST_LIMITS]:
-            place = "" if limit.place == "robot" else f", {limit.place}"
-            yield f"  {limit.effect.replace('_', ' ')}{place}: {limit_text(limit)}"
+            where = place_name(limit.place)
+            yield f"  {limit.effect.replace('_', ' ')}{f', {where}' if where else ''}: {limit_text(limit)}"
     if unseen := undetectable_sentence(verdict, but=verdict.blind):
         yield unseen
 

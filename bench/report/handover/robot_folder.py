@@ -12,6 +12,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import figures_with
 from bench.diagnose.replay.levels import as_of
 from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import recordings_of
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
 from bench.effects.effect import Acting, Conditions
 from bench.effects.fitted import acting_of, entry_of
@@ -65,7 +66,7 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path) ->
     Raises:
         RobotError: The robot's files are no longer what they were when they were read.
     """
-    compiled, last = linear.replay.compiled, linear.replay.recordings[-1]
+    compiled, last = linear.replay.compiled, recordings_of(linear.segments)[-1]
     world = as_of(fit.world(linear), last)
     robot = compiled.robot
     division = divided(compiled, world.acting)
@@ -86,7 +87,7 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path) ->
     folder.mkdir()
     after = write_robot(robot, spec, figures, folder, "")
     disagreement = _disagreement(linear, world, compile_robot(load_robot(folder)))
-    recordings = linear.replay.recordings
+    recordings = recordings_of(linear.segments)
     readme = readme_of(robot, figures, missing, disagreement, last if len(recordings) > 1 else "")
     (folder / "README.md").write_text(readme, encoding="utf-8")
     name = f"{folder.name}/{figures.mjcf}"
@@ -132,7 +133,7 @@ def _disagreement(linear: LinearisedModel, world: World, handed: CompiledRobot) 
         world: As fitted, of that recording.
         handed: The new robot.
     """
-    last = linear.replay.recordings[-1]
+    last = recordings_of(linear.segments)[-1]
     segments = tuple(segment for segment in linear.segments if segment.recording == last)
     nominal, campaign = linear.replay.compiled, (segments, linear.quantities)
     sigma = np.concatenate([segment.sigma for segment in segments])
