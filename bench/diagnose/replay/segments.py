@@ -23,7 +23,11 @@ from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
 BY_CHANCE = 1e-4  # probability up to which the scatter of repeats is taken for their instrument's
-MOST_BINS = 700  # over all motion of a campaign; a replay of so many takes some milliseconds
+MOST_BINS = 700  # of one run; a replay of so many takes some milliseconds
+# Bins times channels of all runs together, for memory: a diagnosis of the HH-150 with all causes takes 29 kB for each
+# (0.86 GB with 620 bins of 15 channels, 1.48 GB with 2030). Ten runs of a KR300 have a third of it; only beyond does the
+# resolution of a run depend on the others.
+MOST_READINGS = 40_000
 
 
 Index = NDArray[np.int64]
@@ -80,13 +84,14 @@ def segments_of(
         campaign: A checked campaign.
         compiled: Its robot.
         quantities: What to compare.
-        most_bins: How many bins all motion together may have.
+        most_bins: How many bins the motion of one run may have.
     """
     noise = Noise(campaign, compiled.robot.figures)
-    moving = sum(float(np.ptp(run.columns["time_s"])) for run in campaign.of_kind("motion") if len(run) > 1)
-    width = moving / most_bins
+    lasts = {run.name: float(np.ptp(run.columns["time_s"])) for run in campaign.of_kind("motion") if len(run) > 1}
+    least = sum(lasts.values()) * len(quantities) / MOST_READINGS
     found: list[Segment] = []
     for run in campaign.runs:
+        width = max(lasts.get(run.name, 0.0) / most_bins, least)
         for segment_input in visits_of(run, compiled) if run.kind == "static" else stretches_of(run, compiled, width):
             observed, sigma = _means(run, segment_input, quantities, noise)
             motion = segment_input.motion
