@@ -89,7 +89,7 @@ def diagnose(
         rate: Share of null campaigns in which anything at all may be found.
         progress: Called with what is done next.
         signatures: Of other campaigns of the same session, if there were any; from `signatures_of`.
-        most_bins: How many bins all motion together may have.
+        most_bins: How many bins the motion of one run may have.
         proposes: Whether to look for the next experiment, and for what the campaign could not show.
         executor: Where to simulate; results do not depend on it.
         check: Called between steps and between simulations. It may raise `Stopped`, and the diagnosis ends with what it
