@@ -130,7 +130,7 @@ class Step:
         accepted: Whether the model keeps it.
         reason: Why, in words.
         channels: What each channel gains by it on what was held out.
-        repeats: Share of searches, each without an eighth of the runs, that find it again; nan where none was made.
+        repeats: Share of searches, each without a part of the runs, that find it again; nan where none was made.
             What less than half of them find hangs on a few runs, and is not confirmed.
         recordings: Of a finding of the machine in several recordings: what each of them gains by it, fitted to the
             others; empty elsewhere.
