@@ -99,12 +99,13 @@ def test_recordings_of_two_robots(
     shutil.copytree("models/hh150", campaign / "robot")
     manifest = campaign / "campaign.yaml"
     manifest.write_text(manifest.read_text().replace("robot: hh150", "robot: robot"))
-    assert refused(healthy, tmp_path / "out", str(campaign)) == (3, [])
+    assert main(["diagnose", str(healthy), str(campaign), "-o", str(tmp_path / "out")]) == 3
+    assert not (tmp_path / "out").exists()
     assert "one machine" in capsys.readouterr().err
 
 
 def test_a_recording_that_is_given_twice(healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert refused(healthy, tmp_path / "out", str(healthy)) == (3, [])
+    assert main(["diagnose", str(healthy), str(healthy), "-o", str(tmp_path / "out")]) == 3
     assert "given twice" in capsys.readouterr().err
 
 
