@@ -56,7 +56,6 @@ class CoulombFriction(_OnFriction):
 
     name = "coulomb_friction"
     title = "Coulomb friction that the model leaves out"
-    between = "drifts"
     physics = (
         "Dry friction in gear, bearings and seals opposes motion with a constant torque f_C sign(v), and holds at rest "
         "within +-f_C. It is put on the motor side (the effect friction_side moves it)."
@@ -114,7 +113,6 @@ class ViscousFriction(_OnFriction):
 
     name = "viscous_friction"
     title = "viscous friction that the model leaves out"
-    between = "drifts"
     physics = (
         "Shear of the lubricant opposes motion in proportion to speed, f = f_v v, mostly in the fast motor-side stages."
     )
