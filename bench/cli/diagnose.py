@@ -19,10 +19,13 @@ class Diagnose:
     Ten seconds where little is wrong, a minute where the model lacks much. A cause is taken only where it pays on runs
     it was not fitted to; the threshold is such that chance alone passes it in 1 of 100 campaigns. How often it is right
     stands in the README.
+
+    Of several campaigns each is a recording: what is the machine's is fitted to all of them and has to predict those
+    that were left out; a payload, the zero of an encoder or the tracker's frame is looked for in each.
     """
 
-    campaign: tyro.conf.Positional[Path]
-    """Campaign folder (format: bench/record/README.md)."""
+    campaigns: tyro.conf.Positional[tuple[Path, ...]]
+    """Campaign folders of one machine (format: bench/record/README.md), in the order in which they were recorded."""
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Folder to write; must not exist yet."""
     robot: str = ""
@@ -46,7 +49,6 @@ class Diagnose:
         from bench.cli.progress import phases
         from bench.cli.stopping import UNFINISHED, ending_on_interrupt, seconds_of
         from bench.diagnose.diagnose import FALSE_ALARM_RATE, diagnose
-        from bench.diagnose.plausibility.channels import doubts_of
         from bench.diagnose.verdict import unweighed
         from bench.effects.catalogue import catalogue
         from bench.effects.own import try_out
@@ -54,22 +56,20 @@ class Diagnose:
         from bench.executor.local import on_cores
         from bench.executor.watched import Stop, Stopped, Watched
         from bench.record.folder import new_folder
-        from bench.report.campaigns import open_campaign
         from bench.report.diagnosis.file_names import VERDICT
         from bench.report.diagnosis.words import places_of, words_of
         from bench.report.diagnosis.write import write_diagnosis, write_unweighed
+        from bench.report.joint_campaign import open_joint
         from bench.store.place import open_store
 
         stop = Stop(inf if self.at_most is None else seconds_of(self.at_most))
         effects = catalogue(self.file)
-        report, compiled = open_campaign(self.campaign, self.robot)
-        campaign = report.usable()
-        assert compiled
+        joint = open_joint(self.campaigns, self.robot)
+        campaign, compiled = joint.campaign, joint.compiled
         try_out([effect for name, effect in effects.items() if name not in catalogue()], compiled)
-        doubts = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
-        if doubts and not self.despite_doubts:
-            raise CampaignError([*(f"{self.campaign}: {doubt}" for doubt in doubts), WAYS_OUT])
-        for finding in (*report.warnings, *doubts):
+        if joint.doubts and not self.despite_doubts:
+            raise CampaignError([*(f"{folder}: {doubt}" for folder, doubt in joint.doubts), WAYS_OUT])
+        for finding in (*joint.warnings, *(doubt for _, doubt in joint.doubts)):
             print(f"{finding.level:8}{finding}", file=sys.stderr)
         with ending_on_interrupt(stop), new_folder(self.out, VERDICT, replace=False) as folder, phases() as shown:
             executor = Watched(on_cores(self.cores), shows=shown.share)
@@ -109,4 +109,4 @@ class Diagnose:
         files += ["--at-most", self.at_most] if self.at_most is not None else []
         files += ["--despite-doubts"] * self.despite_doubts
         files += ["--no-store"] * self.no_store
-        return shlex.join(["bench", "diagnose", str(self.campaign), "-o", str(self.out), *files])
+        return shlex.join(["bench", "diagnose", *map(str, self.campaigns), "-o", str(self.out), *files])

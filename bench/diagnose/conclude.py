@@ -129,7 +129,8 @@ def _step(finding: Finding) -> Step:
         )
     named = (_named(finding.cause, finding.fit),)
     known = (finding.log_evidence, gain.nats, gain.low, gain.high, finding.is_taken, reason, gain.channels)
-    return Step(named, *known, finding.repeats)
+    is_of_machine = finding.cause.place.recording is None
+    return Step(named, *known, finding.repeats, gain.recordings if is_of_machine else ())
 
 
 def _unlisted(naming: Naming, discrepancy: Discrepancy | None) -> Unlisted | None:
@@ -176,6 +177,6 @@ def _titled(cause: Cause, parameters: tuple[ParameterValue, ...]) -> NamedCause:
         parameters=parameters,
         physics=effect.physics,
         source=effect.source,
-        level=effect.level,
+        level="recording" if cause.place.recording is not None and effect.level == "machine" else effect.level,
         advice=effect.advice,
     )

@@ -20,6 +20,7 @@ from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.name.selection import name_cause
+from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -88,7 +89,7 @@ def diagnose(
         rate: Share of null campaigns in which anything at all may be found.
         progress: Called with what is done next.
         signatures: Of other campaigns of the same session, if there were any; from `signatures_of`.
-        most_bins: How many bins all motion together may have.
+        most_bins: How many bins the motion of one run may have.
         proposes: Whether to look for the next experiment, and for what the campaign could not show.
         executor: Where to simulate; results do not depend on it.
         check: Called between steps and between simulations. It may raise `Stopped`, and the diagnosis ends with what it
@@ -194,7 +195,8 @@ def signatures_of(
     """Return the signatures of a campaign and of all others of its session; nothing is simulated yet."""
     quantities = quantities_of(campaign.runs, compiled)
     causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled))
-    return Signatures(compiled, quantities, nuisances_of(compiled, quantities), causes, store=store)
+    nuisances = with_recordings(nuisances_of(compiled, quantities), compiled, campaign.recordings)
+    return Signatures(compiled, quantities, nuisances, causes, store=store)
 
 
 def measured_by(campaign: Campaign) -> frozenset[str]:

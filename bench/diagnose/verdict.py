@@ -17,6 +17,7 @@ from typing import Any
 
 from bench.diagnose.cross_validation.held_out import ChannelGain as ChannelGain  # part of the verdict
 from bench.diagnose.cross_validation.held_out import PredictedError as PredictedError  # part of the verdict
+from bench.diagnose.cross_validation.held_out import RecordingGain as RecordingGain  # part of the verdict
 from bench.diagnose.experiment_design.propose import Proposal as Proposal  # part of the verdict
 from bench.diagnose.experiment_design.undetectable import (
     UndetectableEffect as UndetectableEffect,
@@ -52,7 +53,7 @@ class NamedCause:
         physics: Why it happens.
         source: Who says so.
         share, sigmas: How large and how sure it is (`extend.size.Size`); nan where it was not fitted.
-        level: Whether it is of the "machine", of this "recording", or of single runs of it ("run").
+        level: Whether it is of the "machine", of one "recording", or of single runs of it ("run").
         advice: What to look at on the robot or in the log; "" where the title says that.
     """
 
@@ -166,8 +167,10 @@ class Step:
         accepted: Whether the model keeps it.
         reason: Why, in words.
         channels: What each channel gains by it on what was held out.
-        repeats: Share of searches, each without an eighth of the runs, that find it again; nan where none was made.
+        repeats: Share of searches, each without a part of the runs, that find it again; nan where none was made.
             What less than half of them find hangs on a few runs, and is not confirmed.
+        recordings: Of a finding of the machine in several recordings: what each of them gains by it, fitted to the
+            others; empty elsewhere.
     """
 
     added: tuple[NamedCause, ...]
@@ -179,6 +182,12 @@ class Step:
     reason: str
     channels: tuple[ChannelGain, ...] = ()
     repeats: float = float("nan")
+    recordings: tuple[RecordingGain, ...] = ()
+
+    @property
+    def confirmed_by(self) -> tuple[str, ...]:
+        """Names of the recordings that become more probable with it, fitted to the others."""
+        return tuple(one.recording for one in self.recordings if one.confirms)
 
     @property
     def is_confirmed(self) -> bool:
@@ -218,7 +227,7 @@ class Verdict:
         missing: Effect -> channels without which it was not looked for.
         not_simulated: Causes whose model found no balance along the measured motion.
         gain: Of every channel on data that were not fitted; empty where there is no extension to try.
-        held_out_by: "run" or "block": what was left out as a whole to measure the gain.
+        held_out_by: "recording", "run" or "block": what was left out as a whole to measure the gain.
         steps: The findings, the one with the most evidence first, then the refused ones.
         next: Experiments that would tell more, the best first.
         predicted: What the model will leave of a recording that nobody has made yet, by channel.

@@ -108,7 +108,7 @@ class Workspace:
     def segment(
         self, motion: Motion, words: str, is_static: bool, conditions: Conditions, columns: NDArray[np.bool_]
     ) -> Segment:
-        """Return a segment in which some columns are read, shape (c,)."""
+        """Return a segment in which some columns are read, shape (c,), as if it were made in the last recording."""
         length = int(motion.read.sum())
         shape = (length, len(self.quantities))
         return Segment(
@@ -122,6 +122,7 @@ class Workspace:
             standing=np.all(motion.velocity == 0, axis=0),
             acceleration_error=np.zeros((length, self.n)),
             rings=np.zeros(length, dtype=bool),
+            recording=self.linear.segments[-1].recording,
         )
 
     def place(self, joint: int, position: float) -> str:

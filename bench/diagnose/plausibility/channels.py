@@ -25,7 +25,7 @@ from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
-BINS = 400  # of all motion; enough to tell a sign
+BINS = 400  # of one run at most; enough to tell a sign
 BLOCKS = 6  # of the readings; what is said has to hold with any of them left out
 LEAST = 30  # readings of a drive in motion
 GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work

@@ -16,6 +16,7 @@ from bench.diagnose.replay.courses import Course, count_of, courses_of, slices_o
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.jacobians import reflector_jacobians
 from bench.diagnose.replay.late import read_late
+from bench.diagnose.replay.levels import is_told_apart, world_in
 from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
@@ -70,6 +71,9 @@ class Replay:
         self._known: OrderedDict[Hashable, Trace] = OrderedDict()
         self._lock = Lock()
         self._rows = slices_of(count_of(segment) for segment in segments)
+        self._recordings: dict[str, list[int]] = {}  # recording -> its segments
+        for i, segment in enumerate(segments):
+            self._recordings.setdefault(segment.recording, []).append(i)
         self._plans: OrderedDict[Hashable, tuple[Course, ...]] = OrderedDict()
         nominal = self._courses(NOMINAL)
         # where links and passive hinges of the nominal robot balance; every search starts there
@@ -98,13 +102,24 @@ class Replay:
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
         world = self.whole(world)
+        if not is_told_apart(world):
+            return self._read(world, self.segments, trace)
+        shown = np.empty(self.shape)
+        for recording, members in self._recordings.items():
+            segments = tuple(self.segments[i] for i in members)
+            rows = np.concatenate([np.arange(self._rows[i].start, self._rows[i].stop) for i in members])
+            shown[rows] = self._read(world_in(world, recording), segments, trace[rows])
+        return shown
+
+    def _read(self, world: World, segments: tuple[Segment, ...], trace: Trace) -> Array:
+        """Return the same for segments in which all of a world acts."""
         late = [acting.effect.lateness(acting.place, acting.values) for acting in world.acting]
-        trace = read_late(self.compiled, self.segments, trace, [one for one in late if one])
+        trace = read_late(self.compiled, segments, trace, [one for one in late if one])
         reading = ideal_reading(self.compiled, trace)
         distorting = [acting for acting in world.acting if type(acting.effect).distort is not Effect.distort]
         if distorting:
             parts = []
-            for segment, rows in zip(self.segments, self._rows, strict=True):
+            for segment, rows in zip(segments, slices_of(count_of(one) for one in segments), strict=True):
                 seen, there = reading[rows], trace[rows]
                 for acting in distorting:
                     seen = acting.effect.distort(acting.place, acting.values, seen, there, segment.conditions)
@@ -129,7 +144,7 @@ class Replay:
                 self._known.move_to_end(key)
                 return self._known[key]
         courses = self._courses(world)
-        trace = self._joined(courses, [self._followed(world, course)[0] for course in courses])
+        trace = self._joined(courses, [self._moved_along(world, course) for course in courses])
         with self._lock:
             self._known[key] = trace
             if len(self._known) > MOST_KNOWN:
@@ -157,7 +172,7 @@ class Replay:
                 for segment, first in zip(segments, np.cumsum([0, *lengths[:-1]]), strict=True)
             ]
             followed = Followed(
-                compiled=self._robot(world, true_conditions(world, course)),
+                compiled=self._robot_along(world, course),
                 trace=trace[course.rows],
                 acceleration=course.motion.acceleration[course.motion.read],
                 visit=np.repeat(visits, lengths),
@@ -197,7 +212,8 @@ class Replay:
     def _courses(self, world: World) -> tuple[Course, ...]:
         """Return what each model of a world follows."""
         world = self.whole(world)
-        models = tuple(model_of(world, segment.run, segment.conditions) for segment in self.segments)
+        here = {recording: world_in(world, recording) for recording in self._recordings}
+        models = tuple(model_of(here[s.recording], s.run, s.recording, s.conditions) for s in self.segments)
         key = models, depends_on_conditions(world)
         with self._lock:
             if key in self._plans:
@@ -210,9 +226,16 @@ class Replay:
                 self._plans.popitem(last=False)
         return plan
 
+    def _moved_along(self, world: World, course: Course) -> Trace:
+        """Return the truth along a course, at what is read of it."""
+        if not changes_robot(world_in(world, course.recording)):
+            return self._nominal[course.rows]
+        return self._followed(world, course)[0]
+
     def _followed(self, world: World, course: Course) -> tuple[Trace, Array]:
         """Return the truth along a course, at what is read of it, and what the search found at all its instants."""
-        compiled = self._robot(world, true_conditions(world, course))
+        compiled = self._robot_along(world, course)
+        world = world_in(world, course.recording)
         robot = Prescribed(compiled, self._structure.data_for(compiled), self._tolerance)
         error = log_error_of(world, course.run)
         as_fitted, _ = moved(course.motion, self.fitted)
@@ -240,6 +263,11 @@ class Replay:
         """Return the traces of courses as one, in the order of the campaign."""
         order = np.argsort(np.concatenate([course.rows for course in courses]))
         return Trace.concatenate(traces)[order]
+
+    def _robot_along(self, world: World, course: Course) -> CompiledRobot:
+        """Return the robot that follows a course."""
+        here = world_in(world, course.recording)
+        return self._robot(here, true_conditions(here, course))
 
     def _robot(self, world: World, conditions: Conditions) -> CompiledRobot:
         return self._structure.robot(steps_of(self.whole(world), conditions))

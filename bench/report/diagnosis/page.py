@@ -30,6 +30,7 @@ from bench.report.diagnosis.names import (
 from bench.report.diagnosis.pictures import Picture, over_name
 from bench.report.diagnosis.readings import Channel
 from bench.report.diagnosis.sentences import (
+    confirmed_text,
     gain_sentence,
     open_names_sentence,
     proposal_text,
@@ -45,6 +46,10 @@ from bench.report.diagnosis.sentences import (
 TEMPLATE = "page.html.j2"
 MOST_LINES = 300  # of a difference, on the page
 HELD_OUT = {
+    "recording": (
+        "Each recording in turn was left out whole, and predicted by the models fitted to all others; what belongs to "
+        "it alone, such as a payload or the zero of an encoder, was fitted to it."
+    ),
     "run": "Each run in turn was left out whole, and predicted by the models fitted to all others.",
     "block": "One run shows nearly all of it, so stretches of it were left out in turn; that proves less than runs.",
 }
@@ -127,6 +132,7 @@ def page_of(
         "percent": percent,
         "proposal": proposal_text,
         "step_left": step_left,
+        "confirmed_text": confirmed_text,
         "spaced": lambda name: name.replace("_", " "),
         "unit": unit_name,
     }

@@ -17,6 +17,7 @@ from bench.report.diagnosis.names import (
     name_beside,
     parameter_text,
     percent,
+    place_name,
     small_text,
 )
 from bench.report.diagnosis.sentences import (
@@ -25,6 +26,7 @@ from bench.report.diagnosis.sentences import (
     open_names_sentence,
     proposal_text,
     rate_sentence,
+    refused_text,
     remainder_sentence,
     scatter_sentence,
     step_text,
@@ -62,7 +64,7 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     yield from _predicted(verdict)
     for step in verdict.steps:
         if not step.accepted:
-            yield f"Refused: {' with '.join(cause_name(cause) for cause in step.added)}: {step.reason.rstrip('.')}."
+            yield refused_text(step)
     for proposal in verdict.next[:BEST_PROPOSALS]:
         yield f"Next: {proposal.experiment}"
         yield f"      {proposal_text(proposal)}"
@@ -116,8 +118,8 @@ def _limits(verdict: Verdict) -> Iterator[str]:
         yield "Larger ones would have been found, for instance of more than:"
         best = sorted(shown, key=lambda limit: (bool(limit.unit), limit.worst))
         for limit in best[:BEST_LIMITS]:
-            place = "" if limit.place == "robot" else f", {limit.place}"
-            yield f"  {limit.effect.replace('_', ' ')}{place}: {limit_text(limit)}"
+            where = place_name(limit.place)
+            yield f"  {limit.effect.replace('_', ' ')}{f', {where}' if where else ''}: {limit_text(limit)}"
     if unseen := undetectable_sentence(verdict, but=verdict.blind):
         yield unseen
 

@@ -13,6 +13,8 @@ from bench.diagnose.verdict import (
     NoisyChannel,
     ParameterValue,
     PredictedError,
+    RecordingGain,
+    Step,
     UndetectableEffect,
     Unlisted,
 )
@@ -29,6 +31,7 @@ from bench.report.diagnosis.names import (
     shown,
     unlisted_name,
 )
+from bench.report.diagnosis.sentences import confirmed_text, refused_text, step_text
 from bench.report.diagnosis.words import places_of, words_of
 from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, finding
 
@@ -280,3 +283,39 @@ def test_a_gain_of_nearly_nothing_has_no_exponent(share: float, text: str) -> No
 @given(st.floats(0, 1, exclude_min=True, exclude_max=True))
 def test_no_probability_is_rounded_to_certainty(share: float) -> None:
     assert percent(share) not in ("0 %", "100 %")
+
+
+def in_two(accepted: bool, *nats: float) -> Step:
+    recordings = tuple(RecordingGain(name, gain) for name, gain in zip("AB", nats, strict=True))
+    low = min(nats)
+    return Step((ZERO,), 20.0, sum(nats), low, max(nats), accepted, "held out", recordings=recordings)
+
+
+def test_a_finding_of_the_machine_says_which_recordings_confirm_it() -> None:
+    assert step_text(in_two(True, 12.0, 5.0)).endswith("confirmed by 2 of 2 recordings (A +12, B +5)")
+    assert in_two(True, 12.0, -1.0).confirmed_by == ("A",)
+    alone = in_two(True, float("nan"), float("nan"))
+    assert confirmed_text(alone) == "confirmed by 0 of 2 recordings: one alone shows it"
+
+
+def test_what_does_not_repeat_is_withdrawn() -> None:
+    words = refused_text(in_two(False, -19.0, 11.0))
+    assert words == (
+        "Withdrawn: zero of a joint (joint 2): it does not repeat from recording to recording, "
+        "confirmed by 1 of 2 recordings (A -19, B +11)."
+    )
+    assert (
+        refused_text(Step((ZERO,), 20.0, 1.0, -1.0, 2.0, False, "why.")) == "Refused: zero of a joint (joint 2): why."
+    )
+
+
+@pytest.mark.parametrize(
+    ("place", "name"),
+    [
+        ("robot in recording may", "loss of gas (in recording may)"),
+        ("drive 2 in recording may_3", "loss of gas (drive 2 in recording may_3)"),
+        ("current_2_a in recording may_3", "loss of gas (motor current 2 in recording may_3)"),
+    ],
+)
+def test_a_place_in_one_recording_is_named_with_it(place: str, name: str) -> None:
+    assert cause_name(replace(GAS, place=place)) == name
