@@ -77,7 +77,11 @@ def band_of(runs: Sequence[MotionSamples], cutoff_hz: float | None = None) -> Ba
         if not cutoff_hz > 0:
             raise InputError(f"cut-off {cutoff_hz:g} Hz: must be positive.")
         return Band(cutoff_hz, np.nan)
-    frequency, power = zip(*(_velocity_spectrum(run) for run in runs), strict=True)
+    velocities = [_commanded_velocity(run) for run in runs]
+    top = np.max([np.abs(velocity).max(axis=0) for velocity in velocities], axis=0)
+    scale = np.where(top > 0, top, 1.0)  # each joint counts by its own top speed, and one that hardly moves hardly does
+    spectra = (_spectrum(v / scale, run.rate) for v, run in zip(velocities, runs, strict=True))
+    frequency, power = zip(*spectra, strict=True)
     edges = np.unique(np.concatenate(frequency))
     total = sum(np.interp(edges, f, np.cumsum(p)) for f, p in zip(frequency, power, strict=True))
     if not total[-1] > 0:
@@ -88,11 +92,12 @@ def band_of(runs: Sequence[MotionSamples], cutoff_hz: float | None = None) -> Ba
     return Band(TORQUE_CUTOFF * bandwidth, bandwidth)
 
 
-def _velocity_spectrum(run: MotionSamples) -> tuple[Array, Array]:
-    """Return frequencies [Hz] and the power of all velocities there, each joint's by its own top speed."""
+def _commanded_velocity(run: MotionSamples) -> Array:
     path = np.where(np.isfinite(run.command).all(axis=0), run.command, run.position)
-    velocity = np.diff(path, axis=0) * run.rate
-    top = np.abs(velocity).max(axis=0)
-    velocity = velocity[:, top > 0] / top[top > 0]
-    frequency, power = signal.periodogram(velocity, run.rate, window="hann", detrend=False, axis=0)
-    return frequency, np.asarray(power.sum(axis=1) * len(run) if power.size else np.zeros(len(frequency)))
+    return np.asarray(np.diff(path, axis=0) * run.rate)
+
+
+def _spectrum(velocity: Array, rate: float) -> tuple[Array, Array]:
+    """Return frequencies [Hz], and the energy of all velocities there."""
+    frequency, power = signal.periodogram(velocity, rate, window="hann", detrend=False, axis=0)
+    return frequency, np.asarray(power.sum(axis=1) * len(velocity))

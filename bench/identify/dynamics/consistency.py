@@ -3,13 +3,14 @@
 A body exists if its pseudo-inertia is positive definite (P. M. Wensing, S. Kim, J.-J. E. Slotine, "Linear matrix
 inequalities for physically consistent inertial parameter identification", IEEE Robotics and Automation Letters 3(1),
 2018); rotors and friction are not negative. These constraints are convex, and a barrier method (S. Boyd,
-L. Vandenberghe, "Convex Optimization", 2004, section 11.3) finds the most probable point in some dozens of Newton steps.
+L. Vandenberghe, "Convex Optimization", 2004, section 11.3) finds the most probable point in dozens of Newton steps.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL
@@ -23,6 +24,8 @@ SMALL = 0.1  # of the largest payload, and of friction's uncertainty: where the 
 SHARPER = 0.2  # factor between one barrier and the next
 CLOSE = 1e-3  # half squared standard deviations that the end may be away from the best
 MOST_STEPS = 400  # of Newton; 30 to 80 are needed
+ENOUGH = 0.1  # of the decrease that the gradient promises; a step is halved until it gives that (Armijo's rule)
+SHORTEST = 1e-12  # step: rounding
 CENTRED = 0.1  # of the barrier: squared Newton decrement at which the next one is tried
 
 
@@ -111,31 +114,21 @@ def nearest(bodies: Bodies, parameters: Array, mean: Array, factor: Array, gram:
     precision = np.eye(factor.shape[1]) + factor.T @ gram @ factor
     inverse = np.linalg.pinv(factor, rcond=1e-12)
     best, z = inverse @ (parameters - mean), inverse @ (bodies.start - mean)
-    shapes = [np.tensordot(factor.T, shape, axes=1) for shape in bodies.shapes]
-    offsets = bodies.matrices(mean)
-    order = sum(shape.shape[1] for shape in shapes)
-
-    def barrier(z: Array) -> float:
-        total = 0.0
-        for shape, offset in zip(shapes, offsets, strict=True):
-            try:
-                total -= 2 * float(np.log(np.diag(np.linalg.cholesky(np.tensordot(z, shape, axes=1) + offset))).sum())
-            except np.linalg.LinAlgError:
-                return np.inf
-        return total
+    parts = []
+    for shape, offset in zip(bodies.shapes, bodies.matrices(mean), strict=True):
+        turned = np.tensordot(factor.T, shape, axes=1)
+        own = np.flatnonzero(turned.any(axis=(1, 2)))
+        parts.append(_Part(own, turned[own], offset))
+    order = sum(len(part.offset) for part in parts)
 
     def value(z: Array, sharp: float) -> float:
-        return float((z - best) @ precision @ (z - best)) / 2 + sharp * barrier(z)
+        return float((z - best) @ precision @ (z - best)) / 2 - sharp * sum(part.log_determinant(z) for part in parts)
 
     sharp = max(1.0, float((z - best) @ precision @ (z - best)) / 2 / order)
-    steps = 0
-    while steps < MOST_STEPS:
-        steps += 1
+    for _ in range(MOST_STEPS):
         slope, bend = precision @ (z - best), precision.copy()
-        for shape, offset in zip(shapes, offsets, strict=True):
-            solved = np.linalg.solve((np.tensordot(z, shape, axes=1) + offset)[None], shape)
-            slope = slope - sharp * np.trace(solved, axis1=1, axis2=2)
-            bend += sharp * np.einsum("aij,bji->ab", solved, solved, optimize=True)
+        for part in parts:
+            part.push(z, sharp, slope, bend)
         step = -np.linalg.solve(bend, slope)
         decrement = float(-slope @ step)
         if decrement < CENTRED * sharp:
@@ -144,12 +137,36 @@ def nearest(bodies: Bodies, parameters: Array, mean: Array, factor: Array, gram:
             sharp *= SHARPER
             continue
         length, now = 1.0, value(z, sharp)
-        while not value(z + length * step, sharp) <= now - 0.1 * length * decrement:
+        while length > SHORTEST and not value(z + length * step, sharp) <= now - ENOUGH * length * decrement:
             length /= 2
-            if length < 1e-12:
-                break
         z = z + length * step
     return np.asarray(mean + factor @ z)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One constraint over z: offset + sum z_k shape_k positive definite, for the few k in `own`."""
+
+    own: NDArray[np.int64]
+    shape: Array
+    offset: Array
+
+    def log_determinant(self, z: Array) -> float:
+        """Return log det, minus infinity outside."""
+        try:
+            lower = np.linalg.cholesky(self._matrix(z))
+        except np.linalg.LinAlgError:
+            return -np.inf
+        return 2 * float(np.log(np.diag(lower)).sum())
+
+    def push(self, z: Array, sharp: float, slope: Array, bend: Array) -> None:
+        """Add gradient and Hessian of -sharp log det."""
+        solved = np.linalg.solve(self._matrix(z)[None], self.shape)
+        slope[self.own] -= sharp * np.trace(solved, axis1=1, axis2=2)
+        bend[np.ix_(self.own, self.own)] += sharp * np.einsum("aij,bji->ab", solved, solved)
+
+    def _matrix(self, z: Array) -> Array:
+        return np.asarray(np.tensordot(z[self.own], self.shape, axes=1) + self.offset)
 
 
 def pseudo_inertia(link: Array) -> Array:

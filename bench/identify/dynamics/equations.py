@@ -36,7 +36,8 @@ class Equations:
         position: Shape (T, n), filtered.
         links: Shape (T, n, 10 n), factors of the links' inertial parameters.
         drives: Shape (T, n, 5), factors of `DRIVE_COLUMNS`, each of its own drive only.
-        gas: Shape (T, 1 + 4), motor torque against the nominal gas, and its derivatives by `GAS_SHAPE`; zeros without a counterbalance.
+        gas: Shape (T, 1 + 4), motor torque against the nominal gas, and its derivatives by `GAS_SHAPE`; zeros without a
+            counterbalance.
         known: Shape (T, n) [Nm], torque that the known load needs.
         torque: Shape (T, n) [Nm], measured; nan where it was not read.
         moves: Shape (T, n) bool, drives that move and were read: the equations that are used.

@@ -23,21 +23,24 @@ class Widths:
 
     Attributes:
         figures: Of masses, centres and rotors; 0 or more, for what is stated is at least as uncertain as stated.
+        friction: Of friction that is stated, likewise.
         direction: For each drive, of friction that differs between the directions, which with an offset is what a first
             pass most easily takes for gravity; 0 or less.
     """
 
     figures: int
+    friction: int
     direction: tuple[int, ...]
 
     @classmethod
     def usual(cls, n: int) -> "Widths":
         """Return those of n drives to begin with: figures as stated, offsets and directions as free as all friction."""
-        return cls(0, (0,) * n)
+        return cls(0, 0, (0,) * n)
 
     def neighbours(self) -> tuple["Widths", ...]:
         """Return the widths one step away."""
         found = [replace(self, figures=self.figures + way) for way in (1, -1) if 0 <= self.figures + way <= WIDEST]
+        found += [replace(self, friction=self.friction + way) for way in (1, -1) if 0 <= self.friction + way <= WIDEST]
         for i, width in enumerate(self.direction):
             for changed in (width + 1, width - 1):
                 if NARROWEST <= changed <= 0:
@@ -56,26 +59,29 @@ class Prior:
     Attributes:
         mean: Shape (p,), nominal figures.
         figures: Shape (p, p), of link and rotor inertia.
+        friction: Shape (p, p), of friction that is stated.
         direction: Shape (n, p, p), of each drive's offset and viscous friction that differs between the directions.
         free: Shape (p, p), of all others.
     """
 
     mean: Array
     figures: Array
+    friction: Array
     direction: Array
     free: Array
 
     def factor(self, widths: Widths) -> Array:
         """Return L, shape (p, p)."""
         direction = np.tensordot(WIDER ** np.array(widths.direction, dtype=float), self.direction, axes=1)
-        return np.asarray(WIDER**widths.figures * self.figures + direction + self.free)
+        stated = WIDER**widths.figures * self.figures + WIDER**widths.friction * self.friction
+        return np.asarray(stated + direction + self.free)
 
 
 def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Array, speed_rms: Array) -> Prior:
     """Return the prior of a robot.
 
-    Masses, centres, rotors and gas are known as `uncertainty` of the figures says. Friction is free up to what the
-    whole torque of a joint could be, for a first pass must not rest on how well somebody thought to know it.
+    Masses, centres, rotors, friction and gas are known as `uncertainty` of the figures says; friction that is not
+    stated is free up to what the whole torque of a joint could be.
 
     Args:
         layout: Of the parameters.
@@ -86,7 +92,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     """
     u, n = nominal.uncertainty, layout.n
     mean = np.zeros(layout.size)
-    figures, direction, free = (np.zeros((layout.size, layout.size)) for _ in range(3))
+    figures, friction, direction, free = (np.zeros((layout.size, layout.size)) for _ in range(4))
     mean[layout.links] = standard_parameters(arm)
     for i in range(n):
         own = slice(N_INERTIAL * i, N_INERTIAL * (i + 1))
@@ -101,8 +107,9 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     rotor = np.where(nominal.rotor_inertia > 0, u.rotor_inertia * nominal.rotor_inertia, own_inertia)
     put(layout.of_drives("rotor"), nominal.rotor_inertia, rotor, figures)
     drag = torque_rms / np.where(speed_rms > 0, speed_rms, 1.0)
-    put(layout.of_drives("coulomb"), nominal.coulomb, torque_rms, free)
-    put(layout.of_drives("viscous"), nominal.viscous, drag, free)
+    for name, stated, most in (("coulomb", nominal.coulomb, torque_rms), ("viscous", nominal.viscous, drag)):
+        put(layout.of_drives(name), stated, u.friction * stated, friction)
+        put(layout.of_drives(name), stated, np.where(stated > 0, 0.0, most), free)
     put(layout.of_drives("viscous_difference"), 0.0, drag, direction)
     put(layout.of_drives("offset"), 0.0, nominal.torque_offset_sigma, free)
     put(layout.of_drives("offset"), 0.0, torque_rms, direction)
@@ -125,7 +132,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     for name in ("viscous_difference", "offset"):
         for drive, where in enumerate(np.arange(layout.size)[layout.of_drives(name)]):
             each[drive, where, where] = direction[where, where]
-    return Prior(mean, figures, each, free)
+    return Prior(mean, figures, friction, each, free)
 
 
 def _link_covariance(arm: Arm, link: int, mass_sigma: float, centre_sigma: float) -> Array:

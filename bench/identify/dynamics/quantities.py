@@ -1,12 +1,11 @@
 """What the first pass tells, as named quantities with intervals."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from bench.identify.dynamics.first_pass import FirstPass
-from bench.identify.dynamics.prior import Widths
 from bench.identify.dynamics.regressor import NAMES
 from bench.record.campaign import Array
 
@@ -31,8 +30,8 @@ class Quantity:
         nominal: As stated.
         value: As found.
         sigma: Standard error.
-        prior_sigma: How well it was known beforehand; of masses with the width that the evidence chose, of friction as
-            free as it may be.
+        prior_sigma: How well it was known beforehand, with the widths that the evidence chose; offsets and directions
+            as free as they may be.
         combine: Shape (p,), its factors of the parameters.
         meaning: What is lumped in it; "": nothing else.
     """
@@ -61,7 +60,7 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
     """Return all quantities of a first pass: payload and gas, friction, base inertial parameters, torque scales."""
     layout, every = found.layout, np.eye(found.layout.size)
     result: list[Quantity] = []
-    factor = found.prior.factor(Widths(found.solution.widths.figures, (0,) * layout.n))
+    factor = found.prior.factor(replace(found.solution.widths, direction=(0,) * layout.n))
 
     def add(kind: Kind, name: str, unit: str, combine: Array, meaning: str = "") -> None:
         result.append(

@@ -10,7 +10,9 @@ from bench.identify.dynamics.parameters import Layout
 from bench.record.campaign import Array
 
 FRICTION = ("coulomb", "viscous", "offset")
-PRECISION = 1e-12  # of the largest eigenvalue of the scaled normal equations: rounding; a direction below is not told
+CONDITION = (
+    1e3  # of the column-scaled regression, beyond which directions are left at zero: ten times what Gautier allows
+)
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class Rival:
         diagonal = np.diag(gram)
         scale = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 0.0)
         values, vectors = np.linalg.eigh(gram * np.outer(scale, scale))
-        told = values > PRECISION * values.max(initial=0.0)
+        told = values > values.max(initial=0.0) / CONDITION**2
         inverse = np.where(told, 1 / np.where(told, values, 1.0), 0.0)
         unknowns = scale * (vectors @ (inverse * (vectors.T @ (scale * (self.spread.T @ normal.right)))))
         return np.asarray(self.spread @ unknowns)

@@ -77,7 +77,7 @@ def solve(rows: Sequence[DriveRows], prior: Prior, cutoff_hz: float, find_delay:
         )
         normal = normal_of(drives, delay, size)
         widths = likeliest_widths(normal, prior, widths)
-        if find_delay and trial:
+        if find_delay and trial in (1, PASSES):  # once the model is near, and once what counts is known
             delay = _delay(drives, normal, prior, widths, cutoff_hz)
             normal = Normal(normal.gram, right_of(drives, delay, size))
         parameters, covariance = posterior(normal, prior, widths)
