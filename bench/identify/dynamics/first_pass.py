@@ -157,7 +157,7 @@ def first_pass(
             f"method 'dynamics': after the low-pass of {band.cutoff_hz:.3g} Hz no sample is left in which a joint "
             "moves and its torque was read; state a higher cut-off, or record for longer."
         )
-    prior = prior_of(layout, nominal, arm, *_sizes(rows, layout))
+    prior = prior_of(layout, nominal, arm, *_sizes(rows, layout, nominal.speed_limit))
     solution = solve(rows, prior, band.cutoff_hz, find_delay)
     reach = float(np.linalg.norm(arm.point(nominal.load_point).position))
     bodies = bodies_of(layout, arm.joint_names, prior.mean, solution.prior_sigma, nominal.payload, reach)
@@ -191,15 +191,18 @@ def _equations(
     return tuple(part for part in found if len(part))
 
 
-def _sizes(rows: Sequence[DriveRows], layout: Layout) -> tuple[Array, Array]:
-    """Return the root mean squares of torque and speed of each drive where it moves, shape (n,); 0 without rows."""
-    torque, speed = np.zeros(layout.n), np.zeros(layout.n)
+def _sizes(rows: Sequence[DriveRows], layout: Layout, speed_limit: Array) -> tuple[Array, Array]:
+    """Return the root mean squares of torque and speed of each drive where it moves, shape (n,).
+
+    For a drive that never does, the largest torque of the others and its speed limit stand in.
+    """
+    torque, speed = np.full(layout.n, np.nan), speed_limit.copy()
     viscous = np.arange(layout.size)[layout.of_drives("viscous")]
     for j, one in enumerate(rows):
         if len(one):
             torque[j] = np.sqrt(np.mean(one.response(0.0) ** 2))
             speed[j] = np.sqrt(np.mean(one.constant[:, one.index == viscous[j]] ** 2))
-    return torque, speed
+    return np.where(np.isnan(torque), np.nanmax(torque), torque), speed
 
 
 def _plain_weights(rows: Sequence[DriveRows], rival: Rival, solution: Solution, prior: Prior) -> tuple[Weighed, ...]:

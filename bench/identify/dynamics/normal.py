@@ -9,6 +9,8 @@ from bench.identify.dynamics.prior import Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
 from bench.record.campaign import Array
 
+ROUNDING = 1e-12  # of a sum of squares; what is left below that when its terms are taken away again
+
 
 @dataclass(frozen=True)
 class Normal:
@@ -23,7 +25,10 @@ class Normal:
     right: Array
 
     def __sub__(self, other: "Normal") -> "Normal":
-        return Normal(self.gram - other.gram, self.right - other.right)
+        """Return the sums without some of their rows; what only those showed is not told by rounding errors."""
+        gram = self.gram - other.gram
+        shown = np.diag(gram) > ROUNDING * np.diag(self.gram)
+        return Normal(np.where(np.outer(shown, shown), gram, 0.0), np.where(shown, self.right - other.right, 0.0))
 
 
 @dataclass(frozen=True)
