@@ -35,6 +35,30 @@ class HeldOut:
         return np.asarray(np.where(count > 0, np.sqrt(total / np.maximum(count, 1)), np.nan))
 
 
+def excess(solution: Solution, prior: Prior, folds: Folds) -> Array:
+    """Return how many times what was held out is missed by more than the posterior expects, in squares, at least 1.
+
+    Shape (n,). A model that is wrong somewhere fits its own data better than those beside them; that is part of what
+    its readings err by. What a fold alone shows is expected to be missed, and does not count.
+    """
+    size, late = len(prior.mean), solution.delay
+    missed, expected = np.zeros((2, len(solution.drives)))
+    responses = [one.rows.response(late) for one in solution.drives]
+    for fold in range(len(folds)):
+        out = [_rows_of(one, folds, fold, near=True) for one in solution.drives]
+        parameters, covariance = posterior(
+            solution.normal - _normal_of_rows(solution.drives, responses, out, size), prior, solution.widths
+        )
+        for j, (one, noise) in enumerate(zip(solution.drives, solution.noise, strict=True)):
+            mine = _rows_of(one, folds, fold, near=False)
+            if noise is None or not mine.any():
+                continue
+            factors, own = one.factors[mine], covariance[np.ix_(one.rows.index, one.rows.index)]
+            missed[j] += np.sum((responses[j][mine] - one.rows.model(parameters)[mine]) ** 2)
+            expected[j] += mine.sum() * noise.variance + np.sum((factors @ own) * factors)
+    return np.asarray(np.where(expected > 0, np.maximum(missed / np.where(expected > 0, expected, 1.0), 1.0), 1.0))
+
+
 def hold_out(
     solution: Solution, plain: Sequence[Weighed], prior: Prior, bodies: Bodies, rival: Rival, folds: Folds
 ) -> HeldOut:

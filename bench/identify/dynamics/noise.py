@@ -1,6 +1,6 @@
 """How long the residuals of a drive remember: what is left over is no white noise."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -29,6 +29,10 @@ class Noise:
     def memory(self) -> float:
         """How many rows count as one independent reading, at least 1: the sum over the autocorrelation."""
         return max(1.0, 2 * float(self.correlation.sum()) - 1)
+
+    def inflated(self, factor: float) -> "Noise":
+        """Return noise of `factor` times the variance."""
+        return replace(self, variance=factor * self.variance)
 
     def spread(self, factors: Array, segment: NDArray[np.int64]) -> Array:
         """Return X^T S X, shape (q, q): covariance of X^T e for factors of shape (R, q)."""

@@ -55,13 +55,16 @@ class Solution:
     freedom: float
 
 
-def solve(rows: Sequence[DriveRows], prior: Prior, cutoff_hz: float, find_delay: bool = True) -> Solution:
+def solve(
+    rows: Sequence[DriveRows], prior: Prior, cutoff_hz: float, inflation: Array, find_delay: bool = True
+) -> Solution:
     """Return the posterior of the parameters.
 
     Args:
         rows: Of each drive.
         prior: Of the parameters.
         cutoff_hz: Of the filter [Hz]; bounds the delay that is looked for.
+        inflation: Shape (n,), by how much the variance of each drive's noise exceeds that of its residuals.
         find_delay: Whether torques may be later than angles.
     """
     size, parameters, delay = len(prior.mean), prior.mean, 0.0
@@ -82,7 +85,9 @@ def solve(rows: Sequence[DriveRows], prior: Prior, cutoff_hz: float, find_delay:
             normal = Normal(normal.gram, right_of(drives, delay, size))
         parameters, covariance = posterior(normal, prior, widths)
         if not with_memory:
-            noise = [_left(one, parameters, covariance, delay) for one in drives]
+            noise = [
+                _left(one, parameters, covariance, delay, factor) for one, factor in zip(drives, inflation, strict=True)
+            ]
     spread = np.zeros((size, size))
     for one, left in zip(drives, noise, strict=True):
         if left is not None:
@@ -117,13 +122,13 @@ def _weight(noise: Noise | None, with_memory: bool) -> float:
     return 1 / (noise.variance * (noise.memory if with_memory else 1.0))
 
 
-def _left(drive: Weighed, parameters: Array, covariance: Array, delay: float) -> Noise | None:
+def _left(drive: Weighed, parameters: Array, covariance: Array, delay: float, inflation: float) -> Noise | None:
     if not len(drive.rows):
         return None
     index = drive.rows.index
     residual = drive.rows.response(delay) - drive.rows.model(parameters)
     taken = drive.weight * float(np.sum((drive.factors @ covariance[np.ix_(index, index)]) * drive.factors))
-    return noise_of(residual, drive.rows.segment, len(residual) - taken)
+    return noise_of(residual, drive.rows.segment, len(residual) - taken).inflated(inflation)
 
 
 def _delay(drives: Sequence[Weighed], normal: Normal, prior: Prior, widths: Widths, cutoff_hz: float) -> float:
