@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import yaml
 from pydantic import ValidationError
 
 from bench import paths
 from bench.errors import RobotError, unknown_name
+from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.figures import Figures
 
 FIGURES_FILE = "figures.yaml"
@@ -57,10 +57,9 @@ def load_robot(name_or_folder: str | Path) -> Robot:
         )
     source = folder / FIGURES_FILE
     try:
-        content = yaml.safe_load(source.read_text(encoding="utf-8"))
-        figures = Figures.model_validate(content)
-    except yaml.YAMLError as error:
-        raise RobotError(f"{source}: not valid YAML: {error}") from error
+        figures = Figures.model_validate(load_typed_yaml(source))
+    except YamlFault as fault:
+        raise RobotError(f"{source}: {fault}; {fault.remedy}.") from fault
     except ValidationError as error:
         raise RobotError(problems_of(error, source.name)) from error
     robot = Robot(folder.resolve().name, folder.resolve(), figures)
