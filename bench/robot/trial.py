@@ -47,8 +47,8 @@ def expect_harmless(file: Path) -> None:
     known = (str(place), found.st_mtime_ns, found.st_size)
     if known in _harmless:
         return
-    look_through(place)
-    if told := _tried(place):
+    look_through(file)
+    if told := _tried(file.absolute()):
         raise RobotError(f"{file}: {told}")
     _harmless.add(known)
 
