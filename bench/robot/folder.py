@@ -1,5 +1,6 @@
 """A robot is a folder: MJCF, `figures.yaml`, README. This finds one and reads its figures."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,7 +52,7 @@ def load_robot(name_or_folder: str | Path) -> Robot:
     """
     known = robot_names()
     folder = paths.models_dir() / name_or_folder if str(name_or_folder) in known else Path(name_or_folder)
-    if not (folder / FIGURES_FILE).is_file():
+    if not os.path.isfile(folder / FIGURES_FILE):  # noqa: PTH113  a name may be too long for pathlib
         raise RobotError(
             unknown_name("robot", str(name_or_folder), known) + f" A folder of your own needs a {FIGURES_FILE}."
         )

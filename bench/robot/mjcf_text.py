@@ -4,7 +4,7 @@ What is refused here has a line; what only the parser finds out is tried in a pr
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from xml.parsers import expat
 
@@ -61,6 +61,8 @@ class _Reader:
             if MODEL_COPIES.exceeded(copies[-1]):
                 refuse(f"<{tag}> makes more than {MODEL_COPIES}", MODEL_COPIES.remedy)
             for name, value in attributes.items():
+                if "\ufffd" in value:
+                    refuse(f"<{tag}>: {name} is not UTF-8", "save the file as UTF-8")
                 if name != "name" and "nan" in value.lower() and _NAN.search(value):
                     refuse(f"<{tag}>: {name} holds a nan", "write a number")
             if tag == "compiler":
@@ -88,7 +90,7 @@ class _Reader:
                 if place.exists() and place.resolve() not in self._seen:
                     self.read(place, depth + 1)
 
-    def _expect_plain(self, name: str, refuse: object) -> None:
+    def _expect_plain(self, name: str, refuse: Callable[[str, str], None]) -> None:
         """Refuse a mesh or texture that is a pipe, a device or endless; one that is not there is MuJoCo's to name."""
         for directory in self._directories:
             for place in (self._folder / directory / name, self._folder / directory / Path(name).name):
@@ -96,7 +98,7 @@ class _Reader:
                     try:
                         expect_plain(place, ASSET_BYTES)
                     except FileFault as fault:
-                        raise RobotError(f"{place}: {fault}; {fault.remedy}.") from fault
+                        refuse(f"{name} {fault}", fault.remedy)
 
 
 def _count(attributes: Mapping[str, str]) -> int:

@@ -59,7 +59,7 @@ def read_scenario(name_or_file: str | Path) -> Scenario:
     except YamlFault as fault:
         raise InputError(f"{file.name}: {fault}; {fault.remedy}.") from fault
     experiment = content.get("experiment")
-    if experiment not in EXPERIMENTS:
+    if not isinstance(experiment, str) or experiment not in EXPERIMENTS:
         raise InputError(f"{file.name}: experiment: {unknown_name('experiment', str(experiment), EXPERIMENTS)}")
     try:
         return EXPERIMENTS[experiment].model_validate(content)
