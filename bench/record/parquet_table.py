@@ -4,6 +4,7 @@ What a file says of its size is looked at before anything is decoded: a kilobyte
 that the bench writes has a checksum, and checksums are held against the pages that are read.
 """
 
+from base64 import b64decode
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,9 @@ def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...
             fault(*too_much)
             return None
         schema = stored.schema_arrow
+        if _names_again(stored.metadata) not in (None, schema.names):
+            fault("is damaged: its two lists of column names differ", "write it again")
+            return None
         numeric = [pa.types.is_integer(t) or pa.types.is_floating(t) or pa.types.is_null(t) for t in schema.types]
         wanted = [name for name in dict.fromkeys(schema.names) if numeric[schema.names.index(name)]]
         table = stored.read(columns=wanted, use_threads=False)
@@ -60,6 +64,14 @@ def _too_much(metadata: Any) -> tuple[str, str] | None:
         if limit.exceeded(found):
             return f"has more than {limit}", limit.remedy
     return None
+
+
+def _names_again(metadata: Any) -> list[str] | None:
+    """Return the names of the columns as Arrow has them beside those of Parquet, which no checksum covers."""
+    import pyarrow as pa
+
+    text = (metadata.metadata or {}).get(b"ARROW:schema")
+    return None if text is None else pa.ipc.read_schema(pa.BufferReader(b64decode(text))).names
 
 
 def write(path: Path, columns: Mapping[str, Array]) -> None:
