@@ -54,7 +54,9 @@ class Limit:
         return f"{self.value:,} {self.unit}".replace(",", " ")
 
 
-YAML_BYTES = Limit("BENCH_MOST_YAML_BYTES", 2_000_000, "bytes", "PyYAML reads some 300 kB/s; 40 000 runs without a note fit in")
+YAML_BYTES = Limit(
+    "BENCH_MOST_YAML_BYTES", 2_000_000, "bytes", "PyYAML reads some 300 kB/s; 40 000 runs without a note fit in"
+)
 YAML_DEPTH = Limit("BENCH_MOST_YAML_DEPTH", 30, "levels", "assumed: five times what any file of the bench has")
 YAML_VALUES = Limit("BENCH_MOST_YAML_VALUES", 100_000, "values", "aliases written out; 10 000 runs fit in")
 TABLE_BYTES = Limit("BENCH_MOST_TABLE_BYTES", 500_000_000, "bytes", "assumed: the cells below, at 25 bytes in CSV")
@@ -66,7 +68,9 @@ FOLDER_ENTRIES = Limit("BENCH_MOST_FOLDER_ENTRIES", 50_000, "files", "assumed: t
 MODEL_BYTES = Limit("BENCH_MOST_MODEL_BYTES", 50_000_000, "bytes", "an MJCF with its includes; meshes count apart")
 MODEL_DEPTH = Limit("BENCH_MOST_MODEL_DEPTH", 300, "levels", "assumed: a chain of 100 bodies; far below the stack")
 MODEL_INCLUDES = Limit("BENCH_MOST_MODEL_INCLUDES", 200, "includes", "assumed: a file for each part of an arm")
-MODEL_COPIES = Limit("BENCH_MOST_MODEL_COPIES", 2_000, "copies", "replicate and composite, multiplied; MuJoCo takes their square: 2 s")
+MODEL_COPIES = Limit(
+    "BENCH_MOST_MODEL_COPIES", 2_000, "copies", "replicate and composite, multiplied; MuJoCo takes their square: 2 s"
+)
 ASSET_BYTES = Limit("BENCH_MOST_ASSET_BYTES", 500_000_000, "bytes", "assumed: one mesh or texture")
 MODEL_SECONDS = Limit("BENCH_MOST_MODEL_SECONDS", 15, "seconds", "assumed: of the processor, to compile a model once")
 MODEL_MEMORY = Limit("BENCH_MOST_MODEL_MEMORY", 4_000_000_000, "bytes", "assumed: to compile a model once")

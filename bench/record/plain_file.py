@@ -1,4 +1,4 @@
-"""Files of strangers, opened with care: a table may be a named pipe, a device, a folder, a loop of links, or endless."""
+"""Files of strangers, opened with care: one may be a named pipe, a device, a folder, a loop of links, or endless."""
 
 import os
 import stat
@@ -33,7 +33,7 @@ def read_plain(path: Path, most: Limit) -> bytes:
     try:
         expect_plain(path, most)
         # between the look and the opening it may have become a pipe: an opening that does not wait survives that
-        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
+        with os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
             content = bytearray()
             while chunk := file.read(CHUNK):
                 content += chunk

@@ -34,7 +34,7 @@ class _LimitError(yaml.MarkedYAMLError):
         super().__init__(problem=f"more than {limit}", problem_mark=mark)
 
 
-class _Guarded(yaml.composer.Composer):
+class _Guarded(yaml.parser.Parser, yaml.composer.Composer):
     """Composes no key twice, nothing too deep, and no more than the limit with all aliases written out."""
 
     def __init__(self, stream: str) -> None:
@@ -43,7 +43,7 @@ class _Guarded(yaml.composer.Composer):
         self._sizes: dict[int, int] = {}  # of composed nodes, with their aliases written out
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
-        is_alias, mark = self.check_event(yaml.AliasEvent), self.peek_event().start_mark
+        is_alias, mark = self.check_event(yaml.AliasEvent), self.peek_event().start_mark  # type: ignore[no-untyped-call]
         self._depth += 1
         self._composed += 1
         for limit, found in ((YAML_DEPTH, self._depth), (YAML_VALUES, self._composed)):

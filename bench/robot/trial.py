@@ -11,7 +11,6 @@ import select
 import signal
 from collections.abc import Iterator
 from pathlib import Path
-from time import monotonic
 
 import mujoco
 import numpy as np

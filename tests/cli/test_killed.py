@@ -51,8 +51,9 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (base / "robot" / "log.yaml").write_text(LOG)
     (folder / "log.csv").write_text(ROWS)
     (folder / "arm.xml").write_text(
-        "<mujoco><worldbody><body><joint name='a' axis='0 1 0'/><geom size='0.1 0.2' type='capsule' mass='3'/><body pos='0 0 1'>"
-        "<joint name='b' axis='0 1 0'/><geom size='0.1 0.2' type='capsule' mass='2'/></body></body></worldbody></mujoco>"
+        "<mujoco><worldbody><body><joint name='a' axis='0 1 0'/><geom size='0.1 0.2' type='capsule' mass='3'/>"
+        "<body pos='0 0 1'><joint name='b' axis='0 1 0'/><geom size='0.1 0.2' type='capsule' mass='2'/></body>"
+        "</body></worldbody></mujoco>"
     )
     scenario = {"experiment": "session", "robot": str(base / "robot"), "seed": 5, **PARTS}
     (folder / "scenario.yaml").write_text(yaml.safe_dump(scenario))
@@ -60,7 +61,9 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(("name", "number", "moment"), _cases())
-def test_nothing_half_written_stays(name: str, number: signal.Signals, moment: int, place: Path, tmp_path: Path) -> None:
+def test_nothing_half_written_stays(
+    name: str, number: signal.Signals, moment: int, place: Path, tmp_path: Path
+) -> None:
     command, mark, seconds = COMMANDS[name]
     after = float(np.random.default_rng([moment, int(number), *name.encode()]).uniform(0.3, seconds))
     folder = tmp_path / "work"

@@ -79,10 +79,10 @@ def in_place_of_a_robots_file(rng: np.random.Generator) -> Iterator[Variant]:
 
 def odd_folders(rng: np.random.Generator) -> Iterator[Variant]:
     def deep(folder: Path) -> None:
-        here = os.getcwd()
+        here = Path.cwd()
         os.chdir(folder)
         for _ in range(1200):
-            os.mkdir("d")
+            Path("d").mkdir()
             os.chdir("d")
         os.chdir(here)
 

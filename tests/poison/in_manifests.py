@@ -64,8 +64,16 @@ def values_of_the_manifest(rng: np.random.Generator) -> Iterator[Variant]:
             own = {"name": "dwell", "kind": "static", "start_s": "0"} | {key: value}
             run = ", ".join(f"{name}: {text}" for name, text in own.items())
             spoil = _written(f"{HEAD}runs: [{{{run}}}]")
-            yield Variant("values of the manifest", f"{key}: {value[:20]}", spoil, "error", (MANIFEST, f"runs[0].{key}"))
-    for line in ("started: May", "started: 2024-99-99", "noise: {load: 1}", "noise: {current: -1}", "noise: {current: .nan}"):
+            yield Variant(
+                "values of the manifest", f"{key}: {value[:20]}", spoil, "error", (MANIFEST, f"runs[0].{key}")
+            )
+    for line in (
+        "started: May",
+        "started: 2024-99-99",
+        "noise: {load: 1}",
+        "noise: {current: -1}",
+        "noise: {current: .nan}",
+    ):
         text = f"{HEAD}{line}\nruns: [{RUN}]"
         yield Variant("values of the manifest", line, _written(text), "error", (MANIFEST, line.split(":")[0]))
 
@@ -73,7 +81,15 @@ def values_of_the_manifest(rng: np.random.Generator) -> Iterator[Variant]:
 def paths_of_tables(rng: np.random.Generator) -> Iterator[Variant]:
     paths = (
         *("../x.csv", "/etc/passwd", "/etc/hostname.csv", "runs/../../x.csv", "x" * 5000 + ".csv", "runs"),
-        *("campaign.yaml", "robot/small.xml", "a\0b.csv", "\\ud800.csv", "nowhere.csv", "runs/dwell.csv/x.csv", "~/x.csv"),
+        *(
+            "campaign.yaml",
+            "robot/small.xml",
+            "a\0b.csv",
+            "\\ud800.csv",
+            "nowhere.csv",
+            "runs/dwell.csv/x.csv",
+            "~/x.csv",
+        ),
     )
     for path in paths:
         quoted = path.replace("\0", "\\0")
@@ -83,7 +99,9 @@ def paths_of_tables(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("paths of tables", repr(path[:30]), _written(text), "error", place)
     twice = f"{HEAD}runs: [{RUN}, {{name: other, kind: static, start_s: 0, file: runs/dwell.csv}}]"
     yield Variant("paths of tables", "one table for two runs", _written(twice), "error", (MANIFEST, "other"))
-    yield Variant("paths of tables", "two runs of one name", _written(f"{HEAD}runs: [{RUN}, {RUN}]"), "error", ("dwell",))
+    yield Variant(
+        "paths of tables", "two runs of one name", _written(f"{HEAD}runs: [{RUN}, {RUN}]"), "error", ("dwell",)
+    )
 
 
 def yaml_that_explodes(rng: np.random.Generator) -> Iterator[Variant]:

@@ -71,7 +71,9 @@ def parquet_that_unfolds(rng: np.random.Generator) -> Iterator[Variant]:
     def columns(file: Path) -> None:
         parquet.write_table(pa.table({f"c{i}": [1.0] for i in range(3000)}), file)
 
-    yield Variant("Parquet that unfolds", "30 million rows", _as_parquet(rows), "error", (FILE, "BENCH_MOST_TABLE_CELLS"))
+    yield Variant(
+        "Parquet that unfolds", "30 million rows", _as_parquet(rows), "error", (FILE, "BENCH_MOST_TABLE_CELLS")
+    )
     yield Variant(
         "Parquet that unfolds", "3000 columns", _as_parquet(columns), "error", (FILE, "BENCH_MOST_TABLE_COLUMNS")
     )

@@ -114,7 +114,11 @@ def parts_of_robots(rng: np.random.Generator) -> Iterator[Variant]:
         "a negative mass": ('mass="40.0"', 'mass="-40"', ("upper",)),
         "an inertia that cannot be": ('diaginertia="2.2 2.1 0.2"', 'diaginertia="9 1 1"', ("upper",)),
         "a joint of another name": ('name="hinge_a"', 'name="elbow"', ("hinge_a",)),
-        "a ball joint": ('<joint name="hinge_a" axis="0 1 0" range="-1 2"/>', '<joint name="hinge_a" type="ball"/>', ()),
+        "a ball joint": (
+            '<joint name="hinge_a" axis="0 1 0" range="-1 2"/>',
+            '<joint name="hinge_a" type="ball"/>',
+            (),
+        ),
         "no load body": ('<body name="load"', '<body name="other"', ("load",)),
         "no load point": ('<site name="hook"', '<site name="other"', ("hook",)),
     }
@@ -159,10 +163,11 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
     }
     for name, (line, places) in appended.items():
         yield Variant("figures", name, _append(line), "error", (FIGURES, *places))
+    speed = "speed_limit_rad_per_s"
     changed: dict[str, tuple[str, str, tuple[str, ...]]] = {
-        "a word for a number": ("speed_limit_rad_per_s: 2.0", "speed_limit_rad_per_s: fast", ("speed_limit_rad_per_s",)),
-        "infinite speed": ("speed_limit_rad_per_s: 2.0", "speed_limit_rad_per_s: .inf", ("speed_limit_rad_per_s",)),
-        "a speed of zero": ("speed_limit_rad_per_s: 2.0", "speed_limit_rad_per_s: 0", ("speed_limit_rad_per_s",)),
+        "a word for a number": (f"{speed}: 2.0", f"{speed}: fast", (speed,)),
+        "infinite speed": (f"{speed}: 2.0", f"{speed}: .inf", (speed,)),
+        "a speed of zero": (f"{speed}: 2.0", f"{speed}: 0", (speed,)),
         "no joint": ("joint: hinge_b", "join: hinge_b", ("drives[1]",)),
         "an MJCF that is not there": ("mjcf: small.xml", "mjcf: other.xml", ("other.xml",)),
         "an MJCF that is a device": ("mjcf: small.xml", "mjcf: /dev/zero", ("/dev/zero",)),
@@ -177,7 +182,7 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
 
 
 def robots_of_strangers(rng: np.random.Generator) -> Iterator[Variant]:
-    """What `robot:` of a campaign may name."""
+    """Name in `robot:` of a campaign what is none, or another."""
     names: dict[str, tuple[str, Answer]] = {
         "nowhere": ("nowhere", "error"),
         "a file": ("runs/dwell.csv", "error"),

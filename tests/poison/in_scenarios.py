@@ -102,20 +102,20 @@ def logs(rng: np.random.Generator) -> Iterator[Variant]:
 
 
 def models_of_others(rng: np.random.Generator) -> Iterator[Variant]:
-    """What `bench new-robot` is given."""
+    """Give `bench new-robot` what is no model."""
+    world = "<mujoco><worldbody>{}</worldbody></mujoco>"
     body = '<body><joint name="a"/><geom size="1"/></body>'
     faults: dict[str, tuple[str | bytes, str]] = {
-        "5000 bodies in each other": (f"<mujoco><worldbody>{'<body>' * 5000}{'</body>' * 5000}</worldbody></mujoco>", "line"),
+        "5000 bodies in each other": (world.format("<body>" * 5000 + "</body>" * 5000), "line"),
         "entities": ("<!DOCTYPE a [<!ENTITY b 'c'>]><mujoco/>", "line 1"),
-        "10^10 copies": (
-            f"<mujoco><worldbody><replicate count='10000000000'>{body}</replicate></worldbody></mujoco>", "line 1"
-        ),
-        "a nan": (f"<mujoco><worldbody>{body.replace('size', 'pos=' + repr('nan 0 0') + ' size')}</worldbody></mujoco>", "nan"),
+        "10^10 copies": (world.format(f"<replicate count='10000000000'>{body}</replicate>"), "line 1"),
+        "a nan": (world.format(body.replace("size", "pos='nan 0 0' size")), "nan"),
         "no joints": ("<mujoco/>", "no joints"),
         "a URDF without links": ("<robot name='r'/>", "arm.xml"),
         "a URDF whose links form a ring": (
-            "<robot name='r'><link name='a'/><link name='b'/><joint name='j' type='fixed'><parent link='a'/><child "
-            "link='b'/></joint><joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint></robot>", "arm.xml"
+            "<robot name='r'><link name='a'/><link name='b'/><joint name='j' type='fixed'><parent link='a'/>"
+            "<child link='b'/></joint><joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint></robot>",
+            "arm.xml",
         ),
         "another language": ("<svg/>", "arm.xml"),
         "nothing": ("", "arm.xml"),
@@ -133,7 +133,17 @@ def places_to_write_to(rng: np.random.Generator) -> Iterator[Variant]:
         (folder / "loop").symlink_to("loop")
         os.mkfifo(folder / "pipe")
 
-    for out in ("log.csv", "log.csv/sub", "log.csv/sub/sub", "loop", "loop/sub", "runs", "pipe", "/dev/null/x", "x" * 300):
+    for out in (
+        "log.csv",
+        "log.csv/sub",
+        "log.csv/sub/sub",
+        "loop",
+        "loop/sub",
+        "runs",
+        "pipe",
+        "/dev/null/x",
+        "x" * 300,
+    ):
         yield Variant("places to write to", out[:20], sound, "error", (), (*CONVERT[:-1], out))
     for out in ("größe", "a b", "new/folder", "-x"):
         command = (*CONVERT[:-2], f"--out={out}")

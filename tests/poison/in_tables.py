@@ -139,7 +139,17 @@ def truncated_tables(rng: np.random.Generator) -> Iterator[Variant]:
 
 def headers(rng: np.random.Generator) -> Iterator[Variant]:
     new_names = (
-        *("q_cmd_1_deg", "Q_CMD_1_RAD", "q_cmd_1", "position", "q_cmd_0_rad", "q_cmd_9_rad", "", "time_s", "q_motor_1_m"),
+        *(
+            "q_cmd_1_deg",
+            "Q_CMD_1_RAD",
+            "q_cmd_1",
+            "position",
+            "q_cmd_0_rad",
+            "q_cmd_9_rad",
+            "",
+            "time_s",
+            "q_motor_1_m",
+        ),
         *("q_cmd_99999_rad", "é" * 300, "x" * 100_000, "current_2_ma", "q_motor_1_rad"),
     )
     for new in new_names:

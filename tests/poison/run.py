@@ -42,8 +42,8 @@ class Outcome:
 
     Attributes:
         variant: What was spoilt.
-        kind: "right"; "silent": a fault that nothing was said of; "wrong": another answer than the right one, or without
-            its place; "traceback"; "hang".
+        kind: "right"; "silent": a fault that nothing was said of; "wrong": another answer than the right one, or
+            without its place; "traceback"; "hang".
         said: What the command printed.
         seconds: It took.
     """

@@ -45,7 +45,7 @@ class Sheet:
 
     def __init__(self, file: Path) -> None:
         self.file = file
-        self.names, *self.rows = ([cell for cell in line.split(",")] for line in file.read_text().splitlines())
+        self.names, *self.rows = (line.split(",") for line in file.read_text().splitlines())
 
     def set(self, row: int, column: str, cell: str) -> None:
         """Set a cell; rows count from 1."""

@@ -18,6 +18,7 @@ TABLE = (
     '<config key="backward" value="{torques}"/></plugin>'
 )
 WITH_TABLES = MJCF.replace("<extension>", '<extension><plugin plugin="bench.torque_table"/>')
+CROWD = '<replicate count="1900"><body><geom size="1"/></body></replicate>'
 ABYSS = "<body>" * 5000 + "</body>" * 5000
 
 
@@ -50,7 +51,7 @@ FAULTS = {
         f"makes more than {MODEL_COPIES}",
     ),
     "copies in the child": (
-        MJCF.replace("<worldbody>", "<worldbody>" + '<replicate count="1900"><body><geom size="1"/></body></replicate>' * 40),
+        MJCF.replace("<worldbody>", f"<worldbody>{CROWD * 40}"),
         "not done|memory|alloc",
     ),
     "a very deep tree": (MJCF.replace("<worldbody>", f"<worldbody>{ABYSS}"), f"more than {MODEL_DEPTH}"),

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from bench.diagnose.replay.segment_input import Path, SegmentInput, angles_of, centre_weights, wrench_of
-from bench.diagnose.replay.uneven_derivative import derivative_over
 from bench.diagnose.replay.static_segments import APPROACH
+from bench.diagnose.replay.uneven_derivative import derivative_over
 from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion

@@ -15,9 +15,9 @@ ROWS = 4096  # at a time; bounds the memory of their windows
 def derivative_over(values: Array, time: Array, window: int, order: int) -> Array:
     """Return a derivative of columns over time, shape (n_rows, n) [1 / s^order of the values' unit].
 
-    As `smooth_derivative` where samples are evenly spaced. Elsewhere a cubic is fitted to each sample and its neighbours
-    at the times that they have; no window reaches over a gap that is longer than itself, unless what lies between two
-    of them is shorter.
+    As `smooth_derivative` where samples are evenly spaced. Elsewhere a cubic is fitted to each sample and its
+    neighbours at the times that they have; no window reaches over a gap that is longer than itself, unless what lies
+    between two of them is shorter.
 
     Args:
         values: Shape (n_rows, n).
