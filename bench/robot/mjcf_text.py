@@ -14,7 +14,7 @@ from bench.record.plain_file import FileFault, expect_plain, read_plain
 
 COPIED = ("replicate", "composite", "flexcomp")  # elements that stand for `count` of what is in them
 DIRECTORIES = ("meshdir", "texturedir", "assetdir")  # attributes of <compiler>
-_NAN = re.compile(r"(^|\s)[+-]?nan(\(\w*\))?(\s|$)", re.IGNORECASE)
+_NAN = re.compile(r"(?:^|\s)[+-]?(nan|inf)(?:inity|\(\w*\))?(?=\s|$)", re.IGNORECASE)
 
 
 def look_through(file: Path) -> None:
@@ -63,8 +63,10 @@ class _Reader:
             for name, value in attributes.items():
                 if "\ufffd" in value:
                     refuse(f"<{tag}>: {name} is not UTF-8", "save the file as UTF-8")
-                if name != "name" and "nan" in value.lower() and _NAN.search(value):
-                    refuse(f"<{tag}>: {name} holds a nan", "write a number")
+                if name != "name" and (found := _NAN.search(value)):
+                    word = found[1].lower()
+                    if word == "nan" or not name.endswith("range"):  # a range may be open
+                        refuse(f"<{tag}>: {name} holds {word}", "write a number")
             if tag == "compiler":
                 self._directories |= {Path(attributes[name]) for name in DIRECTORIES if name in attributes}
             if tag == "include" and "file" in attributes:

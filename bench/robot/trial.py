@@ -111,6 +111,8 @@ def _faults(file: Path) -> Iterator[str]:
             yield f"its {name} is not finite once compiled; look for numbers that are far too large."
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
+    if not np.all(np.isfinite(data.qacc)):
+        yield "its accelerations at rest are not finite; look for numbers that are far too large or too small."
     for key in range(min(model.nkey, KEYFRAMES)):
         if not np.all(np.isfinite(model.key_qpos[key])):
             yield f"keyframe {key + 1}: qpos is not finite; write numbers."

@@ -59,7 +59,7 @@ def mjcf_that_crashes_its_reader(rng: np.random.Generator) -> Iterator[Variant]:
         "an entity of another file": (_mjcf("<mujoco", '<!DOCTYPE a SYSTEM "/etc/passwd"><mujoco'), "line 2"),
         "a keyframe of nan": (_mjcf("</mujoco>", keyframe), "<key>: qpos"),
         "a place of nan": (_mjcf('pos="-0.02 0 -0.5"', 'pos="nan 0 0"'), "<site>: pos"),
-        "a place of inf": (_mjcf('<body name="upper">', '<body name="upper" pos="inf 0 0">'), "body_pos"),
+        "a place of inf": (_mjcf('<body name="upper">', '<body name="upper" pos="inf 0 0">'), "<body>: pos holds inf"),
         "a table of no width": (no_width, "angle_max"),
         "16 GB of user data": (_before('<size nuserdata="2000000000"/>'), ""),
         "a height field of 10^10": (
@@ -101,7 +101,7 @@ def attributes_of_plugins(rng: np.random.Generator) -> Iterator[Variant]:
     for value in values:
         for key, given in (("coulomb", "60.0"), ("critical_length", "0.65")):
             spoil = _mjcf(f'key="{key}" value="{given}"', f'key="{key}" value="{value}"')
-            place = "<config>: value" if value == "nan" else key
+            place = "<config>: value" if value in ("nan", "inf") else key
             yield Variant("attributes of plugins", f"{key} = {value[:12]}", spoil, "error", (place,))
     unknown = _mjcf('key="coulomb"', 'key="colombo"')
     yield Variant("attributes of plugins", "an unknown one", unknown, "error", ("colombo",))
