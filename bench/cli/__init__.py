@@ -1,5 +1,6 @@
 """The `bench` command: one file per subcommand, each importing what it needs only when it runs."""
 
+import io
 import os
 import sys
 from typing import Annotated
@@ -20,6 +21,7 @@ from bench.cli.paper import Paper
 from bench.cli.poses import Poses
 from bench.cli.robots import Robots
 from bench.cli.run import Run
+from bench.cli.stopping import TerminatedError, ending_on_terminate
 from bench.cli.store import Store
 from bench.cli.study import Study
 from bench.cli.view import View
@@ -45,30 +47,46 @@ Command = (
 )
 
 INTERRUPTED = 130
+TERMINATED = 143
 NOT_READ = 141
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return its exit code (README.md lists them)."""
+    _print_anything()
     try:
-        command: Command = tyro.cli(
-            Command,
-            args=arguments,
-            prog="bench",
-            description=__doc_for_users__,
-            config=(tyro.conf.OmitSubcommandPrefixes,),
-        )
-        return_what_is_free()
-        return command.run()
+        with ending_on_terminate():
+            return _run(arguments)
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)
         return error.exit_code
-    except KeyboardInterrupt:
-        print("bench: interrupted; nothing half-written was left behind.", file=sys.stderr)
-        return INTERRUPTED
+    except KeyboardInterrupt as interrupt:
+        is_typed = not isinstance(interrupt, TerminatedError)
+        word = "interrupted" if is_typed else "terminated"
+        print(f"bench: {word}; nothing half-written was left behind.", file=sys.stderr)
+        return INTERRUPTED if is_typed else TERMINATED
     except BrokenPipeError:  # as with `bench ... | head`: nobody reads on
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left is flushed at the end
         return NOT_READ
+
+
+def _run(arguments: list[str] | None) -> int:
+    command: Command = tyro.cli(
+        Command,
+        args=arguments,
+        prog="bench",
+        description=__doc_for_users__,
+        config=(tyro.conf.OmitSubcommandPrefixes,),
+    )
+    return_what_is_free()
+    return command.run()
+
+
+def _print_anything() -> None:
+    """Let a terminal that does not know a character get it escaped, rather than end the command."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 __doc_for_users__ = (

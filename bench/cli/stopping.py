@@ -1,4 +1,4 @@
-"""Work that ends early: after a time, or with the first Ctrl-C; the second one aborts."""
+"""Work that ends early: after a time, or with the first Ctrl-C or SIGTERM; the second one aborts."""
 
 import os
 import re
@@ -31,7 +31,7 @@ def seconds_of(text: str) -> float:
 
 @contextmanager
 def ending_on_interrupt(stop: Stop) -> Iterator[None]:
-    """Let the first Ctrl-C within the block ask the work to end, and only the second one abort it.
+    """Let the first Ctrl-C or SIGTERM within the block ask the work to end, and only the second one abort it.
 
     Raises:
         KeyboardInterrupt: At the second one.
@@ -46,8 +46,34 @@ def ending_on_interrupt(stop: Stop) -> Iterator[None]:
         stop.ask("interrupted")
         os.write(2, HEARD)  # print may be in the middle of a line of its own
 
-    before = signal.signal(signal.SIGINT, heard)
+    before = {number: signal.signal(number, heard) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+class TerminatedError(KeyboardInterrupt):
+    """A request to end that was not typed, from a scheduler or a system that shuts down."""
+
+
+@contextmanager
+def ending_on_terminate() -> Iterator[None]:
+    """Let SIGTERM within the block end it as Ctrl-C does, so that nothing half-written stays.
+
+    Raises:
+        TerminatedError: At the signal.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def heard(number: int, frame: FrameType | None) -> None:
+        raise TerminatedError
+
+    before = signal.signal(signal.SIGTERM, heard)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

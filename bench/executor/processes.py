@@ -2,7 +2,7 @@
 
 Where processes can be forked, workers have the work and its items from the caller's memory, and only results are
 pickled; effects from a user's own file need that. Where they cannot be, everything is pickled. Workers hear nothing of
-Ctrl-C: the caller does, and ends them.
+Ctrl-C and SIGTERM: the caller does, and ends them.
 """
 
 import multiprocessing
@@ -136,13 +136,13 @@ def _crew(start: Start, count: int, work: Any, items: Sequence[Any]) -> Iterator
 
 @contextmanager
 def _deaf(start: Start) -> Iterator[None]:
-    """Start processes that do not hear Ctrl-C from their first moment on; the caller hears it afterwards."""
+    """Start processes that do not hear Ctrl-C or SIGTERM from their first moment on; the caller hears it afterwards."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     if start == "spawn":
         resource_tracker.ensure_running()  # it would let the signal through again when it starts
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
     finally:
@@ -164,7 +164,7 @@ def _heard(pipe: Pipe, crew: dict[Pipe, BaseProcess]) -> Any:
 def _serve(work: Any, items: Sequence[Any], pipe: Pipe, kept: tuple[Pipe, ...]) -> None:
     """Work on the items whose indices come through the pipe, until nobody is at its other end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # as of Ctrl-C: a scheduler sends it to the whole group
     become_worker()
     for other in kept:
         other.close()

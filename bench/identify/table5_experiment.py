@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import numpy as np
-import yaml
 from pydantic import Field, ValidationError
 
 from bench.errors import InputError
 from bench.identify.denavit_hartenberg import Row
+from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.bodies import Array, read_only
 from bench.robot.figures import NonNegative, Positive
 from bench.robot.folder import problems_of
@@ -84,9 +84,9 @@ def read_experiment(folder: Path) -> Experiment:
     """
     file = folder / FILE
     try:
-        return Experiment.model_validate(yaml.safe_load(text_of(file)))
-    except yaml.YAMLError as error:
-        raise InputError(f"{file}: not valid YAML: {error}") from error
+        return Experiment.model_validate(load_typed_yaml(file))
+    except YamlFault as fault:
+        raise InputError(f"{file}: {fault}; {fault.remedy}.") from fault
     except ValidationError as error:
         raise InputError(problems_of(error, file.name)) from error
 

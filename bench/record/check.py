@@ -1,6 +1,7 @@
 """Read a campaign folder and find everything that is wrong with it. There is no other reader."""
 
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import numpy as np
 
 from bench.record.campaign import Arm, Campaign, Run, in_order
 from bench.record.finding import Finding, Report
+from bench.record.limits import CAMPAIGN_CELLS, FOLDER_ENTRIES
 from bench.record.manifest import SUFFIXES, Manifest, RunEntry, read_manifest
 from bench.record.rules import examine, suits_arm
 from bench.record.rules.names import SET_ASIDE
@@ -90,12 +92,12 @@ def _examine(sheet: Sheet) -> list[Finding]:
 
 def _content(folder: Path) -> _Content:
     manifest = read_manifest(folder)
-    tables = [(entry, read_table(folder, entry.path)) for entry in manifest.runs]
+    tables, too_many = _tables(folder, manifest.runs)
     return _Content(
         folder,
         manifest,
         tuple(_sheet(entry, table) for entry, table in tables if table.names),
-        tuple(finding for _, table in tables for finding in table.findings),
+        (*(finding for _, table in tables for finding in table.findings), *too_many),
         () if manifest.findings else tuple(_forgotten(folder, {entry.path for entry in manifest.runs})),
     )
 
@@ -107,12 +109,45 @@ def _sheet(entry: RunEntry, table: Table) -> Sheet:
     )
 
 
+def _tables(folder: Path, entries: Sequence[RunEntry]) -> tuple[list[tuple[RunEntry, Table]], list[Finding]]:
+    """Read tables until there are more cells than are read of a campaign."""
+    tables: list[tuple[RunEntry, Table]] = []
+    cells = 0
+    for entry in entries:
+        table = read_table(folder, entry.path)
+        cells += sum(len(values) for values in table.columns.values())
+        if CAMPAIGN_CELLS.exceeded(cells):
+            message = f"the tables up to this one have more than {CAMPAIGN_CELLS}"
+            return tables, [Finding("error", entry.path, None, "", message, CAMPAIGN_CELLS.remedy)]
+        tables.append((entry, table))
+    return tables, []
+
+
 def _forgotten(folder: Path, listed: set[str]) -> list[Finding]:
     """Return a warning for each table in the folder that no run names."""
-    known = {(folder / file).resolve() for file in listed}
-    tables = sorted(path for suffix in SUFFIXES for path in folder.rglob(f"*{suffix}") if path.resolve() not in known)
+    known = {os.path.realpath(folder / file) for file in listed}
+    found = sorted(path for path in _files(folder) if path.suffix in SUFFIXES and os.path.realpath(path) not in known)
     remedy = "list it in campaign.yaml, or move it away"
     return [
         Finding("warning", path.relative_to(folder).as_posix(), None, "", "no run names this table", remedy)
-        for path in tables
+        for path in found
     ]
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    """Yield what is in a folder and in the folders in it, without following links; no more than the limit."""
+    folders = [folder]
+    seen = 0
+    while folders:
+        try:
+            entries = list(os.scandir(folders.pop()))
+        except OSError:  # not ours to look into; nothing in it was asked for
+            continue
+        for entry in entries:
+            seen += 1
+            if FOLDER_ENTRIES.exceeded(seen):
+                return
+            if entry.is_dir(follow_symlinks=False):
+                folders.append(Path(entry.path))
+            else:
+                yield Path(entry.path)

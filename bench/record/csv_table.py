@@ -12,15 +12,32 @@ import numpy as np
 
 from bench.record.campaign import Array
 from bench.record.finding import Finding, spell_rows
+from bench.record.limits import TABLE_BYTES, TABLE_CELLS, TABLE_COLUMNS
+from bench.record.plain_file import read_plain
 
-_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE)
+LONGEST_CELL = 1100  # characters; the longest double takes 1077 digits when written out, and 17 are enough
 _COMMA_NUMBER = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
 
 
 def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
     """Read a CSV file; see `bench.record.table.Format`."""
-    data = path.read_bytes()
+    data = read_plain(path, TABLE_BYTES)
+    if too_much := _too_much(data):
+        findings.append(Finding("error", file, None, "", *too_much))
+        return None
     return plain_numbers(data) or cell_by_cell(data, file, findings)
+
+
+def _too_much(data: bytes) -> tuple[str, str] | None:
+    """Return what is too large about a table, and what to do; its cells are counted before any is read."""
+    end = min((place for place in (data.find(b"\n"), data.find(b"\r")) if place >= 0), default=len(data))
+    names = data.count(b",", 0, end) + 1
+    lines = max(data.count(b"\n"), data.count(b"\r")) + 1
+    for limit, found in ((TABLE_COLUMNS, names), (TABLE_CELLS, max(names * lines, data.count(b",")))):
+        if limit.exceeded(found):
+            return f"has more than {limit}", limit.remedy
+    return None
 
 
 def cell_by_cell(data: bytes, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
@@ -55,9 +72,9 @@ def cell_by_cell(data: bytes, file: str, findings: list[Finding]) -> tuple[tuple
         return None
     columns: dict[str, Array] = {}
     for name, cells in zip(names, zip(*rows, strict=True) if rows else ((),) * len(names), strict=True):
-        bad = [number for number, cell in enumerate(cells, 1) if cell and not _NUMBER.fullmatch(cell)]
+        bad = [number for number, cell in enumerate(cells, 1) if cell and not _is_number(cell)]
         if bad:
-            comma = _COMMA_NUMBER.fullmatch(cells[bad[0] - 1])
+            comma = _COMMA_NUMBER.fullmatch(cells[bad[0] - 1][:LONGEST_CELL])
             fault(
                 f"{cells[bad[0] - 1][:40]!r} is no number, {spell_rows(bad)}",
                 "write a decimal point" if comma else "write a number; remarks belong into the note of the run",
@@ -74,6 +91,10 @@ def write(path: Path, columns: Mapping[str, Array]) -> None:
     cells = [[_number(value) for value in values.tolist()] for values in columns.values()]
     lines = [",".join(columns), *(",".join(row) for row in zip(*cells, strict=True))]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+
+
+def _is_number(cell: str) -> bool:
+    return len(cell) <= LONGEST_CELL and _NUMBER.fullmatch(cell) is not None
 
 
 def _number(value: float) -> str:
@@ -123,4 +144,4 @@ def _cells(line: str) -> Sequence[str]:
     """Split a line; spreadsheets may put quotes around a cell, and a quoted cell may hold a comma."""
     if '"' not in line:
         return [cell.strip() for cell in line.split(",")]
-    return [cell.strip().strip('"').strip() for cell in re.findall(r'(?:^|,)((?:\s*"[^"]*"|[^,])*)', line)]
+    return [cell.strip().strip('"').strip() for cell in re.findall(r'(?:^|,)((?:"[^"]*"|[^,])*)', line)]

@@ -1,18 +1,19 @@
 """Folders that appear complete or not at all."""
 
 import errno
+import os
 import re
-import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from bench.errors import InputError
+from bench.record.leftovers import Held, begin, remove_leftovers
 
 UNWRITABLE = (
     *(errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO),  # full or broken
-    *(errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.ENAMETOOLONG),  # not allowed here
+    *(errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP),  # not allowed here
 )
 
 
@@ -20,7 +21,8 @@ UNWRITABLE = (
 def new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
     """Give an empty folder to fill, and move it to `folder` when the block ends without an exception.
 
-    It stands beside its destination until then, and is removed if the block fails, also by Ctrl-C.
+    It stands beside its destination until then, and is removed if the block fails, also by Ctrl-C. What a process that
+    was killed has left there is removed first.
 
     Args:
         folder: Where it shall be. May exist if it is empty.
@@ -43,17 +45,21 @@ def new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
 
 @contextmanager
 def _new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
-    folder = folder.resolve()
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file; choose another name")
+    folder = Path(os.path.realpath(folder))
+    for place in (folder, *folder.parents):
+        if place.is_symlink():  # and yet unresolved
+            raise InputError(f"{folder}: {place} is a loop of links; choose another folder")
+        if place.exists() and not place.is_dir():
+            raise InputError(f"{folder}: {place} is a file; choose another folder")
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    remove_leftovers(folder.parent)
     if folder.exists() and any(folder.iterdir()):
         if not replace:
             raise InputError(f"{folder}: is not empty; choose another name, or ask for it to be replaced")
         if not (folder / mark).is_file():
             raise InputError(f"{folder}: holds other things than {mark} and is not replaced; choose another name")
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    partial, old = (folder.with_name(f".{folder.name}.{secrets.token_hex(4)}.{end}") for end in ("partial", "old"))
-    partial.mkdir()
+    partial, old, held = begin(folder)
+    replaced = Held(folder)  # until the new one has its name; nobody takes it for a leftover meanwhile
     try:
         yield partial
         if replace and folder.exists():
@@ -66,6 +72,8 @@ def _new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
             old.rename(folder)
         for leftover in (partial, old):
             shutil.rmtree(leftover, ignore_errors=True)
+        held.let_go()
+        replaced.let_go()
 
 
 def _remove_empty(folder: Path) -> None:

@@ -1,5 +1,6 @@
 """`campaign.yaml`: what was done, with which robot, and which table belongs to which run."""
 
+import os
 from collections.abc import Mapping
 from datetime import date, datetime, time
 from pathlib import Path
@@ -11,6 +12,7 @@ from bench.errors import unknown_name
 from bench.record.campaign import Campaign, RunKind
 from bench.record.channels import NOISY
 from bench.record.finding import Finding
+from bench.record.limits import CAMPAIGN_RUNS
 from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
 
 MANIFEST = "campaign.yaml"
@@ -78,6 +80,9 @@ def read_manifest(folder: Path) -> Manifest:
     if not isinstance(entries, list) or not entries:
         findings.append(_fault("runs", "no list of runs", "list at least one run"))
         entries = []
+    if CAMPAIGN_RUNS.exceeded(len(entries)):
+        findings.append(_fault("runs", f"more than {CAMPAIGN_RUNS}", CAMPAIGN_RUNS.remedy))
+        entries = []
     runs = [_validated(RunEntry, entry, f"runs[{i}]", findings) for i, entry in enumerate(entries)]
     usable = tuple(run for run in runs if run is not None and _is_inside(folder, run, findings))
     findings += _repeated(usable)
@@ -132,7 +137,7 @@ def _finding(model: type[_Strict], detail: Mapping[str, Any], where: str) -> Fin
 
 def _is_inside(folder: Path, run: RunEntry, findings: list[Finding]) -> bool:
     path = folder / run.path
-    if not path.resolve().is_relative_to(folder.resolve()):
+    if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):  # survives a loop of links
         findings.append(_fault(f"{run.name}.file", f"{run.path} is outside of the campaign folder", "move it inside"))
         return False
     if path.suffix.lower() not in SUFFIXES:

@@ -1,12 +1,20 @@
-"""Parquet: one numeric column for each channel. PyArrow is loaded when the first such file turns up."""
+"""Parquet: one numeric column for each channel. PyArrow is loaded when the first such file turns up.
 
+What a file says of its size is looked at before anything is decoded: a kilobyte may unfold into gigabytes. Each page
+that the bench writes has a checksum, and checksums are held against the pages that are read.
+"""
+
+from base64 import b64decode
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from bench.record.campaign import Array
 from bench.record.finding import Finding
+from bench.record.limits import TABLE_BYTES, TABLE_CELLS, TABLE_COLUMNS
+from bench.record.plain_file import read_plain
 
 
 def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
@@ -17,23 +25,53 @@ def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...
     def fault(message: str, remedy: str, column: str = "") -> None:
         findings.append(Finding("error", file, None, column, message, remedy))
 
-    data = path.read_bytes()
+    data = read_plain(path, TABLE_BYTES)
     try:
         stored = parquet.ParquetFile(pa.BufferReader(data), page_checksum_verification=True, pre_buffer=False)
-        table = stored.read(use_threads=False)
+        if too_much := _too_much(stored.metadata):
+            fault(*too_much)
+            return None
+        schema = stored.schema_arrow
+        if _names_again(stored.metadata) not in (None, schema.names):
+            fault("is damaged: its two lists of column names differ", "write it again")
+            return None
+        numeric = [pa.types.is_integer(t) or pa.types.is_floating(t) or pa.types.is_null(t) for t in schema.types]
+        wanted = [name for name in dict.fromkeys(schema.names) if numeric[schema.names.index(name)]]
+        table = stored.read(columns=wanted, use_threads=False)
     except (pa.ArrowException, OSError, ValueError) as error:
         fault(f"is no readable Parquet file ({' '.join(str(error).split())[:200]})", "write it again")
         return None
     columns: dict[str, Array] = {}
+    for name, kind, is_number in zip(schema.names, schema.types, numeric, strict=True):
+        if not is_number:
+            fault(f"holds {str(kind)[:60]}, not numbers", "store it as float64", name)
     for name, column in zip(table.column_names, table.columns, strict=True):
-        kind = column.type
-        if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_null(kind)):
-            fault(f"holds {kind}, not numbers", "store it as float64", name)
-        elif name not in columns:
-            numbers = column if pa.types.is_float64(kind) else column.cast(pa.float64(), safe=False)
+        if name in columns:
+            continue
+        if pa.types.is_null(column.type):
+            columns[name] = np.full(len(column), np.nan)
+        else:
+            numbers = column if pa.types.is_float64(column.type) else column.cast(pa.float64(), safe=False)
             columns[name] = np.asarray(numbers.to_numpy(), dtype=np.float64)
-            columns[name].flags.writeable = False  # a run need not copy it
-    return tuple(table.column_names), columns
+        columns[name].flags.writeable = False  # a run need not copy it
+    return tuple(schema.names), columns
+
+
+def _too_much(metadata: Any) -> tuple[str, str] | None:
+    """Return what is too large about a file, and what to do."""
+    rows = max(metadata.num_rows, sum(metadata.row_group(i).num_rows for i in range(metadata.num_row_groups)))
+    for limit, found in ((TABLE_COLUMNS, metadata.num_columns), (TABLE_CELLS, rows * metadata.num_columns)):
+        if limit.exceeded(found):
+            return f"has more than {limit}", limit.remedy
+    return None
+
+
+def _names_again(metadata: Any) -> list[str] | None:
+    """Return the names of the columns as Arrow has them beside those of Parquet, which no checksum covers."""
+    import pyarrow as pa
+
+    text = (metadata.metadata or {}).get(b"ARROW:schema")
+    return None if text is None else pa.ipc.read_schema(pa.BufferReader(b64decode(text))).names
 
 
 def write(path: Path, columns: Mapping[str, Array]) -> None:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from bench.record import csv_table, parquet_table
 from bench.record.campaign import Array
 from bench.record.finding import Finding
+from bench.record.plain_file import FileFault
 
 
 class Format(NamedTuple):
@@ -18,7 +19,8 @@ class Format(NamedTuple):
 
     Attributes:
         read: (path, name of the file in findings, findings to add to) -> column names and columns; None if the file
-            cannot be taken apart. Columns with faulty cells are left out; a missing value is nan.
+            cannot be taken apart. Columns with faulty cells are left out; a missing value is nan. A file that is not
+            plain or too large raises `FileFault`.
         write: (path, columns) -> None.
     """
 
@@ -52,9 +54,8 @@ def read_table(folder: Path, file: str) -> Table:
     findings: list[Finding] = []
     try:
         content = FORMATS[Path(file).suffix.lower()].read(folder / file, file, findings)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        findings.append(Finding("error", file, None, "", f"cannot be read: {reason}", "put the table there"))
+    except FileFault as fault:
+        findings.append(Finding("error", file, None, "", str(fault), fault.remedy))
         content = None
     names, columns = content or ((), {})
     if not names and not findings:

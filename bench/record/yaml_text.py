@@ -2,12 +2,20 @@
 
 So "1e-3" is a number where a number is expected, "no" stays a word, and a run called 007 keeps its zeros. A key without
 a value (or with null) counts as not written. A key that is written twice is a fault; PyYAML would keep the last.
+
+Robots and scenarios are read with PyYAML's own types (`load_typed_yaml`). Both ways have the limits of
+`bench.record.limits`: bytes, levels, and values with aliases written out.
 """
 
 from pathlib import Path
 from typing import Any
 
 import yaml
+
+from bench.record.limits import YAML_BYTES, YAML_DEPTH, YAML_VALUES, Limit
+from bench.record.plain_file import FileFault, read_plain
+
+LONGEST_NUMBER = 100  # characters; 17 digits are all that a number keeps, and PyYAML is slow with thousands
 
 
 class YamlFault(Exception):  # noqa: N818  it never reaches a user: the reader makes a finding of it
@@ -18,8 +26,48 @@ class YamlFault(Exception):  # noqa: N818  it never reaches a user: the reader m
         super().__init__(message)
 
 
-class _Loader(yaml.BaseLoader):
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+class _LimitError(yaml.MarkedYAMLError):
+    """A limit was reached."""
+
+    def __init__(self, limit: Limit, mark: yaml.Mark) -> None:
+        self.remedy = limit.remedy
+        super().__init__(problem=f"more than {limit}", problem_mark=mark)
+
+
+class _Guarded(yaml.parser.Parser, yaml.composer.Composer):
+    """Composes no key twice, nothing too deep, and no more than the limit with all aliases written out."""
+
+    def __init__(self, stream: str) -> None:
+        super().__init__(stream)  # type: ignore[call-arg]  # of the loader that it is mixed into
+        self._depth = self._composed = 0
+        self._sizes: dict[int, int] = {}  # of composed nodes, with their aliases written out
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        is_alias, mark = self.check_event(yaml.AliasEvent), self.peek_event().start_mark  # type: ignore[no-untyped-call]
+        self._depth += 1
+        self._composed += 1
+        for limit, found in ((YAML_DEPTH, self._depth), (YAML_VALUES, self._composed)):
+            if limit.exceeded(found):
+                raise _LimitError(limit, mark)
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        if is_alias and id(node) not in self._sizes:
+            raise yaml.composer.ComposerError(None, None, "an alias stands within what it stands for", mark)
+        if not is_alias:
+            self._sizes[id(node)] = 1 + sum(self._sizes[id(part)] for part in _parts(node))
+        if YAML_VALUES.exceeded(self._sizes[id(node)]):
+            raise _LimitError(YAML_VALUES, mark)
+        return node
+
+    def compose_scalar_node(self, anchor: Any) -> yaml.ScalarNode:
+        node: yaml.ScalarNode = super().compose_scalar_node(anchor)
+        if any("\ud800" <= character <= "\udfff" for character in node.value):  # written as an escape; half of a pair
+            problem = "half of a surrogate pair is no character"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
+        return node
+
+    def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
+        node: yaml.MappingNode = super().compose_mapping_node(anchor)
         seen: set[str] = set()
         for key, _ in node.value:
             if not isinstance(key, yaml.ScalarNode):
@@ -27,9 +75,29 @@ class _Loader(yaml.BaseLoader):
             if key.value in seen:
                 raise yaml.constructor.ConstructorError(None, None, f"key {key.value!r} occurs twice", key.start_mark)
             seen.add(key.value)
+        return node
+
+
+def _parts(node: yaml.Node | None) -> list[yaml.Node]:
+    if isinstance(node, yaml.MappingNode):
+        return [part for pair in node.value for part in pair]
+    return list(node.value) if isinstance(node, yaml.SequenceNode) else []
+
+
+class _Loader(_Guarded, yaml.BaseLoader):
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         node.value = [(key, value) for key, value in node.value if not _is_null(value)]
         mapping: dict[Any, Any] = super().construct_mapping(node, deep)
         return mapping
+
+
+class _TypedLoader(_Guarded, yaml.SafeLoader):
+    def compose_scalar_node(self, anchor: Any) -> yaml.ScalarNode:
+        node: yaml.ScalarNode = super().compose_scalar_node(anchor)
+        if len(node.value) > LONGEST_NUMBER and node.tag != "tag:yaml.org,2002:str":
+            problem = f"{node.value[:20]!r}... is no number of up to {LONGEST_NUMBER} characters"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
+        return node
 
 
 class _Dumper(yaml.SafeDumper):
@@ -51,21 +119,36 @@ def load_yaml(path: Path) -> dict[str, Any]:
     """Read a mapping whose scalars are all `str`.
 
     Raises:
-        YamlFault: The file cannot be read, is not UTF-8, not YAML, or not a mapping.
+        YamlFault: The file cannot be read, is not UTF-8, not YAML, or not a mapping; or it exceeds a limit.
     """
+    return _loaded(path, _Loader)
+
+
+def load_typed_yaml(path: Path) -> dict[str, Any]:
+    """Read a mapping whose scalars are what PyYAML takes them for: numbers, words, dates, true and false.
+
+    Raises:
+        YamlFault: As `load_yaml`.
+    """
+    return _loaded(path, _TypedLoader)
+
+
+def _loaded(path: Path, loader: type[_Loader] | type[_TypedLoader]) -> dict[str, Any]:
     try:
-        content = yaml.load(path.read_text(encoding="utf-8-sig"), _Loader)  # makes text, lists and mappings only
-    except OSError as error:
-        raise YamlFault(f"cannot be read: {error.strerror}", "put it there and make it readable") from error
+        content = yaml.load(read_plain(path, YAML_BYTES).decode("utf-8-sig"), loader)  # text, numbers, lists, mappings
+    except FileFault as fault:
+        raise YamlFault(str(fault), fault.remedy) from fault
     except UnicodeDecodeError as error:
         raise YamlFault(f"byte {error.start} is not UTF-8", "save it as UTF-8") from error
     except yaml.MarkedYAMLError as error:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
+        if isinstance(error, _LimitError):
+            raise YamlFault(f"{line}{error.problem}", error.remedy) from error
         raise YamlFault(f"{line}not YAML: {error.problem}", "correct that line") from error
-    except (yaml.YAMLError, RecursionError) as error:
+    except (yaml.YAMLError, RecursionError, ValueError) as error:  # ValueError: a date such as 2024-99-99
         raise YamlFault(f"not YAML: {' '.join(str(error).split())}", "write plain `key: value` lines") from error
     if not isinstance(content, dict):
-        raise YamlFault("is not a list of `key: value` lines", "begin with `format: 1`")
+        raise YamlFault("is not a list of `key: value` lines", "write one such line for each key")
     return content
 
 

@@ -1,5 +1,6 @@
 """A campaign folder together with the robot that it names."""
 
+import os
 from pathlib import Path
 
 import mujoco
@@ -28,7 +29,8 @@ def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot 
     found: list[CompiledRobot] = []
 
     def arm_of(name: str) -> Arm:
-        named = folder / name if (folder / name).is_dir() else name
+        beside = folder.absolute() / name  # absolute: a robot that comes along may have the same name
+        named = beside if os.path.isdir(beside) else name  # noqa: PTH112  a name may be too long for pathlib
         found.append(compile_robot(load_robot(robot or named)))
         return plain_arm(found[0])
 

@@ -13,6 +13,7 @@ from bench.robot.counterbalance import Counterbalance
 from bench.robot.folder import Robot
 from bench.robot.plain_words import plain_words
 from bench.robot.plugins import attributes_of, number_of, numbers_of
+from bench.robot.trial import expect_harmless
 
 Index = NDArray[np.int64]
 FRICTION = ("coulomb", "presliding_stiffness")  # attributes of a friction element
@@ -128,8 +129,9 @@ def read_spec(robot: Robot) -> mujoco.MjSpec:
     """Return the MJCF of a robot as an editable `MjSpec`.
 
     Raises:
-        RobotError: The file is not valid MJCF; MuJoCo's own message is kept.
+        RobotError: The file is not valid MJCF, MuJoCo's own message is kept; or it does not pass `expect_harmless`.
     """
+    expect_harmless(robot.mjcf)
     try:
         return mujoco.MjSpec.from_file(str(robot.mjcf))
     except ValueError as error:

@@ -1,13 +1,14 @@
 """A robot is a folder: MJCF, `figures.yaml`, README. This finds one and reads its figures."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
-import yaml
 from pydantic import ValidationError
 
 from bench import paths
 from bench.errors import RobotError, unknown_name
+from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.figures import Figures
 
 FIGURES_FILE = "figures.yaml"
@@ -51,16 +52,15 @@ def load_robot(name_or_folder: str | Path) -> Robot:
     """
     known = robot_names()
     folder = paths.models_dir() / name_or_folder if str(name_or_folder) in known else Path(name_or_folder)
-    if not (folder / FIGURES_FILE).is_file():
+    if not os.path.isfile(folder / FIGURES_FILE):  # noqa: PTH113  a name may be too long for pathlib
         raise RobotError(
             unknown_name("robot", str(name_or_folder), known) + f" A folder of your own needs a {FIGURES_FILE}."
         )
     source = folder / FIGURES_FILE
     try:
-        content = yaml.safe_load(source.read_text(encoding="utf-8"))
-        figures = Figures.model_validate(content)
-    except yaml.YAMLError as error:
-        raise RobotError(f"{source}: not valid YAML: {error}") from error
+        figures = Figures.model_validate(load_typed_yaml(source))
+    except YamlFault as fault:
+        raise RobotError(f"{source}: {fault}; {fault.remedy}.") from fault
     except ValidationError as error:
         raise RobotError(problems_of(error, source.name)) from error
     robot = Robot(folder.resolve().name, folder.resolve(), figures)

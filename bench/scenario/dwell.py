@@ -8,7 +8,7 @@ from pydantic import Field
 from bench.errors import InputError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import Positive, Strict
+from bench.scenario.types import MOST_REPEATS, Positive, Strict
 
 
 class DwellPart(Strict):
@@ -21,7 +21,7 @@ class DwellPart(Strict):
     simulated_s: Positive | None = Field(
         None, description="how much of each such interval is simulated; the robot only stands in the rest. None: all"
     )
-    repeats: Annotated[int, Field(ge=1)] = Field(3, description="readings each time")
+    repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = Field(3, description="readings each time")
     repeat_interval_s: Positive = 0.1
     move_speed: Positive = Field(0.6, le=1.0, description="share of the drives' speed limit")
     acceleration_deg_per_s2: Positive = 60.0

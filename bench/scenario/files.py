@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import TypeVar
 
-import yaml
 from pydantic import ValidationError
 
 from bench import paths
 from bench.errors import InputError, unknown_name
+from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.folder import problems_of
 from bench.scenario.complementary import Complementary
 from bench.scenario.line import Line
@@ -55,13 +55,11 @@ def read_scenario(name_or_file: str | Path) -> Scenario:
     """
     file = scenario_file(name_or_file)
     try:
-        content = yaml.safe_load(file.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError(f"{file.name}: not valid YAML: {error}") from error
-    if not isinstance(content, dict):
-        raise InputError(f"{file.name}: a scenario is a list of 'key: value' lines; this is not.")
+        content = load_typed_yaml(file)
+    except YamlFault as fault:
+        raise InputError(f"{file.name}: {fault}; {fault.remedy}.") from fault
     experiment = content.get("experiment")
-    if experiment not in EXPERIMENTS:
+    if not isinstance(experiment, str) or experiment not in EXPERIMENTS:
         raise InputError(f"{file.name}: experiment: {unknown_name('experiment', str(experiment), EXPERIMENTS)}")
     try:
         return EXPERIMENTS[experiment].model_validate(content)

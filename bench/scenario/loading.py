@@ -8,7 +8,7 @@ from pydantic import Field
 from bench.errors import InputError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import NonNegative, Positive, ScenarioBase, Strict
+from bench.scenario.types import MOST_REPEATS, NonNegative, Positive, ScenarioBase, Strict
 
 ApproachDirection = Literal[-1, 1]
 
@@ -28,7 +28,7 @@ class LoadingPart(Strict):
     approach: tuple[ApproachDirection, ...] = Field((1, -1), min_length=1)
     approach_deg: Positive = 3.0
     unload: bool = Field(True, description="take the loads off again in steps and read at each")
-    repeats: Annotated[int, Field(ge=1)] = 10
+    repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = 10
     repeat_interval_s: Positive = 0.1
     move_speed: Positive = Field(0.3, le=1.0, description="share of the drives' speed limit, between poses")
     acceleration_deg_per_s2: Positive = 30.0

@@ -8,7 +8,7 @@ from pydantic import Field
 from bench.errors import InputError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import NonNegative, Positive, ScenarioBase, Strict
+from bench.scenario.types import MOST_REPEATS, NonNegative, Positive, ScenarioBase, Strict
 
 CONTROL_PERIOD_S = 0.004  # of `bench.simulate.env`; a test holds the two together
 STANDARD_GRAVITY = 9.80665  # [m/s^2]
@@ -28,7 +28,7 @@ class RotationPart(Strict):
     payloads_kg: tuple[NonNegative, ...] = Field((0.0,), min_length=1, description="bolted to the load point, in turn")
     ramp_s: Positive = Field(1.0, description="time in which the joint reaches its speed, and in which it stops")
     settle_s: NonNegative = Field(1.0, description="standstill before each traverse")
-    repeats: Annotated[int, Field(ge=1)] = 1
+    repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = 1
     sample_period_s: Annotated[float, Field(gt=0, multiple_of=CONTROL_PERIOD_S)] = 0.02
     move_speed: Positive = Field(0.3, le=1.0, description="share of the drives' speed limit, between traverses")
     acceleration_deg_per_s2: Positive = Field(30.0, description="between traverses")

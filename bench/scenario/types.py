@@ -6,6 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
+MOST_REPEATS = 10_000  # assumed: a thousand times what a laboratory reads at one pose; more never ends
 FrictionSide = Literal["as-model", "motor", "link", "none"]
 
 

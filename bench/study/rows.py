@@ -56,7 +56,7 @@ def read_rows(file: Path, settings: Mapping[str, Any]) -> Rows:
     for line, row in parsed:
         try:
             outcome = Outcome.from_json(line.decode())
-        except ValueError:
+        except (ValueError, RecursionError):
             continue
         if row.get(STUDY, name) == name:
             whole += 1
@@ -91,7 +91,7 @@ def _dictionary(line: bytes) -> dict[str, Any] | None:
     """Return what a line holds, None where it is damaged."""
     try:
         content = json.loads(line.decode())
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return content if isinstance(content, dict) else None
 

@@ -186,7 +186,7 @@ KNOWN_ARM: dict[str, tuple[Change, str, str, int | None, str]] = {
     "beyond limits": (scale("q_link_2_rad", 1.0, 1.9), "doubt", "q_link_2_rad", None, "-1.5 to 2.5"),
     "no angle": (
         lambda columns: (columns.pop("q_cmd_1_rad"), columns.pop("q_motor_1_rad")),
-        "warning",
+        "error",
         "",
         None,
         "no angle of drive 1",

@@ -10,6 +10,8 @@ import pytest
 from pyarrow import parquet
 
 from bench.record.check import check_campaign
+from bench.record.finding import Finding
+from bench.record.parquet_table import read, write
 from tests.record.build import only
 
 MANIFEST = "format: 1\nrobot: small\nruns: [{name: a, kind: static, start_s: 0, file: a.parquet}]\n"
@@ -54,6 +56,38 @@ def test_damaged_file_is_named(tmp_path: Path) -> None:
     finding = only(list(check_campaign(folder).findings))
     assert finding.file == "a.parquet"
     assert "no readable Parquet file" in finding.message
+
+
+def test_no_flipped_bit_is_believed(tmp_path: Path, rng: np.random.Generator) -> None:
+    """Pages have checksums, names stand there twice, and what else is damaged cannot be read."""
+    columns = {name: rng.normal(size=20) for name in ("q_cmd_1_rad", "q_motor_1_rad", "current_1_a")}
+    file = tmp_path / "a.parquet"
+    write(file, columns)
+    data = file.read_bytes()
+    refused = 0
+    for at in range(0, len(data), 3):
+        damaged = bytearray(data)
+        damaged[at] ^= 1 << int(rng.integers(8))
+        file.write_bytes(damaged)
+        findings: list[Finding] = []
+        found = read(file, "a.parquet", findings)
+        if findings:
+            refused += 1
+            assert len(findings) == 1
+            continue
+        assert found is not None
+        assert found[0] == tuple(columns)
+        for name, values in columns.items():
+            np.testing.assert_array_equal(found[1][name], values)
+    assert refused > len(data) / 6  # the rest are statistics and what else no reader needs
+
+
+def test_what_unfolds_is_not_decoded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = folder_with(tmp_path, current_1_a=pa.array([1.5, 2.5]))
+    monkeypatch.setenv("BENCH_MOST_TABLE_CELLS", "11")  # it has 2 rows of 6 columns
+    finding = only(list(check_campaign(folder).findings))
+    assert (finding.file, finding.message) == ("a.parquet", "has more than 11 cells")
+    assert "BENCH_MOST_TABLE_CELLS" in finding.remedy
 
 
 def test_csv_needs_no_pyarrow() -> None:

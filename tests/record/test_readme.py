@@ -4,9 +4,11 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import bench.record
-from bench.errors import CampaignError
+from bench.errors import CampaignError, InputError
+from bench.record import limits
 from bench.record.channels import CHANNELS, NAMES, parse_column, table
 from bench.record.check import check_campaign
 from bench.record.read import read_campaign
@@ -79,3 +81,16 @@ def test_foreign_units_come_with_their_factor() -> None:
     assert right_name("gear_temperature_1_c") == ("gear_temperature_1_k", "add 273.15")
     assert right_name("q_cmd_1_bar") == ("q_cmd_1_rad", "give them in rad")
     assert right_name("speed_1_rad") is None
+
+
+def test_the_table_of_limits_is_that_of_the_code() -> None:
+    assert limits.table() in README
+
+
+def test_limits_are_raised_by_whole_numbers_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(limits.YAML_DEPTH.variable, "77")
+    assert limits.YAML_DEPTH.value == 77
+    for text in ("many", "-1", "0", "1e9", "9" * 30, "٣"):
+        monkeypatch.setenv(limits.YAML_DEPTH.variable, text)
+        with pytest.raises(InputError, match="BENCH_MOST_YAML_DEPTH"):
+            assert limits.YAML_DEPTH.value

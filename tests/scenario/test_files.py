@@ -69,10 +69,10 @@ def test_all_faults_against_the_robot_at_once(tmp_path: Path, small_robot: Path)
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("experiment: [", "not valid YAML"),
-        ("- 1", "a scenario is"),
+        ("experiment: [", "not YAML"),
+        ("- 1", "is not a list"),
         ("experiment: loding", "Did you mean 'loading'"),
-        ("", "a scenario is"),
+        ("", "is not a list"),
     ],
 )
 def test_what_is_no_scenario(tmp_path: Path, text: str, said: str) -> None:

@@ -42,10 +42,12 @@ void attribute_fault(Reader* reader, const char* name, const char* rule) {
   char sentence[256];
   const char* text = attribute_text(reader, name);
   if (text) {
-    size_t length = trimmed(text);
+    size_t length = trimmed(text), shown = mjMIN(length, SHOWN);
+    while (shown && shown < length && ((unsigned char)text[shown] & 0xC0) == 0x80) {
+      shown--;  // whole characters of UTF-8
+    }
     const char* dots = length > SHOWN ? "..." : "";
-    snprintf(sentence, sizeof(sentence), "attribute %s = '%.*s%s' %s", name, (int)mjMIN(length, SHOWN), text, dots,
-             rule);
+    snprintf(sentence, sizeof(sentence), "attribute %s = '%.*s%s' %s", name, (int)shown, text, dots, rule);
   } else {
     snprintf(sentence, sizeof(sentence), "attribute %s is missing; it %s", name, rule);
   }

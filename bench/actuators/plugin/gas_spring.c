@@ -70,7 +70,7 @@ static void read(Element* element, Reader* reader) {
 static mjtNum gap_at(GasSpring* self, mjtNum length) {
   mjtNum gap = self->critical_length - length;
   mjtNum smallest = kSmallestGap * self->critical_length;
-  if (gap >= smallest) {
+  if (gap >= smallest || isnan(gap)) {
     return gap;
   }
   if (!self->warned) {

@@ -34,6 +34,9 @@ static void split(TorqueTable* self, Reader* reader, double* forward, double* ba
       attribute_fault(reader, "backward", "must nowhere be below forward: such friction would drive the motion");
     }
     friction |= level > 0;
+    if (!isfinite(mean) || !isfinite(level)) {
+      attribute_fault(reader, "forward", "must have a finite sum and a finite difference with backward");
+    }
     self->mean[i] = mean;
     self->level[i] = level;
   }
@@ -65,7 +68,11 @@ static void read(Element* element, Reader* reader) {
     mju_free(backward);
     return;
   }
-  self->per_angle = (self->count - 1) / (self->angle_max - self->angle_min);
+  double range = self->angle_max - self->angle_min;
+  self->per_angle = (self->count - 1) / range;
+  if (!isfinite(range) || !isfinite(self->per_angle)) {
+    attribute_fault(reader, "angle_max", "must be so far above angle_min that both are told apart, and not farther");
+  }
   split(self, reader, forward, backward);
 }
 
@@ -80,7 +87,7 @@ static mjtNum force(Element* element, const mjModel* m, const mjData* d, const m
   const TorqueTable* self = (const TorqueTable*)element;
   mjtNum x = d->actuator_length[element->output];
   mjtNum place = mju_clip((x - self->angle_min) * self->per_angle, 0, self->count - 1);
-  int left = mjMIN((int)place, self->count - 2);
+  int left = place > 0 ? mjMIN((int)place, self->count - 2) : 0;  // a nan has no cell; it stays one in the torque
   mjtNum t = place - left;
   mjtNum mean = self->mean[left] + t * (self->mean[left + 1] - self->mean[left]);
   mjtNum level = self->level[left] + t * (self->level[left + 1] - self->level[left]);

@@ -12,6 +12,7 @@ from bench.effects.effect import Acting
 from bench.effects.gas import CounterbalanceGas
 from bench.effects.masses import UnstatedPayload
 from bench.effects.places import torque_limit
+from bench.errors import ConvergenceError
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
@@ -49,7 +50,11 @@ class DrivePicture:
 
 
 def drive_picture(replay: Replay) -> DrivePicture:
-    """Return what drives did in a campaign, and what its nominal model makes of it."""
+    """Return what drives did in a campaign, and what its nominal model makes of it.
+
+    Raises:
+        ConvergenceError: The model's torques are not finite.
+    """
     trace = replay.trace(NOMINAL)
     nominal = replay.predict(NOMINAL)
     missing = []
@@ -72,6 +77,8 @@ def drive_picture(replay: Replay) -> DrivePicture:
         model[:, j] = unit * nominal[:, c]
         extra[:, j] = unit * np.stack([change[:, c] for change in missing], axis=1) if missing else extra[:, j]
         names[j] = quantity.column
+    if not (np.all(np.isfinite(model)) and np.all(np.isfinite(extra))):
+        raise ConvergenceError("its torques are not finite")
     slack = np.array([HELD * torque_limit(replay.compiled, j) for j in range(shape[1])])
     return DrivePicture(observed, model, trace.q_velocity, standing, slack, units, extra, tuple(names))
 

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from bench.diagnose.replay.segment_input import Path, SegmentInput, angles_of, centre_weights, wrench_of
-from bench.diagnose.replay.smooth_derivative import smooth_derivative
 from bench.diagnose.replay.static_segments import APPROACH
+from bench.diagnose.replay.uneven_derivative import derivative_over
 from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
@@ -45,8 +45,8 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     samples = max(1, round(width / dt))
     window = 2 * round(min(LONGEST_WINDOW, samples * dt) / dt / 2) + 1
     window = int(np.clip(window, LEAST_WINDOW, 2 * ((len(run) - 1) // 2) - 1))
-    velocity, acceleration = (smooth_derivative(angles, window, order, dt) for order in (1, 2))
-    error = _acceleration_error(angles, acceleration, window, dt)
+    velocity, acceleration = (derivative_over(angles, time, window, order) for order in (1, 2))
+    error = _acceleration_error(angles, acceleration, window, time)
     edges = np.arange(0, len(run), samples)
     if len(edges) > 1 and len(run) - edges[-1] < samples:
         edges = edges[:-1]
@@ -99,7 +99,7 @@ def lowest_period(compiled: CompiledRobot, q: Array) -> float:
     return float(2 * np.pi * np.sqrt(np.linalg.eigvalsh(root[:, None] * inertia * root)[-1]))
 
 
-def _acceleration_error(angles: Array, acceleration: Array, window: int, dt: float) -> Array:
+def _acceleration_error(angles: Array, acceleration: Array, window: int, time: Array) -> Array:
     """Return how far an acceleration may be off where it changes fast, shape (rows, n): what half the resolution adds.
 
     Where motion jerks, links ring for a while after it; the error is therefore kept up over a few windows.
@@ -107,7 +107,7 @@ def _acceleration_error(angles: Array, acceleration: Array, window: int, dt: flo
     longer = min(2 * window + 1, 2 * ((len(angles) - 1) // 2) - 1)
     if longer <= window:
         return np.zeros_like(angles)
-    coarse = smooth_derivative(angles, longer, 2, dt)
-    reach = max(longer, 2 * round(RINGS / dt / 2) + 1)
+    coarse = derivative_over(angles, time, longer, 2)
+    reach = max(longer, 2 * round(RINGS / float(np.median(np.diff(time))) / 2) + 1)
     error: Array = UNRESOLVED * maximum_filter1d(np.abs(acceleration - coarse), reach, axis=0)
     return error

@@ -56,7 +56,7 @@ def fits_arm(sheet: Sheet) -> Iterator[Finding]:
         seen = {column.index for column in drives if column.channel.quantity in ("q_cmd", "q_motor")}
         if seen and (unseen := sorted(set(kinds) - seen)):
             numbers = ", ".join(map(str, unseen))
-            yield sheet.warning("", f"no angle of drive {numbers}", "add q_cmd or q_motor, constant if it stood still")
+            yield sheet.error("", f"no angle of drive {numbers}", "add q_cmd or q_motor, constant if it stood still")
 
 
 def _is_of_drive(column: Column) -> bool:

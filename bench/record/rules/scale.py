@@ -13,6 +13,8 @@ MAX_ANGLE = 4 * pi
 MAX_LENGTH = 100.0  # [m]; no arm stands on a longer track, and no tracker sees a reflector much further away
 MAX_CURRENT = 1000.0  # [A]; drives of the heaviest arms stay below 200
 MIN_TEMPERATURE = 200.0  # [K]; colder than any place with a robot, and above any temperature there in degrees Celsius
+MAX_TEMPERATURE = 1000.0  # [K]; iron glows, and no winding or gas seal lasts
+MAX_PRESSURE = 1e9  # [Pa]; no cylinder holds it
 MIN_PRESSURE = 5e4  # [Pa]; counterbalances hold 2 to 30 MPa, and 30 MPa are 3e4 in kPa
 
 FAR = 1.5  # times the joint's own limit; model limits and soft limits differ by less
@@ -52,7 +54,11 @@ def magnitudes(sheet: Sheet) -> Iterator[Finding]:
     for column, values in sheet.columns(*temperatures):
         if not sheet.within(column.name, MIN_TEMPERATURE, inf) and (rows := rows_where(values < MIN_TEMPERATURE)):
             yield sheet.error(column.name, f"under {MIN_TEMPERATURE:g} K", "degrees Celsius? add 273.15", rows)
+        if not sheet.within(column.name, -inf, MAX_TEMPERATURE) and (rows := rows_where(values > MAX_TEMPERATURE)):
+            yield sheet.error(column.name, f"over {MAX_TEMPERATURE:g} K", "millikelvin? multiply by 0.001", rows)
     for column, values in sheet.columns("gas_pressure"):
+        if not sheet.within(column.name, -inf, MAX_PRESSURE) and (rows := rows_where(values > MAX_PRESSURE)):
+            yield sheet.error(column.name, f"over {MAX_PRESSURE:g} Pa", "look at its unit", rows)
         if 0 < np.max(np.abs(values), initial=0.0) < MIN_PRESSURE:
             message = f"never reaches {MIN_PRESSURE:g} Pa, an empty cylinder"
             yield sheet.doubt(column.name, message, "bar? multiply by 100000; MPa? by 1000000")

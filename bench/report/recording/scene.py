@@ -5,6 +5,7 @@ import numpy as np
 
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot
+from bench.robot.trial import expect_harmless
 
 
 def scene_of(compiled: CompiledRobot) -> mujoco.MjModel:
@@ -17,6 +18,7 @@ def scene_of(compiled: CompiledRobot) -> mujoco.MjModel:
     if robot.figures.scene is None:
         return compiled.model
     path = robot.folder / robot.figures.scene
+    expect_harmless(path)
     try:
         return mujoco.MjModel.from_xml_path(str(path))
     except ValueError as error:

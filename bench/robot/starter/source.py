@@ -11,6 +11,7 @@ import numpy as np
 from bench.errors import RobotError, unknown_name
 from bench.robot.bodies import Array
 from bench.robot.plain_words import plain_words
+from bench.robot.trial import expect_harmless
 
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 FREE = int(mujoco.mjtJoint.mjJNT_FREE)
@@ -93,6 +94,7 @@ def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "") ->
 def _read(file: Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     if not file.is_file():
         raise RobotError(f"{file}: no such file; give an MJCF (.xml) or a URDF.")
+    expect_harmless(file)
     try:
         spec = mujoco.MjSpec.from_file(str(file.resolve()))
         spec.compiler.fusestatic = False  # a URDF's tool frames keep their bodies

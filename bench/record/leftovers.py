@@ -1,0 +1,98 @@
+"""What processes leave behind that were killed: folders half filled, which the next run in the same place removes.
+
+A process locks the folder that it fills (flock), and the system unlocks it when the process ends, however it ends. So a
+folder with the name of a half-filled one, and without a lock, belongs to nobody.
+"""
+
+import contextlib
+import fcntl
+import os
+import re
+import secrets
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+PARTIAL = re.compile(r"\.(?P<name>[^/]+)\.[0-9a-f]{8}\.(?P<kind>partial|old)")
+
+
+_locked: set[int] = set()  # descriptors of this process
+
+
+def _forget() -> None:
+    """Close them in a process that was forked: a worker that outlives its caller would keep the caller's locks."""
+    for opened in _locked:
+        os.close(opened)
+    _locked.clear()
+
+
+os.register_at_fork(after_in_child=_forget)
+
+
+class Held:
+    """A folder that is locked as long as this object is not let go.
+
+    Attributes:
+        is_sure: Whether nobody else has it; False where the disk knows no locks, or somebody has it.
+        is_taken: Whether somebody else has it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.is_sure = self.is_taken = False
+        self._opened = -1
+        with contextlib.suppress(OSError):
+            self._opened = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC | os.O_NOFOLLOW)
+            _locked.add(self._opened)
+            try:
+                fcntl.flock(self._opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                # meanwhile somebody may have removed it and another may have its name
+                self.is_sure = os.path.samestat(os.fstat(self._opened), folder.lstat())
+            except BlockingIOError:
+                self.is_taken = True
+
+    def let_go(self) -> None:
+        """Unlock it."""
+        if self._opened >= 0:
+            _locked.discard(self._opened)
+            os.close(self._opened)
+            self._opened = -1
+
+
+def partial_names(folder: Path) -> tuple[Path, Path]:
+    """Return the names beside a folder of one that is being filled, and of the one that it replaces."""
+    token = secrets.token_hex(4)
+    return folder.with_name(f".{folder.name}.{token}.partial"), folder.with_name(f".{folder.name}.{token}.old")
+
+
+def begin(folder: Path) -> tuple[Path, Path, Held]:
+    """Make a folder to fill, and lock it; return it, the name for the one that it replaces, and the lock."""
+    while True:
+        partial, old = partial_names(folder)
+        partial.mkdir()
+        held = Held(partial)
+        if held.is_sure or (partial.is_dir() and not held.is_taken):  # the latter on a disk that knows no locks
+            return partial, old, held
+        held.let_go()  # one that cleans up was faster
+
+
+def remove_leftovers(place: Path) -> None:
+    """Remove what dead processes left in a folder; a folder that one was just replacing gets its name back."""
+    for entry in _partials(place):
+        held = Held(entry)
+        named = PARTIAL.fullmatch(entry.name)
+        if held.is_sure and named:
+            with contextlib.suppress(OSError):
+                original = entry.with_name(named["name"])
+                if named["kind"] == "old" and not original.exists():
+                    entry.rename(original)
+                else:
+                    shutil.rmtree(entry, ignore_errors=True)
+        held.let_go()
+
+
+def _partials(place: Path) -> Iterator[Path]:
+    try:
+        entries = sorted(place.iterdir())
+    except OSError:
+        return
+    yield from (entry for entry in entries if PARTIAL.fullmatch(entry.name) and not entry.is_symlink())

@@ -1,0 +1,219 @@
+"""Robot folders: MJCF that crashes its reader, attributes of the plugins, figures, random damage."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from tests.poison.variant import Answer, Spoil, Variant
+from tests.small_robot import MJCF, write_small_robot
+
+FIGURES = "figures.yaml"
+ARM = "small.xml"
+LAUGHS = "".join(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10 if i else ['x'] * 10)}]\n" for i in range(12))
+
+
+def _mjcf(old: str, new: str, count: int = 1) -> Spoil:
+    assert old in MJCF
+
+    def spoil(folder: Path) -> None:
+        (folder / "robot" / ARM).write_text(MJCF.replace(old, new, count))
+
+    return spoil
+
+
+def _in_world(text: str) -> Spoil:
+    return _mjcf("<worldbody>", f"<worldbody>{text}")
+
+
+def _before(text: str) -> Spoil:
+    return _mjcf("<worldbody>", f"{text}<worldbody>")
+
+
+def mjcf_that_crashes_its_reader(rng: np.random.Generator) -> Iterator[Variant]:
+    def chain(folder: Path) -> None:
+        _before('<include file="0.xml"/>')(folder)
+        for i in range(3000):
+            (folder / "robot" / f"{i}.xml").write_text(f'<mujoco><include file="{i + 1}.xml"/></mujoco>')
+
+    laughs = "".join(f'<!ENTITY a{i} "{f"&a{i - 1};" * 10 if i else "x" * 10}">' for i in range(12))
+    table = (
+        '<plugin name="drag" joint="hinge_a" plugin="bench.torque_table"><config key="angle_min" value="0"/>'
+        '<config key="angle_max" value="1e-310"/><config key="forward" value="1 2"/>'
+        '<config key="backward" value="1 2"/></plugin></actuator>'
+    )
+
+    def no_width(folder: Path) -> None:
+        text = MJCF.replace("<extension>", '<extension><plugin plugin="bench.torque_table"/>')
+        (folder / "robot" / ARM).write_text(text.replace("</actuator>", table))
+
+    wide = '<replicate count="100000">' * 2 + '<geom size="1"/>' + "</replicate>" * 2
+    keyframe = '<keyframe><key qpos="0 nan 0 0"/></keyframe></mujoco>'
+    crashes: dict[str, tuple[Spoil, str]] = {
+        "3000 includes in each other": (chain, "BENCH_MOST_MODEL_INCLUDES"),
+        "a file that includes itself": (_before(f'<include file="{ARM}"/>'), ""),
+        "ten thousand million copies": (_in_world(wide), "BENCH_MOST_MODEL_COPIES"),
+        "5000 bodies in each other": (_in_world("<body>" * 5000 + "</body>" * 5000), "BENCH_MOST_MODEL_DEPTH"),
+        "5000 frames in each other": (_in_world("<frame>" * 5000 + "</frame>" * 5000), "BENCH_MOST_MODEL_DEPTH"),
+        "entities": (_mjcf("<mujoco", f"<!DOCTYPE a [{laughs}]><mujoco"), "line 2"),
+        "an entity of another file": (_mjcf("<mujoco", '<!DOCTYPE a SYSTEM "/etc/passwd"><mujoco'), "line 2"),
+        "a keyframe of nan": (_mjcf("</mujoco>", keyframe), "<key>: qpos"),
+        "a place of nan": (_mjcf('pos="-0.02 0 -0.5"', 'pos="nan 0 0"'), "<site>: pos"),
+        "a place of inf": (_mjcf('<body name="upper">', '<body name="upper" pos="inf 0 0">'), "<body>: pos holds inf"),
+        "a table of no width": (no_width, "angle_max"),
+        "16 GB of user data": (_before('<size nuserdata="2000000000"/>'), ""),
+        "a height field of 10^10": (
+            _before('<asset><hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/></asset>'), ""
+        ),
+        "a texture of 10^10": (
+            _before('<asset><texture name="t" type="2d" builtin="flat" width="100000" height="100000"/></asset>'), ""
+        ),
+        "a mesh of a device": (_before('<asset><mesh name="m" file="/dev/zero"/></asset>'), "is a device"),
+        "a mesh of a folder": (_before('<asset><mesh name="m" file="/etc"/></asset>'), "is a folder"),
+        "a mesh of text": (_before('<asset><mesh name="m" file="/etc/passwd"/></asset>'), ""),
+        "a plugin that is not there": (_mjcf("bench.friction", "evil.so"), ""),
+        "an empty file": (lambda folder: (folder / "robot" / ARM).write_text("").__str__() and None, "not XML"),
+        "zeros": (lambda folder: (folder / "robot" / ARM).write_bytes(bytes(1000)).__str__() and None, "not XML"),
+    }  # fmt: skip
+    for name, (spoil, place) in crashes.items():
+        yield Variant("MJCF that crashes its reader", name, spoil, "error", ("robot", place))
+
+
+def damaged_mjcf(rng: np.random.Generator) -> Iterator[Variant]:
+    data = MJCF.encode()
+    for _ in range(12):
+        at, byte = int(rng.integers(len(data))), bytes([rng.integers(1, 256)])
+
+        def spoil(folder: Path, at: int = at, byte: bytes = byte) -> None:
+            (folder / "robot" / ARM).write_bytes(data[:at] + byte + data[at + 1 :])
+
+        yield Variant("damaged MJCF", f"byte {at} is {byte!r}", spoil, "error or harmless")
+    for share in rng.random(6).tolist():
+
+        def cut(folder: Path, share: float = share) -> None:
+            (folder / "robot" / ARM).write_bytes(data[: int(share * len(data))])
+
+        yield Variant("damaged MJCF", f"{share:.1%} left", cut, "error", (ARM,))
+
+
+def attributes_of_plugins(rng: np.random.Generator) -> Iterator[Variant]:
+    values = ("nan", "inf", "-1", "1e999", "word", "1 2 3", "é" * 50, "1,5", "0x", "-0.0001", "1" * 5000 + "e")
+    for value in values:
+        for key, given in (("coulomb", "60.0"), ("critical_length", "0.65")):
+            spoil = _mjcf(f'key="{key}" value="{given}"', f'key="{key}" value="{value}"')
+            place = "<config>: value" if value in ("nan", "inf") else key
+            yield Variant("attributes of plugins", f"{key} = {value[:12]}", spoil, "error", (place,))
+    unknown = _mjcf('key="coulomb"', 'key="colombo"')
+    yield Variant("attributes of plugins", "an unknown one", unknown, "error", ("colombo",))
+
+
+def parts_of_robots(rng: np.random.Generator) -> Iterator[Variant]:
+    changes: dict[str, tuple[str, str, tuple[str, ...]]] = {
+        "no armature": ('armature="40.0"', "", ("drives[0].rotor",)),
+        "no stiffness": ('stiffness="200000.0"', 'stiffness="0"', ("drives[0].element",)),
+        "a negative mass": ('mass="40.0"', 'mass="-40"', ("upper",)),
+        "an inertia that cannot be": ('diaginertia="2.2 2.1 0.2"', 'diaginertia="9 1 1"', ("upper",)),
+        "a joint of another name": ('name="hinge_a"', 'name="elbow"', ("hinge_a",)),
+        "a ball joint": (
+            '<joint name="hinge_a" axis="0 1 0" range="-1 2"/>',
+            '<joint name="hinge_a" type="ball"/>',
+            (),
+        ),
+        "no load body": ('<body name="load"', '<body name="other"', ("load",)),
+        "no load point": ('<site name="hook"', '<site name="other"', ("hook",)),
+    }
+    for name, (old, new, places) in changes.items():
+        yield Variant("parts of robots", name, _mjcf(old, new), "error", places)
+    heavy = _mjcf('mass="40.0"', 'mass="1e300"')
+    yield Variant("parts of robots", "a mass of 1e300", heavy, "doubt", ("the nominal model cannot follow",))
+
+
+def _figures(change: str, new: str = "") -> Spoil:
+    def spoil(folder: Path) -> None:
+        file = folder / "robot" / FIGURES
+        text = file.read_text()
+        assert change in text, change
+        file.write_text(text.replace(change, new, 1))
+
+    return spoil
+
+
+def _append(line: str) -> Spoil:
+    def spoil(folder: Path) -> None:
+        file = folder / "robot" / FIGURES
+        file.write_text(file.read_text() + line)
+
+    return spoil
+
+
+def figures(rng: np.random.Generator) -> Iterator[Variant]:
+    appended: dict[str, tuple[str, tuple[str, ...]]] = {
+        "a key given twice": ("title: other\n", ("title", "twice")),
+        "an unknown key": ("colour: red\n", ("colour",)),
+        "a thousand million laughs": (LAUGHS, ("BENCH_MOST_YAML_VALUES",)),
+        "brackets": (f"x: {'[' * 50_000}\n", ("BENCH_MOST_YAML_DEPTH",)),
+        "an alias in itself": ("x: &a [*a]\n", ("alias",)),
+        "a long number": (f"x: {'9' * 20_000}\n", ("characters",)),
+        "a date that is none": ("x: 2024-99-99\n", ("month",)),
+        "code": ("x: !!python/object/apply:os.system [id]\n", ("python/object",)),
+        "half a pair": ('x: "\\udc00"\n', ("surrogate",)),
+        "an uncertainty below zero": ("uncertainty: {mass: -1}\n", ("uncertainty.mass",)),
+        "an uncertainty of nan": ("uncertainty: {mass: .nan}\n", ("uncertainty.mass",)),
+        "a list for a section": ("uncertainty: [1]\n", ("uncertainty",)),
+    }
+    for name, (line, places) in appended.items():
+        yield Variant("figures", name, _append(line), "error", (FIGURES, *places))
+    speed = "speed_limit_rad_per_s"
+    changed: dict[str, tuple[str, str, tuple[str, ...]]] = {
+        "a word for a number": (f"{speed}: 2.0", f"{speed}: fast", (speed,)),
+        "infinite speed": (f"{speed}: 2.0", f"{speed}: .inf", (speed,)),
+        "a speed of zero": (f"{speed}: 2.0", f"{speed}: 0", (speed,)),
+        "no joint": ("joint: hinge_b", "join: hinge_b", ("drives[1]",)),
+        "an MJCF that is not there": ("mjcf: small.xml", "mjcf: other.xml", ("other.xml",)),
+        "an MJCF that is a device": ("mjcf: small.xml", "mjcf: /dev/zero", ("/dev/zero",)),
+        "an MJCF with a zero byte": ("mjcf: small.xml", 'mjcf: "a\\0b"', ("mjcf",)),
+        "a servo of another name": ("servo: servo_a", "servo: motor_a", ("drives[0].servo", "motor_a")),
+        "one joint twice": ("joint: hinge_b", "joint: hinge_a", ("drives[1]",)),
+        "a reflector that is not there": ("- nest_1", "- nest_9", ("reflectors[0]", "nest_9")),
+        "a piston of no area": ("piston_area_m2: 0.001", "piston_area_m2: 0", ("piston_area_m2",)),
+    }  # fmt: skip
+    for name, (old, new, places) in changed.items():
+        yield Variant("figures", name, _figures(old, new), "error", places)
+
+
+def robots_of_strangers(rng: np.random.Generator) -> Iterator[Variant]:
+    """Name in `robot:` of a campaign what is none, or another."""
+    names: dict[str, tuple[str, Answer]] = {
+        "nowhere": ("nowhere", "error"),
+        "a file": ("runs/dwell.csv", "error"),
+        "a device": ("/dev/zero", "error"),
+        "a long name": ("x" * 5000, "error"),
+        "a folder without figures": ("runs", "error"),
+        "a loop": ("loop", "error"),
+        "a zero byte": ('"a\\0b"', "error"),
+        "another robot": ("emps", "error"),
+        "a robot with more drives": ("hh150", "error or harmless"),
+        "a link to the robot": ("link", "harmless"),
+    }
+    for name, (written, answer) in names.items():
+
+        def spoil(folder: Path, written: str = written) -> None:
+            file = folder / "campaign.yaml"
+            file.write_text(file.read_text().replace("robot: robot", f"robot: {written}"))
+            (folder / "loop").symlink_to("loop")
+            (folder / "link").symlink_to("robot")
+
+        yield Variant("robots of strangers", name, spoil, answer)
+
+    def twin(folder: Path) -> None:
+        write_small_robot(folder / "hh150")
+        file = folder / "campaign.yaml"
+        file.write_text(file.read_text().replace("robot: robot", "robot: hh150"))
+
+    yield Variant("robots of strangers", "a folder with the name of a known robot", twin, "harmless")
+
+
+FAMILIES = (
+    *(mjcf_that_crashes_its_reader, damaged_mjcf, attributes_of_plugins, parts_of_robots, figures),
+    robots_of_strangers,
+)

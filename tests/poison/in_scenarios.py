@@ -1,0 +1,153 @@
+"""Scenarios, log formats, logs, other people's models, and places to write to."""
+
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from bench import paths
+from tests.poison.in_robots import LAUGHS
+from tests.poison.variant import Spoil, Variant
+
+SCENARIO = "mine.yaml"
+RUN = ("run", SCENARIO, "-o", "out")
+CONVERT = ("convert", "robot", "log.csv", "-o", "out")
+LOG = "kind: motion\ncolumns:\n  time_s: {from: t}\n  q_cmd_1_rad: {from: q}\n  q_motor_1_rad: {from: m}\n"
+ROWS = "t,q,m\n0,0.1,0.1\n0.1,0.2,0.2\n0.2,0.3,0.3\n"
+
+
+def _file(name: str, text: str | bytes) -> Spoil:
+    data = text if isinstance(text, bytes) else text.encode()
+
+    def spoil(folder: Path) -> None:
+        (folder / name).write_bytes(data)
+
+    return spoil
+
+
+def scenarios(rng: np.random.Generator) -> Iterator[Variant]:
+    sound = (paths.scenarios_dir() / "loading.yaml").read_text()
+    faults: dict[str, tuple[str | bytes, str]] = {
+        "a key given twice": (sound + "seed: 7\n", "twice"),
+        "an unknown key": (sound + "sed: 7\n", "sed"),
+        "a thousand million laughs": (sound + LAUGHS, "BENCH_MOST_YAML_VALUES"),
+        "brackets": (sound + f"x: {'[' * 50_000}", "BENCH_MOST_YAML_DEPTH"),
+        "another experiment": ("experiment: drive\n", "experiment"),
+        "an experiment that is a list": ("experiment: [loading]\n", "experiment"),
+        "repeats of nan": (sound.replace("repeats: 10", "repeats: .nan"), "repeats"),
+        "repeats of 1e18": (sound.replace("repeats: 10", "repeats: 1000000000000000000"), "repeats"),
+        "angles of inf": (sound.replace("[0.1, 27.9,", "[.inf, 27.9,"), "poses[0].q_deg"),
+        "a word for a force": (sound.replace("[467, 641,", "[much, 641,"), "poses[0].force_n"),
+        "a robot that is not there": (sound.replace("robot: hh150", "robot: hh151"), "hh151"),
+        "a list": ("- 1\n", SCENARIO),
+        "nothing": ("", SCENARIO),
+        "random bytes": (rng.bytes(500), SCENARIO),
+        "latin-1": ("experiment: größer".encode("latin-1"), "UTF-8"),
+        "a long number": (sound.replace("seed: 1", f"seed: {'9' * 5000}"), "characters"),
+        "a date that is none": (sound + "x: 2024-99-99\n", "month"),
+    }
+    for name, (text, place) in faults.items():
+        yield Variant("scenarios", name, _file(SCENARIO, text), "error", (place,), RUN)
+
+
+def log_formats(rng: np.random.Generator) -> Iterator[Variant]:
+    faults: dict[str, tuple[str, str]] = {
+        "a key given twice": (LOG + "kind: static\n", "twice"),
+        "a column given twice": (LOG + "  time_s: {from: t}\n", "twice"),
+        "an unknown column": (LOG + "  angle: {from: q}\n", "angle"),
+        "a foreign unit": (LOG + "  q_link_1_deg: {from: q}\n", "q_link_1_rad"),
+        "a factor of nan": (LOG.replace("{from: q}", "{from: q, factor: .nan}"), "q_cmd_1_rad.factor"),
+        "a factor of inf": (LOG.replace("{from: q}", "{from: q, factor: 1e999}"), "q_cmd_1_rad.factor"),
+        "a word for a factor": (LOG.replace("{from: q}", "{from: q, factor: pi}"), "q_cmd_1_rad.factor"),
+        "no source": (LOG.replace("{from: q}", "{factor: 1}"), "q_cmd_1_rad"),
+        "no columns": ("kind: motion\n", "columns"),
+        "a source that is not there": (LOG.replace("from: q}", "from: angle}"), "angle"),
+        "laughs": (LAUGHS, "BENCH_MOST_YAML_VALUES"),
+        "brackets": (f"columns: {'[' * 50_000}", "BENCH_MOST_YAML_DEPTH"),
+        "nothing": ("", "log.yaml"),
+        "a factor that overflows": (LOG.replace("{from: q}", "{from: q, factor: 1e308}"), "q"),
+    }
+    for name, (text, place) in faults.items():
+
+        def spoil(folder: Path, text: str = text) -> None:
+            (folder / "robot" / "log.yaml").write_text(text)
+            (folder / "log.csv").write_text(ROWS)
+
+        yield Variant("log formats", name, spoil, "error", (place,), CONVERT)
+
+
+def logs(rng: np.random.Generator) -> Iterator[Variant]:
+    made: dict[str, tuple[Callable[[Path], object], str]] = {
+        "a pipe": (os.mkfifo, "log.csv"),
+        "a folder without logs": (Path.mkdir, "log.csv"),
+        "an endless device": (lambda file: file.symlink_to("/dev/zero"), "log.csv"),
+        "a loop of links": (lambda file: file.symlink_to("log.csv"), "log.csv"),
+        "nothing": (lambda file: None, "log.csv"),
+        "no rows": (lambda file: file.write_text("t,q,m\n"), "log.csv"),
+        "an empty file": (lambda file: file.write_text(""), "log.csv"),
+        "zeros": (lambda file: file.write_bytes(bytes(500)), "log.csv"),
+        "a word": (lambda file: file.write_text(ROWS.replace("0.2,0.2", "two,0.2")), "row 2"),
+        "a missing value": (lambda file: file.write_text(ROWS.replace("0.2,0.2", ",0.2")), "row 2"),
+        "time that runs back": (lambda file: file.write_text(ROWS + "0.1,1,1\n"), "row 4"),
+        "a column given twice": (lambda file: file.write_text(ROWS.replace("t,q,m", "t,q,q")), "q"),
+    }
+    for name, (make, place) in made.items():
+
+        def spoil(folder: Path, make: Callable[[Path], object] = make) -> None:
+            (folder / "robot" / "log.yaml").write_text(LOG)
+            make(folder / "log.csv")
+
+        yield Variant("logs", name, spoil, "error", (place,), CONVERT)
+
+
+def models_of_others(rng: np.random.Generator) -> Iterator[Variant]:
+    """Give `bench new-robot` what is no model."""
+    world = "<mujoco><worldbody>{}</worldbody></mujoco>"
+    body = '<body><joint name="a"/><geom size="1"/></body>'
+    faults: dict[str, tuple[str | bytes, str]] = {
+        "5000 bodies in each other": (world.format("<body>" * 5000 + "</body>" * 5000), "line"),
+        "entities": ("<!DOCTYPE a [<!ENTITY b 'c'>]><mujoco/>", "line 1"),
+        "10^10 copies": (world.format(f"<replicate count='10000000000'>{body}</replicate>"), "line 1"),
+        "a nan": (world.format(body.replace("size", "pos='nan 0 0' size")), "nan"),
+        "no joints": ("<mujoco/>", "no joints"),
+        "a URDF without links": ("<robot name='r'/>", "arm.xml"),
+        "a URDF whose links form a ring": (
+            "<robot name='r'><link name='a'/><link name='b'/><joint name='j' type='fixed'><parent link='a'/>"
+            "<child link='b'/></joint><joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint></robot>",
+            "arm.xml",
+        ),
+        "another language": ("<svg/>", "arm.xml"),
+        "nothing": ("", "arm.xml"),
+        "random bytes": (rng.bytes(2000), "arm.xml"),
+    }  # fmt: skip
+    command = ("new-robot", "mine", "--mjcf", "arm.xml", "-o", "out")
+    for name, (text, place) in faults.items():
+        yield Variant("models of others", name, _file("arm.xml", text), "error", (place,), command)
+
+
+def places_to_write_to(rng: np.random.Generator) -> Iterator[Variant]:
+    def sound(folder: Path) -> None:
+        (folder / "robot" / "log.yaml").write_text(LOG)
+        (folder / "log.csv").write_text(ROWS)
+        (folder / "loop").symlink_to("loop")
+        os.mkfifo(folder / "pipe")
+
+    for out in (
+        "log.csv",
+        "log.csv/sub",
+        "log.csv/sub/sub",
+        "loop",
+        "loop/sub",
+        "runs",
+        "pipe",
+        "/dev/null/x",
+        "x" * 300,
+    ):
+        yield Variant("places to write to", out[:20], sound, "error", (), (*CONVERT[:-1], out))
+    for out in ("größe", "a b", "new/folder", "-x"):
+        command = (*CONVERT[:-2], f"--out={out}")
+        yield Variant("places to write to", out, sound, "harmless", (), command)
+
+
+FAMILIES = (scenarios, log_formats, logs, models_of_others, places_to_write_to)

@@ -1,0 +1,138 @@
+"""Spoil a copy of the base, run a command on it, and hold the answer against the right one."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import traceback
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from dataclasses import dataclass, replace
+from io import StringIO
+from pathlib import Path
+from tempfile import mkdtemp
+from time import monotonic
+from types import FrameType
+from typing import Literal
+
+import numpy as np
+
+from bench.cli import main
+from bench.hide.campaign import hide_campaign
+from bench.record.write import write_campaign
+from bench.robot.folder import load_robot
+from tests.poison import in_files, in_manifests, in_parquet, in_robots, in_scenarios, in_tables
+from tests.poison.variant import Family, Variant
+from tests.simulate.session_small import QUICK, small_session
+from tests.small_robot import write_small_robot
+
+LONGEST_S = 20.0  # the wall clock of one variant
+SEED = 20261122
+FAMILIES: Sequence[Family] = (
+    *(*in_tables.FAMILIES, *in_manifests.FAMILIES, *in_files.FAMILIES),
+    *(*in_parquet.FAMILIES, *in_robots.FAMILIES, *in_scenarios.FAMILIES),
+)
+Kind = Literal["right", "silent", "wrong", "traceback", "hang"]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a variant.
+
+    Attributes:
+        variant: What was spoilt.
+        kind: "right"; "silent": a fault that nothing was said of; "wrong": another answer than the right one, or
+            without its place; "traceback"; "hang".
+        said: What the command printed.
+        seconds: It took.
+    """
+
+    variant: Variant
+    kind: Kind
+    said: str
+    seconds: float
+
+
+def variants(seed: int = SEED) -> list[Variant]:
+    """Return all variants of a seed."""
+    return [variant for family in FAMILIES for variant in family(np.random.default_rng(seed))]
+
+
+def write_base(folder: Path) -> Path:
+    """Write a healthy campaign with its robot in it."""
+    robot = write_small_robot(folder / "robot")
+    session = small_session(robot, loading=QUICK | {"repeats": 5})
+    hidden = hide_campaign(load_robot(robot), session, (), np.random.default_rng(1))
+    write_campaign(replace(hidden.campaign, robot="robot"), folder / "base")
+    shutil.move(robot, folder / "base" / "robot")
+    return folder / "base"
+
+
+def run(variant: Variant, base: Path) -> Outcome:
+    """Try one variant in a copy of the base."""
+    place = mkdtemp()
+    try:
+        folder = Path(place) / "campaign"
+        shutil.copytree(base, folder)
+        variant.spoil(folder)
+        begin = monotonic()
+        code, said = _run(variant.command, folder)
+        seconds = monotonic() - begin
+        leftovers = [entry.name for entry in folder.parent.iterdir() if entry.name.startswith(".")]
+    finally:
+        subprocess.run(["rm", "-rf", place], check=True)  # folders 1200 deep are too much for shutil
+    if code == "hang" or seconds > LONGEST_S:
+        return Outcome(variant, "hang", said, seconds)
+    if code == "traceback" or leftovers:
+        return Outcome(variant, "traceback", said + "".join(leftovers), seconds)
+    return Outcome(variant, _judged(variant, int(code), said), said, seconds)
+
+
+def _judged(variant: Variant, code: int, said: str) -> Kind:
+    flat = " ".join(said.split())
+    missing = [place for place in variant.places if place not in flat]
+    is_harmless = code == 0 and not re.search(r"^(error|doubt)", said, re.MULTILINE)
+    is_doubt = code == 3 and re.search(r"^doubt", said, re.MULTILINE) is not None
+    is_error = code in (2, 3, 4) and not is_doubt
+    fits = {
+        "error": is_error,
+        "doubt": is_doubt,
+        "harmless": is_harmless,
+        "error or harmless": is_error or is_doubt or is_harmless,
+    }[variant.answer]
+    if fits and not missing:
+        return "right"
+    return "silent" if code == 0 and variant.answer in ("error", "doubt") else "wrong"
+
+
+def _run(command: Sequence[str], folder: Path) -> tuple[str, str]:
+    """Run a command in a folder; return its exit code, "traceback" or "hang", and what it printed."""
+    said = StringIO()
+    before = Path.cwd()
+    os.chdir(folder)
+    try:
+        with _no_longer_than(2 * LONGEST_S), redirect_stdout(said), redirect_stderr(said):
+            return str(main(list(command))), said.getvalue()
+    except SystemExit as ended:
+        return str(ended.code), said.getvalue()
+    except TimeoutError:
+        return "hang", said.getvalue()
+    except Exception:  # noqa: BLE001  whatever comes out of a command is what is looked for here
+        return "traceback", said.getvalue() + traceback.format_exc()
+    finally:
+        os.chdir(before)
+
+
+@contextmanager
+def _no_longer_than(seconds: float) -> Iterator[None]:
+    def heard(number: int, frame: FrameType | None) -> None:
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGALRM, heard)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
