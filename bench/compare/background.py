@@ -1,0 +1,88 @@
+"""Everything that stayed as it was: what may be off, and the machine's discrepancy, to be integrated out."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.compare.coincidence import cells_of
+from bench.compare.joint import Joint
+from bench.compare.levels import by_level
+from bench.compare.noise import Repeatability, repeatability_of
+from bench.compare.shared import SharedWhitening, shared_whitening
+from bench.diagnose.linearise.linearised_model import raised
+from bench.diagnose.linearise.marginal import Nuisances
+from bench.diagnose.linearise.screening import Entry, tried_of
+from bench.errors import InputError
+from bench.record.campaign import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Background:
+    """All recordings with everything that stayed as it was; m whitened readings, q columns.
+
+    Attributes:
+        joint: The recordings, with standard errors raised by what is new in each.
+        white: Shape (m,), residual of the nominal model.
+        entries: Every cause and every free shape, each with its columns.
+        columns: Shape (m, q), what they change if they act in all recordings alike, before `whitening`.
+        whitening: In which what repeats is no news.
+        nuisances: What may be off, the machine's and each recording's, and the discrepancy.
+        repeatability: How well readings repeat.
+        cells: Shape (T,), the state of every instant.
+    """
+
+    joint: Joint
+    white: Array
+    entries: tuple[Entry, ...]
+    columns: Array
+    whitening: SharedWhitening
+    nuisances: Nuisances
+    repeatability: Repeatability
+    cells: NDArray[np.intp]
+
+    def acting(self, columns: NDArray[np.signedinteger], weights: Array) -> Array:
+        """Return what some columns change, shape (m, k), with a share, shape (K,), of their size in each recording."""
+        return self.whitening(self.columns[:, columns] * weights[self.joint.of_row][:, None])
+
+    @property
+    def coinciding(self) -> Array:
+        """Shape (K,), share of each recording's instants whose state was met in another recording too."""
+        count = np.bincount(self.cells, minlength=len(self.cells))[self.cells]
+        of = self.joint.of_instant
+        return np.array([np.mean(count[of == k] > 1) for k in range(len(self.joint.recordings))])
+
+
+def background_of(joint: Joint) -> Background:
+    """Return all recordings with everything that stayed as it was.
+
+    The discrepancy is every cause of the catalogue with its plausible sizes, and every free shape, acting in all
+    recordings alike.
+
+    Raises:
+        InputError: Nothing of the catalogue would leave a trace.
+    """
+    cells = cells_of(joint.linear.segments, joint.of_segment)
+    repeatability = _repeatability(joint, cells)
+    joint = replace(joint, linear=raised(joint.linear, np.sqrt(repeatability.own)))
+    linear = joint.linear
+    tried = tried_of(joint.tried())
+    whitening = shared_whitening(linear, repeatability, cells)
+    slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row)
+    discrepancy = tried.columns.matrix * tried.prior
+    every = whitening(np.concatenate([slopes, discrepancy, linear.white[:, None]], axis=1))
+    nuisances = Nuisances(every[:, : slopes.shape[1]], every[:, slopes.shape[1] : -1])
+    columns = tried.columns.matrix
+    return Background(joint, every[:, -1], tried.entries, columns, whitening, nuisances, repeatability, cells)
+
+
+def _repeatability(joint: Joint, cells: NDArray[np.intp]) -> Repeatability:
+    what = joint.tried()
+    if not what:
+        raise InputError(
+            "nothing of the catalogue would leave a trace in these recordings: log motor currents or torques, a "
+            "reflector, a link encoder, or the gas pressure, beside the motor angles."
+        )
+    tried = tried_of(what)
+    slopes = by_level(joint.linear.jacobian, joint.linear.nuisances, joint.of_row)
+    return repeatability_of(joint, slopes, tried.columns.matrix * tried.prior, cells)
