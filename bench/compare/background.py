@@ -4,17 +4,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 
 from bench.compare.coincidence import cells_of
 from bench.compare.joint import Joint
 from bench.compare.levels import by_level
 from bench.compare.noise import Repeatability, repeatability_of
 from bench.compare.shared import SharedWhitening, shared_whitening
-from bench.diagnose.linearise.linearised_model import raised
+from bench.diagnose.linearise.linearised_model import raised, with_held
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry, tried_of
 from bench.errors import InputError
 from bench.record.campaign import Array
+
+# Shares of the scatter of friction at rest, as standard deviations, that are tried beside all of it; a grid, for the
+# evidence changes by little between neighbours
+HELD = (0.3, 0.1, 0.03)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +46,7 @@ class Background:
     repeatability: Repeatability
     cells: NDArray[np.intp]
 
-    def acting(self, columns: NDArray[np.signedinteger], weights: Array) -> Array:
+    def acting(self, columns: Array | NDArray[np.signedinteger], weights: Array) -> Array:
         """Return what some columns change, shape (m, k), with a share, shape (K,), of their size in each recording."""
         return self.whitening(self.columns[:, columns] * weights[self.joint.of_row][:, None])
 
@@ -57,23 +62,54 @@ def background_of(joint: Joint) -> Background:
     """Return all recordings with everything that stayed as it was.
 
     The discrepancy is every cause of the catalogue with its plausible sizes, and every free shape, acting in all
-    recordings alike.
+    recordings alike. How much of the friction at rest is new in each recording is what the recordings find most
+    probable (REML), whatever else changed between them; where no state is met twice nothing is known of that, and all
+    of it counts.
 
     Raises:
         InputError: Nothing of the catalogue would leave a trace.
     """
     cells = cells_of(joint.linear.segments, joint.of_segment)
+    plain = _background(joint, cells)
+    if len(np.unique(cells)) == len(cells):
+        return plain
+    found, best = plain, _log_evidence(plain)
+    for held in HELD:
+        other = _background(replace(joint, linear=with_held(joint.linear, held)), cells)
+        evidence = _log_evidence(other)
+        if evidence < best:
+            break
+        found, best = other, evidence
+    return found
+
+
+def _background(joint: Joint, cells: NDArray[np.intp]) -> Background:
+    """Return all recordings with the share of friction at rest that their linearised model counts."""
     repeatability = _repeatability(joint, cells)
-    joint = replace(joint, linear=raised(joint.linear, np.sqrt(repeatability.own)))
-    linear = joint.linear
+    linear = raised(joint.linear, np.sqrt(repeatability.own))
+    joint = replace(joint, linear=linear)
     tried = tried_of(joint.tried())
     whitening = shared_whitening(linear, repeatability, cells)
-    slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row)
+    slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row, linear.held)
     discrepancy = tried.columns.matrix * tried.prior
     every = whitening(np.concatenate([slopes, discrepancy, linear.white[:, None]], axis=1))
     nuisances = Nuisances(every[:, : slopes.shape[1]], every[:, slopes.shape[1] : -1])
     columns = tried.columns.matrix
     return Background(joint, every[:, -1], tried.entries, columns, whitening, nuisances, repeatability, cells)
+
+
+def _log_evidence(background: Background) -> float:
+    """Return the log evidence of the readings, everything integrated out, any lasting change among it."""
+    is_after = np.array([one.is_after for one in background.joint.recordings], dtype=np.float64)
+    prior = np.concatenate([entry.what.plausible for entry in background.entries])
+    changes = background.acting(np.arange(len(prior)), is_after) * prior
+    known = background.nuisances
+    assert known.tangent is not None
+    every = np.concatenate([known.jacobian, known.tangent, changes], axis=1)
+    root = np.linalg.cholesky(np.eye(every.shape[1]) + every.T @ every)
+    pull = solve_triangular(root, every.T @ background.white, lower=True)
+    misfit = float(background.white @ background.white - pull @ pull)
+    return background.whitening.log_determinant - float(np.sum(np.log(np.diag(root)))) - 0.5 * misfit
 
 
 def _repeatability(joint: Joint, cells: NDArray[np.intp]) -> Repeatability:
@@ -84,5 +120,6 @@ def _repeatability(joint: Joint, cells: NDArray[np.intp]) -> Repeatability:
             "reflector, a link encoder, or the gas pressure, beside the motor angles."
         )
     tried = tried_of(what)
-    slopes = by_level(joint.linear.jacobian, joint.linear.nuisances, joint.of_row)
+    linear = joint.linear
+    slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row, linear.held)
     return repeatability_of(joint, slopes, tried.columns.matrix * tried.prior, cells)

@@ -10,7 +10,6 @@ from bench.compare.recordings import Recording
 from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
-from bench.diagnose.linearise.reference_motion import SAME_ANGLE, SAME_INSTANT
 from bench.diagnose.linearise.signatures import Digits, Sensitivities, Signatures
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
@@ -24,8 +23,6 @@ from bench.executor.serial import SERIAL
 from bench.record.campaign import Run
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
-
-SAME = 1e-6  # relative; loads that were written down alike
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,9 +96,8 @@ def joint_of(
                 f"{one.name}: has no channel that a replay predicts: log motor currents or torques, a reflector, a "
                 "link encoder, or the gas pressure, beside the motor angles."
             )
-        found = next((its for other, its in known if _is_same_motion(segments, other)), None)
-        if found is None:
-            found = Signatures(compiled, quantities, nuisances, causes, store=store).sensitivities(segments, executor)
+        # each recording has its own: signatures depend on temperatures, which are other ones each day
+        found = Signatures(compiled, quantities, nuisances, causes, store=store).sensitivities(segments, executor)
         known.append((segments, found))
     joined = tuple(
         replace(segment, run=f"{one.name}.{segment.run}", label=f"{one.name}.{segment.label}")
@@ -126,20 +122,3 @@ def _measured(recordings: Sequence[Recording]) -> frozenset[str]:
     runs: list[Run] = [run for one in recordings for run in one.campaign.runs]
     words = (name.split("_")[:-1] for run in runs for name in run.columns)
     return frozenset("_".join(word for word in part if not word.isdigit()) for part in words)
-
-
-def _is_same_motion(one: tuple[Segment, ...], other: tuple[Segment, ...]) -> bool:
-    """Whether two recordings repeat one motion so closely that their signatures are the same."""
-    if [(s.label, s.motion.q.shape, len(s)) for s in one] != [(s.label, s.motion.q.shape, len(s)) for s in other]:
-        return False
-    for a, b in zip(one, other, strict=True):
-        if not np.array_equal(a.motion.read, b.motion.read) or np.any(a.standing != b.standing):
-            return False
-        if not a.is_static and np.max(np.abs(a.motion.time - b.motion.time)) > SAME_INSTANT:
-            return False
-        if np.max(np.abs(a.motion.q - b.motion.q)) > SAME_ANGLE:
-            return False
-        pairs = ((a.motion.wrench, b.motion.wrench), (a.conditions.payload_kg, b.conditions.payload_kg))
-        if not all(np.allclose(x, y, rtol=SAME, atol=SAME) for x, y in pairs):
-            return False
-    return True

@@ -53,6 +53,13 @@ class SharedWhitening:
             found[mine] = some - modes @ (back[:, None] * (modes.T @ some))
         return found
 
+    @property
+    def log_determinant(self) -> float:
+        """Of the whole map from readings, in the place of that which the linearised model counts."""
+        common = sum(float(np.sum(np.log(1 - whitening.shrink))) for _, whitening in _segments(self.linear))
+        tied = sum(float(np.sum(np.log(1 - back))) for _, _, back in self.tied)
+        return float(np.sum(self.linear.log_determinants)) - common + tied + float(np.sum(np.log(1 - self.back)))
+
     def _settle(self, values: Array) -> None:
         """Take back what the readings of a cell have in common, in place."""
         values -= self.along.T @ (self.back[:, None] * (self.along @ values))

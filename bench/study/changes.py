@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.compare.compare import compare
+from bench.compare.comparison import Comparison
 from bench.compare.recordings import recordings_of
 from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.effects.effect import Acting, Effect
@@ -19,6 +20,8 @@ from bench.study.make import Sized
 from bench.study.worlds import surroundings_of
 
 QUARTER = 0.25  # of its absolute detection limit, at which a change is to be found (DESIGN 6.8)
+# Instruments that are set up anew for each recording: what they do otherwise than before is no change of the machine
+ANEW = ("tracker_frame", "tracker_drift", "tracker_scale", "force_gain", "force_tilt", "current_offset")
 TRIES = 60  # effects and places that are drawn until the absolute limit is plausible
 
 
@@ -43,6 +46,7 @@ class Outcome:
     Attributes:
         hidden: What came between the recordings, in words; "" for nothing.
         size: Its size as a share of its absolute detection limit.
+        times: The same as a share of what the comparison says it would have found.
         said: What is named, in words.
         is_named: Whether anything is said to have changed, listed or not.
         is_first: Whether the most probable explanation is what was hidden, and nothing else.
@@ -52,6 +56,7 @@ class Outcome:
 
     hidden: str
     size: float
+    times: float
     said: str
     is_named: bool
     is_first: bool
@@ -103,19 +108,31 @@ def outcome_of(pair: Pair, setup: Setup, rate: float = FALSE_ALARM_RATE) -> Outc
     if found.unlisted:
         said = f"not listed: {found.unlisted.title}"
     if pair.change is None:
-        return Outcome("", 0.0, said, found.has_changed, False, False, False)
+        return Outcome("", 0.0, 0.0, said, found.has_changed, False, False, False)
     acting = pair.change.acting
-    key = acting.effect.name, str(acting.place)
+    key = _key(acting)
     is_listed = found.unlisted is None and bool(names)
     return Outcome(
         str(acting),
         pair.change.size / pair.change.limit,
+        _times(acting, found),
         said,
         found.has_changed,
         is_listed and names[0] == {key},
         is_listed and key in names[0],
         is_listed and any(key in one for one in names),
     )
+
+
+def _times(acting: Acting, found: Comparison) -> float:
+    """Return the largest of the sizes of an effect as a share of what would have been found of it."""
+    limits = {one.parameter: one.limit for one in found.components if (one.effect, one.place) == _key(acting)}
+    null = {parameter.name: parameter.null for parameter in acting.effect.parameters}
+    return max((abs(acting.values[name] - null[name]) / limit for name, limit in limits.items()), default=0.0)
+
+
+def _key(acting: Acting) -> tuple[str, str]:
+    return acting.effect.name, str(acting.place)
 
 
 def counts_of(outcomes: list[Outcome]) -> str:
@@ -133,7 +150,8 @@ def counts_of(outcomes: list[Outcome]) -> str:
 
 
 def _listed(setup: Setup) -> list[str]:
-    return sorted({effect.name for effect, _ in machine_components(setup.catalogue, setup.lab, setup.compiled)})
+    names = {effect.name for effect, _ in machine_components(setup.catalogue, setup.lab, setup.compiled)}
+    return sorted(names - set(ANEW))
 
 
 def _sized(effect: Effect, setup: Setup, rng: np.random.Generator, size: float) -> Sized | None:

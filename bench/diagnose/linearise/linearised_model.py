@@ -54,6 +54,7 @@ class LinearisedModel:
         run_of: Shape (m,), index into `runs`.
         runs: Names of the runs.
         column_of: Shape (m,), index into the quantities; whitening mixes the quantities of an instant a little.
+        held: Share of the scatter of friction at rest that the whitenings count.
     """
 
     replay: Replay
@@ -71,6 +72,7 @@ class LinearisedModel:
     run_of: Array
     runs: tuple[str, ...]
     column_of: Array
+    held: float = 1.0
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -178,6 +180,11 @@ def with_play(linear: LinearisedModel, play: Array) -> LinearisedModel:
     return linear if is_same_play(play, linear.play) else _reassembled(linear, linear.weighed, play)
 
 
+def with_held(linear: LinearisedModel, held: float) -> LinearisedModel:
+    """Return the design with another share of the scatter of friction at rest."""
+    return linear if held == linear.held else _reassembled(linear, linear.weighed, linear.play, held)
+
+
 def is_same_play(one: Array, other: Array) -> bool:
     """Whether two plays, shape (n,) each, scatter links alike."""
     return bool(np.all(np.abs(one - other) <= SAME_PLAY * np.maximum(one, other)))
@@ -241,9 +248,12 @@ def _sound(found: Array | BenchError) -> Array:
     return found
 
 
-def _reassembled(linear: LinearisedModel, segments: tuple[Segment, ...], play: Array) -> LinearisedModel:
+def _reassembled(
+    linear: LinearisedModel, segments: tuple[Segment, ...], play: Array, held: float | None = None
+) -> LinearisedModel:
     known = (linear.replay, linear.nuisances, linear.responses)
-    new = _assemble(*known, play, segments, linear.sensitivities, linear.residual)
+    share = linear.held if held is None else held
+    new = _assemble(*known, play, segments, linear.sensitivities, linear.residual, share)
     return replace(new, inflation=linear.inflation, unexplained=linear.unexplained)
 
 
@@ -255,9 +265,10 @@ def _assemble(
     segments: tuple[Segment, ...],
     sensitivities: Array,
     residual: Array,
+    held: float = 1.0,
 ) -> LinearisedModel:
     whitenings = tuple(
-        whitening_of(replay.compiled, segment, response, replay.quantities, play)
+        whitening_of(replay.compiled, segment, response, replay.quantities, play, held)
         for segment, response in zip(segments, responses, strict=True)
     )
     runs = tuple(dict.fromkeys(segment.run for segment in segments))
@@ -271,7 +282,7 @@ def _assemble(
     empty = np.empty(0)
     ones = np.ones((2, c))
     known = (replay, nuisances, responses, whitenings, play, segments, ones, ones, sensitivities, residual)
-    draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of)
+    draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of, held)
     both = draft.whiten(np.concatenate([sensitivities, residual[:, :, None]], axis=2))
     return replace(draft, jacobian=both[:, :-1], white=both[:, -1])
 
