@@ -13,6 +13,7 @@ from bench.record.campaign import Array
 # Of the largest speed, force and payload. Assumed: how much coinciding instants have in common is estimated
 # (`noise.py`), so a wider tolerance makes a comparison weaker and not wrong.
 ALIKE = 0.02
+GREATER_PART = 0.5
 
 
 def cells_of(segments: Sequence[Segment], recording: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -45,6 +46,24 @@ def cells_of(segments: Sequence[Segment], recording: NDArray[np.intp]) -> NDArra
                 if back[nearest[i]] == i:  # each is the other's nearest: an instant is counted once
                     cells[later[i]] = first[nearest[i]]
     return np.asarray(cells, dtype=np.intp)
+
+
+def is_one_program(segments: Sequence[Segment], recording: NDArray[np.intp], cells: NDArray[np.intp]) -> bool:
+    """Whether every recording repeats the first segment by segment, the greater part of each in the same states.
+
+    What friction holds at rest depends on all that was done before; only then is that the same too.
+    """
+    lengths = [len(segment) for segment in segments]
+    of_instant = np.repeat(np.arange(len(segments)), lengths)
+    first = np.flatnonzero(recording == 0)
+    for k in range(1, int(np.max(recording)) + 1):
+        mine = np.flatnonzero(recording == k)
+        if len(mine) != len(first):
+            return False
+        for one, other in zip(mine, first, strict=True):
+            if np.mean(of_instant[cells[of_instant == one]] == other) <= GREATER_PART:
+                return False
+    return True
 
 
 def _states(segments: Sequence[Segment]) -> Array:

@@ -11,7 +11,7 @@ from bench.compare.recordings import recordings_of
 from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.effects.effect import Acting, Effect
 from bench.errors import BenchError, ConvergenceError
-from bench.hide.campaign import Hidden, hide_campaign
+from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
 from bench.study.blind import BINS
 from bench.study.labs import Lab, Setup, machine_components
@@ -171,11 +171,15 @@ def _made(setup: Setup, later: Lab, change: Sized | None, rng: np.random.Generat
     new: tuple[Acting, ...] = (change.acting,) if change else ()
     known = tuple(machine_components(setup.catalogue, setup.lab, setup.compiled))
     stays = tuple(one for one, _ in surroundings_of("messy", new, known, setup.compiled, rng))
-    before = _recorded(setup.lab, stays, rng)
-    after = _recorded(later, (*stays, *new), rng, before)
-    return Pair(before.campaign, after.campaign, change)
+    machine = int(rng.integers(2**31))
+    before = _recorded(setup.lab, stays, rng, machine)
+    after = _recorded(later, (*stays, *new), rng, machine)
+    return Pair(before, after, change)
 
 
-def _recorded(lab: Lab, acting: tuple[Acting, ...], rng: np.random.Generator, before: Hidden | None = None) -> Hidden:
+def _recorded(lab: Lab, acting: tuple[Acting, ...], rng: np.random.Generator, machine: int) -> Campaign:
+    """Return a recording of the machine with a seed."""
+    own = np.random.default_rng(machine)
     robot, session = lab.robot(), lab.scenario()
-    return hide_campaign(robot, session, acting, rng, without=lab.without, channels=lab.channels, before=before)
+    known = hide_campaign(robot, session, acting, rng, without=lab.without, channels=lab.channels, machine=own)
+    return known.campaign
