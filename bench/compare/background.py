@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 
 from bench.compare.coincidence import cells_of, is_one_program
 from bench.compare.joint import Joint
@@ -63,7 +62,7 @@ def background_of(joint: Joint) -> Background:
 
     The discrepancy is every cause of the catalogue with its plausible sizes, and every free shape, acting in all
     recordings alike. How much of the friction at rest is new in each recording is what the recordings find most
-    probable (REML), whatever else changed between them. It depends on all that was done before, so that is asked only
+    probable (REML), taken for unchanged. It depends on all that was done before, so that is asked only
     where all recordings run one program; otherwise all of it counts.
 
     Raises:
@@ -71,7 +70,7 @@ def background_of(joint: Joint) -> Background:
     """
     cells = cells_of(joint.linear.segments, joint.of_segment)
     plain = _background(joint, cells)
-    if not is_one_program(joint.linear.segments, joint.of_segment, cells):
+    if not is_one_program(joint.linear.segments, joint.of_segment):
         return plain
     found, best = plain, _log_evidence(plain)
     for held in HELD:
@@ -99,17 +98,10 @@ def _background(joint: Joint, cells: NDArray[np.intp]) -> Background:
 
 
 def _log_evidence(background: Background) -> float:
-    """Return the log evidence of the readings, everything integrated out, any lasting change among it."""
-    is_after = np.array([one.is_after for one in background.joint.recordings], dtype=np.float64)
-    prior = np.concatenate([entry.what.plausible for entry in background.entries])
-    changes = background.acting(np.arange(len(prior)), is_after) * prior
+    """Return the log evidence of the readings of a machine that stayed as it was."""
     known = background.nuisances
-    assert known.tangent is not None
-    every = np.concatenate([known.jacobian, known.tangent, changes], axis=1)
-    root = np.linalg.cholesky(np.eye(every.shape[1]) + every.T @ every)
-    pull = solve_triangular(root, every.T @ background.white, lower=True)
-    misfit = float(background.white @ background.white - pull @ pull)
-    return background.whitening.log_determinant - float(np.sum(np.log(np.diag(root)))) - 0.5 * misfit
+    misfit = known.products(background.white, np.empty((len(background.white), 0))).misfit
+    return background.whitening.log_determinant - known.log_determinant - 0.5 * misfit
 
 
 def _repeatability(joint: Joint, cells: NDArray[np.intp]) -> Repeatability:

@@ -48,20 +48,20 @@ def cells_of(segments: Sequence[Segment], recording: NDArray[np.intp]) -> NDArra
     return np.asarray(cells, dtype=np.intp)
 
 
-def is_one_program(segments: Sequence[Segment], recording: NDArray[np.intp], cells: NDArray[np.intp]) -> bool:
+def is_one_program(segments: Sequence[Segment], recording: NDArray[np.intp]) -> bool:
     """Whether every recording repeats the first segment by segment, the greater part of each in the same states.
 
     What friction holds at rest depends on all that was done before; only then is that the same too.
     """
-    lengths = [len(segment) for segment in segments]
-    of_instant = np.repeat(np.arange(len(segments)), lengths)
+    states = np.split(_states(segments), np.cumsum([len(segment) for segment in segments])[:-1])
     first = np.flatnonzero(recording == 0)
     for k in range(1, int(np.max(recording)) + 1):
         mine = np.flatnonzero(recording == k)
         if len(mine) != len(first):
             return False
         for one, other in zip(mine, first, strict=True):
-            if np.mean(of_instant[cells[of_instant == one]] == other) <= GREATER_PART:
+            distance, _ = cKDTree(states[other]).query(states[one], p=np.inf, distance_upper_bound=1.0)
+            if np.mean(np.isfinite(distance)) <= GREATER_PART:
                 return False
     return True
 
