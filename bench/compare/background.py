@@ -82,11 +82,29 @@ def background_of(joint: Joint) -> Background:
     return found
 
 
+def raised_background(background: Background, factors: Array) -> Background:
+    """Return the background with more of what is new in each recording.
+
+    Args:
+        background: So far.
+        factors: Shape (2, c), of the variance, for every quantity at rest and in motion.
+    """
+    known = background.repeatability
+    repeatability = replace(known, own=known.own * factors)
+    linear = raised(background.joint.linear, np.sqrt(factors))
+    return _assembled(replace(background.joint, linear=linear), repeatability, background.cells)
+
+
 def _background(joint: Joint, cells: NDArray[np.intp]) -> Background:
     """Return all recordings with the share of friction at rest that their linearised model counts."""
     repeatability = _repeatability(joint, cells)
     linear = raised(joint.linear, np.sqrt(repeatability.own))
-    joint = replace(joint, linear=linear)
+    return _assembled(replace(joint, linear=linear), repeatability, cells)
+
+
+def _assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.intp]) -> Background:
+    """Return all recordings with standard errors that count what is new in each of them."""
+    linear = joint.linear
     tried = tried_of(joint.tried())
     whitening = shared_whitening(linear, repeatability, cells)
     slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row, linear.held)

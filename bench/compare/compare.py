@@ -12,7 +12,8 @@ from bench.compare.explain import explanations_of
 from bench.compare.joint import joint_of
 from bench.compare.profiles import profiles_of
 from bench.compare.recordings import Recording, days_of
-from bench.compare.search_changes import Found, find_changes
+from bench.compare.search_changes import Found
+from bench.compare.settle import settled_changes
 from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.replay.segments import MOST_BINS
@@ -57,7 +58,7 @@ def compare(
         progress("what changed")
         n_before = sum(not one.is_after for one in recordings)
         profiles = profiles_of(n_before, days_of(recordings))
-        found = find_changes(background, profiles, rate)
+        background, found = settled_changes(background, profiles, rate)
         progress("values over the recordings")
         explanations = explanations_of(background, found)
         return Comparison(

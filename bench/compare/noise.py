@@ -78,6 +78,30 @@ def repeatability_of(joint: Joint, jacobian: Array, columns: Array, cells: NDArr
     return Repeatability(own, shared, pairs)
 
 
+def scatter_of(linear: LinearisedModel, slopes: Array, white: Array) -> Array:
+    """Return the variance of what a model leaves, shape (2, c), for every quantity at rest and in motion.
+
+    What its own fit took away is counted, and neighbours that err alike count once. 1 where a quantity has few readings.
+
+    Args:
+        linear: All recordings.
+        slopes: Shape (m, p), of everything in the model, with a prior of one.
+        white: Shape (m,), residual.
+    """
+    kind, _ = row_facts(linear)
+    left, freedom = _left(slopes, white)
+    c = len(linear.quantities)
+    found = np.ones((2, c))
+    for kind_of in (0, 1):
+        for column in range(c):
+            rows = (kind == kind_of) & (linear.column_of == column)
+            if np.count_nonzero(rows) >= FEW:
+                run = linear.run_of[rows]
+                together = alike([left[rows][run == one] for one in np.unique(run)])
+                found[kind_of, column] = together * float(np.sum(left[rows] ** 2) / np.sum(freedom[rows]))
+    return found
+
+
 def _left(rich: Array, white: Array) -> tuple[Array, Array]:
     """Return what the richest model leaves, and the share of each reading's scatter that its fit left, (m,) each."""
     normal = rich.T @ rich

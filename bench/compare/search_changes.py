@@ -78,6 +78,12 @@ class Found:
     screened: tuple[Screened, ...]
 
     @property
+    def best(self) -> tuple[Possible, ...]:
+        """What is named: the listed causes of the most probable alternative, or the free shape in their place."""
+        terms = self.alternatives[0].best.terms if self.shape is None else (self.shape,)
+        return tuple(self.possible[i] for i in terms)
+
+    @property
     def probability_unchanged(self) -> float:
         """That nothing changed."""
         empty = (p for one, p in zip(self.alternatives, self.probability, strict=True) if not one.keys)
