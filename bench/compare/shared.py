@@ -42,15 +42,20 @@ class SharedWhitening:
 
     def __call__(self, white: Array) -> Array:
         """Return values, shape (m, k), of whitened ones, shape (m, k)."""
+        found = self.instant_by_instant(white)
+        self._settle(found)
+        for mine, modes, back in self.tied:
+            some = found[mine]
+            found[mine] = some - modes @ (back[:, None] * (modes.T @ some))
+        return found
+
+    def instant_by_instant(self, white: Array) -> Array:
+        """Return values, shape (m, k), as they are before what segments have in common is taken out of them."""
         found = white.copy()
         for rows, whitening in _segments(self.linear):
             if len(whitening.shrink):
                 stretch = whitening.shrink / (1 - whitening.shrink)
                 found[rows] += whitening.modes @ (stretch[:, None] * (whitening.modes.T @ found[rows]))
-        self._settle(found)
-        for mine, modes, back in self.tied:
-            some = found[mine]
-            found[mine] = some - modes @ (back[:, None] * (modes.T @ some))
         return found
 
     @property
