@@ -9,6 +9,7 @@ import tyro
 
 from bench.cli.benchmark import Benchmark
 from bench.cli.check import Check
+from bench.cli.compare import Compare
 from bench.cli.convert import Convert
 from bench.cli.demo import Demo
 from bench.cli.diagnose import Diagnose
@@ -34,6 +35,7 @@ Command = (
     | Annotated[Identify, tyro.conf.subcommand("identify")]
     | Annotated[Poses, tyro.conf.subcommand("poses")]
     | Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
+    | Annotated[Compare, tyro.conf.subcommand("compare")]
     | Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[Store, tyro.conf.subcommand("store")]

@@ -56,6 +56,7 @@ class LinearisedModel:
         run_of: Shape (m,), index into `runs`.
         runs: Names of the runs.
         column_of: Shape (m,), index into the quantities; whitening mixes the quantities of an instant a little.
+        held: Share of the scatter of friction at rest that the whitenings count.
     """
 
     replay: Replay
@@ -74,6 +75,7 @@ class LinearisedModel:
     run_of: Array
     runs: tuple[str, ...]
     column_of: Array
+    held: float = 1.0
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -145,7 +147,7 @@ def linearised_model_of(
     nuisances, sensitivities = (*nuisances, *held), np.concatenate([sensitivities, held_changes], axis=2)
     parts = np.split(residual, np.cumsum([len(segment) for segment in replay.segments])[:-1])
     shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
-    noise = (replay.compiled.play, shaken)
+    noise = (replay.compiled.play, shaken, 1.0)
     plain = _assemble(replay, nuisances, responses, noise, replay.segments, sensitivities, residual)
     # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
     return roughened(plain, residual - plain.sensitivities @ fit(plain), [segment.rings for segment in replay.segments])
@@ -182,6 +184,11 @@ def raised(linear: LinearisedModel, factors: Array) -> LinearisedModel:
 def with_play(linear: LinearisedModel, play: Array) -> LinearisedModel:
     """Return the design with gears that have play, shape (n,) [rad] or [m]: links may rest anywhere within it."""
     return linear if is_same_play(play, linear.play) else _reassembled(linear, linear.weighed, play)
+
+
+def with_held(linear: LinearisedModel, held: float) -> LinearisedModel:
+    """Return the design with another share of the scatter of friction at rest."""
+    return linear if held == linear.held else _reassembled(linear, linear.weighed, linear.play, held)
 
 
 def is_same_play(one: Array, other: Array) -> bool:
@@ -247,9 +254,12 @@ def _sound(found: Array | BenchError) -> Array:
     return found
 
 
-def _reassembled(linear: LinearisedModel, segments: tuple[Segment, ...], play: Array) -> LinearisedModel:
+def _reassembled(
+    linear: LinearisedModel, segments: tuple[Segment, ...], play: Array, held: float | None = None
+) -> LinearisedModel:
     known = (linear.replay, linear.nuisances, linear.responses)
-    new = _assemble(*known, (play, linear.shaken), segments, linear.sensitivities, linear.residual)
+    noise = (play, linear.shaken, linear.held if held is None else held)
+    new = _assemble(*known, noise, segments, linear.sensitivities, linear.residual)
     return replace(new, inflation=linear.inflation, unexplained=linear.unexplained)
 
 
@@ -257,7 +267,7 @@ def _assemble(
     replay: Replay,
     nuisances: tuple[Nuisance, ...],
     responses: tuple[TorqueResponse, ...],
-    noise: tuple[Array, float],
+    noise: tuple[Array, float, float],
     segments: tuple[Segment, ...],
     sensitivities: Array,
     residual: Array,
@@ -276,8 +286,9 @@ def _assemble(
     )
     empty = np.empty(0)
     ones = np.ones((2, c))
-    known = (replay, nuisances, responses, whitenings, *noise, segments, ones, ones, sensitivities, residual)
-    draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of)
+    play, shaken, held = noise
+    known = (replay, nuisances, responses, whitenings, play, shaken, segments, ones, ones, sensitivities, residual)
+    draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of, held)
     both = draft.whiten(np.concatenate([sensitivities, residual[:, :, None]], axis=2))
     return replace(draft, jacobian=both[:, :-1], white=both[:, -1])
 

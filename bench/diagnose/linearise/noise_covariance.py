@@ -91,6 +91,7 @@ def whitening_of(
     quantities: tuple[Quantity, ...],
     play: Array,
     shaken: float,
+    held: float = 1.0,
 ) -> Whitening:
     """Return how a segment is whitened.
 
@@ -101,6 +102,7 @@ def whitening_of(
         quantities: What is compared.
         play: Shape (n,) [rad] or [m], of the gears.
         shaken: Share of its friction that a standing joint takes anew at every instant (`standing_joints.py`).
+        held: Share of the scatter of friction at rest that counts: less than all of it where rests repeat.
     """
     length, c = segment.observed.shape
     measured = np.isfinite(segment.observed) & np.isfinite(segment.sigma)
@@ -108,7 +110,7 @@ def whitening_of(
         is_gain = np.array([quantity.is_drive and bool(segment.standing[quantity.index]) for quantity in quantities])
         measured &= ~is_gain
     n = compiled.n_joints
-    levels = np.concatenate([compiled.link_coulomb, compiled.motor_coulomb])
+    levels = held * np.concatenate([compiled.link_coulomb, compiled.motor_coulomb])
     if segment.is_static:
         stands = np.ones(n, dtype=bool)
         once, lasting = np.repeat([LINK_REST, MOTOR_REST], n), np.repeat([LINK_VISIT, MOTOR_VISIT], n)
