@@ -16,8 +16,8 @@ from bench.diagnose.linearise.screening import Entry, tried_of
 from bench.errors import InputError
 from bench.record.campaign import Array
 
-# Share of the scatter of friction at rest, as a standard deviation, that is tried beside all of it. Of motors it is less
-# than currents resolve, so where rests repeat it stands for none; what is between the two `noise.py` finds in
+# Share of the scatter of friction at rest, as a standard deviation, that is tried beside all of it. Of motors it is
+# less than currents resolve, so where rests repeat it stands for none; what is between the two `noise.py` finds in
 # differences.
 HELD = 0.04
 ENOUGH = 0.4  # log of a variance; one that changes by less is settled: 1.2 in the standard error, as in a diagnosis
