@@ -63,8 +63,11 @@ def _head(found: FirstPass) -> Iterator[str]:
         f"{runs} {'run' if runs == 1 else 'runs'}, {seconds:.0f} s at {', '.join(map(str, rates))} Hz; model and data "
         f"through one zero-phase low-pass of {band.cutoff_hz:.3g} Hz, {origin}."
     )
-    late, sigma = 1e3 * found.solution.delay, 1e3 * found.quantile() * found.solution.delay_sigma
-    yield f"Torques are read {late:.2f} ms ({late - sigma:.2f} to {late + sigma:.2f}) after the angles."
+    if found.solution.delay_sigma > 0:
+        late, sigma = 1e3 * found.solution.delay, 1e3 * found.quantile() * found.solution.delay_sigma
+        yield f"Torques are read {late:.2f} ms ({late - sigma:.2f} to {late + sigma:.2f}) after the angles."
+    else:
+        yield "No delay between angles and torques: with one, what was held out is not surely predicted better."
 
 
 def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> Table:
