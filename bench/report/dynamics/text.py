@@ -71,7 +71,8 @@ def _head(found: FirstPass) -> Iterator[str]:
 
 
 def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> Table:
-    unit = "Nm" if found.nominal.bodies.is_hinge.all() else "Nm or N"
+    hinge = found.nominal.bodies.is_hinge
+    unit = "Nm" if hinge.all() else "Nm or N" if hinge.any() else "N"
     table = Table(title=f"error of the torque, RMS [{unit}]; {title}")
     table.add_column("", no_wrap=True)
     for joint in found.joints:
@@ -82,12 +83,12 @@ def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> Table:
 
 
 def _parameters(title: str, rows: list[Quantity], quantile: float) -> Table:
+    lumped = any(one.meaning for one in rows)
     table = Table(title=title)
-    for name in ("", "nominal", "found", "interval", "unit", "with it"):
+    for name in ("", "nominal", "found", "interval", "unit", *(["with it"] if lumped else [])):
         table.add_column(name, justify="left" if name in ("", "unit", "with it") else "right")
     for one in rows:
         low, high = one.interval(quantile)
-        table.add_row(
-            one.name, f"{one.nominal:.4g}", f"{one.value:.4g}", f"{low:.4g} to {high:.4g}", one.unit, one.meaning
-        )
+        values = f"{one.nominal:.4g}", f"{one.value:.4g}", f"{low:.4g} to {high:.4g}"
+        table.add_row(one.name, *values, one.unit, *([one.meaning] if lumped else []))
     return table
