@@ -23,7 +23,9 @@ from bench.robot.nominal_dynamics import NominalDynamics
 DRIVE_COLUMNS = ("rotor", "coulomb", "viscous", "viscous_difference", "offset")
 GAS_SHAPE = ("critical_length", "dead_centre", "rho", "b")  # of `Counterbalance`
 STANDS = 0.08  # of a joint's top speed; slower, friction is not at its level: the same share as in a diagnosis
-MOSTLY = 0.5  # share of what a thinned sample is made of in which a joint has to move
+MOSTLY = (
+    0.8  # share of what a thinned sample is made of in which a joint has to move (assumed; half blurs the turns in)
+)
 
 
 @dataclass(frozen=True)

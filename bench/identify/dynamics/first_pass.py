@@ -13,7 +13,7 @@ from bench.identify.dynamics.base_parameters import BaseParameters, base_paramet
 from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
 from bench.identify.dynamics.equations import Equations, equations_of
 from bench.identify.dynamics.folds import Folds, folds_of
-from bench.identify.dynamics.held_out import HeldOut, excess, hold_out
+from bench.identify.dynamics.held_out import HeldOut, Missed, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.prior import Prior, prior_of
@@ -141,7 +141,9 @@ def first_pass(
         campaign: With motor torques or currents in motion runs.
         nominal: The robot, from `bench.robot.nominal_dynamics`.
         cutoff_hz: Of the filter on model and data [Hz]; None: from the bandwidth of the motion.
-        find_delay: Whether torques may have been read later than angles.
+        find_delay: Whether torques may have been read later than angles. A delay is taken where what was held out is
+            predicted better with it for sure, and for no drive worse: what is late in a channel is late in all, and
+            friction that builds up over a short way after a turn looks like a delay, too.
 
     Raises:
         InputError: No motion run has torques or currents, nothing moves, or the cut-off is no frequency to filter at.
@@ -161,11 +163,10 @@ def first_pass(
         )
     prior = prior_of(layout, nominal, arm, *_sizes(rows, layout, nominal.speed_limit))
     folds = folds_of(stretches)
-    inflation = np.ones(layout.n)
-    for _ in range(ROUNDS):
-        solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay)
-        inflation = inflation * excess(solution, prior, folds)
-    solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay)
+    solution, at_once = _solved(rows, prior, band, folds, find_delay=False)
+    if find_delay:
+        late, later = _solved(rows, prior, band, folds, find_delay=True)
+        solution = late if later.surely_less_than(at_once) else solution
     reach = float(np.linalg.norm(arm.point(nominal.load_point).position))
     bodies = bodies_of(layout, arm.joint_names, prior.mean, solution.prior_sigma, nominal.payload, reach)
     factor = prior.factor(solution.widths)
@@ -188,6 +189,18 @@ def first_pass(
         held_out=hold_out(solution, plain, prior, bodies, rival, folds),
         top_speed=top,
     )
+
+
+def _solved(
+    rows: Sequence[DriveRows], prior: Prior, band: Band, folds: Folds, find_delay: bool
+) -> tuple[Solution, Missed]:
+    """Return the posterior whose noise is what is missed beside its data, and that."""
+    inflation = np.ones(len(rows))
+    for _ in range(ROUNDS):
+        beside = missed(solve(rows, prior, band.cutoff_hz, inflation, find_delay), prior, folds)
+        inflation = inflation * beside.excess
+    solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay)
+    return solution, missed(solution, prior, folds)
 
 
 def _equations(

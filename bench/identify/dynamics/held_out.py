@@ -14,6 +14,9 @@ from bench.identify.dynamics.rival import Rival
 from bench.identify.dynamics.solve import Solution
 from bench.record.campaign import Array
 
+SAME = 1.02  # errors that differ by less are the same (assumed)
+SURE = 1.645  # standard errors: 95 %, one-sided
+
 
 @dataclass(frozen=True)
 class HeldOut:
@@ -35,28 +38,62 @@ class HeldOut:
         return np.asarray(np.where(count > 0, np.sqrt(total / np.maximum(count, 1)), np.nan))
 
 
-def excess(solution: Solution, prior: Prior, folds: Folds) -> Array:
-    """Return how many times what was held out is missed by more than the posterior expects, in squares, at least 1.
+@dataclass(frozen=True)
+class Missed:
+    """How far a posterior misses what it was not given; K folds, n drives.
 
-    Shape (n,). A model that is wrong somewhere fits its own data better than those beside them; that is part of what
-    its readings err by. What a fold alone shows is expected to be missed, and does not count.
+    Attributes:
+        squares: Shape (K, n) [Nm^2], sums over what was held out.
+        expected: Shape (K, n) [Nm^2], what the posterior without the fold expects of them: noise and its own errors.
+        readings: Shape (K, n), how many were held out.
     """
-    size, late = len(prior.mean), solution.delay
-    missed, expected = np.zeros((2, len(solution.drives)))
+
+    squares: Array
+    expected: Array
+    readings: Array
+
+    @property
+    def excess(self) -> Array:
+        """Shape (n,), how many times more is missed than expected, in squares, at least 1.
+
+        A model that is wrong somewhere fits its own data better than those beside them; that is part of what its
+        readings err by. What a fold alone shows is expected to be missed, and does not count.
+        """
+        squares, expected = self.squares.sum(axis=0), self.expected.sum(axis=0)
+        return np.asarray(np.where(expected > 0, np.maximum(squares / np.where(expected > 0, expected, 1.0), 1.0), 1.0))
+
+    def surely_less_than(self, other: "Missed") -> bool:
+        """Return whether less is missed than by another model, by more than folds differ, and no drive by more.
+
+        Each drive counts by the logarithm of its error, which is its likelihood with unknown noise.
+        """
+        ours, others = self.squares.sum(axis=0), other.squares.sum(axis=0)
+        shown = (self.squares > 0) & (other.squares > 0)
+        ratio = np.where(shown, other.squares, 1.0) / np.where(shown, self.squares, 1.0)
+        gain = np.sum(self.readings / 2 * np.log(ratio), axis=1)
+        if len(gain) < 2 or np.any(ours > SAME**2 * others):
+            return False
+        return bool(gain.mean() > SURE * gain.std(ddof=1) / np.sqrt(len(gain)))
+
+
+def missed(solution: Solution, prior: Prior, folds: Folds) -> Missed:
+    """Return how far the posterior without each fold misses it, at the noise that the solution has."""
+    size, late, shape = len(prior.mean), solution.delay, (len(folds), len(solution.drives))
+    squares, expected, readings = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     responses = [one.rows.response(late) for one in solution.drives]
     for fold in range(len(folds)):
         out = [_rows_of(one, folds, fold, near=True) for one in solution.drives]
-        parameters, covariance = posterior(
-            solution.normal - _normal_of_rows(solution.drives, responses, out, size), prior, solution.widths
-        )
+        without = solution.normal - _normal_of_rows(solution.drives, responses, out, size)
+        parameters, covariance = posterior(without, prior, solution.widths)
         for j, (one, noise) in enumerate(zip(solution.drives, solution.noise, strict=True)):
             mine = _rows_of(one, folds, fold, near=False)
             if noise is None or not mine.any():
                 continue
             factors, own = one.factors[mine], covariance[np.ix_(one.rows.index, one.rows.index)]
-            missed[j] += np.sum((responses[j][mine] - one.rows.model(parameters)[mine]) ** 2)
-            expected[j] += mine.sum() * noise.variance + np.sum((factors @ own) * factors)
-    return np.asarray(np.where(expected > 0, np.maximum(missed / np.where(expected > 0, expected, 1.0), 1.0), 1.0))
+            squares[fold, j] = np.sum((responses[j][mine] - one.rows.model(parameters)[mine]) ** 2)
+            expected[fold, j] = mine.sum() * noise.variance + np.sum((factors @ own) * factors)
+            readings[fold, j] = mine.sum()
+    return Missed(squares, expected, readings)
 
 
 def hold_out(

@@ -63,12 +63,16 @@ def _head(found: FirstPass) -> Iterator[str]:
         f"{runs} {'run' if runs == 1 else 'runs'}, {seconds:.0f} s at {', '.join(map(str, rates))} Hz; model and data "
         f"through one zero-phase low-pass of {band.cutoff_hz:.3g} Hz, {origin}."
     )
-    late, sigma = 1e3 * found.solution.delay, 1e3 * found.quantile() * found.solution.delay_sigma
-    yield f"Torques are read {late:.2f} ms ({late - sigma:.2f} to {late + sigma:.2f}) after the angles."
+    if found.solution.delay_sigma > 0:
+        late, sigma = 1e3 * found.solution.delay, 1e3 * found.quantile() * found.solution.delay_sigma
+        yield f"Torques are read {late:.2f} ms ({late - sigma:.2f} to {late + sigma:.2f}) after the angles."
+    else:
+        yield "No delay between angles and torques: with one, what was held out is not surely predicted better."
 
 
 def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> Table:
-    unit = "Nm" if found.nominal.bodies.is_hinge.all() else "Nm or N"
+    hinge = found.nominal.bodies.is_hinge
+    unit = "Nm" if hinge.all() else "Nm or N" if hinge.any() else "N"
     table = Table(title=f"error of the torque, RMS [{unit}]; {title}")
     table.add_column("", no_wrap=True)
     for joint in found.joints:
@@ -79,12 +83,12 @@ def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> Table:
 
 
 def _parameters(title: str, rows: list[Quantity], quantile: float) -> Table:
+    lumped = any(one.meaning for one in rows)
     table = Table(title=title)
-    for name in ("", "nominal", "found", "interval", "unit", "with it"):
+    for name in ("", "nominal", "found", "interval", "unit", *(["with it"] if lumped else [])):
         table.add_column(name, justify="left" if name in ("", "unit", "with it") else "right")
     for one in rows:
         low, high = one.interval(quantile)
-        table.add_row(
-            one.name, f"{one.nominal:.4g}", f"{one.value:.4g}", f"{low:.4g} to {high:.4g}", one.unit, one.meaning
-        )
+        values = f"{one.nominal:.4g}", f"{one.value:.4g}", f"{low:.4g} to {high:.4g}"
+        table.add_row(one.name, *values, one.unit, *([one.meaning] if lumped else []))
     return table
