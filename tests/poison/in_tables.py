@@ -173,7 +173,8 @@ def units(rng: np.random.Generator) -> Iterator[Variant]:
         "degrees Celsius": (1, -273.15, ("gear_temperature_1_k",), "error"),
         "bar": (1e-5, 0, ("gas_pressure_pa",), "doubt"),
         "megapascal": (1e-6, 0, ("gas_pressure_pa",), "doubt"),
-        "kilonewtons": (1e-3, 0, ("force_z_n",), "error"),
+        "kilonewtons of a sensor": (1e-3, 0, ("force_z_n",), "error"),
+        "kilonewtons of loads": (1e-3, 0, ("load_z_n",), "error"),
         "kilograms": (1 / 9.80665, 0, ("load_z_n",), "error"),
         "milliseconds": (1000, 0, ("time_s",), "doubt"),
     }
@@ -239,6 +240,8 @@ def mistaken_channels(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("mistaken channels", f"{name} dead", in_column(lambda v: 0 * v, name), "doubt", (name,))
         of_motor = in_column(lambda v: v / 100, name)
         yield Variant("mistaken channels", f"{name} a hundredth", of_motor, "doubt", (name,))
+    mirrored = in_column(lambda v: -v, "q_cmd_1_rad", "q_motor_1_rad")
+    yield Variant("mistaken channels", "a mirrored joint", mirrored, "doubt", ())
     frozen = in_column(lambda v: 0 * v + v[0], "q_motor_1_rad")
     yield Variant("mistaken channels", "a frozen encoder", frozen, "doubt", ("q_motor_1_rad",))
     clipped = in_column(lambda v: np.minimum(v, v.min() + 0.6 * np.ptp(v)), "q_motor_1_rad")

@@ -167,6 +167,7 @@ STATIC: dict[str, tuple[Change, str, str, int | None, str]] = {
     ),
     "force turned": (scale("force_z_n", -1), "doubt", "force_z_n", None, "against load_z_n"),
     "force in kN": (scale("force_z_n", 1e-3), "error", "force_z_n", None, "kilonewtons in the sensor?"),
+    "load in kN": (scale("load_z_n", 1e-3), "error", "force_z_n", None, "kilonewtons in the load?"),
     "load in kg": (scale("load_z_n", 1 / 9.81), "error", "force_z_n", None, "kilograms in the load?"),
     "force clipped": (
         lambda columns: columns.update(force_z_n=np.maximum(columns["force_z_n"], -550.0)),

@@ -1,4 +1,4 @@
-"""Whatever stands in a manifest, log format, figures or table of a stranger: an error of the bench, or sound data."""
+"""Whatever stands in a manifest, a log format, figures or a table of a stranger is refused, or it is sound."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory

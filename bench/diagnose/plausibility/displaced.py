@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from itertools import permutations, product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.replay.quantities import AXES
@@ -33,7 +34,8 @@ def displaced(replay: Replay) -> Iterator[Finding]:
         names, axes = [replay.quantities[c].column for c in columns], [replay.quantities[c].axis for c in columns]
         rows = np.all(np.isfinite(observed[:, columns]), axis=1)
         if np.any(rows) and not stopped.keys() & set(names):
-            yield from _reflector(names[0], axes, observed[rows][:, columns], nominal[rows][:, columns])
+            throughout = list(_reflector(names[0], axes, observed[rows][:, columns], nominal[rows][:, columns]))
+            yield from throughout or _in_one_run(replay, names[0], rows, observed[:, columns], nominal[:, columns])
     for c, quantity in enumerate(replay.quantities):
         rows = np.isfinite(observed[:, c])
         if quantity.kind == "gas_pressure" and np.any(rows) and quantity.column not in stopped:
@@ -44,7 +46,7 @@ def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
     """Return columns that repeat one number through a run in which the model's goes far -> that run."""
     gauge = replay.compiled.robot.figures.instruments.pressure
     far = {"reflector": TRAVEL, "gas_pressure": STEPS * gauge.resolution_pa if gauge else np.inf}
-    run_of = np.repeat([segment.run for segment in replay.segments], [len(segment) for segment in replay.segments])
+    run_of = _runs(replay)
     found: dict[str, str] = {}
     for run in dict.fromkeys(segment.run for segment in replay.segments):
         for c, quantity in enumerate(replay.quantities):
@@ -72,6 +74,24 @@ def _reflector(name: str, axes: list[int], observed: Array, nominal: Array) -> I
             return
     advice = "is it in the base frame? else look at zero, sign and order of the joints"
     yield doubt(name, f"lies {off:.2g} m from where the model has it", advice)
+
+
+def _in_one_run(
+    replay: Replay, name: str, rows: NDArray[np.bool_], observed: Array, nominal: Array
+) -> Iterator[Finding]:
+    """Yield a doubt for the run in which a reflector is farthest off: a mirrored joint may stand at zero elsewhere."""
+    run_of = _runs(replay)
+    runs = dict.fromkeys(run_of[rows].tolist())
+    off = {run: _off(observed[here], nominal[here]) for run in runs if np.any(here := rows & (run_of == run))}
+    worst = max(off, key=lambda run: off[run])
+    if off[worst] >= FAR:
+        message = f"lies {off[worst]:.2g} m from where the model has it in run {worst!r}, and not in all others"
+        yield doubt(name, message, "look at zero and sign of the joints that move there")
+
+
+def _runs(replay: Replay) -> NDArray[np.str_]:
+    """Return the run of each instant."""
+    return np.repeat([segment.run for segment in replay.segments], [len(segment) for segment in replay.segments])
 
 
 def _off(observed: Array, nominal: Array) -> float:
