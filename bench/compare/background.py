@@ -16,9 +16,9 @@ from bench.diagnose.linearise.screening import Entry, tried_of
 from bench.errors import InputError
 from bench.record.campaign import Array
 
-# Share of the scatter of friction at rest, as a standard deviation, that is tried beside all of it. Of motors it is
-# less than currents resolve, so where rests repeat it stands for none; what is between the two `noise.py` finds in
-# differences.
+# Share of the scatter of friction at rest, as a standard deviation, that is tried beside all of it. That is less than
+# currents resolve, so where rests repeat it stands for none; what lies between the two shows in differences
+# (`noise.py`).
 HELD = 0.04
 ENOUGH = 0.4  # log of a variance; one that changes by less is settled: 1.2 in the standard error, as in a diagnosis
 ROUNDS = 2
@@ -76,21 +76,37 @@ def background_of(joint: Joint) -> Background:
         InputError: Nothing of the catalogue would leave a trace.
     """
     cells = cells_of(joint.linear.segments, joint.of_segment)
-    known = Repeatability.of_instruments(len(joint.linear.quantities))
-    found = settled_background(_assembled(joint, known, cells))
+    found = _first(joint, cells)
     if not is_one_program(joint.linear.segments, joint.of_segment):
         return found
-    repeating = replace(joint, linear=with_held(joint.linear, HELD))
-    other = settled_background(_assembled(repeating, known, cells))
+    other = _first(replace(joint, linear=with_held(joint.linear, HELD)), cells)
     return max(found, other, key=_log_evidence)
 
 
-def settled_background(background: Background, changes: Array | None = None) -> Background:
-    """Return the background with noise that counts all that is left of the readings.
+def _first(joint: Joint, cells: NDArray[np.intp]) -> Background:
+    """Return the background with noise that counts what not even everything together explains.
+
+    Each recording is fitted by itself with all that could be added to its model, so no change counts as noise.
+    """
+    known = Repeatability.of_instruments(len(joint.linear.quantities))
+    draft = _assembled(joint, known, cells)
+    linear, of_row = joint.linear, joint.of_row
+    every = np.concatenate([draft.slopes, draft.columns * draft.prior], axis=1)
+    left = np.empty(len(linear.white))
+    for k in range(len(joint.recordings)):
+        rows = of_row == k
+        left[rows] = _residual(every[rows], linear.white[rows])
+    left = draft.whitening.instant_by_instant(left[:, None])[:, 0]
+    known = repeatability_of(linear, left, cells, known)
+    return _assembled(replace(joint, linear=raised(linear, np.sqrt(known.own))), known, cells)
+
+
+def settled_background(background: Background, changes: Array) -> Background:
+    """Return the background with noise that counts all that some changes leave of the readings.
 
     Args:
         background: So far.
-        changes: Shape (m, k), what columns change before `whitening`, each with a prior of one; None: nothing changed.
+        changes: Shape (m, k), what they change before `whitening`, each with a prior of one.
     """
     for _ in range(ROUNDS):
         before = background.repeatability
@@ -104,8 +120,7 @@ def settled_background(background: Background, changes: Array | None = None) -> 
             break
         linear = raised(background.joint.linear, np.sqrt(factors))
         background = _assembled(replace(background.joint, linear=linear), after, background.cells)
-        if changes is not None:
-            changes = changes / np.sqrt(factors)[_places(background)][:, None]
+        changes = changes / np.sqrt(factors)[_places(background)][:, None]
     return background
 
 
@@ -115,19 +130,24 @@ def _places(background: Background) -> tuple[NDArray[np.intp], NDArray[np.intp]]
     return row_facts(linear)[0], linear.column_of.astype(np.intp)
 
 
-def _left(background: Background, changes: Array | None) -> Array:
+def _left(background: Background, changes: Array) -> Array:
     """Return what the model leaves of the readings, shape (m,), whitened instant by instant."""
     linear = background.joint.linear
-    parts = [background.slopes, background.columns * background.prior]
-    parts += [changes] if changes is not None else []
-    plain = np.concatenate([*parts, linear.white[:, None]], axis=1)
-    every = background.whitening(plain)
-    slopes, white = every[:, :-1], every[:, -1]
+    plain = np.concatenate([background.slopes, background.columns * background.prior, changes], axis=1)
+    sizes = _sizes(background.whitening(plain), background.white)
+    left = linear.white - plain @ sizes
+    return np.asarray(background.whitening.instant_by_instant(left[:, None])[:, 0], dtype=np.float64)
+
+
+def _residual(slopes: Array, white: Array) -> Array:
+    return white - slopes @ _sizes(slopes, white)
+
+
+def _sizes(slopes: Array, white: Array) -> Array:
+    """Return the most probable sizes of slopes with a prior of one, shape (p,)."""
     normal = slopes.T @ slopes
     normal[np.diag_indices_from(normal)] += 1.0
-    sizes = np.linalg.solve(normal, slopes.T @ white)
-    left = plain[:, -1] - plain[:, :-1] @ sizes
-    return np.asarray(background.whitening.instant_by_instant(left[:, None])[:, 0], dtype=np.float64)
+    return np.asarray(np.linalg.solve(normal, slopes.T @ white), dtype=np.float64)
 
 
 def _assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.intp]) -> Background:

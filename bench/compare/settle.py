@@ -14,11 +14,11 @@ ROUNDS = 3
 def settled_changes(background: Background, profiles: Sequence[Profile], rate: float) -> tuple[Background, Found]:
     """Return what changed, with noise that counts all that the named changes leave.
 
-    At first nothing is named, so all that is otherwise than before counts as noise; a change that is large shows all
-    the same, and noise falls to what it leaves.
+    At first noise is what not even everything together explains, which is too little where everything explains noise
+    too. So what is named has to be found again with the noise that it leaves.
 
     Args:
-        background: All recordings, settled with nothing named.
+        background: All recordings, with noise that not even everything together explains.
         profiles: Courses.
         rate: Declared false-alarm rate.
     """
