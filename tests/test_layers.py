@@ -1,6 +1,7 @@
 """Import arrows run one way.
 
-errors <- executor, record <- robot <- {simulate, identify} <- {hide, diagnose} <- {study, benchmark} <- report <- cli.
+errors <- executor, record <- robot <- {simulate, identify} <- {hide, diagnose} <- {predict, study, benchmark} <- report
+<- cli.
 """
 
 import ast
@@ -31,11 +32,13 @@ MAY_IMPORT = {
     "second": {"errors", "record", "robot"},
     "hide": BELOW | {"simulate", "scenario", "effects", "second"},
     "diagnose": BELOW | {"store", "simulate", "effects", "identify"},
+    "predict": BELOW | {"simulate", "effects", "diagnose"},
     "study": BELOW | {"store", "simulate", "scenario", "effects", "second", "hide", "diagnose"},
     "benchmark": BELOW | {"simulate", "scenario", "effects", "hide", "identify", "diagnose"},
-    "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study"},
+    "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "predict", "study"},
     "cli": BELOW
-    | {"store", "scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "benchmark", "report"},
+    | {"store", "scenario", "simulate", "identify", "effects", "hide", "diagnose", "predict", "study", "benchmark"}
+    | {"report"},
 }
 # Steps of a diagnosis, each may import those before it
 STEPS_OF_DIAGNOSIS = ("replay", "linearise", "extend", "cross_validation", "name", "experiment_design")

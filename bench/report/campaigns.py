@@ -1,11 +1,13 @@
 """A campaign folder together with the robot that it names."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
-from bench.record.campaign import Arm
+from bench.errors import InputError
+from bench.record.campaign import Arm, Campaign
 from bench.record.check import check_with_robot
 from bench.record.finding import Report
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -28,12 +30,49 @@ def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot 
     found: list[CompiledRobot] = []
 
     def arm_of(name: str) -> Arm:
-        named = folder / name if (folder / name).is_dir() else name
-        found.append(compile_robot(load_robot(robot or named)))
+        found.append(compile_robot(load_robot(robot or robot_of(folder, name))))
         return plain_arm(found[0])
 
     report = check_with_robot(folder, arm_of)
     return report, found[0] if found else None
+
+
+def robot_of(folder: Path, name: str) -> str:
+    """Return the robot that a campaign folder names: a folder within it, or else the name as it stands."""
+    return str(folder / name) if (folder / name).is_dir() else name
+
+
+def names_of(folders: Sequence[Path]) -> dict[str, Path]:
+    """Return a name for each campaign folder: its own, or its whole path where two have the same.
+
+    Raises:
+        InputError: There is none, or a folder is given twice.
+    """
+    if not folders:
+        raise InputError("no campaign was given: name at least one campaign folder.")
+    resolved = [folder.resolve() for folder in folders]
+    if len(set(resolved)) < len(resolved):
+        twice = sorted({str(folder) for folder, one in zip(folders, resolved, strict=True) if resolved.count(one) > 1})
+        raise InputError(f"{', '.join(twice)}: is given twice.")
+    names = [folder.name for folder in resolved]
+    if len(set(names)) < len(names):
+        names = [str(folder) for folder in folders]
+    return dict(zip(names, folders, strict=True))
+
+
+def drives_without_angle(campaign: Campaign, compiled: CompiledRobot) -> list[str]:
+    """Return a sentence for each run in which drives of a robot have no angle: it was another robot."""
+    found = []
+    for run in campaign.runs:
+        known = {name.rpartition("_")[0] for name in run.columns}
+        numbers = range(1, compiled.n_joints + 1)
+        dark = [str(i) for i in numbers if not {f"q_cmd_{i}", f"q_motor_{i}"} & known]
+        if dark:
+            found.append(
+                f"run {run.name}: has neither q_cmd nor q_motor of drive {', '.join(dark)}, and {compiled.robot.name} "
+                f"has {compiled.n_joints} drives: is it another robot?"
+            )
+    return found
 
 
 def plain_arm(compiled: CompiledRobot) -> Arm:

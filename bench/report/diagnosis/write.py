@@ -8,6 +8,7 @@ from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.verdict import Verdict
+from bench.predict.promises import write_promises
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.facts import facts_of, facts_without
 from bench.report.diagnosis.file_names import (
@@ -53,6 +54,7 @@ def write_diagnosis(
     facts = facts_of(diagnosis, readings, campaign, command)
     fit = diagnosis.extension or diagnosis.naming.null
     handed = hand_over(diagnosis.linear, fit, folder / ROBOT, folder / NOMINAL_MJCF)
+    write_promises(folder / ROBOT, diagnosis.verdict.predicted)
     figures = fitted_figures(diagnosis.linear, fit)
     _write(folder / DIFFERENCE, handed.difference)
     _write(folder / FIGURES, csv_of(figures))
