@@ -20,6 +20,7 @@ from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.name.selection import name_cause
+from bench.diagnose.replay.known import known_quantities, with_known_payload, with_known_segments
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -32,6 +33,7 @@ from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Check, Stopped, Watched, never
 from bench.record.campaign import Campaign
+from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
@@ -97,10 +99,12 @@ def diagnose(
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
+        CampaignError: What the campaign says that the lab knows besides does not fit the robot.
         ConvergenceError: The nominal model finds no balance along the measured motion.
         Stopped: Before anything was weighed.
         ValueError: Signatures of another kind of session.
     """
+    campaign = with_payloads(campaign)
     with threadpool_limits(1, "blas"):  # the matrices are small: threads take more than twice the time
         phases = _Phases(progress, check)
         watched = Watched(executor, check)
@@ -138,6 +142,7 @@ def _diagnose(
 ) -> Diagnosis:
     quantities = signatures.quantities
     segments = segments_of(campaign, compiled, quantities, most_bins)
+    segments = with_known_segments(segments, campaign, compiled, quantities)
     if not segments or not quantities:
         raise InputError(
             "the campaign has no channel that a replay predicts: log motor currents or torques, a reflector, a link "
@@ -192,9 +197,10 @@ def signatures_of(
     campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect], store: Store | None = None
 ) -> Signatures:
     """Return the signatures of a campaign and of all others of its session; nothing is simulated yet."""
-    quantities = quantities_of(campaign.runs, compiled)
+    quantities = (*quantities_of(campaign.runs, compiled), *known_quantities(campaign, compiled))
+    nuisances = with_known_payload(nuisances_of(compiled, quantities), campaign, compiled)
     causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled))
-    return Signatures(compiled, quantities, nuisances_of(compiled, quantities), causes, store=store)
+    return Signatures(compiled, quantities, nuisances, causes, store=store)
 
 
 def measured_by(campaign: Campaign) -> frozenset[str]:

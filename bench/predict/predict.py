@@ -10,6 +10,7 @@ from bench.diagnose.cross_validation.figures import FittedFigure, fitted_figures
 from bench.diagnose.cross_validation.floor import floor_variance, measured
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.replay.known import known_quantities, with_known_payload, with_known_segments
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -21,6 +22,7 @@ from bench.predict.fit_anew import fit_anew
 from bench.predict.free import checked
 from bench.predict.prediction import PredictedRecording, Prediction
 from bench.record.campaign import Array, Campaign
+from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
 
 
@@ -52,7 +54,8 @@ def predict(
         for name in campaign.recordings:
             progress(f"predicting {name}".rstrip())
             runs = tuple(run for run in campaign.runs if run.recording == name)
-            found.append(_recording(name, replace(campaign, runs=runs), model, nominal, promises, names))
+            known = tuple(one for one in campaign.known if one.recording in ("", name))
+            found.append(_recording(name, replace(campaign, runs=runs, known=known), model, nominal, promises, names))
     return Prediction(model.robot.figures.title, nominal.robot.name, names, tuple(found))
 
 
@@ -64,14 +67,17 @@ def _recording(
     promises: Sequence[PredictedError],
     free: Sequence[str],
 ) -> PredictedRecording:
-    quantities = quantities_of(recording.runs, model)
-    segments = segments_of(recording, model, quantities)
+    recording = with_payloads(recording)
+    quantities = (*quantities_of(recording.runs, model), *known_quantities(recording, model))
+    segments = with_known_segments(segments_of(recording, model, quantities), recording, model, quantities)
     if not segments or not quantities:
         raise InputError(
             f"recording {name or recording.runs[0].name}: has no channel that a replay predicts: log motor currents or "
             "torques, a reflector, a link encoder, or the gas pressure, beside the motor angles."
         )
-    linear = linearised_model_of(Replay(model, segments, quantities), nuisances_of(model, quantities))
+    linear = linearised_model_of(
+        Replay(model, segments, quantities), with_known_payload(nuisances_of(model, quantities), recording, model)
+    )
     there = measured(linear)
     noise = np.sqrt(floor_variance(linear))
     nominal_error = np.where(there, _left_by(nominal, linear), np.nan)

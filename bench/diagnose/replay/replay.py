@@ -15,6 +15,7 @@ import numpy as np
 from bench.diagnose.replay.courses import Course, count_of, courses_of, slices_of, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.jacobians import reflector_jacobians
+from bench.diagnose.replay.known import known_value
 from bench.diagnose.replay.late import read_late
 from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
@@ -30,7 +31,7 @@ from bench.diagnose.replay.world import (
     moved,
     steps_of,
 )
-from bench.effects.effect import REFERENCE_K, Conditions, Effect
+from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect
 from bench.effects.followed import Followed
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
@@ -97,23 +98,42 @@ class Replay:
 
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
-        world = self.whole(world)
+        given, true, world = world, trace, self.whole(world)
         late = [acting.effect.lateness(acting.place, acting.values) for acting in world.acting]
         trace = read_late(self.compiled, self.segments, trace, [one for one in late if one])
         reading = ideal_reading(self.compiled, trace)
-        distorting = [acting for acting in world.acting if type(acting.effect).distort is not Effect.distort]
-        if distorting:
-            parts = []
-            for segment, rows in zip(self.segments, self._rows, strict=True):
-                seen, there = reading[rows], trace[rows]
-                for acting in distorting:
-                    seen = acting.effect.distort(acting.place, acting.values, seen, there, segment.conditions)
-                parts.append(seen)
-            reading = Reading.concatenate(parts)
+        reading = self._distorted(reading, trace, world.acting)
         for nuisance, value in world.deviations.items():
             if nuisance.on_reading:
                 reading = nuisance.on_reading(value, reading)
-        return predicted(self.quantities, reading)
+        values = predicted(self.quantities, reading)
+        if any(quantity.is_known for quantity in self.quantities):
+            self._say_known(values, given, true)
+        return values
+
+    def _distorted(self, reading: Reading, trace: Trace, acting: Iterable[Acting]) -> Reading:
+        """Return what instruments show in which some effects act."""
+        distorting = [one for one in acting if type(one.effect).distort is not Effect.distort]
+        if not distorting:
+            return reading
+        parts = []
+        for segment, rows in zip(self.segments, self._rows, strict=True):
+            seen, there = reading[rows], trace[rows]
+            for one in distorting:
+                seen = one.effect.distort(one.place, one.values, seen, there, segment.conditions)
+            parts.append(seen)
+        return Reading.concatenate(parts)
+
+    def _say_known(self, values: Array, world: World, trace: Trace) -> None:
+        """Write what the lab knows besides, as it is in a world; errors of the recording are not in it."""
+        of_machine = [one for one in self.whole(world).acting if one.effect.level == "machine"]
+        reading = self._distorted(ideal_reading(self.compiled, trace), trace, of_machine)
+        for course in self._courses(world):
+            compiled, rows = self._robot(world, true_conditions(world, course)), course.rows
+            for c, quantity in enumerate(self.quantities):
+                if quantity.is_known:
+                    known = quantity, compiled, trace.gas_force[rows], reading.gas_temperature[rows]
+                    values[rows, c] = known_value(*known)
 
     def trace(self, world: World) -> Trace:
         """Return the true motion in a world at all instants that are read, segment after segment.
