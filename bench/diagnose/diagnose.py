@@ -20,6 +20,7 @@ from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.name.selection import name_cause
+from bench.diagnose.replay.given import EARLIER, Posterior, given_by, rows_of, with_earlier
 from bench.diagnose.replay.known import known_quantities, with_known_payload, with_known_segments
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
@@ -80,6 +81,7 @@ def diagnose(
     executor: Executor = SERIAL,
     check: Check = never,
     store: Store | None = None,
+    given: Posterior | None = None,
 ) -> Diagnosis:
     """Say what the nominal model gets wrong about a campaign.
 
@@ -96,6 +98,7 @@ def diagnose(
         check: Called between steps and between simulations. It may raise `Stopped`, and the diagnosis ends with what it
             has found so far.
         store: Where signatures are kept between processes; None: nowhere. Not used with `signatures`.
+        given: What the diagnosis knew that handed this robot over.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
@@ -108,7 +111,7 @@ def diagnose(
     with threadpool_limits(1, "blas"):  # the matrices are small: threads take more than twice the time
         phases = _Phases(progress, check)
         watched = Watched(executor, check)
-        own = signatures_of(campaign, compiled, catalogue, store)
+        own = signatures_of(campaign, compiled, catalogue, store, given)
         if signatures is not None and signatures.asked != own.asked:
             raise ValueError(
                 "these signatures are of other channels or other causes than this campaign and catalogue have"
@@ -143,6 +146,7 @@ def _diagnose(
     quantities = signatures.quantities
     segments = segments_of(campaign, compiled, quantities, most_bins)
     segments = with_known_segments(segments, campaign, compiled, quantities)
+    segments = with_earlier(segments, quantities, signatures.nuisances)
     if not segments or not quantities:
         raise InputError(
             "the campaign has no channel that a replay predicts: log motor currents or torques, a reflector, a link "
@@ -194,11 +198,18 @@ def _diagnose(
 
 
 def signatures_of(
-    campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect], store: Store | None = None
+    campaign: Campaign,
+    compiled: CompiledRobot,
+    catalogue: Mapping[str, Effect],
+    store: Store | None = None,
+    given: Posterior | None = None,
 ) -> Signatures:
     """Return the signatures of a campaign and of all others of its session; nothing is simulated yet."""
     quantities = (*quantities_of(campaign.runs, compiled), *known_quantities(campaign, compiled))
     nuisances = with_known_payload(nuisances_of(compiled, quantities), campaign, compiled)
+    if given:
+        nuisances = given_by(given, nuisances, compiled).nuisances
+        quantities = (*quantities, EARLIER) if rows_of(nuisances) else quantities
     causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled))
     return Signatures(compiled, quantities, nuisances, causes, store=store)
 

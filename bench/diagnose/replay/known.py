@@ -134,7 +134,7 @@ def _faults(one: Known, compiled: CompiledRobot) -> list[str]:
 
 
 def _rest(one: Known, run: Run, label: str, compiled: CompiledRobot, quantities: Sequence[Quantity]) -> Segment:
-    """Return a rest at which one thing is read."""
+    """Return an instant at which the arm stands and one thing is read; no visit, for friction at rest is not in it."""
     angles = [name for i in range(compiled.n_joints) for name in _angles_of(run, i + 1)]
     positions = one.at or tuple(float(run.columns[name][-1]) for name in angles)
     columns = {name.replace("q_motor", "q_cmd"): np.array([x]) for name, x in zip(angles, positions, strict=True)}
@@ -145,7 +145,7 @@ def _rest(one: Known, run: Run, label: str, compiled: CompiledRobot, quantities:
     return Segment(
         run=run.name,
         label=label,
-        is_static=True,
+        is_static=False,
         motion=visit.motion,
         conditions=conditions_of(run, np.arange(len(run)), n),
         observed=np.where(mine, one.value, np.nan)[None],

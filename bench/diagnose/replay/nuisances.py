@@ -33,6 +33,7 @@ class Nuisance:
         on_reading: How it changes readings, or None.
         scales_wrench: It is the relative error of what hangs at the load point.
         scales_payload: It is the relative error of what is bolted to it.
+        said_before: What each reading of an earlier diagnosis changes by with one unit of it (`given.py`).
     """
 
     name: str
@@ -42,6 +43,7 @@ class Nuisance:
     on_reading: OnReading | None = None
     scales_wrench: bool = False
     scales_payload: bool = False
+    said_before: tuple[float, ...] = ()
 
 
 def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[Nuisance, ...]:

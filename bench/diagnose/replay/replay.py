@@ -14,6 +14,7 @@ import numpy as np
 
 from bench.diagnose.replay.courses import Course, count_of, courses_of, slices_of, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
+from bench.diagnose.replay.given import EARLIER, LABEL, said_before
 from bench.diagnose.replay.jacobians import reflector_jacobians
 from bench.diagnose.replay.known import known_value
 from bench.diagnose.replay.late import read_late
@@ -128,10 +129,13 @@ class Replay:
         """Write what the lab knows besides, as it is in a world; errors of the recording are not in it."""
         of_machine = [one for one in self.whole(world).acting if one.effect.level == "machine"]
         reading = self._distorted(ideal_reading(self.compiled, trace), trace, of_machine)
+        for segment, mine in zip(self.segments, self._rows, strict=True):
+            if segment.label == LABEL:
+                values[mine, self.quantities.index(EARLIER)] = said_before(world.deviations, len(segment))
         for course in self._courses(world):
             compiled, rows = self._robot(world, true_conditions(world, course)), course.rows
             for c, quantity in enumerate(self.quantities):
-                if quantity.is_known:
+                if quantity.is_known and quantity != EARLIER:
                     known = quantity, compiled, trace.gas_force[rows], reading.gas_temperature[rows]
                     values[rows, c] = known_value(*known)
 

@@ -22,6 +22,7 @@ KINDS = {
     "moment": "moment",
     "gas_pressure": "gas pressure",
     "gas_temperature": "gas temperature",
+    "known_earlier": "earlier diagnosis",
     "known_payload": "payload as known",
     "known_stiffness": "stiffness as known, joint",
     "known_gas_pressure": "gas pressure as known",
