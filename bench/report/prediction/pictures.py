@@ -24,6 +24,9 @@ def _picture(recording: PredictedRecording, column: int) -> Picture:
     quantity = recording.linear.quantities[column]
     unit, scale = WORKSHOP.get(quantity.unit, (quantity.unit, 1.0))
     clock = recording_clock_of(recording.linear)
+    several = len(recording.linear.runs) > 1
+    time = np.concatenate([segment.motion.time[segment.motion.read] for segment in recording.linear.segments])
+    seconds = clock.seconds if several else time[clock.frame]
     measured, error = scale * recording.measured[:, column], scale * recording.error[:, column]
     measured = np.where(np.isfinite(error), measured, np.nan)
     nominal = measured - scale * recording.nominal_error[:, column]
@@ -34,18 +37,17 @@ def _picture(recording: PredictedRecording, column: int) -> Picture:
         (nominal, "nominal", COLOURS[1], 0.8),
         (measured - error, "predicted", COLOURS[0], 1.0),
     ):
-        above.plot(clock.seconds, clock.curve(values), color=colour, linewidth=width, label=words)
+        above.plot(seconds, clock.curve(values), color=colour, linewidth=width, label=words)
     noise = clock.curve(scale * BAND * recording.noise[:, column])
-    below.fill_between(clock.seconds, -noise, noise, color=PALE, linewidth=0, label="floor, 95 %")
+    below.fill_between(seconds, -noise, noise, color=PALE, linewidth=0, label="floor, 95 %")
     below.axhline(0.0, color=INK, linewidth=0.6)
-    below.plot(clock.seconds, clock.curve(error), color=COLOURS[0], linewidth=0.9, label="left")
+    below.plot(seconds, clock.curve(error), color=COLOURS[0], linewidth=0.9, label="left")
     seen = error[np.isfinite(error)] / scale
     size = float(np.sqrt(np.mean(seen**2)))
     below.set_title(f"left: RMS {shown((size,), quantity.unit, size / 10)[0]} {unit}", loc="left")
     for panel in (above, below):
         panel.set_ylabel(f"[{unit_name(quantity.unit)}]")
         panel.grid(visible=False, axis="x")
-    several = len(recording.linear.segments) > 1
     below.set_xlabel("time, runs one after another [s]" if several else "time [s]")
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=SMALL_TEXT)
     name = channel_name(quantity.column)
