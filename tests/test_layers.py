@@ -1,7 +1,7 @@
 """Import arrows run one way.
 
-errors <- executor, record <- robot <- {simulate, identify} <- {hide, diagnose} <- compare <- {study, benchmark}
-<- report <- cli.
+errors <- executor, record <- robot <- {simulate, identify} <- {hide, diagnose} <- {compare, predict} <- {study,
+benchmark} <- report <- cli.
 """
 
 import ast
@@ -33,9 +33,11 @@ MAY_IMPORT = {
     "hide": BELOW | {"simulate", "scenario", "effects", "second"},
     "diagnose": BELOW | {"store", "simulate", "effects", "identify"},
     "compare": BELOW | {"store", "simulate", "effects", "diagnose"},
+    "predict": BELOW | {"simulate", "effects", "diagnose"},
     "study": BELOW | {"store", "simulate", "scenario", "effects", "second", "hide", "diagnose", "compare"},
     "benchmark": BELOW | {"simulate", "scenario", "effects", "hide", "identify", "diagnose"},
-    "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "compare", "study"},
+    "report": BELOW
+    | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "compare", "predict", "study"},
     "cli": BELOW
     | {
         "store",
@@ -46,6 +48,7 @@ MAY_IMPORT = {
         "hide",
         "diagnose",
         "compare",
+        "predict",
         "study",
         "benchmark",
         "report",

@@ -20,6 +20,7 @@ from bench.cli.memory import return_what_is_free
 from bench.cli.new_robot import NewRobot
 from bench.cli.paper import Paper
 from bench.cli.poses import Poses
+from bench.cli.predict import Predict
 from bench.cli.robots import Robots
 from bench.cli.run import Run
 from bench.cli.stopping import TerminatedError, ending_on_terminate
@@ -36,6 +37,7 @@ Command = (
     | Annotated[Poses, tyro.conf.subcommand("poses")]
     | Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
     | Annotated[Compare, tyro.conf.subcommand("compare")]
+    | Annotated[Predict, tyro.conf.subcommand("predict")]
     | Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[Store, tyro.conf.subcommand("store")]

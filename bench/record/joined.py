@@ -6,6 +6,7 @@ from pathlib import Path
 
 from bench.errors import CampaignError
 from bench.record.campaign import Campaign
+from bench.record.known import Known
 
 
 def joined(campaigns: Mapping[str, Campaign]) -> Campaign:
@@ -41,7 +42,16 @@ def joined(campaigns: Mapping[str, Campaign]) -> Campaign:
             replace(run, name=f"{name}.{run.name}", recording=".".join(filter(None, (name, run.recording))))
             for run in campaign.runs
         ]
-    return Campaign(first.robot, tuple(runs), first.started, first.noise, first.notes)
+    known = tuple(_known_in(name, campaign, one) for name, campaign in campaigns.items() for one in campaign.known)
+    return Campaign(first.robot, tuple(runs), first.started, first.noise, first.notes, known)
+
+
+def _known_in(name: str, campaign: Campaign, known: Known) -> Known:
+    """Return what the lab knows of a campaign, for the recordings as they are named when campaigns are joined."""
+    if known.joint and not known.recording:
+        return known  # of the machine
+    of = known.recording or campaign.recordings[0]
+    return replace(known, recording=".".join(filter(None, (name, of))))
 
 
 def names_of(folders: Sequence[Path]) -> tuple[str, ...]:

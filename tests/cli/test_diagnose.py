@@ -284,3 +284,10 @@ def test_full_disk_is_named(tmp_path: Path) -> None:
     assert process.returncode == 2
     assert re.search(r"out.*: cannot be written \(.*\); free some space", said)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_given_needs_what_a_diagnosis_left(healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert refused(healthy, tmp_path / "out", "--given", str(tmp_path)) == (4, [])
+    assert "posterior.json: does not exist" in capsys.readouterr().err
+    assert refused(healthy, tmp_path / "out", "--given", str(tmp_path), "--robot", "hh150") == (2, [])
+    assert "--given and --robot" in capsys.readouterr().err

@@ -263,6 +263,8 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     kinds: tuple[tuple[Literal["static", "motion"], Array], ...] = (("static", is_static), ("motion", ~is_static))
     found = []
     for c, quantity in enumerate(linear.quantities):
+        if quantity.is_known:
+            continue  # no recording to come has it
         for kind, chosen in kinds:
             seen = chosen & np.isfinite(error[:, c])
             count = folds.sums(seen.astype(np.float64))

@@ -113,7 +113,7 @@ def groups_of(
     except TypeError:
         return ()
     weather = digest([(segment.run, segment.conditions) for segment in session.segments])
-    named = [(nuisance.name, nuisance.recording, nuisance.unit, nuisance.sigma) for nuisance in nuisances]
+    named = [(n.name, n.recording, n.unit, n.sigma, n.said_before) for n in nuisances]
     groups = [Group("nuisances", tuple(range(len(nuisances))), digest(about, "nuisances", named))] if nuisances else []
     effects = {acting.effect.name: acting.effect for acting in plan}
     for name, effect in effects.items():

@@ -22,6 +22,7 @@ from bench.diagnose.replay.segments import Segment, segments_of
 from bench.effects.places import speed_limit, torque_limit
 from bench.errors import ConvergenceError
 from bench.record.campaign import Array, Campaign
+from bench.record.carried import with_payloads
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
@@ -47,6 +48,7 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     if any(finding.level == "doubt" and finding.column.startswith(("q_", "load_")) for finding in known):
         return ()
     told = {finding.column for finding in known}
+    campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
     try:
         segments = segments_of(campaign, compiled, every, BINS)

@@ -41,6 +41,7 @@ class Nuisance:
         recording: Name of the only recording in which it acts; None: in all.
         drift: Of what drifts, standard deviation of each recording beside `sigma`, which they share; None: both are
             parts of `sigma` (`levels.DRIFTING`).
+        said_before: What each reading of an earlier diagnosis changes by with one unit of it (`given.py`).
     """
 
     name: str
@@ -56,6 +57,8 @@ class Nuisance:
 
     def __str__(self) -> str:
         return self.name if self.recording is None else f"{self.name}{IN_RECORDING}{self.recording}"
+
+    said_before: tuple[float, ...] = ()
 
 
 def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[Nuisance, ...]:

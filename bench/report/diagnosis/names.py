@@ -23,6 +23,11 @@ KINDS = {
     "moment": "moment",
     "gas_pressure": "gas pressure",
     "gas_temperature": "gas temperature",
+    "known_earlier": "earlier diagnosis",
+    "known_payload": "payload as known",
+    "known_stiffness": "stiffness as known, joint",
+    "known_gas_pressure": "gas pressure as known",
+    "known_gas_temperature": "gas temperature as known",
 }
 # SI -> what a workshop reads, and how many of it make one
 WORKSHOP = {"m": ("mm", 1e3), "rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi), "Pa": ("bar", 1e-5)}

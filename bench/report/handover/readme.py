@@ -35,6 +35,8 @@ def readme_of(robot: Robot, figures: Figures, missing: Sequence[str], disagreeme
         "  effects that no MJCF holds. A replay (`bench diagnose`) has all of it. A simulation (`bench run`,",
         "  gymnasium) has `readings` in its instruments, and neither `weights` nor `effects`. `bench identify` has the",
         "  torque constants.",
+        "- `promises.json`: within what this model will err on the next recording (`bench predict`). `posterior.json`:",
+        "  what is known of figures and findings, together (`bench diagnose --given` and the folder above).",
         "- Left out: how much of its friction each joint held at rest. That belongs to the campaign.",
     ]
     if recording:
