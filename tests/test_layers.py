@@ -1,6 +1,7 @@
 """Import arrows run one way.
 
-errors <- executor, record <- robot <- {simulate, identify} <- {hide, diagnose} <- {study, benchmark} <- report <- cli.
+errors <- executor, record <- robot <- {simulate, identify} <- {hide, diagnose} <- {compare, predict} <- {study,
+benchmark} <- report <- cli.
 """
 
 import ast
@@ -31,11 +32,27 @@ MAY_IMPORT = {
     "second": {"errors", "record", "robot"},
     "hide": BELOW | {"simulate", "scenario", "effects", "second"},
     "diagnose": BELOW | {"store", "simulate", "effects", "identify"},
-    "study": BELOW | {"store", "simulate", "scenario", "effects", "second", "hide", "diagnose"},
+    "compare": BELOW | {"store", "simulate", "effects", "diagnose"},
+    "predict": BELOW | {"simulate", "effects", "diagnose"},
+    "study": BELOW | {"store", "simulate", "scenario", "effects", "second", "hide", "diagnose", "compare"},
     "benchmark": BELOW | {"simulate", "scenario", "effects", "hide", "identify", "diagnose"},
-    "report": BELOW | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "study"},
+    "report": BELOW
+    | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "compare", "predict", "study"},
     "cli": BELOW
-    | {"store", "scenario", "simulate", "identify", "effects", "hide", "diagnose", "study", "benchmark", "report"},
+    | {
+        "store",
+        "scenario",
+        "simulate",
+        "identify",
+        "effects",
+        "hide",
+        "diagnose",
+        "compare",
+        "predict",
+        "study",
+        "benchmark",
+        "report",
+    },
 }
 # Steps of a diagnosis, each may import those before it
 STEPS_OF_DIAGNOSIS = ("replay", "linearise", "extend", "cross_validation", "name", "experiment_design")
@@ -106,6 +123,7 @@ def test_second_plant_takes_plain_numbers_only() -> None:
 def test_identification_runs_without_mujoco() -> None:
     probe = (
         "import sys; sys.modules['mujoco'] = None; import pkgutil, importlib, bench.identify;"
-        "[importlib.import_module('bench.identify.' + m.name) for m in pkgutil.iter_modules(bench.identify.__path__)]"
+        "names = [m.name for m in pkgutil.walk_packages(bench.identify.__path__, 'bench.identify.')];"
+        "assert 'bench.identify.dynamics.first_pass' in names; [importlib.import_module(name) for name in names]"
     )
     subprocess.run([sys.executable, "-W", "error", "-c", probe], check=True)

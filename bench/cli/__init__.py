@@ -9,6 +9,7 @@ import tyro
 
 from bench.cli.benchmark import Benchmark
 from bench.cli.check import Check
+from bench.cli.compare import Compare
 from bench.cli.convert import Convert
 from bench.cli.demo import Demo
 from bench.cli.diagnose import Diagnose
@@ -19,6 +20,7 @@ from bench.cli.memory import return_what_is_free
 from bench.cli.new_robot import NewRobot
 from bench.cli.paper import Paper
 from bench.cli.poses import Poses
+from bench.cli.predict import Predict
 from bench.cli.robots import Robots
 from bench.cli.run import Run
 from bench.cli.stopping import TerminatedError, ending_on_terminate
@@ -34,6 +36,8 @@ Command = (
     | Annotated[Identify, tyro.conf.subcommand("identify")]
     | Annotated[Poses, tyro.conf.subcommand("poses")]
     | Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
+    | Annotated[Compare, tyro.conf.subcommand("compare")]
+    | Annotated[Predict, tyro.conf.subcommand("predict")]
     | Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[Store, tyro.conf.subcommand("store")]

@@ -2,9 +2,12 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
+
+if TYPE_CHECKING:
+    from bench.diagnose.replay.given import Posterior
 
 WAYS_OUT = (
     "Put this right first: a verdict would blame the robot for it. A column that cannot be mended is left out when its "
@@ -19,14 +22,20 @@ class Diagnose:
     Ten seconds where little is wrong, a minute where the model lacks much. A cause is taken only where it pays on runs
     it was not fitted to; the threshold is such that chance alone passes it in 1 of 100 campaigns. How often it is right
     stands in the README.
+
+    Of several campaigns each is a recording: what is the machine's is fitted to all of them and has to predict those
+    that were left out; a payload, the zero of an encoder or the tracker's frame is looked for in each.
     """
 
-    campaign: tyro.conf.Positional[Path]
-    """Campaign folder (format: bench/record/README.md)."""
+    campaigns: tyro.conf.Positional[tuple[Path, ...]]
+    """Campaign folders of one machine (format: bench/record/README.md), in the order in which they were recorded."""
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Folder to write; must not exist yet."""
     robot: str = ""
     """Robot to take, name or folder, such as the one that a diagnosis handed over; by default the campaign names it."""
+    given: Path | None = None
+    """Folder of an earlier diagnosis of this machine: its robot is the nominal one, and what it knew of figures and
+    findings is the prior."""
     file: tuple[Path, ...] = ()
     """Python files with effects of your own (bench/effects/README.md)."""
     despite_doubts: bool = False
@@ -46,7 +55,6 @@ class Diagnose:
         from bench.cli.progress import phases
         from bench.cli.stopping import UNFINISHED, ending_on_interrupt, seconds_of
         from bench.diagnose.diagnose import FALSE_ALARM_RATE, diagnose
-        from bench.diagnose.plausibility.channels import doubts_of
         from bench.diagnose.verdict import unweighed
         from bench.effects.catalogue import catalogue
         from bench.effects.own import try_out
@@ -54,27 +62,28 @@ class Diagnose:
         from bench.executor.local import on_cores
         from bench.executor.watched import Stop, Stopped, Watched
         from bench.record.folder import new_folder
-        from bench.report.campaigns import open_campaign
         from bench.report.diagnosis.file_names import VERDICT
         from bench.report.diagnosis.words import places_of, words_of
         from bench.report.diagnosis.write import write_diagnosis, write_unweighed
+        from bench.report.handover.given_words import given_sentence
+        from bench.report.joint_campaign import open_joint
         from bench.store.place import open_store
 
         stop = Stop(inf if self.at_most is None else seconds_of(self.at_most))
         effects = catalogue(self.file)
-        report, compiled = open_campaign(self.campaign, self.robot)
-        campaign = report.usable()
-        assert compiled
+        robot, posterior = self._start()
+        joint = open_joint(self.campaigns, robot)
+        campaign, compiled = joint.campaign, joint.compiled
         try_out([effect for name, effect in effects.items() if name not in catalogue()], compiled)
-        doubts = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
-        if doubts and not self.despite_doubts:
-            raise CampaignError([*(f"{self.campaign}: {doubt}" for doubt in doubts), WAYS_OUT])
-        for finding in (*report.warnings, *doubts):
+        if joint.doubts and not self.despite_doubts:
+            raise CampaignError([*(f"{folder}: {doubt}" for folder, doubt in joint.doubts), WAYS_OUT])
+        for finding in (*joint.warnings, *(doubt for _, doubt in joint.doubts)):
             print(f"{finding.level:8}{finding}", file=sys.stderr)
         with ending_on_interrupt(stop), new_folder(self.out, VERDICT, replace=False) as folder, phases() as shown:
             executor = Watched(on_cores(self.cores), shows=shown.share)
             during = "reading the campaign"
             moved: tuple[str, ...] = ()
+            taken = ""
 
             def phase(words: str) -> None:
                 nonlocal during
@@ -84,20 +93,47 @@ class Diagnose:
             try:
                 store = None if self.no_store else open_store()
                 found = diagnose(
-                    campaign, compiled, effects, progress=phase, executor=executor, check=stop.check, store=store
+                    campaign,
+                    compiled,
+                    effects,
+                    progress=phase,
+                    executor=executor,
+                    check=stop.check,
+                    store=store,
+                    given=posterior,
                 )
                 verdict = found.verdict
+                taken = given_sentence(posterior, found.linear.nuisances) if posterior else ""
                 moved = write_diagnosis(found, folder, campaign, self.command)
             except Stopped as stopped:
                 verdict = unweighed(FALSE_ALARM_RATE, str(stopped), during)
                 write_unweighed(verdict, folder, campaign, compiled.robot.figures.title, self.command)
         for line in words_of(verdict):
             print(line)
+        if taken:
+            print(taken)
         for sentence in moved:
             print(f"Moved: {sentence}")
         for line in places_of(self.out):
             print(line)
         return UNFINISHED if verdict.unfinished else 0
+
+    def _start(self) -> "tuple[str, Posterior | None]":
+        """Return the robot to take, "" for the one that the campaign names, and what an earlier diagnosis knew of it.
+
+        Raises:
+            InputError: Both a robot and an earlier diagnosis are given.
+            RobotError: The folder holds no robot that a diagnosis handed over, or no posterior.
+        """
+        from bench.errors import InputError
+        from bench.report.diagnosis.file_names import ROBOT
+        from bench.report.handover.posterior_file import read_posterior
+
+        if self.given is None:
+            return self.robot, None
+        if self.robot:
+            raise InputError("--given and --robot: an earlier diagnosis brings its own robot; give one of the two.")
+        return str(self.given / ROBOT), read_posterior(self.given / ROBOT)
 
     @property
     def command(self) -> str:
@@ -105,8 +141,9 @@ class Diagnose:
         import shlex
 
         files = ["--robot", self.robot] if self.robot else []
+        files += ["--given", str(self.given)] if self.given else []
         files += [word for file in self.file for word in ("--file", str(file))]
         files += ["--at-most", self.at_most] if self.at_most is not None else []
         files += ["--despite-doubts"] * self.despite_doubts
         files += ["--no-store"] * self.no_store
-        return shlex.join(["bench", "diagnose", str(self.campaign), "-o", str(self.out), *files])
+        return shlex.join(["bench", "diagnose", *map(str, self.campaigns), "-o", str(self.out), *files])

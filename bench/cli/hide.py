@@ -25,6 +25,9 @@ class Hide:
     """Number of the joint, from 1, for effects that are named without a place."""
     seed: int = 0
     """Of noise, instruments and background errors."""
+    machine: int | None = None
+    """Seed of the machine itself, its figures and torque constants: recordings with the same one are of one machine
+    (bench compare). By default the machine comes with --seed."""
     scenario: str = "session-short"
     """Name of a scenario that comes along, or path to a scenario file."""
     none: bool = False
@@ -69,6 +72,7 @@ class Hide:
                 np.random.default_rng(self.seed),
                 without=self.without,
                 channels=self.channels,
+                machine=None if self.machine is None else np.random.default_rng(self.machine),
             )
             write_hidden(hidden, folder, "parquet" if self.parquet else "csv")
         for one in acting:

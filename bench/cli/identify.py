@@ -1,31 +1,74 @@
-"""`bench identify`: joint stiffness from a campaign."""
+"""`bench identify`: joint stiffness, or the dynamics, from campaigns."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import tyro
+
+DYNAMICS = "dynamics.json"
 
 
 @dataclass(frozen=True)
 class Identify:
-    """Identify the joint stiffness from the static runs of a campaign."""
+    """Identify the joint stiffness from the static runs of a campaign, or the dynamics from the motion runs of some.
 
-    campaign: tyro.conf.Positional[Path]
-    """Campaign folder (format: bench/record/README.md)."""
-    method: Literal["current", "force", "force-pose", "joint", "all"] = "all"
-    """Method of identification; `all` runs every one that the campaign has the channels for."""
-    level: float = 0.95
-    """Level of the intervals."""
+    `--method dynamics` finds base inertial parameters, friction, payload and delay by linear regression at full rate,
+    with whole runs held out (bench/identify/dynamics/README.md).
+    """
+
+    campaign: tyro.conf.Positional[tuple[Path, ...]]
+    """Campaign folder (format: bench/record/README.md); for dynamics also several of one machine."""
+    method: Literal["current", "force", "force-pose", "joint", "all", "dynamics"] = "all"
+    """Method of identification; `all` runs every one for stiffness that the campaign has the channels for."""
+    level: float | None = None
+    """Level of the intervals; by default 0.95 for stiffness, 0.9 for dynamics."""
     robot: str = ""
     """Robot to take, name or folder, such as the one that a diagnosis handed over; by default the campaign names it."""
+    held_out: tuple[Path, ...] = ()
+    """Dynamics: further campaigns of the machine, which are only predicted."""
+    cutoff_hz: float | None = None
+    """Dynamics: cut-off of the low-pass that model and data go through; by default ten times the motion's bandwidth."""
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Dynamics: folder to write dynamics.json into; must not exist yet."""
     json: bool = False
     """Print JSON instead of a table."""
 
     def run(self) -> int:
         """Identify and print; return the exit code."""
+        from bench.errors import InputError
+
+        if not self.campaign:
+            raise InputError("name a campaign folder.")
+        if self.level is not None and not 0 < self.level < 1:
+            raise InputError(f"--level {self.level:g}: must lie between 0 and 1.")
+        if self.method == "dynamics":
+            return self._dynamics(0.9 if self.level is None else self.level)
+        if len(self.campaign) > 1 or self.held_out or self.cutoff_hz is not None or self.out is not None:
+            raise InputError("several campaigns, --held-out, --cutoff-hz and --out are for --method dynamics.")
         from bench.report.identification import identify_campaign, print_json, print_table
 
-        result = identify_campaign(self.campaign, None if self.method == "all" else [self.method], self.robot)
-        (print_json if self.json else print_table)(result, self.level)
+        result = identify_campaign(self.campaign[0], None if self.method == "all" else [self.method], self.robot)
+        (print_json if self.json else print_table)(result, 0.95 if self.level is None else self.level)
+        return 0
+
+    def _dynamics(self, level: float) -> int:
+        import json
+
+        from bench.record.folder import new_folder
+        from bench.report.dynamics.as_json import as_json
+        from bench.report.dynamics.identify import identify_dynamics
+        from bench.report.dynamics.text import print_dynamics
+
+        result = identify_dynamics(self.campaign, self.held_out, self.robot, self.cutoff_hz)
+        content = json.dumps(as_json(result, level), indent=2)
+        if self.out is not None:
+            with new_folder(self.out, DYNAMICS, replace=False) as folder:
+                (folder / DYNAMICS).write_text(content + "\n", encoding="utf-8")
+        if self.json:
+            print(content)
+        else:
+            print_dynamics(result, level)
+            if self.out is not None:
+                print(f"written  {self.out / DYNAMICS}")
         return 0

@@ -1,4 +1,4 @@
-"""`bench view`: open the recording of a session or of a diagnosis."""
+"""`bench view`: open the recording of a session, of a diagnosis or of a prediction."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +11,7 @@ class View:
     """Open the recording of a results folder in the Rerun viewer."""
 
     folder: tyro.conf.Positional[Path]
-    """Folder that `bench run`, `bench paper` or `bench diagnose` wrote, or an .rrd file."""
+    """Folder that `bench run`, `bench paper`, `bench diagnose` or `bench predict` wrote, or an .rrd file."""
 
     def run(self) -> int:
         """Open the viewer; return the exit code."""

@@ -1,6 +1,6 @@
 """From what was found to the verdict, as plain data."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,10 +17,12 @@ from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Finding, Naming
 from bench.diagnose.verdict import (
     NORMAL_95,
+    AmbiguityGroup,
     Explanation,
     NamedCause,
     NoisyChannel,
     ParameterValue,
+    PossibleCause,
     Proposal,
     Step,
     Unfinished,
@@ -64,6 +66,7 @@ def verdict_of(
         noise_scale=float(np.mean(linear.inflation**2)),
         explanations=tuple(_explanation(model, fit) for model, fit in zip(near, fits, strict=True)),
         rivals=tuple(_explanation(m, m.listed_fit(naming.linear)) for m in naming.models if m.causes and m not in near),
+        findings=_findings(naming, near, fits),
         unlisted=_unlisted(naming, discrepancy),
         missing=missing,
         not_simulated=not_simulated,
@@ -74,6 +77,30 @@ def verdict_of(
         detectable=detection_limits(naming.screening),
         noisy=_noisy(linear),
     )
+
+
+def _findings(naming: Naming, near: Sequence[Model], fits: Sequence[Fit]) -> tuple[AmbiguityGroup, ...]:
+    """Return the findings, each cause as the likeliest fitted model with it has it."""
+    fitted = [*zip(near, fits, strict=True)]
+    fitted += [
+        (model, model.listed_fit(naming.linear)) for model in naming.models if model.causes and model not in near
+    ]
+
+    def named(cause: Cause) -> NamedCause:
+        for model, fit in fitted:
+            for own in model.causes:
+                if own.key == cause.key:
+                    return _named(own, fit)
+        return _titled(cause, ())
+
+    found = [
+        AmbiguityGroup(
+            tuple(PossibleCause(named(member.cause), member.probability) for member in group.members),
+            group.probability,
+        )
+        for group in naming.groups
+    ]
+    return tuple(sorted(found, key=lambda group: (group.is_small, -float(np.nan_to_num(group.names[0].cause.sigmas)))))
 
 
 def unfinished_of(naming: Naming, why: str, during: str) -> Unfinished:
@@ -102,7 +129,8 @@ def _step(finding: Finding) -> Step:
         )
     named = (_named(finding.cause, finding.fit),)
     known = (finding.log_evidence, gain.nats, gain.low, gain.high, finding.is_taken, reason, gain.channels)
-    return Step(named, *known, finding.repeats)
+    is_of_machine = finding.cause.place.recording is None
+    return Step(named, *known, finding.repeats, gain.recordings if is_of_machine else ())
 
 
 def _unlisted(naming: Naming, discrepancy: Discrepancy | None) -> Unlisted | None:
@@ -149,6 +177,6 @@ def _titled(cause: Cause, parameters: tuple[ParameterValue, ...]) -> NamedCause:
         parameters=parameters,
         physics=effect.physics,
         source=effect.source,
-        level=effect.level,
+        level="recording" if cause.place.recording is not None and effect.level == "machine" else effect.level,
         advice=effect.advice,
     )

@@ -20,6 +20,9 @@ from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.name.selection import name_cause
+from bench.diagnose.replay.given import EARLIER, Posterior, given_by, rows_of, with_earlier
+from bench.diagnose.replay.known import known_quantities, with_known_payload, with_known_segments
+from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -32,6 +35,7 @@ from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Check, Stopped, Watched, never
 from bench.record.campaign import Campaign
+from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
@@ -78,6 +82,7 @@ def diagnose(
     executor: Executor = SERIAL,
     check: Check = never,
     store: Store | None = None,
+    given: Posterior | None = None,
 ) -> Diagnosis:
     """Say what the nominal model gets wrong about a campaign.
 
@@ -88,23 +93,26 @@ def diagnose(
         rate: Share of null campaigns in which anything at all may be found.
         progress: Called with what is done next.
         signatures: Of other campaigns of the same session, if there were any; from `signatures_of`.
-        most_bins: How many bins all motion together may have.
+        most_bins: How many bins the motion of one run may have.
         proposes: Whether to look for the next experiment, and for what the campaign could not show.
         executor: Where to simulate; results do not depend on it.
         check: Called between steps and between simulations. It may raise `Stopped`, and the diagnosis ends with what it
             has found so far.
         store: Where signatures are kept between processes; None: nowhere. Not used with `signatures`.
+        given: What the diagnosis knew that handed this robot over.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
+        CampaignError: What the campaign says that the lab knows besides does not fit the robot.
         ConvergenceError: The nominal model finds no balance along the measured motion.
         Stopped: Before anything was weighed.
         ValueError: Signatures of another kind of session.
     """
+    campaign = with_payloads(campaign)
     with threadpool_limits(1, "blas"):  # the matrices are small: threads take more than twice the time
         phases = _Phases(progress, check)
         watched = Watched(executor, check)
-        own = signatures_of(campaign, compiled, catalogue, store)
+        own = signatures_of(campaign, compiled, catalogue, store, given)
         if signatures is not None and signatures.asked != own.asked:
             raise ValueError(
                 "these signatures are of other channels or other causes than this campaign and catalogue have"
@@ -138,6 +146,8 @@ def _diagnose(
 ) -> Diagnosis:
     quantities = signatures.quantities
     segments = segments_of(campaign, compiled, quantities, most_bins)
+    segments = with_known_segments(segments, campaign, compiled, quantities)
+    segments = with_earlier(segments, quantities, signatures.nuisances)
     if not segments or not quantities:
         raise InputError(
             "the campaign has no channel that a replay predicts: log motor currents or torques, a reflector, a link "
@@ -189,12 +199,21 @@ def _diagnose(
 
 
 def signatures_of(
-    campaign: Campaign, compiled: CompiledRobot, catalogue: Mapping[str, Effect], store: Store | None = None
+    campaign: Campaign,
+    compiled: CompiledRobot,
+    catalogue: Mapping[str, Effect],
+    store: Store | None = None,
+    given: Posterior | None = None,
 ) -> Signatures:
     """Return the signatures of a campaign and of all others of its session; nothing is simulated yet."""
-    quantities = quantities_of(campaign.runs, compiled)
+    quantities = (*quantities_of(campaign.runs, compiled), *known_quantities(campaign, compiled))
+    own = with_known_payload(nuisances_of(compiled, quantities), campaign, compiled)
+    nuisances = with_recordings(own, compiled, campaign.recordings)
+    if given:
+        nuisances = given_by(given, nuisances, compiled).nuisances
+        quantities = (*quantities, EARLIER) if rows_of(nuisances) else quantities
     causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled))
-    return Signatures(compiled, quantities, nuisances_of(compiled, quantities), causes, store=store)
+    return Signatures(compiled, quantities, nuisances, causes, store=store)
 
 
 def measured_by(campaign: Campaign) -> frozenset[str]:

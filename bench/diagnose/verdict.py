@@ -2,7 +2,8 @@
 
 Schema of `verdict.json` (format 1): `kind` is "nothing found", "cause", "several causes" or "unlisted cause";
 `explanations` holds the explanations that the data cannot tell apart, the likeliest first, each with its causes,
-parameters, units and 95 % intervals; `rivals` the ones that were fitted and fell behind; `unlisted` the place and the
+parameters, units and 95 % intervals; `findings` says the same finding by finding, each with all causes that may be
+behind it and their probabilities; `rivals` the ones that were fitted and fell behind; `unlisted` the place and the
 dependence of what no listed effect explains; `missing` the channels that were not there; `blind` what the campaign
 could not have shown, and what would. `unfinished` is null, or says why the diagnosis ended before it was done, and
 during what; then what stands there is what had been found so far, and `kind` may also be "nothing found so far" or
@@ -11,10 +12,12 @@ during what; then what stands there is what had been found so far, and `kind` ma
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from math import isfinite
 from typing import Any
 
 from bench.diagnose.cross_validation.held_out import ChannelGain as ChannelGain  # part of the verdict
 from bench.diagnose.cross_validation.held_out import PredictedError as PredictedError  # part of the verdict
+from bench.diagnose.cross_validation.held_out import RecordingGain as RecordingGain  # part of the verdict
 from bench.diagnose.experiment_design.propose import Proposal as Proposal  # part of the verdict
 from bench.diagnose.experiment_design.undetectable import (
     UndetectableEffect as UndetectableEffect,
@@ -50,7 +53,7 @@ class NamedCause:
         physics: Why it happens.
         source: Who says so.
         share, sigmas: How large and how sure it is (`extend.size.Size`); nan where it was not fitted.
-        level: Whether it is of the "machine", of this "recording", or of single runs of it ("run").
+        level: Whether it is of the "machine", of one "recording", or of single runs of it ("run").
         advice: What to look at on the robot or in the log; "" where the title says that.
     """
 
@@ -66,9 +69,44 @@ class NamedCause:
     advice: str = ""
 
     @property
+    def name(self) -> tuple[str, str]:
+        """What tells it from others: its effect and its place."""
+        return self.effect, self.place
+
+    @property
     def is_small(self) -> bool:
         """Whether it is a small finding, which is reported after the large ones; one that was not fitted is not."""
         return self.share < SMALL
+
+
+@dataclass(frozen=True)
+class PossibleCause:
+    """One of the names that a finding may have, with the probability that it acts, all other findings as they are.
+
+    Parameters are those of the likeliest model that was fitted with it; a cause that no fitted model has is without.
+    """
+
+    cause: NamedCause
+    probability: float
+
+
+@dataclass(frozen=True)
+class AmbiguityGroup:
+    """One finding, with all causes that these data cannot tell apart in its place.
+
+    Attributes:
+        names: The likeliest first; the fewest that together hold 99 %.
+        probability: That any of them acts.
+    """
+
+    names: tuple[PossibleCause, ...]
+    probability: float
+
+    @property
+    def is_small(self) -> bool:
+        """Whether it is reported after the large ones: every cause of it that was fitted is small."""
+        fitted = [one.cause for one in self.names if isfinite(one.cause.share)]
+        return bool(fitted) and all(cause.is_small for cause in fitted)
 
 
 @dataclass(frozen=True)
@@ -129,8 +167,10 @@ class Step:
         accepted: Whether the model keeps it.
         reason: Why, in words.
         channels: What each channel gains by it on what was held out.
-        repeats: Share of searches, each without an eighth of the runs, that find it again; nan where none was made.
+        repeats: Share of searches, each without a part of the runs, that find it again; nan where none was made.
             What less than half of them find hangs on a few runs, and is not confirmed.
+        recordings: Of a finding of the machine in several recordings: what each of them gains by it, fitted to the
+            others; empty elsewhere.
     """
 
     added: tuple[NamedCause, ...]
@@ -142,6 +182,12 @@ class Step:
     reason: str
     channels: tuple[ChannelGain, ...] = ()
     repeats: float = float("nan")
+    recordings: tuple[RecordingGain, ...] = ()
+
+    @property
+    def confirmed_by(self) -> tuple[str, ...]:
+        """Names of the recordings that become more probable with it, fitted to the others."""
+        return tuple(one.recording for one in self.recordings if one.confirms)
 
     @property
     def is_confirmed(self) -> bool:
@@ -175,11 +221,13 @@ class Verdict:
         noise_scale: Variance that is left against what the instruments explain, at least 1.
         explanations: That cannot be told apart, the likeliest first.
         rivals: Fitted, and behind.
+        findings: The same finding by finding: of each, the causes that may be behind it. Large findings first, and the
+            surest of these.
         unlisted: Where nothing listed explains the data.
         missing: Effect -> channels without which it was not looked for.
         not_simulated: Causes whose model found no balance along the measured motion.
         gain: Of every channel on data that were not fitted; empty where there is no extension to try.
-        held_out_by: "run" or "block": what was left out as a whole to measure the gain.
+        held_out_by: "recording", "run" or "block": what was left out as a whole to measure the gain.
         steps: The findings, the one with the most evidence first, then the refused ones.
         next: Experiments that would tell more, the best first.
         predicted: What the model will leave of a recording that nobody has made yet, by channel.
@@ -198,6 +246,7 @@ class Verdict:
     unlisted: Unlisted | None
     missing: Mapping[str, tuple[str, ...]]
     not_simulated: tuple[str, ...]
+    findings: tuple[AmbiguityGroup, ...] = ()
     gain: tuple[ChannelGain, ...] = ()
     held_out_by: str = ""
     steps: tuple[Step, ...] = ()
@@ -207,6 +256,12 @@ class Verdict:
     blind: tuple[UndetectableEffect, ...] = ()
     noisy: tuple[NoisyChannel, ...] = ()
     unfinished: Unfinished | None = None
+
+    @property
+    def other_explanations(self) -> tuple[Explanation, ...]:
+        """Explanations that are more than another name for single findings, such as two causes in the place of one."""
+        names = {one.cause.name for group in self.findings for one in group.names}
+        return tuple(e for e in self.explanations[1:] if not {cause.name for cause in e.causes} <= names)
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of `verdict.json`."""

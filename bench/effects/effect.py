@@ -41,6 +41,8 @@ Family = Literal[
     "own",
 ]
 Level = Literal["machine", "recording", "run"]
+Between = Literal["same", "drifts", "anew"]
+IN_RECORDING = " in recording "  # between the name of a place and that of the only recording in which something acts
 REFERENCE_K = 293.15  # temperature at which the nominal figures hold
 Values = Mapping[str, float]
 
@@ -57,6 +59,7 @@ class Place:
         since: Name of the run with which it sets in; "": with the first.
         since_s: When that run begins, from the start of the campaign [s].
         runs: Names of the only runs in which it acts; empty: in all.
+        recording: Name of the only recording in which it acts; None: in all. Whoever simulates sees to that.
     """
 
     kind: Literal["robot", "joint", "body", "channel", "run"]
@@ -65,12 +68,16 @@ class Place:
     since: str = ""
     since_s: float = -np.inf
     runs: tuple[str, ...] = ()
+    recording: str | None = None
 
     def __str__(self) -> str:
-        joint = f"{'drive' if self.since else 'joint'} {self.index + 1}"  # reports list numbers of joints
+        is_plain = not self.since and self.recording is None
+        joint = f"{'joint' if is_plain else 'drive'} {self.index + 1}"  # reports list numbers of joints
         words = {"robot": "robot", "joint": joint, "run": f"run {self.name}"}
         where = words.get(self.kind, self.name)
-        return f"{where} from run {self.since} on" if self.since else where
+        if self.since:  # names of runs are unique, so these say in which recording
+            return f"{where} from run {self.since} on"
+        return where if self.recording is None or self.kind == "run" else f"{where}{IN_RECORDING}{self.recording}"
 
 
 WHOLE = Place("robot")
@@ -163,6 +170,9 @@ class Effect(ABC):
             something at its place comes near the best cause.
         level: "machine": it is in the robot or its instruments all the while; "recording": a channel does not say what
             its name and time stamp promise; "run": it holds for one run, or changes in the course of the session.
+        between: What becomes of it between two recordings of a machine: it is the "same" in all of them; it is another
+            one "anew" each time, as a payload is, and looked for in each recording by itself, as errors of the level
+            "recording" or "run" are; or it "drifts", so it is looked for in all of them together and in each.
         advice: What a person should look at where it is found; "" where that is the part which the title names.
         depends_on_conditions: Whether its `edit` is another one at other temperatures.
         is_additive: Whether its `torques` are the same where the effect acts already; those of an effect that scales a
@@ -178,6 +188,7 @@ class Effect(ABC):
     needs: ClassVar[tuple[str, ...]] = ()
     scatters: ClassVar[bool] = False
     level: ClassVar[Level] = "machine"
+    between: ClassVar[Between] = "same"
     advice: ClassVar[str] = ""
     depends_on_conditions: ClassVar[bool] = False
     is_additive: ClassVar[bool] = False

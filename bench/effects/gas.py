@@ -54,6 +54,7 @@ class GasLoss(OfGas):
 
     name = "gas_loss"
     title = "loss of gas"
+    between = "drifts"
     physics = (
         "Gas leaks through seals and valve over months; with a share x lost, F falls to (1 - x) F at every length."
     )
@@ -69,6 +70,7 @@ class GasTemperature(OfGas):
 
     name = "gas_temperature"
     title = "gas warmer or colder than nominal"
+    between = "anew"
     physics = "At the same volume p ~ T: F grows by the factor 1 + dT / 293.15 K (0.34 % per kelvin)."
     source = "ideal gas law; range: workshop 5 to 45 degC and self-heating, assumed"
     parameters = (Parameter("offset", "K", 0.0, 3.0, 40.0, "gas temperature less 293.15 K", signed=True),)

@@ -29,6 +29,7 @@ class PayloadMass(_GeometryAndMass):
 
     name = "payload_mass"
     title = "mass of the payload"
+    between = "anew"
     physics = "The mass bolted to the load point is (1 + x) of what the lab states; weights that hang are not meant."
     source = f"{SWEVERS}; range: DESIGN 6, 1 to 10 %"
     parameters = (Parameter("change", "", 0.0, 0.01, 0.1, "of the mass, relative", signed=True, least=LIGHTEST),)
@@ -47,6 +48,7 @@ class UnstatedPayload(_GeometryAndMass):
 
     name = "unstated_payload"
     title = "payload that is not stated"
+    between = "anew"
     physics = (
         "A body with mass m, centred at the load point, and with the moment of inertia J about every axis through its "
         "centre is bolted to the load point, beside what the campaign states."
@@ -92,6 +94,7 @@ class PayloadCom(_GeometryAndMass):
 
     name = "payload_com"
     title = "centre of mass of the payload"
+    between = "anew"
     physics = (
         "The mass bolted on hangs beside the load point by (x, y, z) in the axes of the load body: moment m g x offset."
     )

@@ -4,7 +4,7 @@ Where an error of the recording may sit follows from what was recorded: from the
 never from its readings. All campaigns of one session have equal answers here, so they have the same candidates.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -35,6 +35,7 @@ class RecordedRun:
         hangs: Whether a load hung at the load point by what was written down.
         payload_kg: Mass bolted to it by what was written down.
         moving: Indices of the drives that moved; at rest none.
+        recording: Name of the recording that it belongs to, whose clock it has.
     """
 
     name: str
@@ -45,6 +46,7 @@ class RecordedRun:
     hangs: bool
     payload_kg: float
     moving: frozenset[int] = frozenset()
+    recording: str = ""
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,12 @@ class Recorded:
     """The runs of a campaign, in the order in which they were made."""
 
     runs: tuple[RecordedRun, ...]
+
+    @cached_property
+    def recordings(self) -> Mapping[str, "Recorded"]:
+        """Name of each recording -> its runs, in order."""
+        names = dict.fromkeys(run.recording for run in self.runs)
+        return {name: Recorded(tuple(run for run in self.runs if run.recording == name)) for name in names}
 
     @cached_property
     def columns(self) -> frozenset[str]:
@@ -124,6 +132,7 @@ def recorded_in(runs: Iterable[Run], gravity: NDArray[np.float64]) -> Recorded:
                 hangs=_hangs(run, gravity),
                 payload_kg=float(np.mean(run.columns.get("load_mass_kg", 0.0))),
                 moving=_moving(run),
+                recording=run.recording,
             )
             for run in runs
         )

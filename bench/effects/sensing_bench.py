@@ -22,6 +22,7 @@ class TrackerFrame(_OfTracker):
 
     name = "tracker_frame"
     title = "frame of the laser tracker"
+    between = "anew"
     physics = "Base frame and tracker frame were aligned with an error: readings are R(r) p + t."
     source = "Nubiola and Bonev, 2013; range: DESIGN 6, 0.05 to 0.5 mm and 0.01 to 0.05 deg"
     parameters = (
@@ -39,6 +40,7 @@ class TrackerDrift(_OfTracker):
 
     name = "tracker_drift"
     title = "drift of the laser tracker"
+    between = "anew"
     physics = "Tripod, floor and air warm up: readings move by rate x time since the start of the campaign."
     source = "ISO 10360-10, laser trackers; range: DESIGN 6, 5 to 50 um/h"
     parameters = tuple(Parameter(axis, "m/h", 0.0, 5e-6, 5e-5, f"rate along {axis}", signed=True) for axis in "xyz")
@@ -53,6 +55,7 @@ class TrackerScale(_OfTracker):
 
     name = "tracker_scale"
     title = "scale of the laser tracker"
+    between = "anew"
     physics = (
         "With a wrong refractive index all distances read (1 + s) of the truth; taken about the origin of the base, the"
         " rest is a shift."

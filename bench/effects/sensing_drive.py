@@ -91,6 +91,7 @@ class CurrentOffset(_OnCurrent):
 
     name = "current_offset"
     title = "offset of a current sensor"
+    between = "drifts"
     physics = "Hall sensor and amplifier are off zero: the drive reports I + x."
     source = "data sheets of closed-loop Hall sensors (offset 0.1 to 0.5 % of range); range: DESIGN 6, 0.02 to 0.3 A"
     parameters = (Parameter("offset", "A", 0.0, 0.02, 0.3, "reading less truth", signed=True),)

@@ -28,6 +28,7 @@ from bench.simulate.session import edits_of
 from bench.simulate.tables import Joints, run_of, with_link_angles
 from bench.simulate.truth import true_parameters
 
+OF_MACHINE = ("current_gain", "torque_gain", "encoder_offset")  # errors that last from recording to recording
 TAILS = 5.0  # degrees of freedom of the noise: it leaves four standard deviations 60 times as often as normal noise
 
 
@@ -65,6 +66,7 @@ def hide_campaign(
     tails: float | None = TAILS,
     without: Iterable[str] = (),
     channels: Iterable[str] = (),
+    machine: np.random.Generator | None = None,
 ) -> Hidden:
     """Run a session on a robot in which effects act.
 
@@ -79,6 +81,9 @@ def hide_campaign(
         without: Instruments of the figures ("tracker", "force", ...), channels ("gear_temperature", ...) and parts of a
             session ("line", "dwell", ...) that the lab does not have.
         channels: Further channels that it has ("gas_temperature").
+        machine: Source of what is wrong with the machine itself: its figures, torque constants and encoders. Recordings
+            whose generators have the same seed are of one machine; what is set up anew from day to day (weights,
+            tracker, force sensor, amplifiers' offsets) comes from `rng`. None: all of it comes from `rng`.
 
     Raises:
         InputError: The session does not fit the robot, an unknown name in `without` or `channels`, or nothing is left.
@@ -91,6 +96,10 @@ def hide_campaign(
     instruments = Instruments(compiled, rng, tails)
     if not background:
         instruments.errors = Instruments(compiled, None).errors
+    if machine and background:
+        drawn = replace(drawn, deviations=Background.draw(compiled, machine).deviations)
+        lasting = Instruments(compiled, machine).errors
+        instruments.errors = replace(instruments.errors, **{name: getattr(lasting, name) for name in OF_MACHINE})
     day = WarmUp.draw(robot.n_joints, rng)
     edits = (*edits_of(session), *drawn.edits(compiled))
     stays, log = plan(setup.legs, edits, 1 + drawn.hung, day)

@@ -100,6 +100,13 @@ class Arm:
         """Return D a + C(q, v) + G of Eq. (29), shape (n,) [Nm]: the torque on the links that makes this motion."""
         return np.array(pin.rnea(self._model, self._data, q, velocity, acceleration))
 
+    def torque_regressor(self, q: Array, velocity: Array, acceleration: Array) -> Array:
+        """Return Y with `inverse_dynamics` = Y pi, shape (n, 10 n).
+
+        pi holds for each link m, m c, and the inertia about the joint frame's origin (xx, xy, yy, xz, yz, zz).
+        """
+        return np.array(pin.computeJointTorqueRegressor(self._model, self._data, q, velocity, acceleration))
+
     def _kinematics(self, q: Array, body: int) -> tuple[Array, Array, Array]:
         """Return the Jacobian at the world's origin, (..., 6, n), and a body's origin (..., 3) and axes (..., 3, 3)."""
         flat = q.reshape(-1, self.n_joints)

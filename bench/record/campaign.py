@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.errors import CampaignError
+from bench.record.known import Known
 
 Array = NDArray[np.float64]
 
@@ -95,6 +96,7 @@ class Campaign:
         noise: Quantity -> standard deviation of one reading in the quantity's SI unit, where the lab knows better than
             the robot's figures. Quantities as in `bench.record.channels`.
         notes: Free words.
+        known: What the lab knows besides the tables.
     """
 
     robot: str
@@ -102,6 +104,7 @@ class Campaign:
     started: datetime | None = None
     noise: Mapping[str, float] = field(default_factory=dict)
     notes: str = ""
+    known: tuple[Known, ...] = ()
 
     @cached_property
     def recordings(self) -> tuple[str, ...]:

@@ -44,7 +44,9 @@ class _Content:
         if head is None or any(finding.level == "error" for finding in findings):
             return Report(self.folder, findings, None)
         runs = in_order([sheet.run for sheet in self.sheets])
-        return Report(self.folder, findings, Campaign(head.robot, runs, head.started, head.noise, head.notes))
+        return Report(
+            self.folder, findings, Campaign(head.robot, runs, head.started, head.noise, head.notes, self.manifest.known)
+        )
 
 
 def check_campaign(folder: Path, arm: Arm | None = None) -> Report:

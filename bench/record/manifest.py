@@ -2,9 +2,10 @@
 
 import os
 from collections.abc import Mapping
+from dataclasses import asdict
 from datetime import date, datetime, time
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
@@ -12,6 +13,7 @@ from bench.errors import unknown_name
 from bench.record.campaign import Campaign, RunKind
 from bench.record.channels import NOISY
 from bench.record.finding import Finding
+from bench.record.known import Known, KnownQuantity
 from bench.record.limits import CAMPAIGN_RUNS
 from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
 
@@ -48,6 +50,18 @@ class RunEntry(_Strict):
         return self.file or f"runs/{self.name}.csv"
 
 
+class KnownEntry(_Strict):
+    """One thing that the lab knows besides."""
+
+    quantity: KnownQuantity = Field(description=f"one of {', '.join(get_args(KnownQuantity))}")
+    value: float = Field(description="the reading, in the unit of the quantity")
+    sigma: float = Field(gt=0, description="its standard deviation, above 0")
+    joint: int = Field(0, ge=0, description="number of the joint, from 1, of a stiffness")
+    at: tuple[float, ...] = Field((), description="position of every joint [rad], of a slide [m], of a gas pressure")
+    recording: str = Field("", max_length=100, description="name of the recording in which it was so")
+    note: str = ""
+
+
 class Head(_Strict):
     """Everything but the runs."""
 
@@ -64,6 +78,7 @@ class Manifest(NamedTuple):
     head: Head | None
     runs: tuple[RunEntry, ...]
     findings: tuple[Finding, ...]
+    known: tuple[Known, ...] = ()
 
 
 def read_manifest(folder: Path) -> Manifest:
@@ -72,7 +87,7 @@ def read_manifest(folder: Path) -> Manifest:
         content = load_yaml(folder / MANIFEST)
     except YamlFault as fault:
         return Manifest(None, (), (_fault("", str(fault), fault.remedy),))
-    entries = content.pop("runs", None)
+    entries, besides = content.pop("runs", None), content.pop("known", None)
     findings: list[Finding] = []
     head = _validated(Head, content, "", findings)
     for quantity in sorted(set(head.noise if head else ()) - NOISY):
@@ -86,7 +101,8 @@ def read_manifest(folder: Path) -> Manifest:
     runs = [_validated(RunEntry, entry, f"runs[{i}]", findings) for i, entry in enumerate(entries)]
     usable = tuple(run for run in runs if run is not None and _is_inside(folder, run, findings))
     findings += _repeated(usable)
-    return Manifest(head, usable, tuple(findings))
+    known = _known(besides, tuple(dict.fromkeys(run.recording for run in usable)), findings)
+    return Manifest(head, usable, tuple(findings), known)
 
 
 def manifest_text(campaign: Campaign, suffix: str) -> str:
@@ -96,6 +112,8 @@ def manifest_text(campaign: Campaign, suffix: str) -> str:
         head["started"] = campaign.started.isoformat()
     head |= {"noise": dict(campaign.noise)} if campaign.noise else {}
     head |= {"notes": campaign.notes} if campaign.notes else {}
+    if campaign.known:
+        head["known"] = [_text_of(known) for known in campaign.known]
     head["runs"] = [
         {"name": run.name, "kind": run.kind, "start_s": float(run.start_s)}
         | ({"file": f"runs/{run.name}{suffix}"} if suffix != ".csv" else {})
@@ -108,6 +126,27 @@ def manifest_text(campaign: Campaign, suffix: str) -> str:
 
 def _fault(key: str, message: str, remedy: str) -> Finding:
     return Finding("error", MANIFEST, None, key, message, remedy)
+
+
+def _known(entries: object, recordings: tuple[str, ...], findings: list[Finding]) -> tuple[Known, ...]:
+    """Return what is known besides, as far as it can be understood."""
+    if entries is None:
+        return ()
+    if not isinstance(entries, list):
+        findings.append(_fault("known", "no list", "list what is known besides, each with quantity, value and sigma"))
+        return ()
+    found = []
+    for i, content in enumerate(entries):
+        entry = _validated(KnownEntry, content, f"known[{i}]", findings)
+        if entry is not None:
+            found.append(Known(**entry.model_dump()))
+            findings += [_fault(f"known[{i}].{key}", *words) for key, *words in found[-1].faults(recordings)]
+    return tuple(found)
+
+
+def _text_of(known: Known) -> dict[str, object]:
+    every = asdict(known) | {"at": list(known.at)}
+    return {key: value for key, value in every.items() if value or key in ("value", "sigma")}
 
 
 _Model = TypeVar("_Model", bound=_Strict)
@@ -127,7 +166,7 @@ def _finding(model: type[_Strict], detail: Mapping[str, Any], where: str) -> Fin
     expected = (field.description if field else None) or "correct it"
     match detail["type"]:
         case "extra_forbidden":
-            known = [*model.model_fields, *([] if where else ["runs"])]
+            known = [*model.model_fields, *([] if where else ["runs", "known"])]
             return _fault(key, unknown_name("key", str(detail["loc"][-1]), known), "rename or remove it")
         case "missing":
             return _fault(key, "is missing", f"add it: {expected}")

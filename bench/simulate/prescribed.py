@@ -43,7 +43,8 @@ class Motion:
         q, velocity, acceleration: Shape (T, n), of the true motor angles [rad].
         wrench: Shape (T, 6) [N, Nm], on the load point in world axes, without what is bolted to it.
         read: Shape (T,) bool; instants that are read. The others only shape what friction elements remember.
-        begins: Shape (T,) bool; instants at which a motion begins and nothing is remembered. None: the first alone.
+        begins: Shape (T,) bool; instants at which a motion begins and nothing is remembered, but for the temperature of
+            the gas, which goes on from the motion before, however the robot came here. None: the first alone.
     """
 
     time: Array

@@ -10,7 +10,7 @@ from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Campaign
 
-BINS = 400  # over all motion of a campaign: a replay takes a thirtieth of a second
+BINS = 12  # of one run; a session of the study has 36, and a replay of it takes a thirtieth of a second
 
 
 def diagnose_with(

@@ -38,7 +38,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class Bin:
-    """Verdicts of similar probability.
+    """Names of similar probability.
 
     Attributes:
         low, high: Probabilities from above `low` to `high`.
@@ -85,6 +85,10 @@ def goals_of(marked: Marked) -> Iterable[Goal]:
     yield _share("right cause in the named set, of single effects found", found, lambda o, m: m.in_set, at_least=0.99)
     sure = [(o, m) for o, m in marked if m.probability is not None and m.probability >= SURE and o.kind != "twin"]
     yield _share("right, of verdicts that give 0.97 or more", sure, lambda o, m: m.first, at_least=0.97)
+    names = [right for o, m in marked if o.kind != "twin" for share, right in m.names if share >= SURE]
+    surely = Share(sum(names), len(names))
+    words = "names given 0.97 or more that are of something that acts"
+    yield Goal(words, ">= 97 %", surely, surely.value >= 0.97 if names else None)
     yield _share("unlisted cause called unlisted", unlisted, lambda o, m: m.unlisted, at_least=0.95)
     yield _share("its place right, where it has one", placed, lambda o, m: bool(m.place), at_least=0.90)
     clear = [(o, m) for o, m in pairs if all(c.limit is None or c.size > THREE * c.limit for c in o.truth)]
@@ -138,8 +142,8 @@ def _share(
 
 
 def bins_of(marked: Marked) -> tuple[Bin, ...]:
-    """Return how probabilities of named causes came true, over all campaigns that were given one."""
-    given = [(m.probability, m.first) for _, m in marked if m.probability is not None]
+    """Return how the probabilities of the names of findings came true, over all campaigns."""
+    given = [name for _, m in marked for name in m.names]
     found = []
     for low, high in pairwise(EDGES):
         here = [(p, right) for p, right in given if low < p <= high]

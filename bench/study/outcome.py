@@ -72,6 +72,14 @@ class Named:
 
 
 @dataclass(frozen=True)
+class FoundGroup:
+    """One finding: the names that it may have, each with its probability, the likeliest first."""
+
+    names: tuple[tuple[Name, float], ...]
+    probability: float
+
+
+@dataclass(frozen=True)
 class Answer:
     """What a diagnosis said.
 
@@ -82,6 +90,7 @@ class Answer:
         held_out: Root mean square over the channels of held-out error over noise floor, None where nothing was named.
         failure: Why there is no verdict.
         rivals: Explanations that were fitted and fell behind.
+        findings: The explanations finding by finding; empty in studies from before it was kept.
     """
 
     kind: str
@@ -90,6 +99,7 @@ class Answer:
     held_out: float | None = None
     failure: str = ""
     rivals: tuple[Named, ...] = ()
+    findings: tuple[FoundGroup, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -144,6 +154,10 @@ def answer_of(verdict: Verdict) -> Answer:
         verdict.unlisted.place if verdict.unlisted else None,
         _held_out(verdict.gain),
         rivals=tuple(_named(explanation) for explanation in verdict.rivals),
+        findings=tuple(
+            FoundGroup(tuple((one.cause.name, one.probability) for one in group.names), group.probability)
+            for group in verdict.findings
+        ),
     )
 
 

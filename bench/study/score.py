@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from bench.effects.effect import WHOLE
-from bench.study.outcome import Named, Outcome
+from bench.study.outcome import Name, Named, Outcome
 
 NORMAL_90 = 1.644854
 NOTHING = "nothing found"
@@ -15,18 +15,20 @@ AT = {"creeping_bracket": "reflector 1"}  # unlisted effects of the whole robot:
 class Marks:
     """What is right about one answer.
 
-    An explanation is right if what was hidden stands first in it and every other name is of something that acts; where
-    nothing acts beside it, that is the truth, nothing more and nothing less.
+    An explanation is right if what was hidden stands first in it and every other finding is of something that acts: its
+    name, or one of those that are given as open. Where nothing acts beside it, that is the truth, nothing more and
+    nothing less.
 
     Attributes:
         found: Something was found, whatever it was.
-        false: Something is named that is not there, or called unlisted; counted where nothing was hidden.
+        false: A finding is of nothing that acts, or called unlisted; counted where nothing was hidden.
         first: The likeliest explanation is right, and nothing is called unlisted.
         in_set: So is one of those that cannot be told apart.
         all_there: Every true cause is among those of one explanation, whatever stands beside.
         unlisted: The answer is that the cause is not listed.
         place: An unlisted cause was found where it acts; None where it acts at no place or was not found.
         probability: Given to the likeliest explanation; None where none was given or something is unlisted beside it.
+        names: (probability, whether it acts) of every name of every finding.
         deviations: (parameter, truth less value over sigma) of every true cause, of the likeliest explanation with it.
     """
 
@@ -38,6 +40,7 @@ class Marks:
     unlisted: bool
     place: bool | None
     probability: float | None
+    names: tuple[tuple[float, bool], ...]
     deviations: tuple[tuple[str, float], ...]
 
     @property
@@ -55,22 +58,39 @@ def marks_of(outcome: Outcome) -> Marks:
     found = answer.kind not in (NOTHING, "failed")
     return Marks(
         found=found,
-        false=found and not (named and named[0].names <= there),
+        false=found and not (named and named[0].names <= there | _open(outcome)),
         first=bool(named) and is_right(outcome, named[0]),
-        in_set=any(is_right(outcome, explanation) for explanation in named),
+        in_set=any(is_right(outcome, explanation) for explanation in named) or (is_listed and _is_among(outcome)),
         all_there=any(truth <= explanation.names for explanation in answer.explanations),
         unlisted=answer.unlisted is not None,
         place=_is_place_right(outcome),
         probability=named[0].probability if named else None,
+        names=tuple((share, name in there) for group in answer.findings for name, share in group.names),
         deviations=tuple(_deviations(outcome)),
     )
 
 
 def is_right(outcome: Outcome, explanation: Named) -> bool:
-    """Whether what was hidden stands first in an explanation, and every other name is of something that acts."""
+    """Whether what was hidden stands first in an explanation, and every other finding is of something that acts."""
     truth = frozenset(cause.name for cause in outcome.truth)
     first = frozenset(cause.name for cause in explanation.causes[: len(truth)])
-    return first == truth and explanation.names <= truth | {cause.name for cause in outcome.others}
+    acting = truth | {cause.name for cause in outcome.others}
+    return first == truth and explanation.names <= acting | _open(outcome)
+
+
+def _open(outcome: Outcome) -> frozenset[Name]:
+    """Return the names of findings that give a name of something that acts as well."""
+    acting = {cause.name for cause in (*outcome.truth, *outcome.others)}
+    groups = [frozenset(name for name, _ in group.names) for group in outcome.answer.findings]
+    return frozenset(name for names in groups if names & acting for name in names)
+
+
+def _is_among(outcome: Outcome) -> bool:
+    """Whether every true cause is a name of a finding, and every finding has a name of something that acts."""
+    acting = {cause.name for cause in (*outcome.truth, *outcome.others)}
+    groups = [frozenset(name for name, _ in group.names) for group in outcome.answer.findings]
+    hidden = all(any(cause.name in names for names in groups) for cause in outcome.truth)
+    return bool(groups) and hidden and all(names & acting for names in groups)
 
 
 def twin_is_right(outcome: Outcome) -> bool:

@@ -63,7 +63,7 @@ def test_motion_is_alive(model: mujoco.MjModel):
     states = trajectory(model, start(model))
     moving = np.ptp(states, axis=0) > 0
     anchored = np.flatnonzero(~moving)
-    assert moving.sum() == 1 + 2 + 2 + (4 + 3 + 3) - 3  # time, qpos, qvel, plugins less their three ANCHORED
+    assert moving.sum() == 1 + 2 + 2 + (5 + 3 + 3) - 3  # time, qpos, qvel, plugins less their three ANCHORED
     np.testing.assert_array_equal(states[:, anchored], 1)
 
 

@@ -93,6 +93,29 @@ def test_campaign_of_another_robot(campaign: Path, tmp_path: Path, capsys: pytes
     assert "has 1 drive" in capsys.readouterr().err
 
 
+def test_recordings_of_two_robots(
+    healthy: Path, campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree("models/hh150", campaign / "robot")
+    manifest = campaign / "campaign.yaml"
+    manifest.write_text(manifest.read_text().replace("robot: hh150", "robot: robot"))
+    assert main(["diagnose", str(healthy), str(campaign), "-o", str(tmp_path / "out")]) == 3
+    assert not (tmp_path / "out").exists()
+    assert "one machine" in capsys.readouterr().err
+
+
+def test_a_recording_that_is_given_twice(healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["diagnose", str(healthy), str(healthy), "-o", str(tmp_path / "out")]) == 3
+    assert "given twice" in capsys.readouterr().err
+
+
+def test_recordings_are_called_by_their_folders(healthy: Path, campaign: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert main(["diagnose", str(healthy), str(campaign), "-o", str(out), "--at-most", "0.01"]) == UNFINISHED
+    runs = json.loads((out / VERDICT).read_text())["data"]["runs"]
+    assert {run["name"].split(".")[0] for run in runs} == {"healthy", "campaign"}
+
+
 @pytest.mark.parametrize(("content", "said"), [("", "runs/.*: .*empty"), ("time_s,pose\n0\n", "row 1")])
 def test_broken_table(
     campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], content: str, said: str
@@ -261,3 +284,10 @@ def test_full_disk_is_named(tmp_path: Path) -> None:
     assert process.returncode == 2
     assert re.search(r"out.*: cannot be written \(.*\); free some space", said)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_given_needs_what_a_diagnosis_left(healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert refused(healthy, tmp_path / "out", "--given", str(tmp_path)) == (4, [])
+    assert "posterior.json: does not exist" in capsys.readouterr().err
+    assert refused(healthy, tmp_path / "out", "--given", str(tmp_path), "--robot", "hh150") == (2, [])
+    assert "--given and --robot" in capsys.readouterr().err

@@ -20,6 +20,7 @@ from bench.diagnose.extend.fit import Fit, Unknown
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import Whitening
+from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.effects.catalogue import catalogue
@@ -64,6 +65,7 @@ def design_with(
         play=np.zeros(1),
         weighed=tuple(segments),
         inflation=np.ones((2, 1)),
+        shaken=0.0,
         unexplained=np.ones((2, 1)),
         sensitivities=sensitivities[:, None, :],
         residual=residual[:, None],
@@ -145,6 +147,47 @@ def test_held_out_error_is_that_of_a_fit_without_the_run(rng: np.random.Generato
         refitted = fit_of(without, column[stays])
         expected = residual - jacobian @ refitted.nuisances - column * refitted.values[0]
         np.testing.assert_allclose(found[~stays, 0], expected[~stays], atol=1e-9)
+
+
+def in_recordings(linear: LinearisedModel, whose: tuple[str | None, ...]) -> LinearisedModel:
+    """Return a campaign of which each run is a recording, with nuisances that belong to all or to one."""
+    segments = tuple(replace(segment, recording=segment.run) for segment in linear.segments)
+    replay = SimpleNamespace(segments=segments, quantities=linear.quantities)
+    nuisances = tuple(Nuisance(f"n{i}", "", 1.0, recording=name) for i, name in enumerate(whose))
+    return replace(linear, replay=replay, nuisances=nuisances)  # type: ignore[arg-type]
+
+
+def test_what_is_a_recordings_own_is_fitted_to_it_and_the_rest_to_the_others(rng: np.random.Generator) -> None:
+    """Of five recordings each has a zero of its own; the machine has two figures, and one size."""
+    runs = 5
+    run = np.repeat(np.arange(runs), LENGTH)
+    shared, column = sensitivities(rng, runs, p=2), rng.standard_normal(runs * LENGTH)
+    zeros = 2.0 * (run[:, None] == np.arange(runs))
+    jacobian = np.concatenate([shared, zeros], axis=1)
+    residual = noise(rng, runs) + shared @ np.array([1.0, -0.5]) + zeros @ rng.standard_normal(runs) + 0.1 * column
+    linear = in_recordings(design_with(residual, jacobian, runs), (None, None, *(f"run{i}" for i in range(runs))))
+    fit = fit_of(linear, column)
+    folds = folds_of(linear)
+    assert folds.recordings == linear.runs
+    found = errors_of_folds(linear, fit, tangent_of(linear, fit), folds)
+    for f in range(runs):
+        stays = run != f
+        machine = fit_of(design_with(residual[stays], jacobian[stays], runs - 1), column[stays])
+        left = (residual - shared @ machine.nuisances[:2] - column * machine.values[0])[~stays]
+        own = zeros[~stays, f]
+        zero = own @ left / (own @ own + SIGMA**2)  # its prior has the width of one
+        np.testing.assert_allclose(found[~stays, 0], left - own * zero, atol=1e-9)
+
+
+def test_a_recording_that_denies_a_finding_is_named(rng: np.random.Generator) -> None:
+    column = rng.standard_normal(2 * LENGTH)
+    for share, confirmed in ((1.0, ["run0", "run1"]), (-1.0, [])):
+        residual = noise(rng, 2) + 0.3 * column * np.repeat([1.0, share], LENGTH)
+        linear = in_recordings(design_with(residual, np.zeros((2 * LENGTH, 1)), 2), (None,))
+        gain = held_out(linear, fit_of(linear), fit_of(linear, column))
+        assert gain.by == "recording"
+        assert [one.recording for one in gain.recordings if one.confirms] == confirmed
+        assert gain.is_gain == bool(confirmed)
 
 
 def test_figures_stay_within_reach(rng: np.random.Generator) -> None:

@@ -9,7 +9,7 @@ import pytest
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.extend import relinearise
 from bench.diagnose.name.models import Model
-from bench.diagnose.name.naming import Naming, with_probabilities
+from bench.diagnose.name.naming import Naming, posterior_of, with_probabilities
 from bench.diagnose.name.search import Alternative, Subset
 from bench.effects.catalogue import catalogue
 from bench.errors import ConvergenceError
@@ -69,7 +69,7 @@ def test_what_has_a_finding_more_counts_for_the_finding() -> None:
     models = (fake(9.0, "gas"), fake(8.0, "gas", "friction"), fake(5.0, "heat"))
     found = [Alternative(model.keys, Subset((), 0.0), model.log_posterior - 1.0) for model in models]
     found.append(Alternative(frozenset(), Subset((), 0.0), 0.0))
-    gas, both, heat = (model.probability for model in with_probabilities(models, found))
+    gas, both, heat = (model.probability for model in with_probabilities(models, posterior_of(models, found)))
     total = sum(np.exp([9.0, 8.0, 5.0, 1.0]))  # the nominal one: 1 more than linearised, as the best is
     assert gas == pytest.approx((np.exp(9.0) + np.exp(8.0)) / total)
     assert both == 0.0

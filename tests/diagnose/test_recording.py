@@ -26,6 +26,7 @@ from bench.robot.folder import load_robot
 from tests.simulate.session_small import small_session
 
 RATE = 0.01
+BINS = 12  # of a run: longer than the channels are late, for what was before a run or after it is not recorded
 BALANCED = 1e-5  # of a channel's largest reading; balances are found within 1e-6 of the torques on the links
 Hide = Callable[..., tuple[Campaign, tuple[Acting, ...]]]
 
@@ -61,7 +62,7 @@ def of_column(values: Array, replay: Replay, column: str, *, is_static: bool) ->
 
 def replay_of(campaign: Campaign, compiled: CompiledRobot) -> Replay:
     quantities = quantities_of(campaign.runs, compiled)
-    return Replay(compiled, segments_of(campaign, compiled, quantities, 100), quantities)
+    return Replay(compiled, segments_of(campaign, compiled, quantities, BINS), quantities)
 
 
 def observed(replay: Replay) -> Array:
@@ -145,8 +146,8 @@ def test_signatures_of_other_loads_are_not_shared(hide: Hide, compiled: Compiled
     right, (wrong, _) = hide()[0], hide("bolted_load@joint1-payload5-speed30-up=-0.5")
     effects = {"payload_mass": catalogue()["payload_mass"]}
     shared, own = signatures_of(right, compiled, effects), signatures_of(wrong, compiled, effects)
-    segments = segments_of(wrong, compiled, own.quantities, 100)
-    shared.sensitivities(segments_of(right, compiled, shared.quantities, 100))
+    segments = segments_of(wrong, compiled, own.quantities, BINS)
+    shared.sensitivities(segments_of(right, compiled, shared.quantities, BINS))
     np.testing.assert_array_equal(shared.sensitivities(segments).causes[0], own.sensitivities(segments).causes[0])
 
 

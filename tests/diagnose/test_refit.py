@@ -7,6 +7,7 @@ import pytest
 
 from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.diagnose import diagnose
+from bench.diagnose.extend import refit as refit_module
 from bench.diagnose.extend.fit import Fit, Unknown, unknowns_of
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.linearise.candidates import Cause
@@ -17,6 +18,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Acting, Effect
+from bench.errors import ConvergenceError
 from bench.executor.processes import Processes
 from bench.executor.serial import SERIAL
 from bench.executor.threads import Threads
@@ -73,6 +75,25 @@ def test_a_fit_with_other_weights_starts_with_what_was_simulated(monkeypatch: py
     assert np.all(np.abs(again.values - afresh.values) < 0.1 * afresh.sigma)
     np.testing.assert_allclose(again.sigma, afresh.sigma, rtol=0.1)
     assert again.log_evidence == pytest.approx(afresh.log_evidence, abs=0.1)
+
+
+def test_a_fit_that_finds_no_balance_beside_it_keeps_its_derivatives(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Softening beside hysteresis once ended a whole diagnosis: no derivative could be taken where the fit had come."""
+    linear = _design()
+    causes = (_whole("gas_loss"),)
+    slopes, calls = refit_module._slopes, []
+
+    def only_once(*arguments: object) -> object:
+        calls.append(arguments)
+        if len(calls) > 1:
+            raise ConvergenceError("no balance")
+        return slopes(*arguments)
+
+    monkeypatch.setattr(refit_module, "FAITHFUL", np.inf)  # derivatives are never good enough
+    monkeypatch.setattr(refit_module, "_slopes", only_once)
+    fit = refit(linear, causes, {("gas_loss", "robot", "lost"): 0.02})
+    assert len(calls) == 2
+    assert fit.values[0] == pytest.approx(0.1, abs=4 * fit.sigma[0])
 
 
 def _design() -> LinearisedModel:

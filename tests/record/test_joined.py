@@ -9,7 +9,7 @@ import pytest
 from bench.errors import CampaignError
 from bench.record.campaign import Campaign, Run
 from bench.record.check import check_campaign
-from bench.record.joined import joined
+from bench.record.joined import joined, names_of
 from bench.record.read import read_campaign
 from bench.record.write import write_campaign
 
@@ -50,3 +50,14 @@ def test_each_recording_has_its_own_clock_and_survives_a_file(tmp_path: Path) ->
 def test_runs_of_one_recording_that_overlap_are_noticed(tmp_path: Path) -> None:
     write_campaign(_campaign(_run("one", 0, "may"), _run("two", 1, "may")), tmp_path / "c")
     assert [finding for finding in check_campaign(tmp_path / "c").findings if "began" in finding.message]
+
+
+def test_folders_are_called_by_as_much_of_their_path_as_tells_them_apart() -> None:
+    folders = [Path("/lab/may/kr"), Path("/lab/june/kr"), Path("/lab/june/emps")]
+    assert names_of(folders) == ("may-kr", "june-kr", "emps")
+    assert names_of(folders[:1]) == ("kr",)
+
+
+def test_a_folder_that_is_given_twice_is_refused() -> None:
+    with pytest.raises(CampaignError, match="twice"):
+        names_of([Path("/lab/may"), Path("/lab/june/../may")])

@@ -111,12 +111,46 @@ def _agree(compiled: CompiledRobot, motion: Motion, guessed: bool) -> None:
 
 
 def test_motions_joined_are_motions_one_by_one(rng: np.random.Generator) -> None:
-    compiled = _compiled("warming gas")
+    compiled = _compiled("seals")
     motions = [_motion(compiled.n_joints, rng) for _ in range(3)]
     robot = Prescribed(compiled)
     alone = [robot.follow(motion)[1] for motion in motions]
     together = robot.follow(Motion.concatenate(motions))[1]
     np.testing.assert_array_equal(together, np.concatenate(alone))
+
+
+def _second(motion: Motion) -> Motion:
+    """Return the second half of a motion alone."""
+    kept = slice(LENGTH // 2, None)
+    names = ("time", "q", "velocity", "acceleration", "wrench", "read")
+    return Motion(**{name: getattr(motion, name)[kept] for name in names})
+
+
+def _halves(motion: Motion, pause: float = 0.0) -> Motion:
+    """Return a motion that begins anew in its middle, after a pause [s]."""
+    half = np.arange(LENGTH) == LENGTH // 2
+    return replace(motion, begins=half | (np.arange(LENGTH) == 0), time=motion.time + pause * np.cumsum(half))
+
+
+def test_gas_stays_warm_where_one_motion_follows_another(rng: np.random.Generator) -> None:
+    """Friction is told again by the approach of a motion; heat that was compressed into the gas is not."""
+    compiled = _compiled("warming gas")
+    robot, motion = Prescribed(compiled), _motion(compiled.n_joints, rng)
+    whole, halves = (robot.follow(one)[0].gas_force for one in (motion, _halves(motion)))
+    cold, alone = (robot.follow(one)[0].gas_force for one in (_halves(motion, pause=1e4), _second(motion)))
+    second = slice(-len(alone), None)
+    remembered = np.max(np.abs(cold - whole)[second])
+    assert remembered > 10.0  # [N]
+    assert np.max(np.abs(halves - whole)) < 0.05 * remembered
+    assert np.max(np.abs(cold[second] - alone)) < 0.05 * remembered
+
+
+def test_a_clock_that_goes_back_is_another_recording(rng: np.random.Generator) -> None:
+    compiled = _compiled("warming gas")
+    robot, motion = Prescribed(compiled), _motion(compiled.n_joints, rng)
+    back = replace(_halves(motion), time=motion.time - 1000.0 * (np.arange(LENGTH) >= LENGTH // 2))
+    alone = robot.follow(_second(motion))[0].gas_force
+    np.testing.assert_allclose(robot.follow(back)[0].gas_force[-len(alone) :], alone, rtol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["nominal", "loose", "passive hinges"])

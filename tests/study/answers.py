@@ -1,6 +1,6 @@
 """Outcomes made by hand: a truth, and an answer to it."""
 
-from bench.study.outcome import Answer, Found, FoundCause, Name, Named, Outcome, TrueCause
+from bench.study.outcome import Answer, Found, FoundCause, FoundGroup, Name, Named, Outcome, TrueCause
 from bench.study.plan import Kind
 
 LOSS: Name = ("gas_loss", "robot")
@@ -28,5 +28,10 @@ def outcome(
 
 
 def single(*explanations: Named, true: tuple[TrueCause, ...] | None = None) -> Outcome:
-    answer = Answer("cause", explanations, held_out=1.1) if explanations else Answer("nothing found")
+    if not explanations:
+        return outcome("single", true or truth(LOSS), Answer("nothing found"))
+    first, *others = explanations
+    own = [((cause.name, first.probability),) for cause in first.causes]
+    own[0] += tuple((one.causes[0].name, one.probability) for one in others)
+    answer = Answer("cause", explanations, held_out=1.1, findings=tuple(FoundGroup(names, 1.0) for names in own))
     return outcome("single", true or truth(LOSS), answer)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from bench.diagnose.verdict import Explanation, NamedCause, ParameterValue, Unlisted, Verdict
-from bench.study.outcome import Answer, Outcome, answer_of
+from bench.study.outcome import Answer, FoundGroup, Name, Outcome, answer_of
 from bench.study.score import marks_of, twin_is_right
 from tests.study.answers import COULOMB, LOSS, WARM, explanation, outcome, single, truth
 
@@ -64,6 +64,38 @@ def test_spurious_companion_is_not_right() -> None:
     assert not marks.first
     assert not marks.in_set
     assert marks.all_there
+
+
+def messy(*findings: tuple[Name, ...]) -> Outcome:
+    """Return a messy arm in which the gas leaks and joint 2 has a friction of its own."""
+    groups = tuple(FoundGroup(tuple((name, 1 / len(names)) for name in names), 1.0) for names in findings)
+    named = explanation(*(names[0] for names in findings))
+    one = outcome("single", truth(LOSS), Answer("several causes", (named,), findings=groups))
+    return replace(one, others=truth(COULOMB))
+
+
+OFFSET: Name = ("torque_offset", "joint 2")
+
+
+def test_a_finding_may_leave_its_name_open() -> None:
+    marks = marks_of(messy((LOSS,), (OFFSET, COULOMB)))
+    assert marks.first
+    assert marks.in_set
+    assert not marks.false
+    assert marks.names == ((1.0, True), (0.5, False), (0.5, True))
+
+
+def test_a_finding_of_nothing_that_acts_is_wrong() -> None:
+    marks = marks_of(messy((LOSS,), (OFFSET,)))
+    assert not marks.first
+    assert not marks.in_set
+    assert marks.false
+
+
+def test_the_hidden_cause_among_the_names_of_the_first_finding_is_in_the_set() -> None:
+    marks = marks_of(messy((WARM, LOSS), (COULOMB,)))
+    assert not marks.first
+    assert marks.in_set
 
 
 def test_listed_effect_called_unlisted_is_not_right() -> None:

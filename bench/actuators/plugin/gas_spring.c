@@ -3,7 +3,9 @@
 
 #include "instance.h"
 
-enum { TEMPERATURE_RISE = FRICTION_STATES, GAS_STATES };  // T / T0 - 1 at the start of the last step
+// T / T0 - 1, and the gap l_c - l [m], at the start of the last step; gap 0: unknown yet. They are apart from those of the
+// seal, whose friction may be forgotten where the gas remembers (replay.c).
+enum { TEMPERATURE_RISE = FRICTION_STATES, GAP, GAS_STATES };
 
 typedef struct GasSpring {
   Element element;
@@ -99,12 +101,12 @@ static mjtNum force(Element* element, const mjModel* m, const mjData* d, const m
   }
   next[TEMPERATURE_RISE] = state[TEMPERATURE_RISE];
   if (self->heat_capacity_ratio > 1) {
-    if (state[ANCHORED]) {
-      next[TEMPERATURE_RISE] = temperature_rise(self, state[TEMPERATURE_RISE], gap_at(self, state[POSITION]), gap,
-                                                m->opt.timestep);
+    if (state[GAP] > 0) {
+      next[TEMPERATURE_RISE] = temperature_rise(self, state[TEMPERATURE_RISE], state[GAP], gap, m->opt.timestep);
     }
     pull *= 1 + next[TEMPERATURE_RISE];
   }
+  next[GAP] = gap;
   mjtNum level = self->seal_friction * pull;
   mjtNum sigma = self->seal_friction > 0 ? self->seal_presliding : 0;
   return hold(state, length, sigma, level, level, next) - pull;

@@ -11,11 +11,17 @@
 
 #include <mujoco/mujoco.h>
 
+#include "instance.h"
+
 #if defined(_WIN32)
 #define EXPORT __declspec(dllexport)
 #else
 #define EXPORT __attribute__((visibility("default")))
 #endif
+
+// [s]; the approach of a motion may begin before the motion before it has ended. A clock that goes back by more is another
+// one, of another recording.
+static const double kOverlap = 10;
 
 // Numbers of the search, from the Python side, which says where they come from.
 typedef struct Search {
@@ -259,6 +265,31 @@ static void write_instant(const Work* w, Seen* seen, int row, const double* acce
   }
 }
 
+// Puts everything back to where nothing is remembered, but for the gas where motions follow each other: friction is told
+// again by the approach of each motion, heat that was compressed into the gas a second ago is not.
+static void begin(Work* w, bool is_first) {
+  enum { MOST_KEPT = 8 };
+  const mjModel* m = &w->model;
+  mjData* d = w->data;
+  const int instance = w->arm->counterbalance >= 0 ? m->actuator_plugin[w->arm->counterbalance] : -1;
+  int count = 0, before = 0;
+  for (int i = 0; i < m->nactuator; i++) {
+    count += m->actuator_plugin[i] == instance;
+    before += m->actuator_plugin[i] == instance && i < w->arm->counterbalance;
+  }
+  const int nstate = instance >= 0 ? m->plugin_statenum[instance] / count : 0;
+  const int kept = nstate - FRICTION_STATES;
+  if (is_first || kept <= 0 || kept > MOST_KEPT) {
+    mj_resetData(m, d);
+    return;
+  }
+  const int first = m->plugin_stateadr[instance] + before * nstate + FRICTION_STATES;
+  mjtNum gas[MOST_KEPT];
+  mju_copy(gas, d->plugin_state + first, kept);
+  mj_resetData(m, d);
+  mju_copy(d->plugin_state + first, gas, kept);
+}
+
 // Follows the motions. Returns the index of the first instant without a balance, whose largest torque is in `seen`, or -1.
 EXPORT int bench_replay(const mjModel* model, mjData* data, const Arm* arm, const Search* search, const Course* course,
                         Seen* seen) {
@@ -280,11 +311,12 @@ EXPORT int bench_replay(const mjModel* model, mjData* data, const Arm* arm, cons
     const double* acceleration = course->acceleration + i * n;
     const double* push = course->wrench + 6 * i;
     double* found = seen->found + 2 * (size_t)i * u;
+    const double since = i ? course->time[i] - course->time[i - 1] : 0;  // [s]
     if (course->begins[i]) {
-      mj_resetData(&w.model, data);
+      begin(&w, i == 0 || since < -kOverlap);
     }
     // gas relaxes over what the plugin takes for one step
-    w.model.opt.timestep = course->begins[i] ? own_step : fmax(course->time[i] - course->time[i - 1], own_step);
+    w.model.opt.timestep = fmax(since, own_step);
     for (int j = 0; j < n; j++) {
       data->qpos[arm->q[j]] = q[j];
       data->qvel[arm->q_dof[j]] = data->qvel[arm->theta_dof[j]] = velocity[j];

@@ -68,7 +68,7 @@ def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...
     spread = np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(sign * spread, sign * spread)
     np.fill_diagonal(correlation, 0.0)
-    names = [*(nuisance.name for nuisance in linear.nuisances), *(_name(unknown) for unknown in fit.unknowns)]
+    names = [*map(str, linear.nuisances), *map(_name, fit.unknowns)]
     found = []
     for i in range(p + len(fit.unknowns)):
         partner = int(np.argmax(np.abs(correlation[i])))
@@ -111,5 +111,6 @@ def _finding(unknown: Unknown, value: float, spread: float) -> _Row:
 
 def _name(unknown: Unknown) -> str:
     cause = unknown.cause
-    where = "" if cause.place.kind == "robot" else f" ({cause.place})"
+    is_everywhere = cause.place.kind == "robot" and cause.place.recording is None
+    where = "" if is_everywhere else f" ({cause.place})"
     return f"{cause.effect.title}{where}: {unknown.parameter.name.replace('_', ' ')}"

@@ -1,4 +1,4 @@
-"""What is held out at a time: whole runs, or blocks of the one run that shows an effect alone."""
+"""What is held out at a time: whole recordings, runs of the only one, or blocks of the only run with an effect."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.segments import recordings_of
 from bench.record.campaign import Array
 
 MOST_RUNS = 40  # folds; beyond that, runs far apart in the campaign share one
-ALONE = 0.9  # of all that an extension changes; a run with more than that cannot be checked with the others
+ALONE = 0.9  # of all that an extension changes; what shows more than that cannot be checked with the others
 BLOCKS = 8  # of the only run, or of one that has to be checked with itself
 GAP = 0.25  # of a block, on both sides of it
 
@@ -23,11 +24,13 @@ class Folds:
         by: Of what kind they are.
         of_instants: Shape (T,), fold of every instant.
         gap: Shape (T, K) bool, instants that are left out beside a fold without being predicted.
+        recordings: Name of the recording that each fold is; empty where folds are something else.
     """
 
-    by: Literal["run", "block"]
+    by: Literal["recording", "run", "block"]
     of_instants: NDArray[np.int64]
     gap: NDArray[np.bool_]
+    recordings: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return int(self.gap.shape[1])
@@ -51,8 +54,9 @@ def instant_of(linear: LinearisedModel) -> NDArray[np.int64]:
 def folds_of(linear: LinearisedModel, changed: Array | None = None) -> Folds:
     """Return the folds of a campaign.
 
-    A fold is a run. Beyond 40 runs every fold takes several that lie far apart, as up and down of one sweep do not.
-    Where one run shows nearly all of an extension, it is cut into blocks, and the other runs stay whole.
+    A fold is what a later recording would be: a recording where there are several, else a run. Beyond 40 runs every
+    fold takes several that lie far apart, as up and down of one sweep do not. Where one recording shows nearly all of
+    an extension, its runs are folds beside the other recordings; where one run does, that is cut into blocks.
 
     Args:
         linear: The campaign.
@@ -60,11 +64,44 @@ def folds_of(linear: LinearisedModel, changed: Array | None = None) -> Folds:
     """
     lengths = [len(segment) for segment in linear.segments]
     run = np.repeat([linear.runs.index(segment.run) for segment in linear.segments], lengths)
-    power = np.ones(len(linear.runs)) if changed is None else np.bincount(linear.run_of, changed**2, len(linear.runs))
+    power = np.ones(len(linear.runs)) if changed is None else _sums(linear.run_of, changed**2, len(linear.runs))
+    names = recordings_of(linear.segments)
+    if len(names) == 1:
+        return _of_runs(run, power)
+    of_run = dict(
+        zip([s.run for s in linear.segments], [names.index(s.recording) for s in linear.segments], strict=True)
+    )
+    recording_of = np.array([of_run[name] for name in linear.runs])
+    share = _sums(recording_of, power, len(names))
+    alone = int(np.argmax(share))
+    recording = recording_of[run]
+    if changed is None or share[alone] <= ALONE * share.sum():
+        return Folds("recording", recording, np.zeros((len(run), len(names)), dtype=bool), names)
+    mine, runs = recording == alone, np.flatnonzero(recording_of == alone)
+    inside = _of_runs(np.searchsorted(runs, run[mine]), power[runs])
+    fold = len(inside) + recording - (recording > alone)
+    fold[mine] = inside.of_instants
+    gap = np.zeros((len(run), len(inside) + len(names) - 1), dtype=bool)
+    gap[np.flatnonzero(mine)[:, None], np.arange(len(inside))] = inside.gap
+    return Folds(inside.by, fold, gap)
+
+
+def _sums(group: NDArray[np.int64] | Array, values: Array, count: int) -> Array:
+    """Return sums over groups, shape (count,)."""
+    return np.bincount(group, values, count).astype(np.float64)
+
+
+def _of_runs(run: NDArray[np.int64], power: Array) -> Folds:
+    """Return the folds of one recording.
+
+    Args:
+        run: Shape (T,), indices of its runs.
+        power: Shape (runs,), how much of an extension each shows.
+    """
     alone = int(np.argmax(power))
-    if len(linear.runs) == 1 or power[alone] > ALONE * power.sum():
+    if len(power) == 1 or power[alone] > ALONE * power.sum():
         return _with_blocks(run, alone)
-    n_folds = min(len(linear.runs), MOST_RUNS)
+    n_folds = min(len(power), MOST_RUNS)
     return Folds("run", run % n_folds, np.zeros((len(run), n_folds), dtype=bool))
 
 

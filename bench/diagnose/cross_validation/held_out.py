@@ -2,13 +2,14 @@
 
 It pays if what was held out becomes more probable. Two kinds of things are held out, one at a time:
 
-- every run, predicted by the model fitted to the others;
+- every recording, predicted by the model fitted to the others; of a campaign that is one recording, every run;
 - every stated figure of robot and instruments, predicted by all runs and the other figures. A nominal model with
   absurd figures predicts held-out runs as well as an extension does (a gas constant 12 sigmas off acts exactly as a
   loss of gas does), so runs alone would refuse causes that are true; the figure tells.
 
-An effect that a single run shows nearly alone cannot be checked with other runs. That run is then cut into blocks of
-time, with a gap on both sides of the block that is held out; `HeldOut.by` says so, for it is the weaker proof.
+An effect that a single recording shows nearly alone cannot be checked with others; then its runs are held out. One
+that a single run shows cannot be checked with other runs. That run is then cut into blocks of time, with a gap on both
+sides of the block that is held out. `HeldOut.by` says which, for these are the weaker proofs.
 """
 
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from bench.diagnose.cross_validation.leave_out import (
 )
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
+from bench.diagnose.replay.segments import recordings_of
 from bench.record.campaign import Array
 
 DRAWS = 2000  # of the Bayesian bootstrap
@@ -71,6 +73,24 @@ class ChannelGain:
 
 
 @dataclass(frozen=True)
+class RecordingGain:
+    """What one recording says of an extension that was fitted to the others.
+
+    Attributes:
+        recording: Its name.
+        nats: Rise of its log probability; nan where it could not be held against the others.
+    """
+
+    recording: str
+    nats: float
+
+    @property
+    def confirms(self) -> bool:
+        """Whether it becomes more probable."""
+        return self.nats > NOTICEABLE
+
+
+@dataclass(frozen=True)
 class HeldOut:
     """What an extension is worth on what it was not fitted to.
 
@@ -81,15 +101,17 @@ class HeldOut:
         by: What was held out at a time.
         folds: Number of them.
         channels: One entry for each column of the campaign that is compared.
+        recordings: What each recording gains; nan where these were not what was held out, empty where there is one.
     """
 
     nats: float
     low: float
     high: float
     figures: float
-    by: Literal["run", "block"]
+    by: Literal["recording", "run", "block"]
     folds: int
     channels: tuple[ChannelGain, ...]
+    recordings: tuple[RecordingGain, ...] = ()
 
     @property
     def is_gain(self) -> bool:
@@ -127,7 +149,16 @@ def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: Linear
         by=folds.by,
         folds=len(folds),
         channels=_channels(with_play(linear, after.play), folds, first, second, weights),
+        recordings=_of_recordings(recordings_of(linear.segments), folds, two - one),
     )
+
+
+def _of_recordings(names: tuple[str, ...], folds: Folds, rise: Array) -> tuple[RecordingGain, ...]:
+    """Return what each recording gains, of the rise of every fold, shape (K,)."""
+    if len(names) == 1:
+        return ()
+    nats = dict(zip(folds.recordings, rise.tolist(), strict=True)) if folds.recordings else {}
+    return tuple(RecordingGain(name, nats.get(name, float("nan"))) for name in names)
 
 
 def _channels(
@@ -220,7 +251,7 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     Each run of the campaign is predicted by the model as fitted to the others. The logarithms of their root mean
     squares are taken as normal; one more run lies within t_(K-1) s sqrt(1 + 1/K) of their mean. Instruments that are
     set up anew bring their own errors, which are not in it. A campaign of one run is cut into blocks that stand for
-    runs.
+    runs; of several recordings, each stands for a run, and what is its own (the zero of an encoder) is fitted to it.
 
     Args:
         linear: The campaign.
@@ -232,6 +263,8 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     kinds: tuple[tuple[Literal["static", "motion"], Array], ...] = (("static", is_static), ("motion", ~is_static))
     found = []
     for c, quantity in enumerate(linear.quantities):
+        if quantity.is_known:
+            continue  # no recording to come has it
         for kind, chosen in kinds:
             seen = chosen & np.isfinite(error[:, c])
             count = folds.sums(seen.astype(np.float64))

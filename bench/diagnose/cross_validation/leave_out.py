@@ -97,6 +97,9 @@ def log_probability_of_figures(fit: Fit, tangent: Tangent, count: int | None = N
 def errors_of_folds(linear: LinearisedModel, fit: Fit, tangent: Tangent, folds: Folds, reach: float = REACH) -> Array:
     """Return measured less predicted, shape (T, c), each reading while its fold was held out; nan where not measured.
 
+    What belongs to one recording (the zero of an encoder, a payload) no other one knows. Where recordings are held out,
+    it is fitted to the one that is predicted; what is the machine's is not.
+
     Args:
         linear: The campaign.
         fit: To all of it.
@@ -114,9 +117,38 @@ def errors_of_folds(linear: LinearisedModel, fit: Fit, tangent: Tangent, folds: 
         step, _ = _step(tangent, white, (row_fold == f) | row_gap[:, f], free)
         moved = clamp.copy()
         moved[free] += step
+        if folds.recordings:
+            mine = _of_recording(linear, fit, folds.recordings[f])
+            moved[mine] = _fitted_to(tangent, fit, row_fold == f, moved, mine)
         at = folds.of_instants == f
         error[at] -= linear.sensitivities[at] @ moved[:p] + fit.jacobian[at] @ moved[p:]
     return error
+
+
+def _of_recording(linear: LinearisedModel, fit: Fit, recording: str) -> NDArray[np.int64]:
+    """Return the indices of the parameters that belong to one recording alone."""
+    whose = [nuisance.recording for nuisance in linear.nuisances]
+    whose += [unknown.cause.place.recording for unknown in fit.unknowns]
+    return np.array([i for i, name in enumerate(whose) if name == recording], dtype=np.int64)
+
+
+def _fitted_to(tangent: Tangent, fit: Fit, rows: NDArray[np.bool_], moved: Array, which: NDArray[np.int64]) -> Array:
+    """Return the steps of some parameters that suit some readings best, shape (q,), while the others moved.
+
+    Args:
+        tangent: The fit.
+        fit: The same.
+        rows: Shape (m,), the readings.
+        moved: Shape (p + k,), steps of all parameters from the fit.
+        which: Shape (q,), parameters.
+    """
+    stated = np.concatenate([fit.nuisances, fit.values - [unknown.parameter.null for unknown in fit.unknowns]])
+    prior = np.concatenate([np.ones(len(fit.nuisances)), [1 / unknown.sigma**2 for unknown in fit.unknowns]])[which]
+    others = moved.copy()
+    others[which] = 0.0
+    own = tangent.jacobian[rows][:, which]
+    pull = own.T @ (tangent.white[rows] - tangent.jacobian[rows] @ others) - prior * stated[which]
+    return np.asarray(np.linalg.solve(own.T @ own + np.diag(prior), pull), dtype=np.float64)
 
 
 def _step(tangent: Tangent, white: Array, absent: NDArray[np.bool_], free: NDArray[np.int64]) -> tuple[Array, Array]:

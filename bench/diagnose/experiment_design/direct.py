@@ -9,8 +9,10 @@ from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.experiment_design.preposterior import Expectation
 from bench.diagnose.extend.fit import Fit, world_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.levels import world_in
 from bench.diagnose.replay.nuisances import THERMOMETER_K
 from bench.diagnose.replay.replay import ideal_reading
+from bench.diagnose.replay.segments import recordings_of
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
 from bench.effects.effect import REFERENCE_K, Conditions
 from bench.robot.compiled import compile_robot
@@ -37,12 +39,14 @@ class Direct:
 def direct_measurements(linear: LinearisedModel, fits: Sequence[Fit], trace: Trace) -> tuple[Direct, ...]:
     """Return what a gas thermometer and a scale would show; each only where there is something to measure.
 
+    Of several recordings the last is meant: the machine is as it was then.
+
     Args:
         linear: Today's campaign.
         fits: Explanations.
         trace: Any motion of the nominal robot; its first instant is read.
     """
-    compiled = linear.replay.compiled
+    compiled, last = linear.replay.compiled, recordings_of(linear.segments)[-1]
     found = []
     conditions = [segment.conditions for segment in linear.segments]
     if compiled.counterbalance is not None and all(c.gas_k == REFERENCE_K for c in conditions):
@@ -50,7 +54,7 @@ def direct_measurements(linear: LinearisedModel, fits: Sequence[Fit], trace: Tra
 
         def gas_k(world: World) -> float:
             shown = thermometer
-            for acting in world.acting:
+            for acting in world_in(world, last).acting:
                 shown = acting.effect.distort(acting.place, acting.values, shown, trace[:1], conditions[0])
             return float(shown.gas_temperature[0])
 
@@ -61,7 +65,7 @@ def direct_measurements(linear: LinearisedModel, fits: Sequence[Fit], trace: Tra
         at = Conditions.reference(compiled.n_joints, payload)
 
         def mass_kg(world: World) -> float:
-            model = compile_robot(compiled.robot, edits_in(linear.replay.whole(world), at)).model
+            model = compile_robot(compiled.robot, edits_in(world_in(linear.replay.whole(world), last), at)).model
             return float(model.body_subtreemass[compiled.at.load_body])
 
         sigma = payload * max(compiled.robot.figures.uncertainty.load, LEAST_SCALE)

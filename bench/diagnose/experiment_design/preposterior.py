@@ -16,10 +16,11 @@ from bench.diagnose.extend.fit import Fit, world_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, held_friction
 from bench.diagnose.linearise.noise_covariance import whitening_of
 from bench.diagnose.linearise.torque_response import torque_response
+from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.segments import Segment, recordings_of
 from bench.diagnose.replay.simulations import simulate_all
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError
@@ -105,6 +106,7 @@ class Preposterior:
         executor: Executor = SERIAL,
     ) -> None:
         self.fits = fits
+        self._shaken = linear.shaken
         self._index: dict[int, int] = {}
         unique: list[Segment] = []
         for segment in (s for experiment in experiments for s in experiment.segments):
@@ -116,7 +118,9 @@ class Preposterior:
         self.trace = traces[0]
         self._responses = [torque_response(self._replay.compiled, trace, quantities) for trace in traces]
         held, held_changes = held_friction(self._replay, traces, tuple(self._responses))
-        nuisances = nuisances_of(self._replay.compiled, quantities)
+        nuisances = with_recordings(
+            nuisances_of(self._replay.compiled, quantities), self._replay.compiled, recordings_of(linear.segments)
+        )
         simulated = [n for n in nuisances if not (is_quick and _moves(n))]
         unknown_worlds, steps = _unknown_worlds(linear, fits)
         worlds = [NOMINAL, *(fit.world(linear) for fit in fits), *unknown_worlds]
@@ -126,15 +130,15 @@ class Preposterior:
         deviations = [
             np.zeros_like(nominal) if isinstance(f, BenchError) else f - nominal for f in found[len(worlds) :]
         ]
-        by_name = {n.name: change for n, change in zip(simulated, deviations, strict=True)}
-        by_name |= {n.name: held_changes[:, :, i] for i, n in enumerate(held)}
-        today = [n.name for n in linear.nuisances]
+        by_name = {str(n): change for n, change in zip(simulated, deviations, strict=True)}
+        by_name |= {str(n): held_changes[:, :, i] for i, n in enumerate(held)}
+        today = [str(n) for n in linear.nuisances]
         fresh = [name for name in by_name if name not in today]
         nothing = np.zeros_like(nominal)
         sensitivities = np.stack([by_name.get(name, nothing) for name in (*today, *fresh)], axis=2)
         self._split = np.cumsum([len(segment) for segment in unique])[:-1]
         self._means, self._slopes, self._covariances = [], [], []
-        names = [n.name for n in held]
+        names = [str(n) for n in held]
         for fit, mean in zip(fits, means, strict=True):
             settled = sum((by_name[n] * fit.nuisances[today.index(n)] for n in names if n in today), nothing)
             k = len(fit.unknowns)
@@ -149,7 +153,7 @@ class Preposterior:
         compiled, quantities = self._replay.compiled, self._replay.quantities
         where = [self._index[id(segment.motion)] for segment in experiment.segments]
         maps = [
-            whitening_of(compiled, segment, self._responses[i], quantities, compiled.play)
+            whitening_of(compiled, segment, self._responses[i], quantities, compiled.play, self._shaken)
             for segment, i in zip(experiment.segments, where, strict=True)
         ]
         found = []

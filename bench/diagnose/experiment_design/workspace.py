@@ -25,7 +25,7 @@ def quantities_with_more(linear: LinearisedModel) -> tuple[Quantity, ...]:
     """Return what could be compared: what is today, then link encoders, reflectors and gauge that are missing."""
     compiled = linear.replay.compiled
     instruments = compiled.robot.figures.instruments
-    there = {(q.kind, q.index, q.axis) for q in linear.quantities}
+    there = {(q.kind, q.index, q.axis) for q in _today(linear)}
     more = []
     for j, is_slide in enumerate(compiled.is_slide):
         unit = "m" if is_slide else "rad"
@@ -34,7 +34,12 @@ def quantities_with_more(linear: LinearisedModel) -> tuple[Quantity, ...]:
         more += [Quantity(f"reflector_{k + 1}_{a}_m", "reflector", "m", k, i) for i, a in enumerate(AXES)]
     if compiled.counterbalance is not None and instruments.pressure is not None:
         more.append(Quantity("gas_pressure_pa", "gas_pressure", "Pa"))
-    return linear.quantities + tuple(q for q in more if (q.kind, q.index, q.axis) not in there)
+    return _today(linear) + tuple(q for q in more if (q.kind, q.index, q.axis) not in there)
+
+
+def _today(linear: LinearisedModel) -> tuple[Quantity, ...]:
+    """Return what instruments read, which comes before what the lab knows besides."""
+    return tuple(quantity for quantity in linear.quantities if not quantity.is_known)
 
 
 class Workspace:
@@ -49,7 +54,7 @@ class Workspace:
         self.compiled: CompiledRobot = linear.replay.compiled
         self.n = self.compiled.n_joints
         self.quantities = quantities_with_more(linear)
-        self.today = np.arange(len(self.quantities)) < len(linear.quantities)
+        self.today = np.arange(len(self.quantities)) < len(_today(linear))
         segments = linear.segments
         self.statics = [s for s in segments if s.is_static]
         self.motions = [s for s in segments if not s.is_static]
@@ -108,7 +113,7 @@ class Workspace:
     def segment(
         self, motion: Motion, words: str, is_static: bool, conditions: Conditions, columns: NDArray[np.bool_]
     ) -> Segment:
-        """Return a segment in which some columns are read, shape (c,)."""
+        """Return a segment in which some columns are read, shape (c,), as if it were made in the last recording."""
         length = int(motion.read.sum())
         shape = (length, len(self.quantities))
         return Segment(
@@ -122,6 +127,7 @@ class Workspace:
             standing=np.all(motion.velocity == 0, axis=0),
             acceleration_error=np.zeros((length, self.n)),
             rings=np.zeros(length, dtype=bool),
+            recording=self.linear.segments[-1].recording,
         )
 
     def place(self, joint: int, position: float) -> str:

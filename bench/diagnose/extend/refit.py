@@ -165,7 +165,10 @@ def _fitted(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -
                 x, values, residual, best = new_x, new_values, new_residual, new
                 break
         if fell < FAITHFUL * promised and (borrowed or fell >= ENOUGH):
-            jacobian, borrowed = slopes_at(values, x, residual, {}), False
+            try:
+                jacobian, borrowed = slopes_at(values, x, residual, {}), False
+            except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
+                break
             tangent = np.concatenate([linear.jacobian, linear.whiten(jacobian)], axis=1)
             curvature, fell = tangent.T @ tangent + prior, np.inf
         elif fell == 0:

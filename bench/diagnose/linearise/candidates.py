@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.linearise.linearised_model import WHITENED_TOGETHER, LinearisedModel
 from bench.effects.effect import WHOLE, Acting, Effect, Parameter, Place
+from bench.effects.levels import places_of
 from bench.effects.recorded import NOTHING_RECORDED, Recorded
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
@@ -94,7 +95,7 @@ def causes_of(
     for effect in catalogue:
         if any(need not in measured for need in effect.needs):
             continue
-        for place in effect.places_in(compiled, recorded):
+        for place in places_of(effect, compiled, recorded):
             parameters = effect.parameters_at(compiled, place)
             sizes = tuple(parameter for parameter in parameters if not parameter.is_shape)
             shapes = tuple(parameter for parameter in parameters if parameter.is_shape)

@@ -13,6 +13,7 @@ import numpy as np
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import World
 from bench.effects.effect import Acting, Effect
+from bench.effects.levels import acts_in
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
@@ -47,6 +48,9 @@ class FirstOrder:
         j, trace = acting.place.index, self._trace
         paid, given = np.empty(len(trace)), np.empty(len(trace))
         for course, followed in self._courses:
+            if not acts_in(acting.place, course.recording):
+                paid[course.rows] = given[course.rows] = 0.0
+                continue
             torques = acting.effect.torques(acting.place, acting.values, followed)
             if torques is None:
                 return None

@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from bench.diagnose.linearise.noise_covariance import Whitening, whitening_of
+from bench.diagnose.linearise.standing_joints import shaken_share
 from bench.diagnose.linearise.torque_response import TorqueResponse, torque_response
+from bench.diagnose.replay.levels import in_recordings
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.segments import Segment, recordings_of
 from bench.diagnose.replay.simulations import simulate_all
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError
@@ -44,6 +46,7 @@ class LinearisedModel:
         responses: Of every segment to torques.
         whitenings: Of every segment.
         play: Shape (n,) [rad] or [m], of the gears, which the whitenings know.
+        shaken: Share of its friction that a standing joint takes anew at every instant.
         weighed: The segments with the standard errors that count here.
         inflation: Shape (2, c), by what the standard errors were raised for lack of fit, at rest and in motion.
         unexplained: Shape (2, c), by what they had to be raised in any case: not even everything together explains it.
@@ -54,6 +57,7 @@ class LinearisedModel:
         run_of: Shape (m,), index into `runs`.
         runs: Names of the runs.
         column_of: Shape (m,), index into the quantities; whitening mixes the quantities of an instant a little.
+        held: Share of the scatter of friction at rest that the whitenings count.
     """
 
     replay: Replay
@@ -61,6 +65,7 @@ class LinearisedModel:
     responses: tuple[TorqueResponse, ...]
     whitenings: tuple[Whitening, ...]
     play: Array
+    shaken: float
     weighed: tuple[Segment, ...]
     inflation: Array
     unexplained: Array
@@ -71,6 +76,7 @@ class LinearisedModel:
     run_of: Array
     runs: tuple[str, ...]
     column_of: Array
+    held: float = 1.0
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -140,7 +146,10 @@ def linearised_model_of(
     responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
     held, held_changes = held_friction(replay, traces, responses)
     nuisances, sensitivities = (*nuisances, *held), np.concatenate([sensitivities, held_changes], axis=2)
-    plain = _assemble(replay, nuisances, responses, replay.compiled.play, replay.segments, sensitivities, residual)
+    parts = np.split(residual, np.cumsum([len(segment) for segment in replay.segments])[:-1])
+    shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
+    noise = (replay.compiled.play, shaken, 1.0)
+    plain = _assemble(replay, nuisances, responses, noise, replay.segments, sensitivities, residual)
     # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
     return roughened(plain, residual - plain.sensitivities @ fit(plain), [segment.rings for segment in replay.segments])
 
@@ -178,6 +187,11 @@ def with_play(linear: LinearisedModel, play: Array) -> LinearisedModel:
     return linear if is_same_play(play, linear.play) else _reassembled(linear, linear.weighed, play)
 
 
+def with_held(linear: LinearisedModel, held: float) -> LinearisedModel:
+    """Return the design with another share of the scatter of friction at rest."""
+    return linear if held == linear.held else _reassembled(linear, linear.weighed, linear.play, held)
+
+
 def is_same_play(one: Array, other: Array) -> bool:
     """Whether two plays, shape (n,) each, scatter links alike."""
     return bool(np.all(np.abs(one - other) <= SAME_PLAY * np.maximum(one, other)))
@@ -208,9 +222,12 @@ def held_friction(
 ) -> tuple[tuple[Nuisance, ...], Array]:
     """Return nuisances for how much of its friction a joint still holds at rest, and their changes, shape (T, c, q).
 
-    Settling and shaking let go of part of it, on each side of the gear, and more in one joint than in another.
+    Settling and shaking let go of part of it, on each side of the gear, and more in one joint than in another; part of
+    that is another one in each recording.
     """
     found, sensitivities = [], []
+    recordings = recordings_of(replay.segments)
+    whose = np.repeat([segment.recording for segment in replay.segments], [len(segment) for segment in replay.segments])
     for j, drive in enumerate(replay.compiled.robot.figures.drives):
         for side, sigma in (("motor", HELD_MOTOR), ("link", HELD_LINK)):
             change = np.concatenate(
@@ -221,9 +238,12 @@ def held_friction(
                     for segment, trace, response in zip(replay.segments, traces, responses, strict=True)
                 ]
             )
-            if np.any(change):
-                found.append(Nuisance(f"{side}-side friction held at rest by {drive.joint}", "", sigma))
-                sensitivities.append(sigma * change)
+            held = Nuisance(f"{side}-side friction held at rest by {drive.joint}", "", sigma, between="drifts")
+            for one in in_recordings(held, recordings):
+                own = change if one.recording is None else np.where((whose == one.recording)[:, None], change, 0.0)
+                if np.any(own):
+                    found.append(one)
+                    sensitivities.append(one.sigma * own)
     if not found:
         return (), np.zeros((*replay.shape, 0))
     return tuple(found), np.stack(sensitivities, axis=2)
@@ -241,9 +261,12 @@ def _sound(found: Array | BenchError) -> Array:
     return found
 
 
-def _reassembled(linear: LinearisedModel, segments: tuple[Segment, ...], play: Array) -> LinearisedModel:
+def _reassembled(
+    linear: LinearisedModel, segments: tuple[Segment, ...], play: Array, held: float | None = None
+) -> LinearisedModel:
     known = (linear.replay, linear.nuisances, linear.responses)
-    new = _assemble(*known, play, segments, linear.sensitivities, linear.residual)
+    noise = (play, linear.shaken, linear.held if held is None else held)
+    new = _assemble(*known, noise, segments, linear.sensitivities, linear.residual)
     return replace(new, inflation=linear.inflation, unexplained=linear.unexplained)
 
 
@@ -251,13 +274,13 @@ def _assemble(
     replay: Replay,
     nuisances: tuple[Nuisance, ...],
     responses: tuple[TorqueResponse, ...],
-    play: Array,
+    noise: tuple[Array, float, float],
     segments: tuple[Segment, ...],
     sensitivities: Array,
     residual: Array,
 ) -> LinearisedModel:
     whitenings = tuple(
-        whitening_of(replay.compiled, segment, response, replay.quantities, play)
+        whitening_of(replay.compiled, segment, response, replay.quantities, *noise)
         for segment, response in zip(segments, responses, strict=True)
     )
     runs = tuple(dict.fromkeys(segment.run for segment in segments))
@@ -270,8 +293,9 @@ def _assemble(
     )
     empty = np.empty(0)
     ones = np.ones((2, c))
-    known = (replay, nuisances, responses, whitenings, play, segments, ones, ones, sensitivities, residual)
-    draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of)
+    play, shaken, held = noise
+    known = (replay, nuisances, responses, whitenings, play, shaken, segments, ones, ones, sensitivities, residual)
+    draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of, held)
     both = draft.whiten(np.concatenate([sensitivities, residual[:, :, None]], axis=2))
     return replace(draft, jacobian=both[:, :-1], white=both[:, -1])
 

@@ -189,6 +189,11 @@ class Nuisances:
         self._every = every
         self._factor = np.linalg.cholesky(np.eye(every.shape[1]) + every.T @ every)
 
+    @property
+    def log_determinant(self) -> float:
+        """Half of the logarithm of the determinant of M, the covariance of whitened readings."""
+        return float(np.sum(np.log(np.diag(self._factor))))
+
     def regression(self, known: Array, columns: Array) -> Array:
         """Return the coefficients of columns, shape (m, k), on known ones, shape (m, n): shape (n, k)."""
         reduced = [solve_triangular(self._factor, self._every.T @ some, lower=True) for some in (known, columns)]

@@ -25,7 +25,6 @@ from bench.robot.compiled import CompiledRobot
 MOTOR_REST, LINK_REST = 0.8, 0.15  # anew at every rest
 MOTOR_VISIT, LINK_VISIT = 2.0, 0.6  # the same for a visit; a motor may have let go of all it held
 STANDING = 1.0  # a joint that stands while others move: anywhere between its two levels, changing slowly
-STANDING_REST = 0.3  # and by so much anew at every instant
 SLOWNESS = 5  # polynomials over the run that describe the slow change
 PLACED = 12**-0.5  # of a gap: where a loose link rests, it may be anywhere within it
 BOUNCES = 0.7  # of a gap, anew at every instant, when a link bounces at a flank that hardly any torque holds it to
@@ -91,6 +90,8 @@ def whitening_of(
     response: TorqueResponse,
     quantities: tuple[Quantity, ...],
     play: Array,
+    shaken: float,
+    held: float = 1.0,
 ) -> Whitening:
     """Return how a segment is whitened.
 
@@ -100,6 +101,8 @@ def whitening_of(
         response: Of its readings to torques.
         quantities: What is compared.
         play: Shape (n,) [rad] or [m], of the gears.
+        shaken: Share of its friction that a standing joint takes anew at every instant (`standing_joints.py`).
+        held: Share of the scatter of friction at rest that counts: less than all of it where rests repeat.
     """
     length, c = segment.observed.shape
     measured = np.isfinite(segment.observed) & np.isfinite(segment.sigma)
@@ -107,14 +110,14 @@ def whitening_of(
         is_gain = np.array([quantity.is_drive and bool(segment.standing[quantity.index]) for quantity in quantities])
         measured &= ~is_gain
     n = compiled.n_joints
-    levels = np.concatenate([compiled.link_coulomb, compiled.motor_coulomb])
+    levels = held * np.concatenate([compiled.link_coulomb, compiled.motor_coulomb])
     if segment.is_static:
         stands = np.ones(n, dtype=bool)
         once, lasting = np.repeat([LINK_REST, MOTOR_REST], n), np.repeat([LINK_VISIT, MOTOR_VISIT], n)
         slow = np.asarray(np.ones((length, 1)), dtype=np.float64)
     else:
         stands = segment.standing
-        once, lasting = STANDING_REST * np.tile(stands, 2), STANDING * np.tile(stands, 2)
+        once, lasting = shaken * np.tile(stands, 2), STANDING * np.tile(stands, 2)
         slow = np.asarray(legendre.legvander(np.linspace(-1, 1, length), SLOWNESS - 1), dtype=np.float64)
     spread = np.concatenate([response.link, response.motor], axis=2) * levels  # (T, c, 2n), a whole level
     spread = np.where(measured[:, :, None], spread, 0.0)

@@ -49,7 +49,10 @@ def session_of(segments: Sequence[Segment], store: Store) -> Session:
     own = _arrays_of(segments)
     equal = [name for name in (field.name for field in fields(Motion)) if name not in COMPARED]
     group = digest(
-        [(s.run, s.label, s.is_static, len(s.motion), *(getattr(s.motion, name) for name in equal)) for s in segments]
+        [
+            (s.run, s.recording, s.label, s.is_static, len(s.motion), *(getattr(s.motion, name) for name in equal))
+            for s in segments
+        ]
     )
     key = group + digest(own)
     known = store.known(group)

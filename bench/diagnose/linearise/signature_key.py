@@ -113,7 +113,7 @@ def groups_of(
     except TypeError:
         return ()
     weather = digest([(segment.run, segment.conditions) for segment in session.segments])
-    named = [(nuisance.name, nuisance.unit, nuisance.sigma) for nuisance in nuisances]
+    named = [(n.name, n.recording, n.unit, n.sigma, n.said_before) for n in nuisances]
     groups = [Group("nuisances", tuple(range(len(nuisances))), digest(about, "nuisances", named))] if nuisances else []
     effects = {acting.effect.name: acting.effect for acting in plan}
     for name, effect in effects.items():
@@ -142,7 +142,7 @@ def _key_of_all(compiled: CompiledRobot, quantities: tuple[Quantity, ...], aroun
         bare_spec(compiled.robot).to_xml(),
         compiled.robot.figures.model_dump_json(),
         quantities,
-        [(nuisance.name, value) for nuisance, value in around.deviations.items()],
+        [(nuisance.name, nuisance.recording, value) for nuisance, value in around.deviations.items()],
         [(source_of(one.effect), one.place, dict(one.values)) for one in around.acting],
         session.key,
     )

@@ -84,7 +84,7 @@ class Signatures:
     @property
     def asked(self) -> tuple[tuple[Quantity, ...], tuple[str, ...], tuple[tuple[str, str], ...]]:
         """What it is about: quantities, names of nuisances, causes."""
-        names = tuple(nuisance.name for nuisance in self.nuisances)
+        names = tuple(str(nuisance) for nuisance in self.nuisances)
         return self.quantities, names, tuple(cause.key for cause in self.causes)
 
     @property

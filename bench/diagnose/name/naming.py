@@ -1,6 +1,6 @@
 """Name: what the data say. Causes, sets of what cannot be told apart, several causes, or none that is listed."""
 
-from collections.abc import Hashable, Sequence, Set
+from collections.abc import Hashable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -13,11 +13,11 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening
+from bench.diagnose.name.groups import IN_SET, AmbiguityGroup
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.search import Alternative
 
 Kind = Literal["nothing found", "cause", "several causes", "unlisted cause", "nothing found so far"]
-IN_SET = 6.0  # log posterior odds behind the best, up to where a model is not told apart from it (odds of 400)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +52,7 @@ class Naming:
         screening: Everything that was tried against the nominal model.
         findings: Of the best model, the one with the most evidence first; then those that were refused.
         linear: The campaign linearised about the best model, its standard errors.
+        groups: Of each listed finding of the best model, what could stand in its place.
         promising: Causes that the last search found likely and that were not fitted.
         stopped: Why the search ended early; "" where it did not.
     """
@@ -62,6 +63,7 @@ class Naming:
     screening: Screening
     findings: tuple[Finding, ...]
     linear: LinearisedModel
+    groups: tuple[AmbiguityGroup, ...] = ()
     promising: tuple[Cause, ...] = ()
     stopped: str = ""
 
@@ -80,13 +82,13 @@ class Naming:
         return tuple(m for i, m in enumerate(near) if not any(better.keys < m.keys for better in near[:i]))
 
 
-def with_probabilities(
+def posterior_of(
     models: Sequence[Model], found: Sequence[Alternative], fell: Set[frozenset[Hashable]] = frozenset()
-) -> tuple[Model, ...]:
-    """Return models with the probability that all of their findings are at work, among everything that was visited.
+) -> dict[frozenset[Hashable], float]:
+    """Return the logarithm of the posterior odds of every subset that was visited.
 
-    What has all findings of a likelier model and more counts for that model. What was not simulated counts as
-    linearised, shifted by what simulation made of the best, and for no more than the least of those that promised more.
+    What was not simulated counts as linearised, shifted by what simulation made of the best, and for no more than the
+    least of those that promised more.
 
     Args:
         models: Simulated, the most probable first.
@@ -102,7 +104,18 @@ def with_probabilities(
     def expected(value: float) -> float:
         return min([value + offset, *(made for promised, made in tried if promised >= value)])
 
-    every = {keys: expected(value) for keys, value in linear.items()} | simulated
+    return {keys: expected(value) for keys, value in linear.items()} | simulated
+
+
+def with_probabilities(models: Sequence[Model], every: Mapping[frozenset[Hashable], float]) -> tuple[Model, ...]:
+    """Return models with the probability that all of their findings are at work, among everything that was visited.
+
+    What has all findings of a likelier model and more counts for that model.
+
+    Args:
+        models: Simulated, the most probable first.
+        every: Logarithm of the posterior odds of every subset, from `posterior_of`.
+    """
     total = float(logsumexp(list(every.values())))
     mass: dict[frozenset[Hashable], float] = {}
     for keys in sorted(every, key=lambda keys: -every[keys]):

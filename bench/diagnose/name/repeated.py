@@ -10,7 +10,7 @@ from collections.abc import Hashable, Iterator, Mapping, Sequence
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from bench.diagnose.cross_validation.folds import folds_of
+from bench.diagnose.cross_validation.folds import Folds, folds_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Tried
 from bench.diagnose.name.models import Model
@@ -42,7 +42,19 @@ def repeats(
     found = []
     for model in _without_parts(linear, tried, about):
         found.append(alternatives_of(model, search(model, [about.present], shape, EXPANDED))[0].keys)
-    return {key: float(np.mean([bool(keys & one) for one in found])) for key, keys in same.items()}
+    parts = _parts_of(folds_of(linear))
+    whose: Mapping[Hashable, int] = {
+        cause.key: parts[cause.place.recording] for cause in models[0].causes if cause.place.recording in parts
+    }
+    return {
+        key: float(np.mean([bool(keys & one) for part, one in enumerate(found) if part != whose.get(key)]))
+        for key, keys in same.items()
+    }
+
+
+def _parts_of(folds: Folds) -> Mapping[str | None, int]:
+    """Return with which part a recording is left out; what belongs to it alone cannot be found then."""
+    return {name: fold % min(PARTS, len(folds)) for fold, name in enumerate(folds.recordings)}
 
 
 def _without_parts(linear: LinearisedModel, tried: Tried, about: SearchSpace) -> Iterator[SubsetPosterior]:

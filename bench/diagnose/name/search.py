@@ -191,6 +191,25 @@ def search(
     return sorted(found, key=lambda subset: -subset.log_posterior)
 
 
+def exchanges(model: SubsetPosterior, subset: Subset, always: tuple[int, ...] = ()) -> list[Subset]:
+    """Return every subset in which another listed term stands in the place of one, up to `WINDOW` behind it.
+
+    Args:
+        model: What may be exchanged for what.
+        subset: The best one.
+        always: Terms that are not exchanged.
+    """
+    found = []
+    for gone in sorted(set(subset.terms) - set(always)):
+        rest = tuple(i for i in subset.terms if i != gone)
+        value = model.log_posterior(rest) + model.additions(rest)
+        for i in np.flatnonzero(value > subset.log_posterior - WINDOW):
+            if i != gone and model.terms[i].is_listed:
+                terms = tuple(sorted((*rest, int(i))))
+                found.append(Subset(terms, model.log_posterior(terms)))
+    return found
+
+
 @dataclass(frozen=True)
 class Alternative:
     """Subsets that say the same but for the shapes of their terms.

@@ -21,10 +21,11 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.linearise.threshold import LEAST
+from bench.diagnose.name.groups import AmbiguityGroup, groups_of
 from bench.diagnose.name.models import CandidateModel, Fitter, Model, log_of_signs, without_shape
-from bench.diagnose.name.naming import Finding, Kind, Naming, with_probabilities
+from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.repeated import repeats
-from bench.diagnose.name.search import WINDOW, Alternative, alternatives_of, search
+from bench.diagnose.name.search import WINDOW, Alternative, alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import SearchSpace, search_space
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
@@ -89,6 +90,8 @@ class _Selection:
     refused: dict[Hashable, Finding] = field(default_factory=dict)
     refused_shapes: set[str] = field(default_factory=set)
     promising: tuple[Cause, ...] = ()
+    causes: dict[Hashable, Cause] = field(default_factory=dict)
+    posterior: dict[frozenset[Hashable], float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.nominal, self.tried = self.linear, self.screening.tried
@@ -113,9 +116,18 @@ class _Selection:
             screening=self.screening,
             findings=(*ranked, *self.refused.values()),
             linear=self.nominal if is_null else self.linear,
+            groups=self._groups(ranked),
             promising=self.promising if stopped else (),
             stopped=stopped,
         )
+
+    def _groups(self, ranked: Sequence[Finding]) -> tuple[AmbiguityGroup, ...]:
+        """Return what could stand in the place of each listed finding of the best model, the surest finding first."""
+        if self.best.keys not in self.posterior:
+            return ()  # stopped before a search about it
+        first = [finding.cause.key for finding in ranked]
+        every = [*first, *(key for key in self.best.keys if key not in first)]
+        return groups_of(every, self.posterior, self.causes)
 
     def run(self) -> None:
         """Search until the best model repeats, then with honest errors, and keep what pays on what was held out.
@@ -148,9 +160,12 @@ class _Selection:
         threshold, refused = self.screening.threshold, frozenset(self.refused) | self.refused_shapes
         about = search_space(self.linear, self.tried, threshold, self.best, refused)
         shape = about.present[-1:] if self.best.shape else ()
-        found = alternatives_of(about.model, search(about.model, [about.present], shape))
+        visited = search(about.model, [about.present], shape)
+        every = {one.terms: one for one in (*visited, *exchanges(about.model, visited[0], shape))}
+        found = alternatives_of(about.model, every.values())
         causes = [about.cause(i) for i in found[0].best.terms]
         self.promising = tuple(cause for cause in causes if cause)
+        self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
         count = LEADERS if is_last else LEADERS // 2
         leaders = [one.best.terms for one in _leaders(found, count)]
         known = self.best.fit if self.best.keys and not self.best.shape else None
@@ -168,7 +183,8 @@ class _Selection:
         models = sorted([Model(self.null), *models], key=lambda model: -model.log_posterior)
         # whatever was promised of those that could not be fitted, or did not need all of their causes
         fell = {keys for keys, model in fitter.models.items() if model is None or model.keys != keys}
-        self.models = with_probabilities(models, found, fell)
+        self.posterior = posterior_of(models, found, fell)
+        self.models = with_probabilities(models, self.posterior)
         self.best = self.models[0]
 
     def _relinearise(self, *, is_last: bool = False) -> None:

@@ -22,10 +22,11 @@ from bench.diagnose.replay.segments import Segment, segments_of
 from bench.effects.places import speed_limit, torque_limit
 from bench.errors import ConvergenceError
 from bench.record.campaign import Array, Campaign
+from bench.record.carried import with_payloads
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
-BINS = 400  # of all motion; enough to tell a sign
+BINS = 400  # of one run at most; enough to tell a sign
 BLOCKS = 6  # of the readings; what is said has to hold with any of them left out
 LEAST = 30  # readings of a drive in motion
 GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
@@ -47,6 +48,7 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     if any(finding.level == "doubt" and finding.column.startswith(("q_", "load_")) for finding in known):
         return ()
     told = {finding.column for finding in known}
+    campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
     try:
         segments = segments_of(campaign, compiled, every, BINS)

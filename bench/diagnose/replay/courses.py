@@ -19,6 +19,7 @@ class Course:
 
     Attributes:
         run: Name of the only run that it is of; "" where worlds do not tell runs apart.
+        recording: Name of the recording that it is of.
         conditions: Under which, as the lab knows them.
         motion: Of all of them, joined.
         instants: Shape (T,), where these stand among all instants of the campaign.
@@ -27,6 +28,7 @@ class Course:
     """
 
     run: str
+    recording: str
     conditions: Conditions
     motion: Motion
     instants: NDArray[np.intp]
@@ -59,6 +61,7 @@ def courses_of(
         courses.append(
             Course(
                 run=first.run if len(runs) == 1 else "",
+                recording=first.recording,
                 conditions=conditions,
                 motion=Motion.concatenate(segments[i].motion for i in members),
                 instants=_indices(instants, members),

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.diagnose.replay.quantities import Quantity
+from bench.effects.effect import IN_RECORDING, Between
 from bench.effects.nominal import nominal_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
@@ -16,6 +17,9 @@ from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_
 
 # [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold; assumed
 THERMOMETER_K = 2.0
+# Relative, of a torque constant from recording to recording: magnets lose 0.1 %/K (`effects/sensing_drive.py`), and
+# motors are as warm within 10 K (1 sigma), assumed.
+WARM_MAGNETS = 0.01
 UNKNOWN_ZERO = 1e-3  # [rad] or [m], how well secondary encoders are zeroed where the figures do not say, assumed
 
 OnReading = Callable[[float, Reading], Reading]
@@ -33,6 +37,11 @@ class Nuisance:
         on_reading: How it changes readings, or None.
         scales_wrench: It is the relative error of what hangs at the load point.
         scales_payload: It is the relative error of what is bolted to it.
+        between: What becomes of it between two recordings, as of an effect (`effects/effect.py`).
+        recording: Name of the only recording in which it acts; None: in all.
+        drift: Of what drifts, standard deviation of each recording beside `sigma`, which they share; None: both are
+            parts of `sigma` (`levels.DRIFTING`).
+        said_before: What each reading of an earlier diagnosis changes by with one unit of it (`given.py`).
     """
 
     name: str
@@ -42,6 +51,14 @@ class Nuisance:
     on_reading: OnReading | None = None
     scales_wrench: bool = False
     scales_payload: bool = False
+    between: Between = "same"
+    recording: str | None = None
+    drift: float | None = None
+
+    def __str__(self) -> str:
+        return self.name if self.recording is None else f"{self.name}{IN_RECORDING}{self.recording}"
+
+    said_before: tuple[float, ...] = ()
 
 
 def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[Nuisance, ...]:
@@ -50,7 +67,7 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     found = [Nuisance(p.name, p.unit, p.sigma, edit=p.edit) for p in nominal_parameters(compiled)]
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))
-    found.append(Nuisance("weights bolted on", "", load, scales_payload=True))
+    found.append(Nuisance("weights bolted on", "", load, scales_payload=True, between="anew"))
     found += _drives(compiled, kinds) + _tracker(compiled, quantities) + _force(compiled, kinds)
     if "gas_temperature" in kinds:
         found.append(Nuisance("thermometer of the gas", "K", THERMOMETER_K, on_reading=_thermometer))
@@ -58,7 +75,10 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
         fitted = compiled.robot.figures.instruments.link_encoder
         sigma = fitted.offset_sigma_rad if fitted else UNKNOWN_ZERO
         joints = [quantity.index for quantity in quantities if quantity.kind == "q_link"]
-        found += [Nuisance(f"zero of link encoder {j + 1}", "rad", sigma, on_reading=_link_zero(j)) for j in joints]
+        found += [
+            Nuisance(f"zero of link encoder {j + 1}", "rad", sigma, on_reading=_link_zero(j), between="anew")
+            for j in joints
+        ]
     return tuple(nuisance for nuisance in found if nuisance.sigma > 0)
 
 
@@ -70,14 +90,21 @@ def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
         if "current" in kinds:
             gain = float(np.hypot(drive.torque_constant_error, current.gain_sigma if current else 0.0))
             offset = current.offset_sigma_a if current else 0.0
-            found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_current_gain(j)))
-            found.append(Nuisance(f"current offset of {drive.joint}", "A", offset, on_reading=_current_offset(j)))
+            found.append(_torque_constant(drive.joint, gain, _current_gain(j)))
+            zero = Nuisance(f"current offset of {drive.joint}", "A", offset, on_reading=_current_offset(j))
+            found.append(replace(zero, between="drifts"))
         if "tau_motor" in kinds:
             gain = torque.gain_sigma if torque else drive.torque_constant_error
-            found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_torque_gain(j)))
+            found.append(_torque_constant(drive.joint, gain, _torque_gain(j)))
             offset = torque.offset_sigma_nm if torque else 0.0
-            found.append(Nuisance(f"torque offset of {drive.joint}", "Nm", offset, on_reading=_torque_offset(j)))
+            zero = Nuisance(f"torque offset of {drive.joint}", "Nm", offset, on_reading=_torque_offset(j))
+            found.append(replace(zero, between="drifts"))
     return found
+
+
+def _torque_constant(joint: str, sigma: float, on_reading: OnReading) -> Nuisance:
+    name = f"torque constant of {joint}"
+    return Nuisance(name, "", sigma, on_reading=on_reading, between="drifts", drift=WARM_MAGNETS)
 
 
 def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[Nuisance]:
@@ -88,11 +115,12 @@ def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[
     found = []
     for axis, name in enumerate("xyz"):
         direction = np.eye(3)[axis]
-        found += [
+        set_up = [
             Nuisance(f"tracker frame, shift {name}", "m", tracker.frame_sigma_m, on_reading=_shift(direction)),
             Nuisance(f"tracker frame, turn {name}", "rad", tracker.frame_sigma_rad, on_reading=_turn(direction)),
             Nuisance(f"tracker drift {name}", "m/h", tracker.drift_m_per_h, on_reading=_drift(direction)),
         ]
+        found += [replace(nuisance, between="anew") for nuisance in set_up]
         found += [
             Nuisance(f"nest of reflector {k + 1}, {name}", "m", tracker.placement_sigma_m, on_reading=_nest(k, axis))
             for k in reflectors

@@ -17,7 +17,8 @@ class Quantity:
 
     Attributes:
         column: Name in the campaign.
-        kind: "current", "tau_motor", "reflector", "q_link", "force", "moment", "gas_pressure", "gas_temperature".
+        kind: "current", "tau_motor", "reflector", "q_link", "force", "moment", "gas_pressure", "gas_temperature"; with
+            "known_" in front what the lab knows besides (`known.py`).
         unit: SI.
         index: Drive or reflector, from 0.
         axis: 0 to 2 for vectors.
@@ -35,13 +36,20 @@ class Quantity:
         return self.kind in ("current", "tau_motor")
 
     @property
+    def is_known(self) -> bool:
+        """Whether no table has it: the lab knows it besides, and a world says it, not a reading."""
+        return self.kind.startswith("known_")
+
+    @property
     def is_of_drive(self) -> bool:
         """Whether it belongs to one joint; `index` is its drive."""
         return self.is_drive or self.kind == "q_link"
 
     def of(self, reading: Reading) -> Array:
-        """Return its predicted values, shape (T,)."""
+        """Return its predicted values, shape (T,); zeros of what only a world says."""
         values: Array
+        if self.is_known:
+            return np.zeros(len(reading.time))
         match self.kind:
             case "current":
                 values = reading.current[:, self.index]

@@ -14,8 +14,11 @@ import numpy as np
 
 from bench.diagnose.replay.courses import Course, count_of, courses_of, slices_of, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
+from bench.diagnose.replay.given import EARLIER, LABEL, said_before
 from bench.diagnose.replay.jacobians import reflector_jacobians
+from bench.diagnose.replay.known import known_value
 from bench.diagnose.replay.late import read_late
+from bench.diagnose.replay.levels import is_told_apart, world_in
 from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
@@ -30,7 +33,7 @@ from bench.diagnose.replay.world import (
     moved,
     steps_of,
 )
-from bench.effects.effect import REFERENCE_K, Conditions, Effect
+from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect
 from bench.effects.followed import Followed
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
@@ -70,6 +73,9 @@ class Replay:
         self._known: OrderedDict[Hashable, Trace] = OrderedDict()
         self._lock = Lock()
         self._rows = slices_of(count_of(segment) for segment in segments)
+        self._recordings: dict[str, list[int]] = {}  # recording -> its segments
+        for i, segment in enumerate(segments):
+            self._recordings.setdefault(segment.recording, []).append(i)
         self._plans: OrderedDict[Hashable, tuple[Course, ...]] = OrderedDict()
         nominal = self._courses(NOMINAL)
         # where links and passive hinges of the nominal robot balance; every search starts there
@@ -97,23 +103,43 @@ class Replay:
 
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
-        world = self.whole(world)
+        given, world = world, self.whole(world)
+        if not is_told_apart(world):
+            shown = self._read(world, self.segments, trace)
+        else:
+            shown = np.empty(self.shape)
+            for recording, members in self._recordings.items():
+                segments = tuple(self.segments[i] for i in members)
+                rows = np.concatenate([np.arange(self._rows[i].start, self._rows[i].stop) for i in members])
+                shown[rows] = self._read(world_in(world, recording), segments, trace[rows])
+        if any(quantity.is_known for quantity in self.quantities):
+            self._say_known(shown, given, trace)
+        return shown
+
+    def _read(self, world: World, segments: tuple[Segment, ...], trace: Trace) -> Array:
+        """Return the same for segments in which all of a world acts, but for what is known besides."""
         late = [acting.effect.lateness(acting.place, acting.values) for acting in world.acting]
-        trace = read_late(self.compiled, self.segments, trace, [one for one in late if one])
+        trace = read_late(self.compiled, segments, trace, [one for one in late if one])
         reading = ideal_reading(self.compiled, trace)
-        distorting = [acting for acting in world.acting if type(acting.effect).distort is not Effect.distort]
-        if distorting:
-            parts = []
-            for segment, rows in zip(self.segments, self._rows, strict=True):
-                seen, there = reading[rows], trace[rows]
-                for acting in distorting:
-                    seen = acting.effect.distort(acting.place, acting.values, seen, there, segment.conditions)
-                parts.append(seen)
-            reading = Reading.concatenate(parts)
+        reading = _distorted(reading, segments, trace, world.acting)
         for nuisance, value in world.deviations.items():
             if nuisance.on_reading:
                 reading = nuisance.on_reading(value, reading)
         return predicted(self.quantities, reading)
+
+    def _say_known(self, values: Array, world: World, trace: Trace) -> None:
+        """Write what the lab knows besides, as it is in a world; errors of the recording are not in it."""
+        of_machine = [one for one in self.whole(world).acting if one.effect.level == "machine"]
+        reading = _distorted(ideal_reading(self.compiled, trace), self.segments, trace, of_machine)
+        for segment, mine in zip(self.segments, self._rows, strict=True):
+            if segment.label == LABEL:
+                values[mine, self.quantities.index(EARLIER)] = said_before(world.deviations, len(segment))
+        for course in self._courses(world):
+            compiled, rows = self._robot(world, true_conditions(world, course)), course.rows
+            for c, quantity in enumerate(self.quantities):
+                if quantity.is_known and quantity != EARLIER:
+                    known = quantity, compiled, trace.gas_force[rows], reading.gas_temperature[rows]
+                    values[rows, c] = known_value(*known)
 
     def trace(self, world: World) -> Trace:
         """Return the true motion in a world at all instants that are read, segment after segment.
@@ -129,7 +155,7 @@ class Replay:
                 self._known.move_to_end(key)
                 return self._known[key]
         courses = self._courses(world)
-        trace = self._joined(courses, [self._followed(world, course)[0] for course in courses])
+        trace = self._joined(courses, [self._moved_along(world, course) for course in courses])
         with self._lock:
             self._known[key] = trace
             if len(self._known) > MOST_KNOWN:
@@ -157,7 +183,7 @@ class Replay:
                 for segment, first in zip(segments, np.cumsum([0, *lengths[:-1]]), strict=True)
             ]
             followed = Followed(
-                compiled=self._robot(world, true_conditions(world, course)),
+                compiled=self._robot_along(world, course),
                 trace=trace[course.rows],
                 acceleration=course.motion.acceleration[course.motion.read],
                 visit=np.repeat(visits, lengths),
@@ -197,7 +223,8 @@ class Replay:
     def _courses(self, world: World) -> tuple[Course, ...]:
         """Return what each model of a world follows."""
         world = self.whole(world)
-        models = tuple(model_of(world, segment.run, segment.conditions) for segment in self.segments)
+        here = {recording: world_in(world, recording) for recording in self._recordings}
+        models = tuple(model_of(here[s.recording], s.run, s.recording, s.conditions) for s in self.segments)
         key = models, depends_on_conditions(world)
         with self._lock:
             if key in self._plans:
@@ -210,9 +237,16 @@ class Replay:
                 self._plans.popitem(last=False)
         return plan
 
+    def _moved_along(self, world: World, course: Course) -> Trace:
+        """Return the truth along a course, at what is read of it."""
+        if not changes_robot(world_in(world, course.recording)):
+            return self._nominal[course.rows]
+        return self._followed(world, course)[0]
+
     def _followed(self, world: World, course: Course) -> tuple[Trace, Array]:
         """Return the truth along a course, at what is read of it, and what the search found at all its instants."""
-        compiled = self._robot(world, true_conditions(world, course))
+        compiled = self._robot_along(world, course)
+        world = world_in(world, course.recording)
         robot = Prescribed(compiled, self._structure.data_for(compiled), self._tolerance)
         error = log_error_of(world, course.run)
         as_fitted, _ = moved(course.motion, self.fitted)
@@ -241,6 +275,11 @@ class Replay:
         order = np.argsort(np.concatenate([course.rows for course in courses]))
         return Trace.concatenate(traces)[order]
 
+    def _robot_along(self, world: World, course: Course) -> CompiledRobot:
+        """Return the robot that follows a course."""
+        here = world_in(world, course.recording)
+        return self._robot(here, true_conditions(here, course))
+
     def _robot(self, world: World, conditions: Conditions) -> CompiledRobot:
         return self._structure.robot(steps_of(self.whole(world), conditions))
 
@@ -261,3 +300,18 @@ def ideal_reading(compiled: CompiledRobot, trace: Trace) -> Reading:
         gas_pressure=trace.gas_force / area,
         gas_temperature=np.full(len(trace), REFERENCE_K),
     )
+
+
+def _distorted(reading: Reading, segments: Iterable[Segment], trace: Trace, acting: Iterable[Acting]) -> Reading:
+    """Return what instruments show in which some effects act."""
+    distorting = [one for one in acting if type(one.effect).distort is not Effect.distort]
+    if not distorting:
+        return reading
+    known = tuple(segments)
+    parts = []
+    for segment, rows in zip(known, slices_of(count_of(one) for one in known), strict=True):
+        seen, there = reading[rows], trace[rows]
+        for one in distorting:
+            seen = one.effect.distort(one.place, one.values, seen, there, segment.conditions)
+        parts.append(seen)
+    return Reading.concatenate(parts)

@@ -4,6 +4,7 @@ A static run is read visit by visit: the pose is approached from its side, then 
 mean with its standard error. A motion is cut into bins of constant direction, short against everything that changes.
 """
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -22,7 +23,11 @@ from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
 BY_CHANCE = 1e-4  # probability up to which the scatter of repeats is taken for their instrument's
-MOST_BINS = 700  # over all motion of a campaign; a replay of so many takes some milliseconds
+MOST_BINS = 700  # of one run; a replay of so many takes some milliseconds
+# Bins times channels of all runs together, for memory: a diagnosis of the HH-150 with all causes takes 29 kB for each
+# (0.86 GB with 620 bins of 15 channels, 1.48 GB with 2030). Ten recordings of a KR300 have a third of it. Only beyond
+# does the resolution of a run depend on the others.
+MOST_READINGS = 40_000
 
 
 Index = NDArray[np.int64]
@@ -45,6 +50,7 @@ class Segment:
         acceleration_error: Shape (T, n), standard deviation of the motors' accelerations, as differentiated.
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest, and for a motion that nobody measured.
+        recording: Name of the recording that the run belongs to.
     """
 
     run: str
@@ -58,9 +64,15 @@ class Segment:
     acceleration_error: Array
     rings: NDArray[np.bool_]
     path: Path | None = None
+    recording: str = ""
 
     def __len__(self) -> int:
         return len(self.observed)
+
+
+def recordings_of(segments: Iterable[Segment]) -> tuple[str, ...]:
+    """Return the names of the recordings that segments belong to, in order."""
+    return tuple(dict.fromkeys(segment.recording for segment in segments))
 
 
 def segments_of(
@@ -72,13 +84,14 @@ def segments_of(
         campaign: A checked campaign.
         compiled: Its robot.
         quantities: What to compare.
-        most_bins: How many bins all motion together may have.
+        most_bins: How many bins the motion of one run may have.
     """
     noise = Noise(campaign, compiled.robot.figures)
-    moving = sum(float(np.ptp(run.columns["time_s"])) for run in campaign.of_kind("motion") if len(run) > 1)
-    width = moving / most_bins
+    lasts = {run.name: float(np.ptp(run.columns["time_s"])) for run in campaign.of_kind("motion") if len(run) > 1}
+    least = sum(lasts.values()) * len(quantities) / MOST_READINGS
     found: list[Segment] = []
     for run in campaign.runs:
+        width = max(lasts.get(run.name, 0.0) / most_bins, least)
         for segment_input in visits_of(run, compiled) if run.kind == "static" else stretches_of(run, compiled, width):
             observed, sigma = _means(run, segment_input, quantities, noise)
             motion = segment_input.motion
@@ -98,15 +111,20 @@ def segments_of(
                     segment_input.acceleration_error,
                     segment_input.rings,
                     segment_input.path,
+                    run.recording,
                 )
             )
-    return _rounded_alike(found, quantities, noise) if found else ()
+    runs = {run.name: run for run in campaign.runs}
+    return _rounded_alike(found, runs, quantities, noise) if found else ()
 
 
-def _rounded_alike(found: list[Segment], quantities: tuple[Quantity, ...], noise: Noise) -> tuple[Segment, ...]:
+def _rounded_alike(
+    found: list[Segment], runs: Mapping[str, Run], quantities: tuple[Quantity, ...], noise: Noise
+) -> tuple[Segment, ...]:
     """Return the segments with readings that were rounded to the same number counted as one.
 
-    A gauge shows the same digit all day while its joint stands; a thousand such readings know no more than one.
+    A gauge shows the same digit all day while its joint stands; a thousand such readings know no more than one. In a
+    bin of motion that runs through k digits rounding averages out, but for a part of the first and the last: 1/k of it.
     """
     sigma = [segment.sigma.copy() for segment in found]
     for c, quantity in enumerate(quantities):
@@ -119,7 +137,11 @@ def _rounded_alike(found: list[Segment], quantities: tuple[Quantity, ...], noise
         for segment, own in zip(found, sigma, strict=True):
             values = segment.observed[:, c]
             alike = np.searchsorted(known, values + half) - np.searchsorted(known, values - half)
-            own[:, c] = np.hypot(own[:, c], step * np.sqrt(np.maximum(alike, 1)))
+            digits = np.ones(len(segment))
+            if segment.path and not segment.is_static:
+                shown = runs[segment.run].columns[quantity.column]
+                digits = np.array([max(1.0, np.ptp(shown[group]) / (2 * half)) for group in segment.path.groups])
+            own[:, c] = np.hypot(own[:, c], step * np.sqrt(np.maximum(alike, 1)) / digits)
     return tuple(replace(segment, sigma=own) for segment, own in zip(found, sigma, strict=True))
 
 

@@ -75,11 +75,14 @@ def changes_robot(world: World) -> bool:
     return any(_moves(acting.effect) for acting in world.acting)
 
 
-def model_of(world: World, run: str, conditions: Conditions) -> Hashable:
-    """Return what decides which model and which loads a world has during a run; equal answers share them."""
+def model_of(world: World, run: str, recording: str, conditions: Conditions) -> Hashable:
+    """Return what decides which model and which loads a world has during a run; equal answers share them.
+
+    No two recordings share a model: each has a clock of its own, which decides on what changes with time.
+    """
     phases = tuple(acting.effect.phase(acting.place, conditions) for acting in world.acting)
     is_alone = log_error_of(world, run) is not None or depends_on_conditions(world)
-    return conditions.payload_kg, run if is_alone else "", phases
+    return recording, conditions.payload_kg, run if is_alone else "", phases
 
 
 def depends_on_conditions(world: World) -> bool:

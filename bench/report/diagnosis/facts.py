@@ -95,7 +95,7 @@ def facts_of(diagnosis: Diagnosis, readings: Readings, campaign: Campaign | None
         data=_data(diagnosis, campaign, len(readings.before)),
         channels=readings.channels,
         learned=learned.curves if learned and learned.stands_out else (),
-        versions=_versions(),
+        versions=versions(),
         command=command,
     )
 
@@ -111,10 +111,11 @@ def facts_without(campaign: Campaign, robot: str, command: str) -> Facts:
     runs = tuple(RunFacts(i + 1, run.name, run.kind, len(run), 0) for i, run in enumerate(campaign.runs))
     started = campaign.started.isoformat(" ") if campaign.started else ""
     data = Data(robot, started, campaign.notes, runs, sum(run.rows for run in runs), 0, 0)
-    return Facts(data, (), (), _versions(), command)
+    return Facts(data, (), (), versions(), command)
 
 
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """Return package -> version of what a result depends on."""
     return {"bench": bench.__version__} | {name: version(name) for name in TOOLS}
 
 

@@ -1,9 +1,8 @@
 """The headline of a verdict: large findings, the surest first, in two lines at most."""
 
 from collections.abc import Sequence
-from itertools import product
 
-from bench.diagnose.verdict import NamedCause, Verdict
+from bench.diagnose.verdict import AmbiguityGroup, NamedCause, Verdict
 from bench.report.diagnosis.names import (
     capital,
     cause_name,
@@ -11,7 +10,6 @@ from bench.report.diagnosis.names import (
     channel_name,
     interval_of,
     listed,
-    ordered,
     unit_name,
     unlisted_name,
 )
@@ -40,7 +38,7 @@ def headline(verdict: Verdict) -> str:
 
 def _headline(verdict: Verdict, room: int) -> str:
     shape = verdict.unlisted if verdict.unlisted and verdict.unlisted.stands_out else None
-    large = any(not cause.is_small for explanation in verdict.explanations for cause in explanation.causes)
+    large = any(not group.is_small for group in verdict.findings)
     if shape:
         name = unlisted_name(shape)
         if large:
@@ -54,8 +52,8 @@ def _headline(verdict: Verdict, room: int) -> str:
         return words + (why if len(words + why) <= room else ".")
     if large:
         return capital(f"{_large(verdict, room - 1) or 'Several causes, listed below'}.")
-    if verdict.explanations:
-        names = cause_names(ordered(verdict.explanations[0].causes))
+    if verdict.findings:
+        names = [_in_short(group) for group in verdict.findings]
         start = "Only small findings: "
         return f"{start}{_fitting(names, 'and', room - len(start) - 1) or 'listed below'}."
     if verdict.unlisted:
@@ -67,22 +65,28 @@ def _headline(verdict: Verdict, room: int) -> str:
 
 
 def _large(verdict: Verdict, room: int) -> str:
-    """Return the large causes that all explanations share, and those that are open between them; "" without room."""
-    keys = [{_key(cause) for cause in e.causes} for e in verdict.explanations]
-    shared = set.intersection(*keys)
-    large = {_key(cause) for e in verdict.explanations for cause in e.causes if not cause.is_small}
-    common = [cause for cause in ordered(verdict.explanations[0].causes) if _key(cause) in shared & large]
-    rests = [[cause for cause in ordered(e.causes) if _key(cause) not in shared] for e in verdict.explanations]
-    if large <= shared:
-        return _together(common, room)
-    rest = [" with ".join(cause_names(causes)) or "nothing else" for causes in rests]
-    shared_words = [listed(cause_names(common), "and"), f"{len(common)} causes"] if common else [""]
-    open_words = [f"either {listed(rest, 'or')}", f"one of {len(rest)} explanations"]
-    for first, second in product(shared_words, open_words):
-        words = ", and ".join(filter(None, (first, second))) + UNDECIDED
-        if len(words) <= room:
-            return words
-    return f"{len(rest)} explanations{UNDECIDED}"
+    """Return the large findings, each with the causes that may be behind it; "" without room."""
+    large = [group for group in verdict.findings if not group.is_small]
+    others = verdict.other_explanations
+    if not others and all(len(group.names) == 1 for group in large):
+        return _together([group.names[0].cause for group in large], room)
+    words = UNDECIDED if not others else f", or another explanation{UNDECIDED}"
+    names = [[_names(group) for group in large], [_in_short(group) for group in large]]
+    for found in names:
+        if len(text := listed(found, "and") + words) <= room:
+            return text
+    rest = f"{len(large)} findings" if len(large) > 1 else f"one of {len(large[0].names)} causes"
+    return rest + words if len(rest + words) <= room else ""
+
+
+def _names(group: AmbiguityGroup) -> str:
+    names = [cause_name(one.cause) for one in group.names]
+    return names[0] if len(names) == 1 else f"either {listed(names, 'or')}"
+
+
+def _in_short(group: AmbiguityGroup) -> str:
+    first, others = cause_name(group.names[0].cause), len(group.names) - 1
+    return first if not others else f"{first} or {others} other{'s' * (others > 1)}"
 
 
 def _together(causes: Sequence[NamedCause], room: int) -> str:
@@ -107,7 +111,3 @@ def _fitting(names: Sequence[str], last: str, room: int) -> str:
         if len(some) <= room:
             return some
     return ""
-
-
-def _key(cause: NamedCause) -> tuple[str, str]:
-    return cause.effect, cause.place

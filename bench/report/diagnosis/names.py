@@ -12,6 +12,7 @@ from bench.diagnose.verdict import (
     PredictedError,
     Unlisted,
 )
+from bench.effects.effect import IN_RECORDING
 
 KINDS = {
     "current": "motor current",
@@ -22,6 +23,11 @@ KINDS = {
     "moment": "moment",
     "gas_pressure": "gas pressure",
     "gas_temperature": "gas temperature",
+    "known_earlier": "earlier diagnosis",
+    "known_payload": "payload as known",
+    "known_stiffness": "stiffness as known, joint",
+    "known_gas_pressure": "gas pressure as known",
+    "known_gas_temperature": "gas temperature as known",
 }
 # SI -> what a workshop reads, and how many of it make one
 WORKSHOP = {"m": ("mm", 1e3), "rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi), "Pa": ("bar", 1e-5)}
@@ -64,8 +70,15 @@ def unlisted_name(unlisted: Unlisted) -> str:
 
 def cause_name(cause: NamedCause) -> str:
     """Return the title of a cause with its place, but for the robot as a whole."""
-    place = channel_name(cause.place).replace("_", " ")
-    return cause.title if place == "robot" else f"{cause.title} ({place})"
+    place = place_name(cause.place)
+    return f"{cause.title} ({place})" if place else cause.title
+
+
+def place_name(place: str) -> str:
+    """Return what people call a place: "motor current 2 in recording may"; "" for the robot as a whole."""
+    where, within, recording = place.partition(IN_RECORDING)
+    name = "" if where == "robot" else channel_name(where).replace("_", " ")
+    return f"{name}{within}{recording}".strip()
 
 
 def ordered(causes: Sequence[NamedCause]) -> list[NamedCause]:
@@ -117,9 +130,7 @@ def listed(names: Sequence[str], last: str) -> str:
 def places_text(places: Sequence[str]) -> str:
     """Return places in words: "joints 1, 3, upper arm"; "" for the robot as a whole."""
     joints = sorted((p.removeprefix("joint ") for p in places if p.startswith("joint ")), key=int)
-    others = [
-        channel_name(place).replace("_", " ") for place in places if not place.startswith("joint ") and place != "robot"
-    ]
+    others = [name for place in places if not place.startswith("joint ") and (name := place_name(place))]
     return ", ".join(([f"joint{'s' * (len(joints) > 1)} {', '.join(joints)}"] if joints else []) + others)
 
 

@@ -17,13 +17,10 @@ from bench.report.diagnosis.names import (
     cause_name,
     channel_name,
     error_of,
-    explanation_name,
     interval_of,
-    letter,
     limit_of,
     meaning_of,
     name_beside,
-    ordered,
     percent,
     shown,
     small_text,
@@ -33,8 +30,9 @@ from bench.report.diagnosis.names import (
 from bench.report.diagnosis.pictures import Picture, over_name
 from bench.report.diagnosis.readings import Channel
 from bench.report.diagnosis.sentences import (
-    explanation_of_set,
+    confirmed_text,
     gain_sentence,
+    open_names_sentence,
     proposal_text,
     rate_sentence,
     remainder_sentence,
@@ -48,6 +46,10 @@ from bench.report.diagnosis.sentences import (
 TEMPLATE = "page.html.j2"
 MOST_LINES = 300  # of a difference, on the page
 HELD_OUT = {
+    "recording": (
+        "Each recording in turn was left out whole, and predicted by the models fitted to all others; what belongs to "
+        "it alone, such as a payload or the zero of an encoder, was fitted to it."
+    ),
     "run": "Each run in turn was left out whole, and predicted by the models fitted to all others.",
     "block": "One run shows nearly all of it, so stretches of it were left out in turn; that proves less than runs.",
 }
@@ -120,19 +122,17 @@ def page_of(
         "capital": capital,
         "cause_name": cause_name,
         "channel": channel_name,
-        "explanation_name": explanation_name,
         "name_beside": name_beside,
         "interval": interval_of,
-        "letter": letter,
         "meaning": meaning_of,
         "limit": limit_of,
         "error": error_of,
-        "ordered": ordered,
         "over": over_name,
         "small": small_text,
         "percent": percent,
         "proposal": proposal_text,
         "step_left": step_left,
+        "confirmed_text": confirmed_text,
         "spaced": lambda name: name.replace("_", " "),
         "unit": unit_name,
     }
@@ -146,7 +146,7 @@ def page_of(
         turns_round=pictures.turns_round,
         tables=[(curve, _table(curve)) for curve in facts.learned],
         headline=headline(verdict),
-        set_words=explanation_of_set(verdict),
+        set_words=open_names_sentence(verdict),
         unfinished_words=unfinished_sentence(verdict),
         rate_words=rate_sentence(verdict),
         gain_words=gain_sentence(verdict),
@@ -174,10 +174,9 @@ def page_of(
 def _cause_title(verdict: Verdict) -> str:
     if verdict.unlisted and verdict.unlisted.stands_out:
         return "Listed causes beside it"
-    if len(verdict.explanations) > 1:
-        return f"{len(verdict.explanations)} explanations that these data cannot tell apart"
-    causes = sum(len(explanation.causes) for explanation in verdict.explanations)
-    return "The cause" if causes == 1 else "The causes"
+    if len(verdict.findings) == 1:
+        return "The cause" if len(verdict.findings[0].names) == 1 else "The cause is one of these"
+    return "The causes, finding by finding"
 
 
 def _by_channels(missing: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.diagnose.cross_validation.held_out import NOTICEABLE
 from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, UndetectableEffect, Verdict
 from bench.report.diagnosis.names import (
     cause_name,
     channel_name,
-    explanation_name,
-    letter,
     listed,
     parameter_text,
     percent,
@@ -37,16 +36,18 @@ def unfinished_sentence(verdict: Verdict) -> str:
     return words
 
 
-def explanation_of_set(verdict: Verdict) -> str:
-    """Return what it means that explanations stand side by side, "" where there is one."""
-    count = len(verdict.explanations)
-    if count < 2:
+def open_names_sentence(verdict: Verdict) -> str:
+    """Return what it means that a finding has several names, "" where none has."""
+    count = sum(len(group.names) > 1 for group in verdict.findings)
+    if not count and not verdict.other_explanations:
         return ""
-    named = "; ".join(f"{letter(i)}, {explanation_name(e)}" for i, e in enumerate(verdict.explanations))
+    which = f"{count} of {len(verdict.findings)} findings have" if len(verdict.findings) > 1 else "the finding has"
+    several = f"These data cannot tell the causes of a finding apart where several are named ({which} several). "
+    if not count:
+        several = "These data cannot tell the explanations apart. "
     return (
-        f"These data cannot tell {count} explanations apart: {named}. Their probabilities are no reason to prefer one; "
-        "each fits, with its own parameters. Do not correct the robot for one of them before another experiment has "
-        "split them."
+        f"{several}Their probabilities are no reason to prefer one; each fits, with its own parameters. Do not correct "
+        "the robot for one of them before another experiment has split them."
     )
 
 
@@ -85,7 +86,7 @@ def gain_sentence(verdict: Verdict) -> str:
     worse = [gain for gain in known if gain.over_better_high < 0]
     if not known:
         return ""
-    held_out = {"run": "runs", "block": "stretches of runs"}.get(verdict.held_out_by, "data")
+    held_out = {"recording": "recordings", "run": "runs", "block": "stretches of runs"}.get(verdict.held_out_by, "data")
     words = (
         f"On {held_out} that were not fitted, {len(better)} of {len(known)} channels are predicted better than by the "
         "nominal model, as it stands or with its figures fitted"
@@ -148,12 +149,32 @@ def step_text(step: Step) -> str:
     added = " with ".join(cause_name(cause) for cause in step.added)
     held_out = f"held out {step.held_out:+.0f} ({step.low:.0f} to {step.high:.0f})"
     left = step_left(step)
-    again = f"; not confirmed: only {percent(step.repeats)} of the searches without an eighth of the runs find it"
+    part, not_confirmed = ("one recording", "") if step.recordings else ("a part of the runs", "not confirmed: ")
+    again = f"; {not_confirmed}only {percent(step.repeats)} of the searches without {part} find it"
     return (
         f"{added}: {step.log_evidence:+.0f}, {held_out}"
         + (f"; {left}" if left else "")
         + ("" if step.is_confirmed else again)
+        + (f"; {confirmed}" if (confirmed := confirmed_text(step)) else "")
     )
+
+
+def confirmed_text(step: Step) -> str:
+    """Return how many recordings confirm a finding of the machine, "" where that is no question."""
+    if not step.recordings:
+        return ""
+    if all(np.isnan(one.nats) for one in step.recordings):
+        return f"confirmed by 0 of {len(step.recordings)} recordings: one alone shows it"
+    count = f"confirmed by {len(step.confirmed_by)} of {len(step.recordings)} recordings"
+    return f"{count} ({', '.join(f'{one.recording} {one.nats:+.0f}' for one in step.recordings)})"
+
+
+def refused_text(step: Step) -> str:
+    """Return why a finding was given up, in a line: withdrawn, where other recordings do not repeat it."""
+    names, reason = " with ".join(cause_name(cause) for cause in step.added), step.reason.rstrip(".")
+    if step.recordings and step.low <= NOTICEABLE and any(np.isfinite(one.nats) for one in step.recordings):
+        return f"Withdrawn: {names}: it does not repeat from recording to recording, {confirmed_text(step)}."
+    return f"Refused: {names}: {reason}."
 
 
 def step_left(step: Step) -> str:

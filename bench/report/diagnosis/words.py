@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.diagnose.verdict import Explanation, Verdict
+from bench.diagnose.verdict import AmbiguityGroup, Verdict
 from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, RECORDING, REPORT, ROBOT, VERDICT
 from bench.report.diagnosis.headline import headline
@@ -15,17 +15,18 @@ from bench.report.diagnosis.names import (
     limit_text,
     meaning_of,
     name_beside,
-    ordered,
     parameter_text,
     percent,
+    place_name,
     small_text,
 )
 from bench.report.diagnosis.sentences import (
-    explanation_of_set,
     gain_sentence,
     gain_text,
+    open_names_sentence,
     proposal_text,
     rate_sentence,
+    refused_text,
     remainder_sentence,
     scatter_sentence,
     step_text,
@@ -44,10 +45,12 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     yield headline(verdict)
     if verdict.unfinished:
         yield unfinished_sentence(verdict)
-    for explanation in verdict.explanations:
-        yield from _explanation(explanation)
-    if len(verdict.explanations) > 1:
-        yield explanation_of_set(verdict)
+    for group in verdict.findings:
+        yield from _finding(group)
+    for explanation in verdict.other_explanations:
+        yield f"{percent(explanation.probability):>9}  altogether: {name_beside(explanation, verdict.explanations[0])}"
+    if words := open_names_sentence(verdict):
+        yield words
     if remainder := remainder_sentence(verdict):
         yield remainder
     if verdict.kind == "nothing found":
@@ -61,7 +64,7 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     yield from _predicted(verdict)
     for step in verdict.steps:
         if not step.accepted:
-            yield f"Refused: {' with '.join(cause_name(cause) for cause in step.added)}: {step.reason.rstrip('.')}."
+            yield refused_text(step)
     for proposal in verdict.next[:BEST_PROPOSALS]:
         yield f"Next: {proposal.experiment}"
         yield f"      {proposal_text(proposal)}"
@@ -72,10 +75,10 @@ def words_of(verdict: Verdict) -> Iterator[str]:
         yield f"Not looked for: {effect}, whose model found no balance."
 
 
-def _explanation(explanation: Explanation) -> Iterator[str]:
-    for i, cause in enumerate(ordered(explanation.causes)):
-        mark = f"{percent(explanation.probability):>9}  " if i == 0 else " " * 11
-        yield mark + ", ".join(filter(None, (cause_name(cause), small_text(cause))))
+def _finding(group: AmbiguityGroup) -> Iterator[str]:
+    for i, (cause, probability) in enumerate((one.cause, one.probability) for one in group.names):
+        words = cause_name(cause) if i == 0 else f"or {cause_name(cause)}"
+        yield f"{percent(probability):>9}  " + ", ".join(filter(None, (words, small_text(cause))))
         for parameter in cause.parameters:
             meaning = meaning_of(parameter)
             yield f"{'':13}{parameter_text(parameter)}" + (f"   {meaning}" if meaning else "")
@@ -115,8 +118,8 @@ def _limits(verdict: Verdict) -> Iterator[str]:
         yield "Larger ones would have been found, for instance of more than:"
         best = sorted(shown, key=lambda limit: (bool(limit.unit), limit.worst))
         for limit in best[:BEST_LIMITS]:
-            place = "" if limit.place == "robot" else f", {limit.place}"
-            yield f"  {limit.effect.replace('_', ' ')}{place}: {limit_text(limit)}"
+            where = place_name(limit.place)
+            yield f"  {limit.effect.replace('_', ' ')}{f', {where}' if where else ''}: {limit_text(limit)}"
     if unseen := undetectable_sentence(verdict, but=verdict.blind):
         yield unseen
 

@@ -5,9 +5,11 @@ from dataclasses import asdict
 from pathlib import Path
 
 from bench.diagnose.cross_validation.figures import fitted_figures
+from bench.diagnose.cross_validation.posterior import posterior_of
 from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.verdict import Verdict
+from bench.predict.promises import write_promises
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.facts import facts_of, facts_without
 from bench.report.diagnosis.file_names import (
@@ -25,6 +27,7 @@ from bench.report.diagnosis.pictures import learned_picture, pictures_of
 from bench.report.diagnosis.readings import readings_of
 from bench.report.diagnosis.recording import write_diagnosis_recording
 from bench.report.handover.figures_table import csv_of, moved_sentences
+from bench.report.handover.posterior_file import write_posterior
 from bench.report.handover.robot_folder import hand_over
 from bench.report.jsonable import to_jsonable
 
@@ -53,6 +56,8 @@ def write_diagnosis(
     facts = facts_of(diagnosis, readings, campaign, command)
     fit = diagnosis.extension or diagnosis.naming.null
     handed = hand_over(diagnosis.linear, fit, folder / ROBOT, folder / NOMINAL_MJCF)
+    write_posterior(folder / ROBOT, posterior_of(diagnosis.linear, fit))
+    write_promises(folder / ROBOT, diagnosis.verdict.predicted)
     figures = fitted_figures(diagnosis.linear, fit)
     _write(folder / DIFFERENCE, handed.difference)
     _write(folder / FIGURES, csv_of(figures))

@@ -11,7 +11,7 @@ from bench.robot.folder import Robot
 AGREES = 1e-6
 
 
-def readme_of(robot: Robot, figures: Figures, missing: Sequence[str], disagreement: float) -> str:
+def readme_of(robot: Robot, figures: Figures, missing: Sequence[str], disagreement: float, recording: str = "") -> str:
     """Return the README.
 
     Args:
@@ -19,6 +19,7 @@ def readme_of(robot: Robot, figures: Figures, missing: Sequence[str], disagreeme
         figures: Of the new robot.
         missing: What it lacks of the fit.
         disagreement: As in `Handed`.
+        recording: Of several recordings, the last; "": there is one.
     """
     lines = [
         f"# {figures.title}",
@@ -34,8 +35,16 @@ def readme_of(robot: Robot, figures: Figures, missing: Sequence[str], disagreeme
         "  effects that no MJCF holds. A replay (`bench diagnose`) has all of it. A simulation (`bench run`,",
         "  gymnasium) has `readings` in its instruments, and neither `weights` nor `effects`. `bench identify` has the",
         "  torque constants.",
+        "- `promises.json`: within what this model will err on the next recording (`bench predict`). `posterior.json`:",
+        "  what is known of figures and findings, together (`bench diagnose --given` and the folder above).",
         "- Left out: how much of its friction each joint held at rest. That belongs to the campaign.",
     ]
+    if recording:
+        lines += [
+            f"- What belongs to one recording alone (payload, zeros of encoders, frame of the tracker) is that of the "
+            f"last one, `{recording}`;",
+            "  `../figures.csv` has it of every recording.",
+        ]
     if np.isnan(disagreement):
         lines.append("- Not held against the fit: from scratch, this model finds no balance along the campaign.")
     elif disagreement > AGREES:

@@ -10,7 +10,9 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import figures_with
+from bench.diagnose.replay.levels import as_of
 from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import recordings_of
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
 from bench.effects.effect import Acting, Conditions
 from bench.effects.fitted import acting_of, entry_of
@@ -51,7 +53,9 @@ class Handed:
 def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path) -> Handed:
     """Write the robot as fitted.
 
-    What acts by its changes alone (friction that joints held at rest) belongs to the campaign and is left out.
+    What acts by its changes alone (friction that joints held at rest) belongs to the campaign and is left out. Of what
+    belongs to one recording, such as a payload or the zero of an encoder, the last recording's is written: the folder
+    is the machine as it was last seen.
 
     Args:
         linear: The campaign.
@@ -62,7 +66,8 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path) ->
     Raises:
         RobotError: The robot's files are no longer what they were when they were read.
     """
-    compiled, world = linear.replay.compiled, fit.world(linear)
+    compiled, last = linear.replay.compiled, recordings_of(linear.segments)[-1]
+    world = as_of(fit.world(linear), last)
     robot = compiled.robot
     division = divided(compiled, world.acting)
     before, spec = read_spec(robot), read_spec(robot)
@@ -82,7 +87,8 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path) ->
     folder.mkdir()
     after = write_robot(robot, spec, figures, folder, "")
     disagreement = _disagreement(linear, world, compile_robot(load_robot(folder)))
-    readme = readme_of(robot, figures, missing, disagreement)
+    recordings = recordings_of(linear.segments)
+    readme = readme_of(robot, figures, missing, disagreement, last if len(recordings) > 1 else "")
     (folder / "README.md").write_text(readme, encoding="utf-8")
     name = f"{folder.name}/{figures.mjcf}"
     lines = difflib.unified_diff(text.splitlines(True), after.splitlines(True), nominal.name, name, n=2)
@@ -120,9 +126,17 @@ def _means(entry: FittedEffect, acting: Acting, compiled: CompiledRobot) -> bool
 
 
 def _disagreement(linear: LinearisedModel, world: World, handed: CompiledRobot) -> float:
-    """Return `Handed.disagreement`."""
-    nominal, campaign = linear.replay.compiled, (linear.segments, linear.quantities)
-    sigma = np.concatenate([segment.sigma for segment in linear.segments])
+    """Return `Handed.disagreement`, along the last recording.
+
+    Args:
+        linear: The campaign.
+        world: As fitted, of that recording.
+        handed: The new robot.
+    """
+    last = recordings_of(linear.segments)[-1]
+    segments = tuple(segment for segment in linear.segments if segment.recording == last)
+    nominal, campaign = linear.replay.compiled, (segments, linear.quantities)
+    sigma = np.concatenate([segment.sigma for segment in segments])
     for tolerance in TOLERANCES:
         try:
             expected = Replay(nominal, *campaign, tolerance).predict(world)

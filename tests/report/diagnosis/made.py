@@ -4,11 +4,13 @@ from dataclasses import replace
 
 from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.diagnose.verdict import (
+    AmbiguityGroup,
     ChannelGain,
     DetectionLimit,
     Explanation,
     NamedCause,
     ParameterValue,
+    PossibleCause,
     PredictedError,
     Proposal,
     Step,
@@ -33,6 +35,12 @@ WARM = NamedCause("gas_temperature", "gas warmer or colder", "robot", (COLD,))
 OFF = ParameterValue("offset", 3.1e-4, 2.2e-4, 4.0e-4, "rad")
 ZERO = NamedCause("joint_zero", "zero of a joint", "joint 2", (OFF,))
 MASS = NamedCause("link_mass", "mass of a link", "upper_arm", (ParameterValue("change", 0.0327, 0.0028, 0.0626, ""),))
+
+
+def finding(*causes: NamedCause) -> AmbiguityGroup:
+    """Return a finding that may have several names, all as likely."""
+    return AmbiguityGroup(tuple(PossibleCause(cause, 1 / len(causes)) for cause in causes), 1.0)
+
 
 STEP_GAIN = ChannelGain(
     channel="current_2_a",
@@ -93,6 +101,7 @@ CAUSE = replace(
     noise_scale=1.7,
     explanations=(Explanation((GAS,), 0.9997, 94.3),),
     rivals=(Explanation((MASS,), 0.0003, 82.1),),
+    findings=(finding(GAS),),
     gain=(
         STEP_GAIN,
         UNKNOWN_GAIN,
@@ -108,9 +117,16 @@ CAUSE = replace(
 A_SET = replace(
     CAUSE,
     explanations=(Explanation((GAS, ZERO), 0.58, 87.0), Explanation((WARM, ZERO), 0.42, 86.7)),
+    findings=(finding(ZERO), finding(GAS, WARM)),
     next=(Proposal("a thermometer on the cylinder", ("loss of gas", "gas warmer or colder"), 24.2, 0.3),),
 )
-SEVERAL = replace(CAUSE, kind="several causes", explanations=(Explanation((GAS, ZERO), 1.0, 120.4),), rivals=())
+SEVERAL = replace(
+    CAUSE,
+    kind="several causes",
+    explanations=(Explanation((GAS, ZERO), 1.0, 120.4),),
+    findings=(finding(GAS), finding(ZERO)),
+    rivals=(),
+)
 UNLISTED = replace(
     NOTHING, kind="unlisted cause", unlisted=Unlisted("joint 2", "motor torque", "angle and direction"), detectable=()
 )
@@ -120,8 +136,13 @@ REMAINDER = replace(
 )
 LITTLE = replace(GAS, share=0.11, sigmas=6.2)
 LARGE = replace(ZERO, share=0.62, sigmas=4.4)
-SMALL = replace(CAUSE, explanations=(Explanation((LITTLE,), 0.9997, 94.3),))
-MESSY = replace(SEVERAL, explanations=(Explanation((LITTLE, LARGE, replace(MASS, share=0.4, sigmas=9.1)), 1.0, 120.4),))
+SURE = replace(MASS, share=0.4, sigmas=9.1)
+SMALL = replace(CAUSE, explanations=(Explanation((LITTLE,), 0.9997, 94.3),), findings=(finding(LITTLE),))
+MESSY = replace(
+    SEVERAL,
+    explanations=(Explanation((LITTLE, LARGE, SURE), 1.0, 120.4),),
+    findings=(finding(SURE), finding(LARGE), finding(LITTLE)),
+)
 VERDICTS = {
     "nothing": NOTHING,
     "cause": CAUSE,

@@ -154,8 +154,8 @@ def test_sections_are_those_with_something_to_say(page: Page, verdict: Verdict) 
 
 def test_a_set_is_called_one() -> None:
     text = Page(html_of_kind("set")).text
-    assert "These data cannot tell 2 explanations apart" in text
-    assert "Zero of a joint (joint 2), and either loss of gas or gas warmer or colder" in text
+    assert "apart where several are named (1 of 2 findings have several)" in text
+    assert "Zero of a joint (joint 2) and either loss of gas or gas warmer or colder" in text
 
 
 def test_missing_channels_are_said_once_each() -> None:
@@ -200,10 +200,10 @@ def test_a_shape_that_is_nothing_is_not_drawn() -> None:
 def test_small_findings_come_last_and_are_called_so() -> None:
     text = Page(html_of_kind("messy")).text
     found = [
-        text.index(name) for name in ("Mass of a link (upper arm) ", "Zero of a joint (joint 2) ", "Loss of gas (")
+        text.index(name) for name in ("Mass of a link (upper arm) (1", "Zero of a joint (joint 2) (1", "Loss of gas (")
     ]
     assert found == sorted(found)
-    assert "Loss of gas (small: 11 % of the largest plausible size)" in text
+    assert "Loss of gas (100 %; small: 11 % of the largest plausible size)" in text
 
 
 def test_the_same_verdict_gives_the_same_page() -> None:

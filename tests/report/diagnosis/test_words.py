@@ -13,6 +13,8 @@ from bench.diagnose.verdict import (
     NoisyChannel,
     ParameterValue,
     PredictedError,
+    RecordingGain,
+    Step,
     UndetectableEffect,
     Unlisted,
 )
@@ -29,8 +31,9 @@ from bench.report.diagnosis.names import (
     shown,
     unlisted_name,
 )
+from bench.report.diagnosis.sentences import confirmed_text, refused_text, step_text
 from bench.report.diagnosis.words import places_of, words_of
-from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO
+from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, finding
 
 OIL = replace(MASS, place="forearm")
 
@@ -59,42 +62,55 @@ def test_the_first_line_is_the_verdict(kind: str, first: str) -> None:
 
 
 @pytest.mark.parametrize("count", [1, 3, 20])
-@pytest.mark.parametrize("explanations", [1, 2, 6])
+@pytest.mark.parametrize("names", [1, 2, 6])
 @pytest.mark.parametrize("unlisted", [None, Unlisted("joint 2", "motor torque", "angle and direction")])
-def test_a_headline_has_two_lines_at_most(count: int, explanations: int, unlisted: Unlisted | None) -> None:
+def test_a_headline_has_two_lines_at_most(count: int, names: int, unlisted: Unlisted | None) -> None:
     long = "friction of the seal of the counterbalance that the model leaves out"
     causes = tuple(replace(ZERO, title=f"{long} {i}", share=0.5, sigmas=5.0 + i) for i in range(count))
-    one = tuple(Explanation((*causes, replace(GAS, title=f"{long}, {i}")), 0.1, 90.0) for i in range(explanations))
-    words = headline(replace(VERDICTS["several"], explanations=one, unlisted=unlisted))
+    open_names = finding(*(replace(GAS, title=f"{long}, {i}") for i in range(names)))
+    found = (*map(finding, causes), open_names)
+    words = headline(replace(VERDICTS["several"], findings=found, unlisted=unlisted))
     assert len(words) <= MOST
     assert "nan" not in words
 
 
 def test_the_surest_stand_in_a_long_headline() -> None:
-    causes = tuple(replace(ZERO, place=f"link {i}", share=0.5, sigmas=float(i)) for i in range(20))
-    words = headline(replace(VERDICTS["several"], explanations=(Explanation(causes, 1.0, 90.0),)))
+    causes = [replace(ZERO, place=f"link {i}", share=0.5, sigmas=float(i)) for i in range(19, -1, -1)]
+    words = headline(replace(VERDICTS["several"], findings=tuple(map(finding, causes))))
     assert words.startswith("20 causes act together: zero of a joint (link 19), zero of a joint (link 18)")
     assert words.endswith("and others.")
 
 
 def test_a_shape_makes_room_for_the_name_of_a_cause() -> None:
     causes = tuple(replace(ZERO, title=f"Coulomb friction that the model leaves out, {i}", share=0.5) for i in range(2))
-    one = replace(BESIDE, explanations=(Explanation(causes, 1.0, 90.0),))
+    one = replace(BESIDE, findings=tuple(map(finding, causes)))
     first = "Coulomb friction that the model leaves out, 0 (joint 2)"
     assert headline(one) == f"2 causes: {first} and others; and something unlisted at tracker."
 
 
-def test_what_is_large_in_one_explanation_is_large() -> None:
-    one = (Explanation((replace(GAS, share=0.1), ZERO), 0.6, 90.0), Explanation((GAS, MASS), 0.4, 89.0))
-    assert headline(replace(VERDICTS["set"], explanations=one)).startswith("Loss of gas, and either zero of a joint")
+def test_a_finding_that_may_be_large_is_large() -> None:
+    open_names = finding(replace(ZERO, share=0.5), replace(GAS, share=0.1))
+    words = headline(replace(VERDICTS["several"], findings=(finding(MASS), open_names)))
+    assert words.startswith("Mass of a link (upper arm) and either zero of a joint (joint 2) or loss of gas, which")
 
 
-def test_small_causes_that_are_open_are_no_either_or_of_the_headline() -> None:
-    one = (
-        Explanation((GAS, replace(MASS, share=0.1)), 0.6, 90.0),
-        Explanation((GAS, replace(OIL, share=0.1)), 0.4, 89.0),
+def test_a_cause_that_was_not_fitted_makes_no_small_finding_large() -> None:
+    open_names = finding(replace(GAS, share=0.1), replace(WARM, parameters=()))
+    assert headline(replace(VERDICTS["set"], findings=(open_names,))).startswith(
+        "Only small findings: loss of gas or 1"
     )
-    assert headline(replace(VERDICTS["set"], explanations=one)).startswith("Loss of gas: lost 0.133")
+
+
+def test_small_findings_that_are_open_are_no_either_or_of_the_headline() -> None:
+    small = finding(replace(MASS, share=0.1), replace(OIL, share=0.1))
+    assert headline(replace(VERDICTS["several"], findings=(finding(GAS), small))).startswith("Loss of gas: lost 0.133")
+
+
+def test_two_causes_in_the_place_of_one_are_another_explanation() -> None:
+    other = Explanation((MASS, ZERO), 0.4, 90.0)
+    one = replace(VERDICTS["cause"], explanations=(*VERDICTS["cause"].explanations, other))
+    assert headline(one) == "Loss of gas, or another explanation, which these data cannot tell apart."
+    assert any("altogether: mass of a link (upper arm) with zero of a joint" in line for line in words_of(one))
 
 
 def test_on_a_slide_there_are_forces_and_positions() -> None:
@@ -154,6 +170,7 @@ def test_a_rival_with_much_in_common_is_told_by_its_difference() -> None:
 def test_a_set_is_not_guessed_between() -> None:
     text = "\n".join(words_of(VERDICTS["set"]))
     assert "either loss of gas or gas warmer or colder, which these data cannot tell apart" in text
+    assert "     50 %  or gas warmer or colder" in text
     assert "It would decide between loss of gas and gas warmer or colder" in text
 
 
@@ -266,3 +283,39 @@ def test_a_gain_of_nearly_nothing_has_no_exponent(share: float, text: str) -> No
 @given(st.floats(0, 1, exclude_min=True, exclude_max=True))
 def test_no_probability_is_rounded_to_certainty(share: float) -> None:
     assert percent(share) not in ("0 %", "100 %")
+
+
+def in_two(accepted: bool, *nats: float) -> Step:
+    recordings = tuple(RecordingGain(name, gain) for name, gain in zip("AB", nats, strict=True))
+    low = min(nats)
+    return Step((ZERO,), 20.0, sum(nats), low, max(nats), accepted, "held out", recordings=recordings)
+
+
+def test_a_finding_of_the_machine_says_which_recordings_confirm_it() -> None:
+    assert step_text(in_two(True, 12.0, 5.0)).endswith("confirmed by 2 of 2 recordings (A +12, B +5)")
+    assert in_two(True, 12.0, -1.0).confirmed_by == ("A",)
+    alone = in_two(True, float("nan"), float("nan"))
+    assert confirmed_text(alone) == "confirmed by 0 of 2 recordings: one alone shows it"
+
+
+def test_what_does_not_repeat_is_withdrawn() -> None:
+    words = refused_text(in_two(False, -19.0, 11.0))
+    assert words == (
+        "Withdrawn: zero of a joint (joint 2): it does not repeat from recording to recording, "
+        "confirmed by 1 of 2 recordings (A -19, B +11)."
+    )
+    assert (
+        refused_text(Step((ZERO,), 20.0, 1.0, -1.0, 2.0, False, "why.")) == "Refused: zero of a joint (joint 2): why."
+    )
+
+
+@pytest.mark.parametrize(
+    ("place", "name"),
+    [
+        ("robot in recording may", "loss of gas (in recording may)"),
+        ("drive 2 in recording may_3", "loss of gas (drive 2 in recording may_3)"),
+        ("current_2_a in recording may_3", "loss of gas (motor current 2 in recording may_3)"),
+    ],
+)
+def test_a_place_in_one_recording_is_named_with_it(place: str, name: str) -> None:
+    assert cause_name(replace(GAS, place=place)) == name

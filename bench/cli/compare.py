@@ -1,0 +1,124 @@
+"""`bench compare`: what changed on a machine between recordings of it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+if TYPE_CHECKING:
+    from bench.record.campaign import Campaign
+    from bench.robot.compiled import CompiledRobot
+
+CHANGED = 9  # exit code
+
+
+@dataclass(frozen=True)
+class Compare:
+    """Say what changed on a machine between two or more campaigns of it, and by how much.
+
+    Whatever stayed as it was is not blamed, however wrong the model is: it is learned from BEFORE. Best with the same
+    motion before and after, a routine check; then everything that stayed cancels. With three or more campaigns after,
+    courses over time are told apart: a step, something that was there once, a trend.
+    """
+
+    before: tyro.conf.Positional[Path]
+    """Campaign folder of the machine as it was; several recordings in it count as repeats."""
+    after: tyro.conf.Positional[tuple[Path, ...]]
+    """Campaign folders made later, one or more."""
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Folder to write compare.json and report.html into; must not exist yet. By default nothing is written."""
+    robot: str = ""
+    """Robot to take, name or folder, such as the one that a diagnosis of BEFORE handed over; by default the campaigns
+    name it."""
+    file: tuple[Path, ...] = ()
+    """Python files with effects of your own (bench/effects/README.md)."""
+    despite_doubts: bool = False
+    """Go on although channels are hardly what their names say; by default that ends in an error."""
+    cores: int = 0
+    """Processes; 0: one for each core. The result does not depend on it."""
+    no_store: bool = False
+    """Simulate all signatures anew and keep none on disk (bench/store/README.md)."""
+
+    def run(self) -> int:
+        """Compare, print and write; return the exit code: 0 where nothing changed, 9 where something did."""
+        from contextlib import nullcontext
+        from dataclasses import replace
+
+        from bench.cli.progress import phases
+        from bench.compare.compare import compare
+        from bench.compare.recordings import recordings_of
+        from bench.effects.catalogue import catalogue
+        from bench.effects.own import try_out
+        from bench.errors import InputError
+        from bench.executor.local import on_cores
+        from bench.executor.watched import Watched
+        from bench.record.folder import new_folder
+        from bench.report.comparison.words import words_of
+        from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
+        from bench.store.place import open_store
+
+        if not self.after:
+            raise InputError("give the campaign of the machine as it was, and at least one made later.")
+        known = catalogue()
+        effects = catalogue(self.file)
+        opened = [self._opened(folder) for folder in (self.before, *self.after)]
+        compiled = opened[0][1]
+        try_out([effect for name, effect in effects.items() if name not in known], compiled)
+        names = [folder.resolve().name for folder in (self.before, *self.after)]
+        if len(set(names)) < len(names):
+            names = [str(folder) for folder in (self.before, *self.after)]
+        campaigns = [replace(campaign, robot=self.robot) if self.robot else campaign for campaign, _ in opened]
+        after = dict(zip(names[1:], campaigns[1:], strict=True))
+        if len(after) < len(self.after):
+            raise InputError("a campaign was given twice.")
+        recordings = recordings_of({names[0]: campaigns[0]}, after)
+        out = new_folder(self.out, COMPARISON, replace=False) if self.out else nullcontext()
+        with out as folder, phases() as shown:
+            executor = Watched(on_cores(self.cores), shows=shown.share)
+            store = None if self.no_store else open_store()
+            found = compare(recordings, compiled, effects, progress=shown.phase, executor=executor, store=store)
+            if folder:
+                write_comparison(found, folder, compiled.robot.figures.title, self.command)
+        for line in words_of(found):
+            print(line)
+        if self.out:
+            print(f"report     {self.out / REPORT}")
+            print(f"numbers    {self.out / COMPARISON}")
+        return CHANGED if found.has_changed else 0
+
+    def _opened(self, folder: Path) -> "tuple[Campaign, CompiledRobot]":
+        """Return a checked campaign with its robot, and print what is to be looked at.
+
+        Raises:
+            CampaignError: It cannot be used, or is hardly what it says.
+        """
+        import sys
+
+        from bench.cli.diagnose import WAYS_OUT
+        from bench.diagnose.plausibility.channels import doubts_of
+        from bench.errors import CampaignError
+        from bench.report.campaigns import open_campaign
+
+        report, compiled = open_campaign(folder, self.robot)
+        campaign = report.usable()
+        assert compiled
+        doubts = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
+        if doubts and not self.despite_doubts:
+            raise CampaignError([*(f"{folder}: {doubt}" for doubt in doubts), WAYS_OUT])
+        for finding in (*report.warnings, *doubts):
+            print(f"{finding.level:8}{folder}: {finding}", file=sys.stderr)
+        return campaign, compiled
+
+    @property
+    def command(self) -> str:
+        """What to type to do it again."""
+        import shlex
+
+        words = ["bench", "compare", str(self.before), *map(str, self.after)]
+        words += ["-o", str(self.out)] if self.out else []
+        words += ["--robot", self.robot] if self.robot else []
+        words += [word for file in self.file for word in ("--file", str(file))]
+        words += ["--despite-doubts"] * self.despite_doubts
+        words += ["--no-store"] * self.no_store
+        return shlex.join(words)

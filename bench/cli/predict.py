@@ -1,0 +1,116 @@
+"""`bench predict`: a model against recordings that it was not fitted to."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+if TYPE_CHECKING:
+    from bench.predict.prediction import Prediction
+    from bench.record.campaign import Campaign
+    from bench.robot.compiled import CompiledRobot
+
+BROKEN = 8  # exit code
+WAYS_OUT = (
+    "Put this right first: the model would be blamed for it. A column that cannot be mended is left out when its name "
+    "begins with _; if all is as it should be, give --despite-doubts."
+)
+
+
+@dataclass(frozen=True)
+class Predict:
+    """Hold a model against recordings, without any refit: its error in every channel, and whether promises hold.
+
+    A second for a recording of ten. A diagnosis promises within what its model will err in each channel of the next
+    recording; this says whether it does, beside the nominal robot and what no model can predict
+    (bench/predict/README.md).
+    """
+
+    model: tyro.conf.Positional[str]
+    """Robot that predicts, name or folder; the folder of a diagnosis stands for the robot that it handed over."""
+    campaign: tyro.conf.Positional[tuple[Path, ...]]
+    """Campaign folders; every recording in them is predicted on its own."""
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Folder to write (page, numbers, Rerun recordings); must not exist yet. By default nothing is written."""
+    free: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """What may be anew in each recording, and is fitted, such as encoder_zero; give it once for each name. An unknown
+    name lists all."""
+    nominal: str = ""
+    """Robot to compare with, name or folder; by default the one that the campaign names."""
+    despite_doubts: bool = False
+    """Go on although channels are hardly what their names say; by default that ends in an error."""
+
+    def run(self) -> int:
+        """Predict, print and write; return the exit code: 0, or 8 where an error is larger than promised."""
+        from contextlib import ExitStack
+
+        from bench.cli.progress import phases
+        from bench.predict.free import checked
+        from bench.predict.predict import predict
+        from bench.predict.promises import read_promises
+        from bench.record.folder import new_folder
+        from bench.report.prediction.file_names import NUMBERS
+        from bench.report.prediction.words import places_of, words_of
+        from bench.report.prediction.write import write_prediction
+
+        checked(self.free)
+        campaign, model, nominal = self._opened()
+        promises = read_promises(model.robot.folder)
+        with ExitStack() as stack:
+            folder = stack.enter_context(new_folder(self.out, NUMBERS, replace=False)) if self.out else None
+            shown = stack.enter_context(phases())
+            prediction: Prediction = predict(campaign, model, nominal, promises, self.free, shown.phase)
+            if folder:
+                shown.phase("writing")
+                write_prediction(prediction, folder, self.command)
+        for line in words_of(prediction):
+            print(line)
+        if self.out:
+            for line in places_of(self.out, prediction):
+                print(line)
+        return BROKEN if prediction.is_broken else 0
+
+    def _opened(self) -> "tuple[Campaign, CompiledRobot, CompiledRobot]":
+        """Return the campaigns as one, the robot that predicts, and the nominal one.
+
+        Raises:
+            CampaignError: A campaign cannot be used.
+            RobotError: A robot is unknown or broken.
+        """
+        import sys
+
+        from bench.diagnose.plausibility.channels import doubts_of
+        from bench.errors import CampaignError
+        from bench.record.joined import joined, names_of
+        from bench.report.campaigns import drives_without_angle, open_campaign, robot_of
+        from bench.report.prediction.model import model_folder
+        from bench.robot.compiled import compile_robot
+        from bench.robot.folder import load_robot
+
+        model = compile_robot(load_robot(model_folder(self.model)))
+        campaigns = {}
+        for name, folder in zip(names_of(self.campaign), self.campaign, strict=True):
+            report, _ = open_campaign(folder, str(model.robot.folder))
+            campaigns[name] = report.usable()
+            if missing := drives_without_angle(campaigns[name], model):
+                raise CampaignError([f"{folder}: {sentence}" for sentence in missing])
+            doubts = (*report.doubts, *doubts_of(campaigns[name], model, report.findings))
+            if doubts and not self.despite_doubts:
+                raise CampaignError([*(f"{folder}: {doubt}" for doubt in doubts), WAYS_OUT])
+            for finding in (*report.warnings, *doubts):
+                print(f"{finding.level:8}{finding}", file=sys.stderr)
+        campaign = joined(campaigns)
+        nominal = self.nominal or robot_of(self.campaign[0], campaign.robot)
+        return campaign, model, compile_robot(load_robot(nominal))
+
+    @property
+    def command(self) -> str:
+        """What to type to do it again."""
+        import shlex
+
+        options = ["-o", str(self.out)] if self.out else []
+        options += [word for name in self.free for word in ("--free", name)]
+        options += ["--nominal", self.nominal] if self.nominal else []
+        options += ["--despite-doubts"] * self.despite_doubts
+        return shlex.join(["bench", "predict", self.model, *map(str, self.campaign), *options])

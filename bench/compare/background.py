@@ -1,0 +1,175 @@
+"""Everything that stayed as it was: what may be off, and the machine's discrepancy, to be integrated out."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.compare.coincidence import cells_of, is_one_program
+from bench.compare.joint import Joint
+from bench.compare.levels import by_level
+from bench.compare.noise import Repeatability, repeatability_of, row_facts
+from bench.compare.shared import SharedWhitening, shared_whitening
+from bench.diagnose.linearise.linearised_model import raised, with_held
+from bench.diagnose.linearise.marginal import Nuisances
+from bench.diagnose.linearise.screening import Entry, tried_of
+from bench.errors import InputError
+from bench.record.campaign import Array
+
+# Share of the scatter of friction at rest, as a standard deviation, that is tried beside all of it. That is less than
+# currents resolve, so where rests repeat it stands for none; what lies between the two shows in differences
+# (`noise.py`).
+HELD = 0.04
+ENOUGH = 0.4  # log of a variance; one that changes by less is settled: 1.2 in the standard error, as in a diagnosis
+ROUNDS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Background:
+    """All recordings with everything that stayed as it was; m whitened readings, q columns.
+
+    Attributes:
+        joint: The recordings, with standard errors raised by what is new in each.
+        white: Shape (m,), residual of the nominal model.
+        entries: Every cause and every free shape, each with its columns.
+        columns: Shape (m, q), what they change if they act in all recordings alike, before `whitening`.
+        prior: Shape (q,), standard deviations of their sizes.
+        slopes: Shape (m, p), of what may be off, the machine's and each recording's, before `whitening`.
+        whitening: In which what repeats is no news.
+        nuisances: What may be off, the machine's and each recording's, and the discrepancy.
+        repeatability: How well readings repeat.
+        cells: Shape (T,), the state of every instant.
+    """
+
+    joint: Joint
+    white: Array
+    entries: tuple[Entry, ...]
+    columns: Array
+    prior: Array
+    slopes: Array
+    whitening: SharedWhitening
+    nuisances: Nuisances
+    repeatability: Repeatability
+    cells: NDArray[np.intp]
+
+    def acting(self, columns: Array | NDArray[np.signedinteger], weights: Array) -> Array:
+        """Return what some columns change, shape (m, k), with a share, shape (K,), of their size in each recording."""
+        return self.whitening(self.columns[:, columns] * weights[self.joint.of_row][:, None])
+
+    @property
+    def coinciding(self) -> Array:
+        """Shape (K,), share of each recording's instants whose state was met in another recording too."""
+        count = np.bincount(self.cells, minlength=len(self.cells))[self.cells]
+        of = self.joint.of_instant
+        return np.array([np.mean(count[of == k] > 1) for k in range(len(self.joint.recordings))])
+
+
+def background_of(joint: Joint) -> Background:
+    """Return all recordings with everything that stayed as it was.
+
+    The discrepancy is every cause of the catalogue with its plausible sizes, and every free shape, acting in all
+    recordings alike. How much of the friction at rest is new in each recording is what the recordings find most
+    probable (REML), taken for unchanged. It depends on all that was done before, so that is asked only where all
+    recordings run one program; otherwise all of it counts.
+
+    Raises:
+        InputError: Nothing of the catalogue would leave a trace.
+    """
+    cells = cells_of(joint.linear.segments, joint.of_segment)
+    found = _first(joint, cells)
+    if not is_one_program(joint.linear.segments, joint.of_segment):
+        return found
+    other = _first(replace(joint, linear=with_held(joint.linear, HELD)), cells)
+    return max(found, other, key=_log_evidence)
+
+
+def _first(joint: Joint, cells: NDArray[np.intp]) -> Background:
+    """Return the background with noise that counts what not even everything together explains.
+
+    Each recording is fitted by itself with all that could be added to its model, so no change counts as noise.
+    """
+    known = Repeatability.of_instruments(len(joint.linear.quantities))
+    draft = _assembled(joint, known, cells)
+    linear, of_row = joint.linear, joint.of_row
+    every = np.concatenate([draft.slopes, draft.columns * draft.prior], axis=1)
+    left = np.empty(len(linear.white))
+    for k in range(len(joint.recordings)):
+        rows = of_row == k
+        left[rows] = _residual(every[rows], linear.white[rows])
+    left = draft.whitening.instant_by_instant(left[:, None])[:, 0]
+    known = repeatability_of(linear, left, cells, known)
+    return _assembled(replace(joint, linear=raised(linear, np.sqrt(known.own))), known, cells)
+
+
+def settled_background(background: Background, changes: Array) -> Background:
+    """Return the background with noise that counts all that some changes leave of the readings.
+
+    Args:
+        background: So far.
+        changes: Shape (m, k), what they change before `whitening`, each with a prior of one.
+    """
+    for _ in range(ROUNDS):
+        before = background.repeatability
+        after = repeatability_of(
+            background.joint.linear, _left(background, changes), background.cells, background.repeatability
+        )
+        factors = after.own / before.own
+        if np.all(np.abs(np.log(factors)) < ENOUGH) and np.all(
+            np.abs(after.shared - before.shared) < ENOUGH * after.own
+        ):
+            break
+        linear = raised(background.joint.linear, np.sqrt(factors))
+        background = _assembled(replace(background.joint, linear=linear), after, background.cells)
+        changes = changes / np.sqrt(factors)[_places(background)][:, None]
+    return background
+
+
+def _places(background: Background) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the kind and the quantity of every row, shape (m,) each."""
+    linear = background.joint.linear
+    return row_facts(linear)[0], linear.column_of.astype(np.intp)
+
+
+def _left(background: Background, changes: Array) -> Array:
+    """Return what the model leaves of the readings, shape (m,), whitened instant by instant."""
+    linear = background.joint.linear
+    plain = np.concatenate([background.slopes, background.columns * background.prior, changes], axis=1)
+    sizes = _sizes(background.whitening(plain), background.white)
+    left = linear.white - plain @ sizes
+    return np.asarray(background.whitening.instant_by_instant(left[:, None])[:, 0], dtype=np.float64)
+
+
+def _residual(slopes: Array, white: Array) -> Array:
+    return white - slopes @ _sizes(slopes, white)
+
+
+def _sizes(slopes: Array, white: Array) -> Array:
+    """Return the most probable sizes of slopes with a prior of one, shape (p,)."""
+    normal = slopes.T @ slopes
+    normal[np.diag_indices_from(normal)] += 1.0
+    return np.asarray(np.linalg.solve(normal, slopes.T @ white), dtype=np.float64)
+
+
+def _assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.intp]) -> Background:
+    """Return all recordings with standard errors that count what is new in each of them."""
+    what = joint.tried()
+    if not what:
+        raise InputError(
+            "nothing of the catalogue would leave a trace in these recordings: log motor currents or torques, a "
+            "reflector, a link encoder, or the gas pressure, beside the motor angles."
+        )
+    linear, tried = joint.linear, tried_of(what)
+    whitening = shared_whitening(linear, repeatability, cells)
+    slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row, linear.held)
+    columns, prior = tried.columns.matrix, tried.prior
+    every = whitening(np.concatenate([slopes, columns * prior, linear.white[:, None]], axis=1))
+    nuisances = Nuisances(every[:, : slopes.shape[1]], every[:, slopes.shape[1] : -1])
+    known = (tried.entries, columns, prior, slopes, whitening, nuisances, repeatability, cells)
+    return Background(joint, every[:, -1], *known)
+
+
+def _log_evidence(background: Background) -> float:
+    """Return the log evidence of the readings of a machine that stayed as it was."""
+    known = background.nuisances
+    misfit = known.products(background.white, np.empty((len(background.white), 0))).misfit
+    return background.whitening.log_determinant - known.log_determinant - 0.5 * misfit

@@ -1,0 +1,102 @@
+"""Which instants of different recordings are the same state of the machine: there everything that stayed cancels."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from bench.diagnose.replay.motion_segments import TRAVELS
+from bench.diagnose.replay.segments import Segment
+from bench.record.campaign import Array
+
+# Of the largest speed, force and payload. Assumed: how much coinciding instants have in common is estimated
+# (`noise.py`), so a wider tolerance makes a comparison weaker and not wrong.
+ALIKE = 0.02
+GREATER_PART = 0.5
+
+
+def cells_of(segments: Sequence[Segment], recording: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return the cell of every instant, shape (T,): instants of one cell are one state, each in another recording.
+
+    A state is where the motors are, how fast they go, what hangs or is bolted on, and from where it was reached. Cells
+    grow about the instants of the first recording; one that is met nowhere again has its cell alone.
+
+    Args:
+        segments: Of all recordings.
+        recording: Shape (S,), index of the recording of each segment.
+    """
+    states = _states(segments)
+    lengths = [len(segment) for segment in segments]
+    of_instant = np.repeat(recording, lengths)
+    is_static = np.repeat([segment.is_static for segment in segments], lengths)
+    cells = np.arange(len(states))
+    for kind in (is_static, ~is_static):
+        first = np.flatnonzero(kind & (of_instant == 0))
+        if not len(first):
+            continue
+        tree = cKDTree(states[first])
+        for k in range(1, int(np.max(of_instant)) + 1):
+            later = np.flatnonzero(kind & (of_instant == k))
+            if not len(later):
+                continue
+            distance, nearest = tree.query(states[later], p=np.inf, distance_upper_bound=1.0)
+            _, back = cKDTree(states[later]).query(states[first], p=np.inf, distance_upper_bound=1.0)
+            for i in np.flatnonzero(np.isfinite(distance)):
+                if back[nearest[i]] == i:  # each is the other's nearest: an instant is counted once
+                    cells[later[i]] = first[nearest[i]]
+    return np.asarray(cells, dtype=np.intp)
+
+
+def is_one_program(segments: Sequence[Segment], recording: NDArray[np.intp]) -> bool:
+    """Whether every recording repeats the first segment by segment, the greater part of each in the same states.
+
+    What friction holds at rest depends on all that was done before; only then is that the same too.
+    """
+    states = np.split(_states(segments), np.cumsum([len(segment) for segment in segments])[:-1])
+    first = np.flatnonzero(recording == 0)
+    for k in range(1, int(np.max(recording)) + 1):
+        mine = np.flatnonzero(recording == k)
+        if len(mine) != len(first):
+            return False
+        for one, other in zip(mine, first, strict=True):
+            distance, _ = cKDTree(states[other]).query(states[one], p=np.inf, distance_upper_bound=1.0)
+            if np.mean(np.isfinite(distance)) <= GREATER_PART:
+                return False
+    return True
+
+
+def _states(segments: Sequence[Segment]) -> Array:
+    """Return the state at every instant in units of what counts as alike, shape (T, s)."""
+    read = [segment.motion.read for segment in segments]
+    q = np.concatenate([segment.motion.q[here] for segment, here in zip(segments, read, strict=True)])
+    velocity = np.concatenate([segment.motion.velocity[here] for segment, here in zip(segments, read, strict=True)])
+    wrench = np.concatenate([segment.motion.wrench[here] for segment, here in zip(segments, read, strict=True)])
+    payload = np.concatenate([np.full(len(segment), segment.conditions.payload_kg) for segment in segments])
+    came = np.concatenate([_came(segment) for segment in segments])
+    force, moment = (np.max(np.abs(part)) for part in (wrench[:, :3], wrench[:, 3:]))
+    scaled = [
+        q / TRAVELS,
+        _scaled(velocity, np.max(np.abs(velocity), axis=0)),
+        _scaled(wrench[:, :3], force),
+        _scaled(wrench[:, 3:], moment),
+        _scaled(payload[:, None], np.max(payload)),
+        came,
+    ]
+    return np.concatenate(scaled, axis=1)
+
+
+def _came(segment: Segment) -> Array:
+    """Return from where the state of every instant was reached, shape (T, n + 1): joints, and the load at rest."""
+    read = segment.motion.read
+    count = len(segment)
+    if not segment.is_static:
+        return np.zeros((count, segment.motion.q.shape[1] + 1))
+    approach = np.sign(segment.motion.q[read][0] - segment.motion.q[0])
+    force = np.linalg.norm(segment.motion.wrench[:, :3], axis=1)
+    loading = np.sign(np.diff(force, prepend=force[0]))[read]
+    return 2.0 * np.column_stack([np.tile(approach, (count, 1)), loading])
+
+
+def _scaled(values: Array, largest: Array | float) -> Array:
+    return np.asarray(values / np.where(np.asarray(largest) > 0, ALIKE * np.asarray(largest), 1.0), dtype=np.float64)

@@ -1,0 +1,111 @@
+"""From recordings to what changed between them."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from bench.compare.background import Background, background_of
+from bench.compare.comparison import ChannelNoise, Compared, Comparison, UnlistedChange
+from bench.compare.components import components_of
+from bench.compare.explain import explanations_of
+from bench.compare.joint import joint_of
+from bench.compare.profiles import profiles_of
+from bench.compare.recordings import Recording, days_of
+from bench.compare.search_changes import Found
+from bench.compare.settle import settled_changes
+from bench.diagnose.diagnose import FALSE_ALARM_RATE
+from bench.diagnose.linearise.generic import Block
+from bench.diagnose.replay.segments import MOST_BINS
+from bench.effects.effect import Effect
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
+from bench.robot.compiled import CompiledRobot
+from bench.store.store import Store
+
+
+def compare(
+    recordings: tuple[Recording, ...],
+    compiled: CompiledRobot,
+    catalogue: Mapping[str, Effect],
+    rate: float = FALSE_ALARM_RATE,
+    progress: Callable[[str], None] = lambda words: None,
+    most_bins: int = MOST_BINS,
+    executor: Executor = SERIAL,
+    store: Store | None = None,
+) -> Comparison:
+    """Say what changed on a machine.
+
+    Args:
+        recordings: From `recordings_of`.
+        compiled: The robot, nominal or as a diagnosis handed it over.
+        catalogue: Effects to look for.
+        rate: Share of unchanged machines of which anything at all may be said to have changed.
+        progress: Called with what is done next.
+        most_bins: How many bins the motion of each recording may have.
+        executor: Where to simulate; results do not depend on it.
+        store: Where signatures are kept between processes; None: nowhere.
+
+    Raises:
+        InputError: A recording has nothing that a replay predicts.
+        ConvergenceError: The nominal model finds no balance along a measured motion.
+    """
+    with threadpool_limits(1, "blas"):
+        progress("signatures")
+        joint = joint_of(recordings, compiled, catalogue, most_bins, executor, store)
+        progress("what stayed as it was")
+        background = background_of(joint)
+        progress("what changed")
+        n_before = sum(not one.is_after for one in recordings)
+        profiles = profiles_of(n_before, days_of(recordings))
+        background, found = settled_changes(background, profiles, rate)
+        progress("values over the recordings")
+        explanations = explanations_of(background, found)
+        return Comparison(
+            recordings=_compared(background),
+            false_alarm_rate=rate,
+            threshold=found.screened[0].threshold,
+            probability_unchanged=found.probability_unchanged,
+            explanations=explanations,
+            unlisted=_unlisted(background, found),
+            components=components_of(background, found, n_before),
+            noise=_noise(background),
+        )
+
+
+def _compared(background: Background) -> tuple[Compared, ...]:
+    recordings = background.joint.recordings
+    count = np.bincount(background.joint.of_instant, minlength=len(recordings)).tolist()
+    rows = zip(recordings, days_of(recordings).tolist(), count, background.coinciding.tolist(), strict=True)
+    return tuple(
+        Compared(one.name, one.is_after, one.started.isoformat() if one.started else None, days, instants, share)
+        for one, days, instants, share in rows
+    )
+
+
+def _unlisted(background: Background, found: Found) -> UnlistedChange | None:
+    if found.shape is None:
+        return None
+    possible = found.possible[found.shape]
+    block = possible.entry.what
+    assert isinstance(block, Block)
+    since = background.joint.recordings[possible.profile.since].name
+    odds = found.model.log_posterior([found.shape])
+    return UnlistedChange(
+        str(block), block.place, block.kind, block.depends_on, possible.profile.course, since, float(odds)
+    )
+
+
+def _noise(background: Background) -> tuple[ChannelNoise, ...]:
+    known = background.repeatability
+    return tuple(
+        ChannelNoise(
+            quantity.column,
+            bool(kind),
+            float(np.sqrt(known.own[kind, c])),
+            float(np.sqrt(known.shared[kind, c])),
+            int(known.pairs[kind, c]),
+        )
+        for c, quantity in enumerate(background.joint.linear.quantities)
+        for kind in (0, 1)
+    )

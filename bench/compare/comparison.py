@@ -1,0 +1,200 @@
+"""What a comparison says, as plain data. `compare.json` is this, field by field (format 1)."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from bench.compare.profiles import Course
+from bench.effects.effect import Level
+
+NORMAL_90 = 1.645  # standard deviations, of the intervals of a comparison
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A number with its 90 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class ChangedSize:
+    """By how much one parameter of a cause changed, in `unit`; `words` say what it is.
+
+    Attributes:
+        name, unit, words: Of the parameter; a unit of "" is a relative size.
+        change: After less before; of a trend up to the last recording, of what was there once in that recording.
+        per_week: Of a trend over known times; None of any other.
+    """
+
+    name: str
+    unit: str
+    words: str
+    change: Interval
+    per_week: Interval | None = None
+
+
+@dataclass(frozen=True)
+class Change:
+    """One cause that changed.
+
+    Attributes:
+        effect: Of the catalogue.
+        title: What a person calls it, with its place.
+        place: Where it acts.
+        level: Of the "machine", or an error of the "recording" or of a "run" of it.
+        sizes: By how much.
+        shape: Its other parameters, as they were tried.
+        course: How it runs over the recordings.
+        since: Name of the recording with which it sets in.
+        advice: What to look at; "" where the title says that.
+        nonlinearity: Share of what it changes by simulation that the linearised model misses; nan where not simulated.
+    """
+
+    effect: str
+    title: str
+    place: str
+    level: Level
+    sizes: tuple[ChangedSize, ...]
+    shape: Mapping[str, float]
+    course: Course
+    since: str
+    advice: str = ""
+    nonlinearity: float = float("nan")
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Changes that together explain the recordings.
+
+    Attributes:
+        changes: All of them.
+        probability: That all of them happened, among everything that was weighed.
+        log_odds: Logarithm of its posterior odds against a machine that stayed as it was.
+    """
+
+    changes: tuple[Change, ...]
+    probability: float
+    log_odds: float
+
+
+@dataclass(frozen=True)
+class UnlistedChange:
+    """A change that no effect of the catalogue explains: where it acts, and on what it depends.
+
+    Attributes:
+        title: In words.
+        place, kind, depends_on: As in `diagnose.linearise.generic.Block`.
+        course, since: As of a listed one.
+        log_odds: Logarithm of its posterior odds against a machine that stayed as it was.
+    """
+
+    title: str
+    place: str
+    kind: str
+    depends_on: str
+    course: Course
+    since: str
+    log_odds: float
+
+
+@dataclass(frozen=True)
+class Component:
+    """One parameter of one cause over the recordings, whether it changed or not.
+
+    Attributes:
+        effect, title, place: Of the cause.
+        parameter, unit: Of its size.
+        values: One for each recording after: its change against before.
+        limit: Smallest lasting change that would have been found, of the shape that is seen best.
+        worst: The same for the shape that is seen worst; inf where a shape is not seen.
+        plausible: Largest plausible size.
+        is_named: Whether it is part of an explanation.
+    """
+
+    effect: str
+    title: str
+    place: str
+    parameter: str
+    unit: str
+    values: tuple[Interval, ...]
+    limit: float
+    worst: float
+    plausible: float
+    is_named: bool
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One recording that was compared.
+
+    Attributes:
+        name: For people.
+        is_after: Whether it was asked what changed in it.
+        started: ISO 8601, None where nobody wrote it down.
+        days: Since the first recording; nan where that is not known of all.
+        instants: Rests and bins of motion.
+        coinciding: Share of them in a state of the machine that another recording has too.
+    """
+
+    name: str
+    is_after: bool
+    started: str | None
+    days: float
+    instants: int
+    coinciding: float
+
+
+@dataclass(frozen=True)
+class ChannelNoise:
+    """How well a channel repeats, at rest or in motion.
+
+    Attributes:
+        column: Name.
+        in_motion: Which.
+        own: Standard deviation of what is new in each recording, in standard errors of the instrument; 1 at least.
+        shared: The same of what the model misses every time.
+        pairs: Readings in a state that another recording has too.
+    """
+
+    column: str
+    in_motion: bool
+    own: float
+    shared: float
+    pairs: int
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What changed.
+
+    Attributes:
+        recordings: Those before first.
+        false_alarm_rate: Declared for everything that was tried at once.
+        threshold: Log evidence that chance exceeds at that rate, of a change that comes with the first one after.
+        probability_unchanged: That nothing changed, among everything that was weighed.
+        explanations: That the data cannot tell apart, the likeliest first; empty where nothing listed changed.
+        unlisted: What changed and is not listed.
+        components: Every parameter of every cause of the machine.
+        noise: How well channels repeat.
+    """
+
+    recordings: tuple[Compared, ...]
+    false_alarm_rate: float
+    threshold: float
+    probability_unchanged: float
+    explanations: tuple[Explanation, ...]
+    unlisted: UnlistedChange | None
+    components: tuple[Component, ...]
+    noise: tuple[ChannelNoise, ...]
+
+    @property
+    def has_changed(self) -> bool:
+        """Whether anything is said to have changed."""
+        return bool(self.explanations) or self.unlisted is not None
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the content of `compare.json`."""
+        return {"format": 1, "has_changed": self.has_changed, **asdict(self)}

@@ -1,0 +1,122 @@
+"""Every parameter of every cause of the machine over the recordings, with what would have been found of it."""
+
+import itertools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.compare.background import Background
+from bench.compare.comparison import Component, Interval
+from bench.compare.explain import interval_of
+from bench.compare.search_changes import Found
+from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
+from bench.diagnose.linearise.limits import smallest_found
+from bench.diagnose.linearise.marginal import Columns, Marginal
+from bench.diagnose.linearise.screening import Entry
+from bench.record.campaign import Array
+
+
+def components_of(background: Background, found: Found, n_before: int) -> tuple[Component, ...]:
+    """Return every component, those that are named first, then by how small a part of its range would have been found.
+
+    The value of a component in a recording is fitted beside all changes that the best explanation names, and apart from
+    them where it is not one of them itself.
+
+    Args:
+        background: All recordings.
+        found: What changed.
+        n_before: Recordings before.
+    """
+    named = {key for i in found.near for key in found.alternatives[i].keys} if found.alternatives[0].keys else set()
+    best = [found.possible[i] for i in found.alternatives[0].best.terms]
+    taken = {one.entry.cause.key: one.entry for one in best if one.entry.cause}
+    entries = _one_shape_each(background, found, taken)
+    columns = np.concatenate([entry.columns for entry in entries]).astype(np.intp)
+    count = len(background.joint.recordings)
+    own = [background.acting(one.entry.columns, one.profile.weights) for one in best]
+    each = [background.acting(columns, np.eye(count)[k]) for k in range(n_before, count)]
+    every = background.nuisances.products(background.white, Columns(np.concatenate([*own, *each], axis=1)))
+    edges = np.cumsum([0, *(len(one.prior) for one in best)])
+    places = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
+    beside: dict[object, Marginal] = {}
+    components: list[Component] = []
+    start = int(edges[-1])
+    for entry in entries:
+        cause = entry.cause
+        assert cause
+        key = cause.key if cause.key in taken else None
+        if key not in beside:
+            others = [i for i, one in enumerate(best) if one.key != key]
+            indices = np.concatenate([np.empty(0, dtype=np.intp), *(places[i] for i in others)])
+            prior = np.concatenate([np.empty(0), *(best[i].prior for i in others)])
+            beside[key] = every.given(indices, prior)
+        which = start + np.arange(len(entry.columns))
+        start += len(entry.columns)
+        steps = [which + k * len(columns) for k in range(count - n_before)]
+        values = _values(beside[key], entry, steps)
+        components += _rows(background, found, entry, values, is_named=cause.key in named)
+    return tuple(sorted(components, key=lambda one: (not one.is_named, one.limit / one.plausible)))
+
+
+def _one_shape_each(background: Background, found: Found, taken: dict[tuple[str, str], Entry]) -> list[Entry]:
+    """Return for each cause of the machine, and for each that is named, the shape that is found or seen best."""
+    information = found.screened[0].information
+    best: dict[tuple[str, str], Entry] = {}
+    for entry in background.entries:
+        cause = entry.cause
+        if cause is None or (cause.effect.level != "machine" and cause.key not in taken):
+            continue
+        if not np.all(information[entry.columns] > 0):
+            continue
+        known = best.get(cause.key)
+        if known is None or _known(information, entry) > _known(information, known):
+            best[cause.key] = entry
+    best |= taken
+    return list(best.values())
+
+
+def _known(information: Array, entry: Entry) -> float:
+    return float(information[entry.columns[0]] * entry.priors[0][0][0] ** 2)
+
+
+def _values(marginal: Marginal, entry: Entry, steps: list[NDArray[np.intp]]) -> list[list[Interval]]:
+    """Return for each size its change in every recording after."""
+    prior, k = entry.priors[0][0], len(entry.columns)
+    mean, covariance = marginal.sizes(np.concatenate(steps), np.tile(prior, len(steps)))
+    sigma = np.sqrt(np.diag(covariance))
+    what = entry.what
+    assert isinstance(what, Candidate)
+    return [
+        [interval_of(float(mean[i * k + j]), float(sigma[i * k + j]), float(what.step[j])) for i in range(len(steps))]
+        for j in range(k)
+    ]
+
+
+def _rows(
+    background: Background, found: Found, entry: Entry, values: list[list[Interval]], *, is_named: bool
+) -> list[Component]:
+    cause = entry.cause
+    assert cause
+    rows = []
+    for j, size in enumerate(cause.sizes):
+        low, worst = _limits(background, found, cause, j)
+        mine = tuple(values[j])
+        key = cause.effect.name, str(cause), str(cause.place)
+        rows.append(Component(*key, size.name, size.unit, mine, low, worst, size.high, is_named))
+    return rows
+
+
+def _limits(background: Background, found: Found, cause: Cause, j: int) -> tuple[float, float]:
+    """Return the smallest change that would have been found, of the shapes that are seen best and worst."""
+    first = found.screened[0]
+    limits = []
+    for entry in background.entries:
+        if entry.cause is None or entry.cause.key != cause.key or len(entry.columns) != len(cause.sizes):
+            continue
+        assert isinstance(entry.what, Candidate)
+        prior, share = entry.priors[0]
+        known = float(first.information[entry.columns[j]])
+        limit = smallest_found(known, float(prior[j]), first.threshold - share)
+        limits.append(limit * abs(float(entry.what.step[j])))
+    worst = max(limits) if len(limits) == len(shape_grid(cause)) else float("inf")
+    return min(limits), worst

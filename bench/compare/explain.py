@@ -1,0 +1,100 @@
+"""From the posterior over subsets to named changes, with sizes, intervals and what simulation says of them."""
+
+import numpy as np
+
+from bench.compare.background import Background
+from bench.compare.comparison import NORMAL_90, Change, ChangedSize, Explanation, Interval
+from bench.compare.search_changes import Found, Possible
+from bench.diagnose.linearise.candidates import Candidate
+from bench.diagnose.linearise.marginal import JITTER
+from bench.diagnose.replay.world import NOMINAL, World
+from bench.errors import NOT_SIMULATED
+from bench.record.campaign import Array
+
+WEEK = 7.0  # [days]
+
+
+def explanations_of(background: Background, found: Found) -> tuple[Explanation, ...]:
+    """Return the explanations that the data cannot tell apart, the likeliest first; empty where nothing changed."""
+    if not found.alternatives[0].keys or found.shape is not None:
+        return ()
+    explanations = []
+    for i in found.near:
+        alternative = found.alternatives[i]
+        if not alternative.keys:
+            continue
+        terms = alternative.best.terms
+        mean, sigma = sizes_of(found, terms)
+        changes, start = [], 0
+        for term in terms:
+            possible = found.possible[term]
+            stop = start + len(possible.prior)
+            changes.append(_change(background, possible, mean[start:stop], sigma[start:stop]))
+            start = stop
+        explanations.append(Explanation(tuple(changes), found.probability[i], alternative.log_posterior))
+    return tuple(explanations)
+
+
+def sizes_of(found: Found, terms: tuple[int, ...]) -> tuple[Array, Array]:
+    """Return the most probable sizes of the columns of some terms, and their standard deviations, in steps."""
+    model = found.model
+    columns = np.concatenate([model.terms[i].columns for i in terms])
+    prior = np.concatenate([model.terms[i].prior for i in terms])
+    h = model.information[np.ix_(columns, columns)].copy()
+    h[np.diag_indices_from(h)] += 1 / prior**2 + JITTER * np.maximum(np.diag(h), 1.0)
+    covariance = np.linalg.inv(h)
+    mean = covariance @ model.scores[columns]
+    return np.asarray(mean, dtype=np.float64), np.asarray(np.sqrt(np.diag(covariance)), dtype=np.float64)
+
+
+def interval_of(value: float, sigma: float, step: float) -> Interval:
+    """Return a size with its 90 % interval, of a value and a standard deviation in steps."""
+    value, half = value * step, NORMAL_90 * sigma * abs(step)
+    return Interval(value, value - half, value + half)
+
+
+def _change(background: Background, possible: Possible, mean: Array, sigma: Array) -> Change:
+    candidate = possible.entry.what
+    assert isinstance(candidate, Candidate)
+    cause, profile = candidate.cause, possible.profile
+    sizes = []
+    for size, x, s, step in zip(cause.sizes, mean.tolist(), sigma.tolist(), candidate.step.tolist(), strict=True):
+        weekly = interval_of(x, s, step * WEEK / profile.days) if np.isfinite(profile.days) else None
+        sizes.append(ChangedSize(size.name, size.unit, size.words, interval_of(x, s, step), weekly))
+    return Change(
+        effect=cause.effect.name,
+        title=str(cause),
+        place=str(cause.place),
+        level=cause.effect.level,
+        sizes=tuple(sizes),
+        shape=dict(candidate.shape),
+        course=profile.course,
+        since=background.joint.recordings[profile.since].name,
+        advice=cause.effect.advice,
+        nonlinearity=_nonlinearity(background, possible, mean),
+    )
+
+
+def _nonlinearity(background: Background, possible: Possible, mean: Array) -> float:
+    """Return the share of what a change does by simulation that its signature misses.
+
+    A size that can have one sign only is simulated with that sign: the signature is as long either way.
+    """
+    candidate = possible.entry.what
+    assert isinstance(candidate, Candidate)
+    signs = np.where([size.signed for size in candidate.cause.sizes], 1.0, np.sign(mean * candidate.step))
+    sizes = mean * signs
+    values = {
+        size.name: size.null + float(x) for size, x in zip(candidate.cause.sizes, sizes * candidate.step, strict=True)
+    }
+    linear, weights = background.joint.linear, possible.profile.weights
+    try:
+        world = World(acting=(candidate.cause.acting({**candidate.shape, **values}),))
+        change = linear.replay.predict(world) - linear.replay.predict(NOMINAL)
+    except NOT_SIMULATED:
+        return float("nan")
+    rows = weights[background.joint.of_row]
+    simulated = rows * linear.whiten(change[:, :, None])[:, 0]
+    expected = rows * (background.columns[:, possible.entry.columns] @ sizes)
+    length = float(np.linalg.norm(simulated))
+    return float(np.linalg.norm(simulated - expected)) / length if length > 0 else float("nan")

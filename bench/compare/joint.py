@@ -1,0 +1,124 @@
+"""All recordings in one linearised model: the same nominal robot replays them, and one list of causes acts in them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.compare.recordings import Recording
+from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of
+from bench.diagnose.linearise.generic import Block, blocks_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.signatures import Digits, Sensitivities, Signatures
+from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import MOST_BINS, Segment, segments_of
+from bench.effects.effect import Effect
+from bench.effects.recorded import recorded_in
+from bench.errors import InputError
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
+from bench.record.campaign import Run
+from bench.robot.compiled import CompiledRobot
+from bench.store.store import Store
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """All recordings, linear about the nominal robot; K recordings, S segments, m whitened readings.
+
+    Attributes:
+        recordings: Which.
+        linear: All of them, one after the other.
+        of_segment: Shape (S,), index of each segment's recording.
+        causes: What is looked for.
+        sensitivities: Of the readings to each of them, shape (T, c) each, in the order of `plan_of`.
+    """
+
+    recordings: tuple[Recording, ...]
+    linear: LinearisedModel
+    of_segment: NDArray[np.intp]
+    causes: tuple[Cause, ...]
+    sensitivities: tuple[Digits | None, ...]
+
+    @property
+    def of_instant(self) -> NDArray[np.intp]:
+        """Shape (T,), index of each instant's recording."""
+        return np.repeat(self.of_segment, [len(segment) for segment in self.linear.segments])
+
+    @property
+    def of_row(self) -> NDArray[np.intp]:
+        """Shape (m,), index of each whitened reading's recording."""
+        return np.repeat(self.of_segment, [len(whitening.modes) for whitening in self.linear.whitenings])
+
+    def tried(self) -> tuple[Candidate | Block, ...]:
+        """Return every visible cause and every free shape, as they act in all recordings alike."""
+        return (*candidates_of(self.linear, self.causes, self.sensitivities), *blocks_of(self.linear))
+
+
+def joint_of(
+    recordings: tuple[Recording, ...],
+    compiled: CompiledRobot,
+    catalogue: Mapping[str, Effect],
+    most_bins: int = MOST_BINS,
+    executor: Executor = SERIAL,
+    store: Store | None = None,
+) -> Joint:
+    """Return all recordings in one linearised model.
+
+    Args:
+        recordings: Of one machine.
+        compiled: Its robot, nominal.
+        catalogue: Effects to look for.
+        most_bins: How many bins the motion of each recording may have.
+        executor: Where to simulate.
+        store: Where signatures are kept between processes; None: nowhere.
+
+    Raises:
+        InputError: A recording has nothing that a replay predicts.
+        ConvergenceError: The nominal model finds no balance along a measured motion.
+    """
+    runs = {run.name: run for one in recordings for run in one.campaign.runs}
+    every = tuple(sorted(runs.values(), key=lambda run: run.start_s))
+    quantities = quantities_of(tuple(run for one in recordings for run in one.campaign.runs), compiled)
+    recorded = recorded_in(every, compiled.model.opt.gravity)
+    causes = causes_of(catalogue.values(), compiled, _measured(recordings), recorded)
+    first = {one.campaign.runs[0].name for one in recordings}  # what sets in with it acts in all of a recording
+    causes = tuple(cause for cause in causes if cause.place.since not in first)
+    nuisances = nuisances_of(compiled, quantities)
+    known: list[tuple[tuple[Segment, ...], Sensitivities]] = []
+    for one in recordings:
+        segments = segments_of(one.campaign, compiled, quantities, most_bins)
+        if not segments:
+            raise InputError(
+                f"{one.name}: has no channel that a replay predicts: log motor currents or torques, a reflector, a "
+                "link encoder, or the gas pressure, beside the motor angles."
+            )
+        # each recording has its own: signatures depend on temperatures, which are other ones each day
+        found = Signatures(compiled, quantities, nuisances, causes, store=store).sensitivities(segments, executor)
+        known.append((segments, found))
+    joined = tuple(
+        replace(segment, run=f"{one.name}.{segment.run}", label=f"{one.name}.{segment.label}")
+        for one, (segments, _) in zip(recordings, known, strict=True)
+        for segment in segments
+    )
+    changes = np.concatenate([found.nuisances for _, found in known])
+    linear = linearised_model_of(Replay(compiled, joined, quantities), nuisances, changes)
+    of_segment = np.repeat(np.arange(len(recordings)), [len(segments) for segments, _ in known])
+    sensitivities = tuple(_stacked(parts) for parts in zip(*(found.causes for _, found in known), strict=True))
+    return Joint(recordings, linear, of_segment, causes, sensitivities)
+
+
+def _stacked(parts: Sequence[Digits | None]) -> Digits | None:
+    """Return what a cause changes in all recordings; None where its model finds no balance in one of them."""
+    sound = [part for part in parts if part is not None]
+    return np.concatenate(sound) if len(sound) == len(parts) else None
+
+
+def _measured(recordings: Sequence[Recording]) -> frozenset[str]:
+    """Return the quantities of all recordings, without numbers and units."""
+    runs: list[Run] = [run for one in recordings for run in one.campaign.runs]
+    words = (name.split("_")[:-1] for run in runs for name in run.columns)
+    return frozenset("_".join(word for word in part if not word.isdigit()) for part in words)

@@ -1,0 +1,41 @@
+"""What belongs to the machine, and what may be anew in each recording."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.record.campaign import Array
+
+GAIN = "torque constant of "  # of a motor, with the amplifier beside it: the machine's, though readings show it
+
+
+def is_of_machine(nuisance: Nuisance) -> bool:
+    """Whether what may be off is the machine's: its figures and torque constants. All else is set up anew."""
+    return nuisance.edit is not None or nuisance.name.startswith(GAIN)
+
+
+def is_held_friction(nuisance: Nuisance) -> bool:
+    """Whether it is how much of its friction a joint holds at rest: neither a figure nor an error of a reading."""
+    acts_otherwise = nuisance.scales_wrench or nuisance.scales_payload
+    return nuisance.edit is None and nuisance.on_reading is None and not acts_otherwise
+
+
+def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[np.intp], held: float) -> Array:
+    """Return the slopes with one column for each of the machine's nuisances, and one per recording for the others.
+
+    How much of its friction a joint holds at rest has both: what it does every time, and by how much that changes.
+
+    Args:
+        jacobian: Shape (m, p), whitened, of one standard deviation of each nuisance.
+        nuisances: Shape (p,).
+        recording: Shape (m,), index of the recording of each row.
+        held: Share of friction at rest, as a standard deviation, that is new in each recording.
+    """
+    machine = np.array([is_of_machine(nuisance) for nuisance in nuisances], dtype=bool)
+    rests = np.array([is_held_friction(nuisance) for nuisance in nuisances], dtype=bool)
+    anew = jacobian[:, ~machine] * np.where(rests[~machine], held, 1.0)
+    own = [anew * (recording == k)[:, None] for k in np.unique(recording)]
+    every = np.concatenate([jacobian[:, machine], np.sqrt(1 - held**2) * jacobian[:, rests], *own], axis=1)
+    return np.asarray(every[:, np.any(every != 0, axis=0)], dtype=np.float64)

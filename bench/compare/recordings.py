@@ -1,0 +1,84 @@
+"""Which recordings are compared, in which order, and when each was made."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+import numpy as np
+
+from bench.errors import CampaignError
+from bench.record.campaign import Array, Campaign
+
+DAY = 86400.0  # [s]
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """One recording of the machine.
+
+    Attributes:
+        name: For people, unique.
+        campaign: Its runs.
+        is_after: Whether it is asked what changed in it.
+        started: When it began; None where nobody wrote it down.
+    """
+
+    name: str
+    campaign: Campaign
+    is_after: bool
+    started: datetime | None = None
+
+
+def recordings_of(before: Mapping[str, Campaign], after: Mapping[str, Campaign]) -> tuple[Recording, ...]:
+    """Return the recordings before, then those after; the latter by the time at which they began where all say it.
+
+    Args:
+        before: Name -> campaign of the machine as it was; several recordings in it count as repeats.
+        after: Name -> campaign, in the order given.
+
+    Raises:
+        CampaignError: There is none before or none after, two have the same name, or they are of different robots.
+    """
+    found = [one for name, campaign in before.items() for one in _split(name, campaign, is_after=False)]
+    later = [one for name, campaign in after.items() for one in _split(name, campaign, is_after=True)]
+    if not found or not later:
+        raise CampaignError("a comparison needs a recording before and at least one after")
+    starts = [one.started for one in later]
+    if all(starts):
+        later.sort(key=_instant)
+    every = [*found, *later]
+    names = [one.name for one in every]
+    if len(set(names)) < len(names):
+        raise CampaignError(f"two recordings have the same name ({', '.join(names)}): give folders of different names")
+    robots = sorted({one.campaign.robot for one in every})
+    if len(robots) > 1:
+        raise CampaignError(
+            f"the campaigns are of different robots ({', '.join(robots)}): compare campaigns of one machine, or say "
+            "with --robot which robot to take for all of them"
+        )
+    return tuple(every)
+
+
+def days_of(recordings: Sequence[Recording]) -> Array:
+    """Return when each recording began, shape (K,) [days] since the first; nan everywhere where one does not say it."""
+    if not all(one.started for one in recordings):
+        return np.full(len(recordings), np.nan)
+    seconds = np.array([_instant(one) for one in recordings])
+    return np.asarray((seconds - seconds[0]) / DAY, dtype=np.float64)
+
+
+def _instant(one: Recording) -> float:
+    assert one.started
+    return one.started.timestamp()
+
+
+def _split(name: str, campaign: Campaign, *, is_after: bool) -> list[Recording]:
+    """Return the recordings of a campaign; the manifest says of the first alone when it began."""
+    if len(campaign.recordings) == 1:
+        return [Recording(name, campaign, is_after, campaign.started)]
+    found = []
+    for i, one in enumerate(campaign.recordings):
+        runs = tuple(run for run in campaign.runs if run.recording == one)
+        part = replace(campaign, runs=runs, started=campaign.started if i == 0 else None)
+        found.append(Recording(f"{name}.{one}" if one else name, part, is_after, part.started))
+    return found

@@ -1,0 +1,182 @@
+"""Which changes explain the recordings: evidence for every cause with every course, and the posterior over subsets."""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import logsumexp
+
+from bench.compare.background import Background
+from bench.compare.profiles import Profile
+from bench.diagnose.linearise.marginal import Columns, Marginal
+from bench.diagnose.linearise.screening import Entry
+from bench.diagnose.linearise.threshold import LEAST, family_threshold
+from bench.diagnose.name.groups import IN_SET
+from bench.diagnose.name.search import Alternative, SubsetPosterior, Term, alternatives_of, search
+from bench.record.campaign import Array
+
+MOST_TERMS = 1000  # that a search is given, the best by evidence: memory stays small with many recordings
+GREATER_PART = 0.5  # of what a free shape explains; causes that explain as much are not given up for it (as in naming)
+INVISIBLE = 1e-6  # norm of a whitened column per standard deviation of its size; a course in which it never acts
+
+
+@dataclass(frozen=True, eq=False)
+class Possible:
+    """A cause or a free shape with its course.
+
+    Attributes:
+        entry: What.
+        profile: How it runs over the recordings.
+        prior: Shape (k,), standard deviations of its sizes, in steps.
+        log_odds: Its prior odds: those that chance passes at the declared rate.
+    """
+
+    entry: Entry
+    profile: Profile
+    prior: Array
+    log_odds: float
+
+    @property
+    def key(self) -> Hashable:
+        """What it is, whatever its shape and its course."""
+        return self.entry.cause.key if self.entry.cause else str(self.entry.what)
+
+
+@dataclass(frozen=True, eq=False)
+class Screened:
+    """One course with all that may take it.
+
+    Attributes:
+        profile: The course.
+        threshold: Log evidence that chance exceeds at its share of the declared rate.
+        information: Shape (q,), on each column's size; 0 where it is not seen.
+    """
+
+    profile: Profile
+    threshold: float
+    information: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What changed.
+
+    Attributes:
+        model: What the search was given.
+        possible: What each of its terms is.
+        alternatives: What subsets of listed causes say, the most probable first.
+        probability: Of each of them; one that has all causes of a likelier one and more counts for that.
+        shape: Index of the free shape that explains more than the listed causes do; None: they suffice.
+        screened: One for each course.
+    """
+
+    model: SubsetPosterior
+    possible: tuple[Possible, ...]
+    alternatives: tuple[Alternative, ...]
+    probability: tuple[float, ...]
+    shape: int | None
+    screened: tuple[Screened, ...]
+
+    @property
+    def best(self) -> tuple[Possible, ...]:
+        """What is named: the listed causes of the most probable alternative, or the free shape in their place."""
+        terms = self.alternatives[0].best.terms if self.shape is None else (self.shape,)
+        return tuple(self.possible[i] for i in terms)
+
+    @property
+    def probability_unchanged(self) -> float:
+        """That nothing changed."""
+        empty = (p for one, p in zip(self.alternatives, self.probability, strict=True) if not one.keys)
+        return next(empty, 0.0)
+
+    @property
+    def near(self) -> tuple[int, ...]:
+        """Indices of the alternatives that the data cannot tell from the best, without those that only say more."""
+        best = self.alternatives[0].log_posterior
+        found: list[int] = []
+        for i, one in enumerate(self.alternatives):
+            keys = [self.alternatives[j].keys for j in found]
+            if one.log_posterior > best - IN_SET and not any(known and known < one.keys for known in keys):
+                found.append(i)
+        return tuple(found)
+
+
+def find_changes(background: Background, profiles: Sequence[Profile], rate: float) -> Found:
+    """Return what changed, everything else integrated out.
+
+    Args:
+        background: All recordings.
+        profiles: Courses.
+        rate: Share of unchanged machines of which anything at all may be said to have changed.
+    """
+    screened: list[Screened] = []
+    possible: list[tuple[float, Possible]] = []
+    every = np.arange(background.columns.shape[1])
+    for profile in profiles:
+        marginal = _products(background, background.acting(every, profile.weights))
+        seen = marginal.columns.squares > INVISIBLE**2
+        entries = [entry for entry in background.entries if np.all(seen[entry.columns])]
+        blocks = [(entry.columns, *prior) for entry in entries for prior in entry.priors]
+        threshold = family_threshold(marginal, blocks, rate / len(profiles), np.random.default_rng(0))
+        screened.append(Screened(profile, threshold, np.where(seen, marginal.diagonal, 0.0)))
+        for entry in entries:
+            for prior, share in entry.priors:
+                odds = share - threshold - (0.0 if entry.cause else LEAST)
+                evidence = marginal.log_evidence(entry.columns, prior) + odds
+                possible.append((evidence, Possible(entry, profile, prior, odds)))
+    possible.sort(key=lambda one: -one[0])
+    chosen = tuple(one for _, one in possible[:MOST_TERMS])
+    model = _model(background, chosen)
+    subsets = search(model)
+    alternatives = tuple(alternatives_of(model, subsets))
+    return Found(
+        model, chosen, alternatives, _probabilities(alternatives), _shape(model, alternatives), tuple(screened)
+    )
+
+
+def _products(background: Background, columns: Array) -> Marginal:
+    return background.nuisances.products(background.white, Columns(columns))
+
+
+def _model(background: Background, possible: Sequence[Possible]) -> SubsetPosterior:
+    """Return the linearised model of what may have changed; a change may go either way, whatever the cause."""
+    profiles = list({id(one.profile): one.profile for one in possible}.values())
+    place = np.full((len(profiles), background.columns.shape[1]), -1)
+    parts: list[Array] = []
+    start = 0
+    row = {id(profile): i for i, profile in enumerate(profiles)}
+    for i, profile in enumerate(profiles):
+        which = np.unique(np.concatenate([one.entry.columns for one in possible if one.profile is profile]))
+        place[i, which] = start + np.arange(len(which))
+        parts.append(background.acting(which, profile.weights))
+        start += len(which)
+    terms = []
+    for one in possible:
+        columns = place[row[id(one.profile)], one.entry.columns]
+        listed = one.entry.cause is not None
+        terms.append(Term(one.key, columns, one.prior, one.log_odds, np.zeros(len(columns)), listed))
+    marginal = _products(background, np.concatenate(parts, axis=1) if parts else np.empty((len(background.white), 0)))
+    return SubsetPosterior(marginal.information, marginal.scores, terms)
+
+
+def _probabilities(alternatives: Sequence[Alternative]) -> tuple[float, ...]:
+    """Return the probability of each alternative; what has all causes of a likelier one and more counts for that."""
+    total = float(logsumexp([one.log_posterior for one in alternatives]))
+    mass = dict.fromkeys(range(len(alternatives)), 0.0)
+    for i, one in enumerate(alternatives):
+        better = (j for j in range(i) if alternatives[j].keys and alternatives[j].keys < one.keys)
+        mass[next(better, i)] += float(np.exp(one.log_posterior - total))
+    return tuple(mass.values())
+
+
+def _shape(model: SubsetPosterior, alternatives: Sequence[Alternative]) -> int | None:
+    """Return the free shape that explains what changed so much better that no listed cause is believed; or None."""
+    shapes = [i for i, term in enumerate(model.terms) if not term.is_listed]
+    if not shapes:
+        return None
+    rise = model.additions(())[shapes]
+    best = int(np.argmax(rise))
+    listed = alternatives[0].log_posterior
+    if rise[best] > max(listed, 0.0) and listed < GREATER_PART * float(rise[best]):
+        return shapes[best]
+    return None

@@ -1,0 +1,39 @@
+"""Noise and changes together: what the named changes leave is noise, and what is named has to stand out of that."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.compare.background import Background, settled_background
+from bench.compare.profiles import Profile
+from bench.compare.search_changes import Found, find_changes
+
+ROUNDS = 3
+
+
+def settled_changes(background: Background, profiles: Sequence[Profile], rate: float) -> tuple[Background, Found]:
+    """Return what changed, with noise that counts all that the named changes leave.
+
+    At first noise is what not even everything together explains, which is too little where everything explains noise
+    too. So what is named has to be found again with the noise that it leaves.
+
+    Args:
+        background: All recordings, with noise that not even everything together explains.
+        profiles: Courses.
+        rate: Declared false-alarm rate.
+    """
+    found = find_changes(background, profiles, rate)
+    for _ in range(ROUNDS):
+        named = found.best
+        if not named:
+            break
+        weights = [one.profile.weights[background.joint.of_row][:, None] for one in named]
+        changes = [
+            background.columns[:, one.entry.columns] * share * one.prior
+            for one, share in zip(named, weights, strict=True)
+        ]
+        settled = settled_background(background, np.concatenate(changes, axis=1))
+        if settled is background:
+            break
+        background, found = settled, find_changes(settled, profiles, rate)
+    return background, found

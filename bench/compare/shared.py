@@ -1,0 +1,128 @@
+"""A whitening in which what the model misses in a state of the machine is the same in every recording.
+
+A quantity that misses d in a state misses d in that state each time, with a variance v (`noise.py`); the covariance of
+its readings in one cell is then I + v 1 1'. Where a state is met in several recordings this leaves the differences
+between them as they are and takes back what they have in common; where it is met once, v is noise like any other.
+
+What is common to a segment (friction of joints that stand) is whitened after that, for cells tie segments together:
+the covariance of tied segments is I + C C', with the modes C of all of them.
+"""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from bench.compare.noise import Repeatability, row_facts
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.noise_covariance import Whitening
+from bench.record.campaign import Array
+
+TINY = 1e-9  # of the largest mode; smaller ones are rounding
+
+
+@dataclass(frozen=True, eq=False)
+class SharedWhitening:
+    """Takes values that a linearised model whitened on to the space in which what repeats is no news.
+
+    Attributes:
+        linear: The model.
+        along: Shape (g, m), unit vectors of the cells that repeat.
+        back: Shape (g,), by how much each is taken back.
+        tied: Of each set of tied segments, its rows, orthonormal modes, and by how much these are taken back.
+    """
+
+    linear: LinearisedModel
+    along: csr_array
+    back: Array
+    tied: tuple[tuple[NDArray[np.intp], Array, Array], ...]
+
+    def __call__(self, white: Array) -> Array:
+        """Return values, shape (m, k), of whitened ones, shape (m, k)."""
+        found = self.instant_by_instant(white)
+        self._settle(found)
+        for mine, modes, back in self.tied:
+            some = found[mine]
+            found[mine] = some - modes @ (back[:, None] * (modes.T @ some))
+        return found
+
+    def instant_by_instant(self, white: Array) -> Array:
+        """Return values, shape (m, k), as they are before what segments have in common is taken out of them."""
+        found = white.copy()
+        for rows, whitening in _segments(self.linear):
+            if len(whitening.shrink):
+                stretch = whitening.shrink / (1 - whitening.shrink)
+                found[rows] += whitening.modes @ (stretch[:, None] * (whitening.modes.T @ found[rows]))
+        return found
+
+    @property
+    def log_determinant(self) -> float:
+        """Of the whole map from readings, in the place of that which the linearised model counts."""
+        common = sum(float(np.sum(np.log(1 - whitening.shrink))) for _, whitening in _segments(self.linear))
+        tied = sum(float(np.sum(np.log(1 - back))) for _, _, back in self.tied)
+        return float(np.sum(self.linear.log_determinants)) - common + tied + float(np.sum(np.log(1 - self.back)))
+
+    def _settle(self, values: Array) -> None:
+        """Take back what the readings of a cell have in common, in place."""
+        values -= self.along.T @ (self.back[:, None] * (self.along @ values))
+
+
+def shared_whitening(linear: LinearisedModel, repeatability: Repeatability, cells: NDArray[np.intp]) -> SharedWhitening:
+    """Return the whitening of a joint model.
+
+    Args:
+        linear: All recordings, their standard errors raised by what is new in each.
+        repeatability: What repeats, in units of the standard errors before that.
+        cells: Shape (T,), the state of every instant.
+    """
+    kind, instant = row_facts(linear)
+    c = len(linear.quantities)
+    sigma = np.concatenate([segment.sigma for segment in linear.weighed]).reshape(-1)[instant * c + linear.column_of]
+    share = np.sqrt(repeatability.shared / repeatability.own)[kind, linear.column_of]
+    _, group = np.unique(cells[instant] * c + linear.column_of, return_inverse=True)
+    mean = np.bincount(group, sigma) / np.bincount(group)
+    misses = share * mean[group] / sigma  # of each reading, in its own standard errors
+    square = np.bincount(group, misses**2)
+    m = len(sigma)
+    weights = np.divide(misses, np.sqrt(square[group]), out=np.zeros(m), where=misses > 0)
+    along = csr_array((weights, (group, np.arange(m))), shape=(len(square), m))
+    draft = SharedWhitening(linear, along, 1 - 1 / np.sqrt(1 + square), ())
+    return SharedWhitening(linear, along, draft.back, tuple(_tied(draft, cells)))
+
+
+def _tied(draft: SharedWhitening, cells: NDArray[np.intp]) -> list[tuple[NDArray[np.intp], Array, Array]]:
+    """Return rows, modes and shrinkage of every set of segments that cells tie together."""
+    linear = draft.linear
+    segments = _segments(linear)
+    of_instant = np.repeat(np.arange(len(segments)), [len(segment) for segment in linear.segments])
+    first = of_instant[cells]  # a cell is named by an instant of it
+    count = len(segments)
+    ties = csr_array((np.ones(len(cells)), (of_instant, first)), shape=(count, count))
+    _, part = connected_components(ties, directed=False)
+    found = []
+    for one in range(int(part.max()) + 1):
+        mine = [segments[i] for i in np.flatnonzero(part == one)]
+        rows = np.concatenate([own for own, _ in mine])
+        common = np.zeros((len(linear.white), sum(len(whitening.shrink) for _, whitening in mine)))
+        start = 0
+        for own, whitening in mine:
+            size = np.sqrt(1 / (1 - whitening.shrink) ** 2 - 1)
+            common[own, start : start + len(size)] = whitening.modes * size
+            start += len(size)
+        if not start:
+            continue
+        draft._settle(common)
+        modes, size, _ = np.linalg.svd(common[rows], full_matrices=False)
+        kept = size > TINY * size[0]
+        found.append((rows, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2)))
+    return found
+
+
+def _segments(linear: LinearisedModel) -> list[tuple[NDArray[np.intp], Whitening]]:
+    """Return the rows and the whitening of every segment."""
+    edges = np.cumsum([0, *(len(whitening.modes) for whitening in linear.whitenings)])
+    rows = [np.arange(start, end) for start, end in itertools.pairwise(edges)]
+    return list(zip(rows, linear.whitenings, strict=True))

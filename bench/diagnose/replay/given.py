@@ -1,0 +1,226 @@
+"""What an earlier diagnosis left, as the prior of this one.
+
+Its robot is the nominal one. What its data said of figures and findings, all correlations included, are further
+readings: combinations of deviations that are 0 with a standard deviation of 1. Together with the stated uncertainty
+they are the posterior of the earlier diagnosis, so two diagnoses in a row know what one of both campaigns would know.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.segments import Segment
+from bench.effects.effect import Acting, Conditions, Effect
+from bench.effects.fitted import acting_of
+from bench.effects.nominal import LEAST
+from bench.errors import NOT_SIMULATED, RobotError
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec, read_spec
+from bench.robot.fitted import FittedEffect
+
+EARLIER = Quantity("known_earlier_1", "known_earlier", "1")
+LABEL = "earlier diagnosis"
+REACH = 2.0  # standard deviations of a finding, as far as which it has to make a model
+UNTOLD = 1e-6  # of the information that is stated; what the earlier campaign says less about, it says nothing of
+
+
+@dataclass(frozen=True)
+class PosteriorParameter:
+    """A figure, or the size of a finding.
+
+    Attributes:
+        name: For people.
+        unit: "" for a relative deviation.
+        sigma: Standard deviation of its prior, in its unit.
+        found: As fitted.
+        effect, place, parameter: Of a finding, as `fitted.effects` has them; "" for a figure.
+        shapes: Of a finding, parameters that shape it.
+    """
+
+    name: str
+    unit: str
+    sigma: float
+    found: float
+    effect: str = ""
+    place: str = ""
+    parameter: str = ""
+    shapes: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """What a diagnosis knows; n parameters.
+
+    Attributes:
+        parameters: Figures, then sizes of findings.
+        covariance: Shape (n, n), in standard deviations of their priors.
+    """
+
+    parameters: tuple[PosteriorParameter, ...]
+    covariance: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A posterior about the robot that was handed over with it.
+
+    Attributes:
+        nuisances: What may be off, with what the earlier diagnosis says of each.
+        figures: Names of figures that it knows.
+        findings: Names of findings that may be off a little.
+        held: Names of findings that are taken as they were found: nothing but their values is in the model.
+    """
+
+    nuisances: tuple[Nuisance, ...]
+    figures: tuple[str, ...]
+    findings: tuple[str, ...]
+    held: tuple[str, ...]
+
+
+def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: CompiledRobot) -> Given:
+    """Return the figures of a robot that a diagnosis handed over, with what that diagnosis knew of them.
+
+    Args:
+        posterior: Of the diagnosis.
+        nuisances: Of the robot, as stated.
+        compiled: It.
+    """
+    own = {(nuisance.name, nuisance.unit): i for i, nuisance in enumerate(nuisances)}
+    found, which, at, held = list(nuisances), [], [], []
+    for i, one in enumerate(posterior.parameters):
+        if not one.effect:
+            mine = own.get((one.name, one.unit))
+            if mine is not None and nuisances[mine].between == "same":  # nothing of what is set up anew
+                which.append(i)
+                at.append(mine)
+            continue
+        nuisance = _of_finding(one, REACH * float(np.sqrt(posterior.covariance[i, i])) * one.sigma, compiled)
+        if nuisance is None:
+            held.append(one.name)
+            continue
+        which.append(i)
+        at.append(len(found))
+        found.append(nuisance)
+    if not which:
+        return Given(tuple(nuisances), (), (), tuple(held))
+    rows = _rows(posterior.covariance[np.ix_(which, which)])
+    for column, i in enumerate(at):
+        sigma = _sigma_about(posterior.parameters[which[column]])
+        found[i] = replace(found[i], sigma=sigma, said_before=tuple((rows[:, column] / sigma).tolist()))
+    names = [found[i].name for i in at]
+    n = sum(i < len(nuisances) for i in at)
+    return Given(tuple(found), tuple(names[:n]), tuple(names[n:]), tuple(held))
+
+
+def with_earlier(
+    segments: Sequence[Segment], quantities: Sequence[Quantity], nuisances: Sequence[Nuisance]
+) -> tuple[Segment, ...]:
+    """Return segments with the readings of an earlier diagnosis, after the last of them, where the arm stands.
+
+    It is no visit of a static run, whose friction at rest would have to be known.
+
+    Args:
+        segments: Of the campaign, at least one.
+        quantities: With `EARLIER`, if anything is given.
+        nuisances: With what the earlier diagnosis says of them, if anything is given.
+    """
+    k = rows_of(nuisances)
+    if not k or not segments:
+        return tuple(segments)
+    last = segments[-1]
+    mine = np.array([quantity == EARLIER for quantity in quantities])
+    read = np.flatnonzero(last.motion.read)[-1:].repeat(k + 1)
+    still = np.zeros((k + 1, last.motion.q.shape[1]))
+    motion = replace(
+        last.motion,
+        time=last.motion.time[-1] + np.arange(k + 1.0),
+        q=last.motion.q[read],
+        velocity=still,
+        acceleration=still,
+        wrench=last.motion.wrench[read],
+        read=np.arange(k + 1) > 0,
+        begins=None,
+    )
+    one = Segment(
+        run=last.run,
+        label=LABEL,
+        is_static=False,
+        motion=motion,
+        conditions=last.conditions,
+        observed=np.tile(np.where(mine, 0.0, np.nan), (k, 1)),
+        sigma=np.tile(np.where(mine, 1.0, np.nan), (k, 1)),
+        standing=np.ones(still.shape[1], dtype=bool),
+        acceleration_error=still[1:],
+        rings=np.zeros(k, dtype=bool),
+    )
+    return (*segments, one)
+
+
+def rows_of(nuisances: Iterable[Nuisance]) -> int:
+    """Return how many readings an earlier diagnosis makes."""
+    return max((len(nuisance.said_before) for nuisance in nuisances), default=0)
+
+
+def said_before(deviations: Mapping[Nuisance, float], rows: int) -> Array:
+    """Return what a world says of the readings of an earlier diagnosis, shape (rows,)."""
+    said = np.zeros(rows)
+    for nuisance, value in deviations.items():
+        if nuisance.said_before:
+            said += value * np.array(nuisance.said_before)
+    return said
+
+
+def _sigma_about(one: PosteriorParameter) -> float:
+    """Return the standard deviation of a prior about what was found; a relative deviation is one of that then."""
+    is_relative = one.parameter in ("", "change") and one.unit == ""
+    return one.sigma / max(1 + one.found, LEAST) if is_relative else one.sigma
+
+
+def _rows(covariance: Array) -> Array:
+    """Return what data said, shape (k, n), so that I + rows^T rows is the inverse of a posterior's covariance."""
+    information = np.linalg.inv(covariance) - np.eye(len(covariance))
+    power, directions = np.linalg.eigh((information + information.T) / 2)
+    told = power > UNTOLD
+    rows: Array = np.sqrt(power[told])[:, None] * directions[:, told].T
+    return rows
+
+
+def _of_finding(one: PosteriorParameter, reach: float, compiled: CompiledRobot) -> Nuisance | None:
+    """Return a finding's size as something that may be off, on top of what the model has; None where it cannot be.
+
+    It has to make a model as far as `reach` to either side.
+    """
+    entry = FittedEffect(effect=one.effect, place=one.place, values={one.parameter: 0.0, **one.shapes}, form={})
+    try:
+        acting = acting_of(entry, compiled)
+    except RobotError:
+        return None
+    null = next(p.null for p in acting.effect.parameters if p.name == one.parameter)
+
+    def edit(x: float) -> SpecEdit:
+        changed = acting.effect.edit(
+            acting.place, {**acting.values, one.parameter: null + x}, Conditions.reference(compiled.n_joints)
+        )
+        return changed or (lambda spec, robot: None)
+
+    if not _is_in_model(acting) or not all(_runs(compiled, edit(x)) for x in (-reach, reach)):
+        return None
+    return Nuisance(one.name, one.unit, one.sigma, edit=edit)
+
+
+def _is_in_model(acting: Acting) -> bool:
+    """Whether an effect is nothing but an edit of the model that is the same under all conditions."""
+    kind = type(acting.effect)
+    others = (kind.distort is Effect.distort, kind.encoder_error is Effect.encoder_error)
+    return kind.edit is not Effect.edit and all(others) and not acting.effect.depends_on_conditions
+
+
+def _runs(compiled: CompiledRobot, edit: SpecEdit) -> bool:
+    try:
+        compile_spec(read_spec(compiled.robot), compiled.robot, [edit])
+    except (*NOT_SIMULATED, ValueError):
+        return False
+    return True

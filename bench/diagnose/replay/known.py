@@ -1,0 +1,162 @@
+"""What the lab knows besides the tables, as readings: a rest at which nothing is read but that.
+
+A known value is one more measured row with a column of its own. What a world says of it follows from its robot
+(payload, stiffness) or from where the arm rests (gas), so it acts in signatures, in the search, in fits and in what is
+held out. No error of an instrument that the campaign logs is in it.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.segments import Segment, conditions_of
+from bench.diagnose.replay.static_segments import visits_of
+from bench.effects.effect import WHOLE
+from bench.effects.masses import UnstatedPayload
+from bench.errors import CampaignError
+from bench.record.campaign import Array, Campaign, Run
+from bench.record.known import PAYLOAD, Known
+from bench.robot.compiled import CompiledRobot
+
+KINDS = {
+    "payload_kg": "known_payload",
+    "stiffness_nm_per_rad": "known_stiffness",
+    "gas_pressure_pa": "known_gas_pressure",
+    "gas_temperature_k": "known_gas_temperature",
+}
+OF_GAS = ("gas_pressure_pa", "gas_temperature_k")
+
+
+def known_quantities(campaign: Campaign, compiled: CompiledRobot) -> tuple[Quantity, ...]:
+    """Return a column for each thing that the lab knows besides.
+
+    Raises:
+        CampaignError: The robot has no such joint, cylinder or gauge; every fault is listed.
+    """
+    if faults := [f"known[{i}].{words}" for i, one in enumerate(campaign.known) for words in _faults(one, compiled)]:
+        raise CampaignError(faults)
+    return tuple(dict.fromkeys(_quantity_of(one, compiled) for one in campaign.known))
+
+
+def with_known_segments(
+    segments: Sequence[Segment], campaign: Campaign, compiled: CompiledRobot, quantities: Sequence[Quantity]
+) -> tuple[Segment, ...]:
+    """Return segments with a rest for each thing that the lab knows besides.
+
+    It belongs to the last run of its recording, so that it is never held out alone.
+
+    Args:
+        segments: Of the campaign.
+        campaign: It.
+        compiled: Its robot.
+        quantities: With those of `known_quantities`.
+    """
+    found = list(segments)
+    replayed = {segment.run for segment in segments}
+    for i, one in enumerate(campaign.known):
+        mine = [r for r in campaign.runs if r.name in replayed and one.recording in ("", r.recording)]
+        if not mine:
+            continue
+        rest = _rest(one, mine[-1], f"known {i + 1}", compiled, quantities)
+        last = max(j for j, segment in enumerate(found) if segment.run == mine[-1].name)
+        found.insert(last + 1, rest)
+    return tuple(found)
+
+
+def with_known_payload(
+    nuisances: Iterable[Nuisance], campaign: Campaign, compiled: CompiledRobot
+) -> tuple[Nuisance, ...]:
+    """Return figures among which a payload that is known by a reading is known by nothing but that reading.
+
+    Else it would be stated within what weights that are written down may be off.
+    """
+    largest = next(iter(UnstatedPayload().parameters_at(compiled, WHOLE))).high
+    masses = [one.value for one in campaign.known if one.quantity == PAYLOAD and one.value]
+    wide = max((largest / np.sqrt(3) / mass for mass in masses), default=0.0)  # as wide as that of an unstated one
+    return tuple(replace(n, sigma=max(n.sigma, wide)) if n.scales_payload else n for n in nuisances)
+
+
+def known_value(quantity: Quantity, compiled: CompiledRobot, gas_force: Array, gas_temperature: Array) -> Array:
+    """Return what is known besides as it is in a world, shape (T,).
+
+    Args:
+        quantity: What.
+        compiled: The robot of the world.
+        gas_force: Shape (T,) [N], of the cylinder.
+        gas_temperature: Shape (T,) [K], true.
+    """
+    match quantity.kind:
+        case "known_payload":
+            return np.full(len(gas_force), carried_mass(compiled))
+        case "known_stiffness":
+            return np.full(len(gas_force), float(compiled.stiffness[quantity.index]))
+        case "known_gas_pressure":
+            gauge = compiled.robot.figures.instruments.pressure
+            assert gauge
+            return gas_force / gauge.piston_area_m2
+    return gas_temperature
+
+
+def carried_mass(compiled: CompiledRobot) -> float:
+    """Return the mass at the load point of a robot [kg]: the load body with everything on it."""
+    model = compiled.model
+    load = model.body(compiled.robot.figures.load_body).id
+    on_it = {load}
+    for body in range(load + 1, model.nbody):  # MuJoCo numbers children after their parents
+        if int(model.body_parentid[body]) in on_it:
+            on_it.add(body)
+    return float(sum(model.body_mass[body] for body in on_it))
+
+
+def _quantity_of(one: Known, compiled: CompiledRobot) -> Quantity:
+    kind = KINDS[one.quantity]
+    if one.joint:
+        unit = "N/m" if compiled.is_slide[one.joint - 1] else "Nm/rad"
+        return Quantity(f"{kind}_{one.joint}_{unit.lower().replace('/', '-per-')}", kind, unit, one.joint - 1)
+    unit = {"payload_kg": "kg", "gas_pressure_pa": "Pa", "gas_temperature_k": "K"}[one.quantity]
+    return Quantity(f"{kind}_{unit.lower()}", kind, unit)
+
+
+def _faults(one: Known, compiled: CompiledRobot) -> list[str]:
+    n, name, found = compiled.n_joints, compiled.robot.name, []
+    if one.joint > n:
+        found.append(f"joint: {name} has {n} joints, not {one.joint}")
+    if one.at and len(one.at) != n:
+        found.append(f"at: needs a position for each of the {n} joints of {name}, not {len(one.at)}")
+    if one.quantity in OF_GAS and compiled.counterbalance is None:
+        found.append(f"quantity: {name} has no counterbalance with gas in it")
+    elif one.quantity == "gas_pressure_pa" and compiled.robot.figures.instruments.pressure is None:
+        found.append(f"quantity: figures.yaml of {name} has no instruments.pressure.piston_area_m2")
+    return found
+
+
+def _rest(one: Known, run: Run, label: str, compiled: CompiledRobot, quantities: Sequence[Quantity]) -> Segment:
+    """Return an instant at which the arm stands and one thing is read; no visit, for friction at rest is not in it."""
+    angles = [name for i in range(compiled.n_joints) for name in _angles_of(run, i + 1)]
+    positions = one.at or tuple(float(run.columns[name][-1]) for name in angles)
+    columns = {name.replace("q_motor", "q_cmd"): np.array([x]) for name, x in zip(angles, positions, strict=True)}
+    still = Run(run.name, "static", run.start_s, {**columns, "pose": np.ones(1), "load_step": np.zeros(1)})
+    (visit,) = visits_of(still, compiled)
+    mine = np.array([quantity == _quantity_of(one, compiled) for quantity in quantities])
+    n = compiled.n_joints
+    return Segment(
+        run=run.name,
+        label=label,
+        is_static=False,
+        motion=visit.motion,
+        conditions=conditions_of(run, np.arange(len(run)), n),
+        observed=np.where(mine, one.value, np.nan)[None],
+        sigma=np.where(mine, one.sigma, np.nan)[None],
+        standing=np.ones(n, dtype=bool),
+        acceleration_error=np.zeros((1, n)),
+        rings=np.zeros(1, dtype=bool),
+    )
+
+
+def _angles_of(run: Run, number: int) -> list[str]:
+    """Return the column that says where a drive was; encoders come before commands."""
+    names = [f"{quantity}_{number}_{unit}" for quantity in ("q_motor", "q_cmd") for unit in ("rad", "m")]
+    return [name for name in names if name in run.columns][:1]

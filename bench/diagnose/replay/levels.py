@@ -1,0 +1,100 @@
+"""What belongs to a machine, and what to one of its recordings: background errors of each, and worlds as each has them.
+
+Geometry, masses, gears, friction laws and the law of the gas are the machine's; so are the gain of the force sensor,
+nests that are glued on, and the weights of the lab. Link encoders are zeroed, a tracker is set up and a payload bolted
+on anew in each recording. Torque constants are the machine's, and fall a little when the motor is warm; the zero of a
+current or torque channel, and how much of its friction a joint holds at rest, are the machine's with a drift. The gas
+is as warm as the air of the day.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.world import World
+from bench.effects.effect import REFERENCE_K
+from bench.effects.gas import amount_scaled
+from bench.effects.levels import acts_in
+from bench.robot.compiled import CompiledRobot, SpecEdit
+
+# Of the variance of a channel's zero as stated, the part that is another one in each recording: data sheets state the
+# zero of a sensor and its drift with temperature and time of the same order. The halves are assumed.
+DRIFTING = 0.5
+GAS_DAY_K = 5.0  # [K], standard deviation of the gas from recording to recording: unheated air of a workshop, assumed
+
+
+def with_recordings(
+    nuisances: Sequence[Nuisance], compiled: CompiledRobot, recordings: Sequence[str]
+) -> tuple[Nuisance, ...]:
+    """Return the background errors of several recordings; of one recording, those that were given.
+
+    Args:
+        nuisances: Of robot and instruments, as in one recording.
+        compiled: The robot.
+        recordings: Names.
+    """
+    found = [one for nuisance in nuisances for one in in_recordings(nuisance, recordings)]
+    if compiled.counterbalance and len(recordings) > 1:
+        found += [replace(_gas_of_the_day(), recording=name) for name in recordings]
+    return tuple(found)
+
+
+def in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nuisance]:
+    """Yield what one background error is in several recordings; where there is one recording, as it was given."""
+    if len(recordings) < 2 or nuisance.between == "same":
+        yield nuisance
+        return
+    sigma = nuisance.sigma
+    if nuisance.between == "drifts" and nuisance.drift is not None:
+        yield nuisance
+        sigma = nuisance.drift
+    elif nuisance.between == "drifts":
+        yield replace(nuisance, sigma=float(np.sqrt(1 - DRIFTING)) * sigma)
+        sigma = float(np.sqrt(DRIFTING)) * sigma
+    for name in recordings:
+        yield replace(nuisance, sigma=sigma, recording=name)
+
+
+def world_in(world: World, recording: str) -> World:
+    """Return what of a world acts in one of its recordings."""
+    if not is_told_apart(world):
+        return world
+    return World(
+        {nuisance: value for nuisance, value in world.deviations.items() if nuisance.recording in (None, recording)},
+        tuple(acting for acting in world.acting if acts_in(acting.place, recording)),
+    )
+
+
+def as_of(world: World, recording: str) -> World:
+    """Return what of a world acts in one of its recordings, as the world of a machine that has no other."""
+    here = world_in(world, recording)
+    return World(
+        {replace(nuisance, recording=None): value for nuisance, value in here.deviations.items()},
+        tuple(replace(acting, place=replace(acting.place, recording=None)) for acting in here.acting),
+    )
+
+
+def is_told_apart(world: World) -> bool:
+    """Whether anything in a world acts in one recording alone."""
+    return any(nuisance.recording is not None for nuisance in world.deviations) or any(
+        acting.place.recording is not None for acting in world.acting
+    )
+
+
+def _gas_of_the_day() -> Nuisance:
+    """Return gas that is warmer than nominal: it pulls more, and the thermometer shows it."""
+
+    def edit(kelvin: float) -> SpecEdit:
+        change = amount_scaled(1 + kelvin / REFERENCE_K)
+        return change or (lambda spec, robot: None)
+
+    return Nuisance(
+        "temperature of the gas",
+        "K",
+        GAS_DAY_K,
+        edit=edit,
+        on_reading=lambda x, reading: replace(reading, gas_temperature=reading.gas_temperature + x),
+        between="anew",
+    )

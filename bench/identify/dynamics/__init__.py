@@ -1,0 +1,1 @@
+"""Linear identification of the dynamics from moving data: the first pass, and the rival of every diagnosis."""

@@ -1,0 +1,103 @@
+"""The filter that model and data pass alike, chosen from the spectrum of the motion.
+
+Parallel filtering (M. Gautier, "Dynamic identification of robots with power model", ICRA 1997): positions pass a
+zero-phase low-pass and are differentiated by central differences; then every column of the regression and the torque
+pass one and the same zero-phase low-pass and are thinned to twice its cut-off.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import signal
+
+from bench.errors import InputError
+from bench.identify.dynamics.samples import MotionSamples
+from bench.record.campaign import Array
+
+BANDWIDTH = 0.99  # share of the power of the velocity that lies below the bandwidth of a motion (assumed)
+TORQUE_CUTOFF = 10.0  # bandwidths up to which columns and torque are kept: the rule of Gautier and Janot's IDIM-LS
+POSITION_CUTOFF = (
+    2.0  # times that, so that differentiation does not shape what is kept; on EMPS this makes 80 and 40 Hz
+)
+ORDER = 4  # of each Butterworth filter, run forth and back
+HIGHEST = 0.8  # of half the sampling rate; a cut-off beyond that filters nothing
+
+
+@dataclass(frozen=True)
+class Band:
+    """The stated filter.
+
+    Attributes:
+        cutoff_hz: Of columns and torque [Hz]; the thinned data have about twice that rate.
+        bandwidth_hz: Of the motion [Hz], with 99 % of its velocity's power below; nan if the cut-off was given.
+    """
+
+    cutoff_hz: float
+    bandwidth_hz: float
+
+    def smooth(self, samples: MotionSamples) -> tuple[Array, Array, Array]:
+        """Return position, velocity and acceleration of a stretch, none of them late, each of shape (T, n)."""
+        position = low_pass(samples.position, samples.rate, POSITION_CUTOFF * self.cutoff_hz)
+        velocity = np.gradient(position, 1 / samples.rate, axis=0)
+        return position, velocity, np.gradient(velocity, 1 / samples.rate, axis=0)
+
+    def kept(self, samples: MotionSamples) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+        """Return the indices of the samples that are kept after filtering.
+
+        At either end one period of the cut-off is left out: there the filters see past the record.
+        """
+        every = max(1, int(samples.rate / (2 * self.cutoff_hz)))
+        edge = int(np.ceil(samples.rate / self.cutoff_hz))
+        return np.arange(edge, len(samples) - edge, every)
+
+    def filtered(self, values: Array, samples: MotionSamples) -> Array:
+        """Return columns of a stretch, shape (T, ...), low-passed and thinned."""
+        return np.asarray(low_pass(values, samples.rate, self.cutoff_hz)[self.kept(samples)])
+
+
+def low_pass(values: Array, rate: float, cutoff_hz: float) -> Array:
+    """Return values, shape (T, ...), through a zero-phase Butterworth low-pass; as they are where it lies too high."""
+    if cutoff_hz >= HIGHEST * rate / 2:
+        return values
+    sections = signal.butter(ORDER, cutoff_hz / (rate / 2), output="sos")
+    pad = min(len(values) - 1, int(np.ceil(rate / cutoff_hz)) + 3 * (2 * len(sections) + 1))
+    return np.asarray(signal.sosfiltfilt(sections, values, axis=0, padlen=pad))
+
+
+def band_of(runs: Sequence[MotionSamples], cutoff_hz: float | None = None) -> Band:
+    """Return the filter for a campaign: as stated, or five times the bandwidth of its motion.
+
+    The bandwidth is read from the commands, which are not noisy, and from the encoders where no command was logged.
+
+    Raises:
+        InputError: The cut-off is not positive, or nothing moves.
+    """
+    if cutoff_hz is not None:
+        if not cutoff_hz > 0:
+            raise InputError(f"cut-off {cutoff_hz:g} Hz: must be positive.")
+        return Band(cutoff_hz, np.nan)
+    velocities = [_commanded_velocity(run) for run in runs]
+    top = np.max([np.abs(velocity).max(axis=0) for velocity in velocities], axis=0)
+    scale = np.where(top > 0, top, 1.0)  # each joint counts by its own top speed, and one that hardly moves hardly does
+    spectra = (_spectrum(v / scale, run.rate) for v, run in zip(velocities, runs, strict=True))
+    frequency, power = zip(*spectra, strict=True)
+    edges = np.unique(np.concatenate(frequency))
+    total = sum(np.interp(edges, f, np.cumsum(p)) for f, p in zip(frequency, power, strict=True))
+    if not total[-1] > 0:
+        raise InputError("method 'dynamics' needs joints that move; all stand still in this campaign.")
+    bandwidth = float(edges[np.searchsorted(total, BANDWIDTH * total[-1])])
+    slowest = min(len(run) / run.rate for run in runs)
+    bandwidth = max(bandwidth, 1 / slowest)
+    return Band(TORQUE_CUTOFF * bandwidth, bandwidth)
+
+
+def _commanded_velocity(run: MotionSamples) -> Array:
+    path = np.where(np.isfinite(run.command).all(axis=0), run.command, run.position)
+    return np.asarray(np.diff(path, axis=0) * run.rate)
+
+
+def _spectrum(velocity: Array, rate: float) -> tuple[Array, Array]:
+    """Return frequencies [Hz], and the energy of all velocities there."""
+    frequency, power = signal.periodogram(velocity, rate, window="hann", detrend=False, axis=0)
+    return frequency, np.asarray(power.sum(axis=1) * len(velocity))

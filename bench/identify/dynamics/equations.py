@@ -1,0 +1,124 @@
+"""The linear equations of a stretch of motion, model and data through the same filter.
+
+    tau = Y(q, v, a) pi + J_r a + F_c sign(v) + F_v v + F_d |v| + offset + g M(q) - J_f^T W
+
+for each drive: pi inertial parameters of the links, J_r rotor inertia, F_c Coulomb and F_v viscous friction, F_d half
+the difference of viscous friction between the directions (that of Coulomb friction cannot be told from the offset), g
+the gas of the counterbalance with its nominal torque M, W the known load.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.identify.arm import Arm
+from bench.identify.dynamics.band import Band
+from bench.identify.dynamics.regressor import link_regressor, payload_columns
+from bench.identify.dynamics.samples import MotionSamples
+from bench.record.campaign import Array
+from bench.robot.counterbalance import Counterbalance
+from bench.robot.nominal_dynamics import NominalDynamics
+
+DRIVE_COLUMNS = ("rotor", "coulomb", "viscous", "viscous_difference", "offset")
+GAS_SHAPE = ("critical_length", "dead_centre", "rho", "b")  # of `Counterbalance`
+STANDS = 0.08  # of a joint's top speed; slower, friction is not at its level: the same share as in a diagnosis
+MOSTLY = (
+    0.8  # share of what a thinned sample is made of in which a joint has to move (assumed; half blurs the turns in)
+)
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Thinned equations of one stretch; T instants, n drives.
+
+    Attributes:
+        samples: The stretch.
+        time: Shape (T,) [s].
+        position: Shape (T, n), filtered.
+        links: Shape (T, n, 10 n), factors of the links' inertial parameters.
+        drives: Shape (T, n, 5), factors of `DRIVE_COLUMNS`, each of its own drive only.
+        gas: Shape (T, 1 + 4), motor torque against the nominal gas, and its derivatives by `GAS_SHAPE`; zeros without a
+            counterbalance.
+        known: Shape (T, n) [Nm], torque that the known load needs.
+        torque: Shape (T, n) [Nm], measured; nan where it was not read.
+        moves: Shape (T, n) bool, drives that move and were read: the equations that are used.
+    """
+
+    samples: MotionSamples
+    time: Array
+    position: Array
+    links: Array
+    drives: Array
+    gas: Array
+    known: Array
+    torque: Array
+    moves: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+
+def equations_of(samples: MotionSamples, band: Band, arm: Arm, nominal: NominalDynamics, top: Array) -> Equations:
+    """Return the equations of a stretch.
+
+    Args:
+        samples: The stretch.
+        band: The filter.
+        arm: The links.
+        nominal: For counterbalance and load point.
+        top: Shape (n,), top speed of each joint in the campaign.
+    """
+    position, velocity, acceleration = band.smooth(samples)
+    count, n = position.shape
+    kept = band.kept(samples)
+    way = np.sign(velocity)
+    drives = np.stack([acceleration, way, velocity, np.abs(velocity), np.ones_like(velocity)], axis=2)
+    moving = (np.abs(velocity) > STANDS * top) & (top > 0)
+    read = np.isfinite(samples.torque).all(axis=0)
+    links = link_regressor(arm, position, velocity, acceleration).reshape(count, -1)
+    live = np.any(links != 0, axis=0)
+    thinned = np.zeros((len(kept), links.shape[1]))
+    thinned[:, live] = band.filtered(links[:, live], samples)
+    return Equations(
+        samples=samples,
+        time=samples.time[kept],
+        position=position[kept],
+        links=thinned.reshape(len(kept), n, -1),
+        drives=band.filtered(drives.reshape(count, -1), samples).reshape(len(kept), n, -1),
+        gas=band.filtered(_gas_columns(nominal.counterbalance, position), samples),
+        known=band.filtered(_known_torque(arm, nominal, samples, position, velocity, acceleration), samples),
+        torque=band.filtered(np.where(read, samples.torque, 0.0), samples) + np.where(read, 0.0, np.nan),
+        moves=(band.filtered(moving.astype(np.float64), samples) > MOSTLY) & read,
+    )
+
+
+def _gas_columns(full: Counterbalance | None, position: Array) -> Array:
+    if full is None:
+        return np.zeros((len(position), 1 + len(GAS_SHAPE)))
+    theta, columns = position[:, full.joint], []
+    for name in GAS_SHAPE:
+        value, step = getattr(full, name), 1e-5  # [m] or [rad]; central differences are right to 1e-9 of the torque
+        ahead, back = (replace(full, **{name: value + way * step}).torque(theta) for way in (1, -1))
+        columns.append((ahead - back) / (2 * step))
+    return np.stack([full.torque(theta), *columns], axis=1)
+
+
+def _known_torque(
+    arm: Arm, nominal: NominalDynamics, samples: MotionSamples, position: Array, velocity: Array, acceleration: Array
+) -> Array:
+    """Return the motor torque that carries and accelerates the known load, shape (T, n) [Nm]."""
+    torque = np.zeros_like(position)
+    loaded = samples.wrench.any(axis=1)
+    if loaded.any():
+        jacobian = arm.jacobian(position[loaded], nominal.load_point)
+        torque[loaded] = -np.einsum("tkj,tk->tj", jacobian, samples.wrench[loaded])
+    bolted = samples.load_mass != 0
+    if bolted.any():
+        body, columns = payload_columns(arm, nominal.load_point)
+        first = slice(10 * body, 10 * body + 10)
+        state = position[bolted], velocity[bolted], acceleration[bolted]
+        still = position[bolted], 0 * velocity[bolted], 0 * acceleration[bolted]
+        moving = (link_regressor(arm, *state) - link_regressor(arm, *still))[:, :, first]
+        torque[bolted] += moving @ columns[:, 0] * samples.load_mass[bolted, None]
+    return torque

@@ -1,0 +1,112 @@
+"""What is held out at a time: whole runs, or blocks of time where there is one run."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from bench.identify.dynamics.equations import Equations
+from bench.record.campaign import Array
+
+BLOCKS = 8  # of a single run, as in the cross-validation of a diagnosis
+GAP = 0.25  # of a block, left out on both sides of it, likewise
+MOST = 40  # folds; of more runs, several that lie far apart share one, likewise
+SAME_PATH = 0.5  # share of the instants of one that lie on the path of the other: more than by crossing it (assumed)
+
+
+@dataclass(frozen=True)
+class Folds:
+    """K folds over the instants of all stretches.
+
+    Attributes:
+        by: What they are made of: runs, or blocks of the only run.
+        names: Length K, names of runs, or times of blocks.
+        of: For each stretch shape (T,), the fold of its instants.
+        near: For each stretch shape (T, K) bool, instants that are neither fitted nor predicted beside a fold.
+        repeats: Whether all goes over one path again and again, so that no fold shows other angles than the rest.
+    """
+
+    by: Literal["run", "block"]
+    names: tuple[str, ...]
+    of: tuple[NDArray[np.int64], ...]
+    near: tuple[NDArray[np.bool_], ...]
+    repeats: bool
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+def folds_of(stretches: Sequence[Equations]) -> Folds:
+    """Return the folds of a campaign.
+
+    Runs, or blocks of the only run, that go over the same angles, there and back, are one fold. If that leaves one
+    fold, as on a single axis, they stay apart, and `repeats` says so.
+    """
+    names = list(dict.fromkeys(part.samples.run for part in stretches))
+    if len(names) > 1:
+        unit = [np.full(len(part), names.index(part.samples.run) % MOST) for part in stretches]
+        near = [np.zeros((len(part), 0), dtype=np.bool_) for part in stretches]
+        labels = [", ".join(names[k::MOST]) for k in range(min(len(names), MOST))]
+        return _joined("run", labels, unit, near, stretches)
+    lengths = [len(part) for part in stretches]
+    total = sum(lengths)
+    count = min(BLOCKS, total)
+    block = np.arange(total) * count // total
+    margin = int(np.ceil(GAP * total / count))
+    place = np.arange(total)
+    near_all = np.stack(
+        [(np.abs(place[:, None] - place[block == k]).min(axis=1) <= margin) & (block != k) for k in range(count)],
+        axis=1,
+    )
+    time = np.concatenate([part.time for part in stretches])
+    labels = [f"{time[block == k][0]:.1f} to {time[block == k][-1]:.1f} s" for k in range(count)]
+    cuts = np.cumsum(lengths)[:-1]
+    return _joined("block", labels, np.split(block, cuts), np.split(near_all, cuts), stretches)
+
+
+def _joined(
+    by: Literal["run", "block"],
+    labels: list[str],
+    unit: list[NDArray[np.int64]],
+    near: list[NDArray[np.bool_]],
+    stretches: Sequence[Equations],
+) -> Folds:
+    """Join the units that go over the same path."""
+    count = len(labels)
+    path = np.concatenate([part.position for part in stretches])
+    span = np.ptp(path, axis=0)
+    path = path[:, span > 0] / span[span > 0]
+    member = np.concatenate(unit)
+    group = list(range(count))
+    pieces = [path[member == k] for k in range(count)]
+    for a in range(count):
+        for b in range(a):
+            if group[a] != group[b] and (_covers(pieces[a], pieces[b]) or _covers(pieces[b], pieces[a])):
+                old, new = group[a], group[b]
+                group = [new if g == old else g for g in group]
+    kept = sorted(set(group))
+    repeats = len(kept) == 1 and count > 1
+    if repeats:
+        group, kept = list(range(count)), list(range(count))
+    number = np.array([kept.index(g) for g in group])
+    widened = []
+    for fold, beside in zip(unit, near, strict=True):
+        mask = np.zeros((len(fold), len(kept)), dtype=np.bool_)
+        for k in range(beside.shape[1]):
+            mask[:, number[k]] |= beside[:, k]
+        mask[np.arange(len(fold)), number[fold]] = False
+        widened.append(mask)
+    names = tuple(" and ".join(labels[k] for k in range(count) if number[k] == fold) for fold in range(len(kept)))
+    return Folds(by, names, tuple(number[fold] for fold in unit), tuple(widened), repeats)
+
+
+def _covers(one: Array, other: Array) -> bool:
+    """Return whether most of one path, shape (T, n), lies on the other, to within a step between its points."""
+    if len(one) < 2 or len(other) < 2:
+        return False
+    step = max(float(np.median(np.linalg.norm(np.diff(path, axis=0), axis=1))) for path in (one, other))
+    distance, _ = cKDTree(other).query(one)
+    return bool(np.mean(distance <= step) > SAME_PATH)

@@ -1,0 +1,148 @@
+"""How well the first pass, its rival and the nominal model predict what was held out of the fit."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.identify.dynamics.consistency import Bodies, nearest
+from bench.identify.dynamics.folds import Folds
+from bench.identify.dynamics.normal import Normal, Weighed, likeliest_widths, normal_of, posterior
+from bench.identify.dynamics.prior import Prior
+from bench.identify.dynamics.rival import Rival
+from bench.identify.dynamics.solve import Solution
+from bench.record.campaign import Array
+
+SAME = 1.02  # errors that differ by less are the same (assumed)
+SURE = 1.645  # standard errors: 95 %, one-sided
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Squared errors on what was held out; K folds, n drives.
+
+    Attributes:
+        count: Shape (K, n), readings in each.
+        squares: "measured", "nominal", "rival" or "first_pass" -> shape (K, n) [Nm^2], sums; "measured" of the torque.
+    """
+
+    count: Array
+    squares: dict[str, Array]
+
+    def rms(self, model: str, fold: int | None = None) -> Array:
+        """Return the root mean square error of a model, shape (n,) [Nm]; nan where nothing was held out."""
+        rows = slice(None) if fold is None else slice(fold, fold + 1)
+        count = self.count[rows].sum(axis=0)
+        total = self.squares[model][rows].sum(axis=0)
+        return np.asarray(np.where(count > 0, np.sqrt(total / np.maximum(count, 1)), np.nan))
+
+
+@dataclass(frozen=True)
+class Missed:
+    """How far a posterior misses what it was not given; K folds, n drives.
+
+    Attributes:
+        squares: Shape (K, n) [Nm^2], sums over what was held out.
+        expected: Shape (K, n) [Nm^2], what the posterior without the fold expects of them: noise and its own errors.
+        readings: Shape (K, n), how many were held out.
+    """
+
+    squares: Array
+    expected: Array
+    readings: Array
+
+    @property
+    def excess(self) -> Array:
+        """Shape (n,), how many times more is missed than expected, in squares, at least 1.
+
+        A model that is wrong somewhere fits its own data better than those beside them; that is part of what its
+        readings err by. What a fold alone shows is expected to be missed, and does not count.
+        """
+        squares, expected = self.squares.sum(axis=0), self.expected.sum(axis=0)
+        return np.asarray(np.where(expected > 0, np.maximum(squares / np.where(expected > 0, expected, 1.0), 1.0), 1.0))
+
+    def surely_less_than(self, other: "Missed") -> bool:
+        """Return whether less is missed than by another model, by more than folds differ, and no drive by more.
+
+        Each drive counts by the logarithm of its error, which is its likelihood with unknown noise.
+        """
+        ours, others = self.squares.sum(axis=0), other.squares.sum(axis=0)
+        shown = (self.squares > 0) & (other.squares > 0)
+        ratio = np.where(shown, other.squares, 1.0) / np.where(shown, self.squares, 1.0)
+        gain = np.sum(self.readings / 2 * np.log(ratio), axis=1)
+        if len(gain) < 2 or np.any(ours > SAME**2 * others):
+            return False
+        return bool(gain.mean() > SURE * gain.std(ddof=1) / np.sqrt(len(gain)))
+
+
+def missed(solution: Solution, prior: Prior, folds: Folds) -> Missed:
+    """Return how far the posterior without each fold misses it, at the noise that the solution has."""
+    size, late, shape = len(prior.mean), solution.delay, (len(folds), len(solution.drives))
+    squares, expected, readings = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    responses = [one.rows.response(late) for one in solution.drives]
+    for fold in range(len(folds)):
+        out = [_rows_of(one, folds, fold, near=True) for one in solution.drives]
+        without = solution.normal - _normal_of_rows(solution.drives, responses, out, size)
+        parameters, covariance = posterior(without, prior, solution.widths)
+        for j, (one, noise) in enumerate(zip(solution.drives, solution.noise, strict=True)):
+            mine = _rows_of(one, folds, fold, near=False)
+            if noise is None or not mine.any():
+                continue
+            factors, own = one.factors[mine], covariance[np.ix_(one.rows.index, one.rows.index)]
+            squares[fold, j] = np.sum((responses[j][mine] - one.rows.model(parameters)[mine]) ** 2)
+            expected[fold, j] = mine.sum() * noise.variance + np.sum((factors @ own) * factors)
+            readings[fold, j] = mine.sum()
+    return Missed(squares, expected, readings)
+
+
+def hold_out(
+    solution: Solution, plain: Sequence[Weighed], prior: Prior, bodies: Bodies, rival: Rival, folds: Folds
+) -> HeldOut:
+    """Return the errors on each fold of models that were fitted to all others.
+
+    Delay, noise and linearisation are those of the whole campaign; the widths of the prior are found anew.
+    """
+    n, size, late = len(plain), len(prior.mean), solution.delay
+    count = np.zeros((len(folds), n))
+    squares = {name: np.zeros((len(folds), n)) for name in ("measured", "nominal", "rival", "first_pass")}
+    plain_normal = normal_of(plain, late, size)
+    responses = [one.rows.response(late) for one in plain]
+    for fold in range(len(folds)):
+        held = [_rows_of(one, folds, fold, near=False) for one in plain]
+        out = [_rows_of(one, folds, fold, near=True) for one in plain]
+        without = solution.normal - _normal_of_rows(solution.drives, responses, out, size)
+        widths = likeliest_widths(without, prior, solution.widths)
+        free, factor = posterior(without, prior, widths)[0], prior.factor(widths)
+        models = {
+            "nominal": prior.mean,
+            "rival": rival.fit(plain_normal - _normal_of_rows(plain, responses, out, size)),
+            "first_pass": nearest(bodies, free, prior.mean, factor, without.gram),
+        }
+        for j, (one, mine) in enumerate(zip(plain, held, strict=True)):
+            count[fold, j] = mine.sum()
+            squares["measured"][fold, j] = np.sum((responses[j] + one.rows.known)[mine] ** 2)
+            for name, parameters in models.items():
+                squares[name][fold, j] = np.sum((responses[j] - one.rows.model(parameters))[mine] ** 2)
+    return HeldOut(count, squares)
+
+
+def _rows_of(drive: Weighed, folds: Folds, fold: int, near: bool) -> NDArray[np.bool_]:
+    """Return which rows of a drive a fold holds out, and with `near` those beside it too, shape (R,) bool."""
+    rows, found = drive.rows, np.zeros(len(drive.rows), dtype=np.bool_)
+    for stretch, (of, beside) in enumerate(zip(folds.of, folds.near, strict=True)):
+        mine = rows.stretch == stretch
+        instant = rows.instant[mine]
+        found[mine] = (of[instant] == fold) | (beside[instant, fold] if near else False)
+    return found
+
+
+def _normal_of_rows(
+    drives: Sequence[Weighed], responses: Sequence[Array], rows: Sequence[NDArray[np.bool_]], size: int
+) -> Normal:
+    gram, right = np.zeros((size, size)), np.zeros(size)
+    for one, response, mine in zip(drives, responses, rows, strict=True):
+        factors = one.factors[mine]
+        gram[np.ix_(one.rows.index, one.rows.index)] += one.weight * factors.T @ factors
+        right[one.rows.index] += one.weight * factors.T @ response[mine]
+    return Normal(gram, right)

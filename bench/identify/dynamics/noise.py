@@ -1,0 +1,106 @@
+"""How long the residuals of a drive remember: what is left over is no white noise."""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import matmul_toeplitz
+
+from bench.record.campaign import Array
+
+MOST_LAGS = 10  # of the autoregression at most; its order is chosen by Akaike's criterion (assumed to suffice)
+NEARLY_ONE = 0.99  # a pole nearer to the unit circle would remember longer than 100 rows, which no data here can tell
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Residuals of one drive as an autoregressive process.
+
+    Attributes:
+        variance: Of one row [Nm^2].
+        correlation: Shape (K,), autocorrelation at lags 0, 1, ...
+    """
+
+    variance: float
+    correlation: Array
+
+    @property
+    def memory(self) -> float:
+        """How many rows count as one independent reading, at least 1: the sum over the autocorrelation."""
+        return max(1.0, 2 * float(self.correlation.sum()) - 1)
+
+    def inflated(self, factor: float) -> "Noise":
+        """Return noise of `factor` times the variance."""
+        return replace(self, variance=factor * self.variance)
+
+    def spread(self, factors: Array, segment: NDArray[np.int64]) -> Array:
+        """Return X^T S X, shape (q, q): covariance of X^T e for factors of shape (R, q)."""
+        total = np.zeros((factors.shape[1],) * 2)
+        for rows in pieces(segment):
+            part = factors[rows]
+            kernel = np.zeros(len(part))
+            count = min(len(part), len(self.correlation))
+            kernel[:count] = self.correlation[:count]
+            total += part.T @ matmul_toeplitz((kernel, kernel), part)
+        return np.asarray(self.variance * (total + total.T) / 2)
+
+
+def noise_of(residual: Array, segment: NDArray[np.int64], freedom: float) -> Noise:
+    """Return the noise of a drive's residuals.
+
+    Args:
+        residual: Shape (R,) [Nm].
+        segment: Shape (R,), which uninterrupted piece of motion a row belongs to.
+        freedom: Degrees of freedom that are left of the R.
+    """
+    variance = float(residual @ residual) / max(freedom, 1.0)
+    longest = max((rows.stop - rows.start for rows in pieces(segment)), default=0)
+    best, criterion = np.zeros(0), np.inf
+    for order in range(min(MOST_LAGS, longest // 4) + 1):
+        coefficients, innovation, count = _autoregression(residual, segment, order)
+        if count and innovation > 0 and (value := count * np.log(innovation) + 2 * order) < criterion:
+            best, criterion = coefficients, value
+    return Noise(variance, _correlation(best, longest))
+
+
+def pieces(segment: NDArray[np.int64]) -> list[slice]:
+    """Return the rows of each uninterrupted piece of motion."""
+    ends = np.concatenate([[0], np.flatnonzero(np.diff(segment)) + 1, [len(segment)]])
+    return [slice(int(a), int(b)) for a, b in pairwise(ends) if b > a]
+
+
+def _autoregression(residual: Array, segment: NDArray[np.int64], order: int) -> tuple[Array, float, int]:
+    """Return coefficients, variance of the innovations, and number of rows; by least squares over all pieces."""
+    rows = [residual[piece] for piece in pieces(segment)]
+    rows = [row for row in rows if len(row) > MOST_LAGS]
+    if not rows:
+        return np.zeros(order), 0.0, 0
+    target = np.concatenate([row[MOST_LAGS:] for row in rows])
+    past = [np.stack([row[MOST_LAGS - k : len(row) - k] for k in range(1, order + 1)], axis=1) for row in rows if order]
+    if not past:
+        return np.zeros(0), float(np.mean(target**2)), len(target)
+    regressor = np.vstack(past)
+    coefficients = np.linalg.lstsq(regressor, target)[0]
+    return coefficients, float(np.mean((target - regressor @ coefficients) ** 2)), len(target)
+
+
+def _correlation(coefficients: Array, count: int) -> Array:
+    """Return the autocorrelation of an autoregression at lags 0 to count - 1, poles drawn inside of `NEARLY_ONE`."""
+    order = len(coefficients)
+    if order == 0 or count < 2:
+        return np.array([1.0, *np.zeros(max(count - 1, 0))])
+    radius = float(np.abs(np.roots(np.concatenate([[1.0], -coefficients]))).max())
+    shrink = min(1.0, NEARLY_ONE / radius) if radius > 0 else 1.0
+    phi = coefficients * shrink ** np.arange(1, order + 1)
+    equations, right = np.eye(order), phi.copy()  # Yule-Walker: rho_k = sum phi_i rho_|k - i|
+    for k in range(1, order + 1):
+        for i in range(1, order + 1):
+            if i != k:
+                equations[k - 1, abs(k - i) - 1] -= phi[i - 1]
+    rho = np.concatenate([[1.0], np.linalg.solve(equations, right), np.zeros(max(0, count - order - 1))])[
+        : max(count, 1)
+    ]
+    for k in range(order + 1, count):
+        rho[k] = phi @ rho[k - order : k][::-1]
+    return np.asarray(rho)

@@ -1,0 +1,98 @@
+"""Normal equations, and the posterior that a normal prior makes of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.identify.dynamics.prior import Prior, Widths
+from bench.identify.dynamics.rows import DriveRows
+from bench.record.campaign import Array
+
+ROUNDING = 1e-12  # of a sum of squares; what is left below that when its terms are taken away again
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Sums over rows, weighted.
+
+    Attributes:
+        gram: Shape (p, p), X^T W X.
+        right: Shape (p,), X^T W y.
+    """
+
+    gram: Array
+    right: Array
+
+    def __sub__(self, other: "Normal") -> "Normal":
+        """Return the sums without some of their rows; what only those showed is not told by rounding errors."""
+        gram = self.gram - other.gram
+        shown = np.diag(gram) > ROUNDING * np.diag(self.gram)
+        return Normal(np.where(np.outer(shown, shown), gram, 0.0), np.where(shown, self.right - other.right, 0.0))
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """The rows of one drive with their factors about given parameters, and what each row counts.
+
+    Attributes:
+        rows: Of the drive.
+        factors: Shape (R, q).
+        weight: [1/Nm^2]; 0: the drive is left out.
+    """
+
+    rows: DriveRows
+    factors: Array
+    weight: float
+
+
+def normal_of(drives: Sequence[Weighed], delay: float, size: int) -> Normal:
+    """Return the normal equations of `size` parameters with torques read `delay` [s] late."""
+    gram = np.zeros((size, size))
+    for one in drives:
+        gram[np.ix_(one.rows.index, one.rows.index)] += one.weight * one.factors.T @ one.factors
+    return Normal(gram, right_of(drives, delay, size))
+
+
+def right_of(drives: Sequence[Weighed], delay: float, size: int) -> Array:
+    """Return X^T W y alone, shape (p,)."""
+    right = np.zeros(size)
+    for one in drives:
+        right[one.rows.index] += one.weight * one.factors.T @ one.rows.response(delay)
+    return right
+
+
+def posterior(normal: Normal, prior: Prior, widths: Widths) -> tuple[Array, Array]:
+    """Return mean, shape (p,), and covariance, shape (p, p), of the parameters."""
+    factor = prior.factor(widths)
+    inverse = _inverse(normal, factor)
+    covariance = factor @ inverse @ factor.T
+    return prior.mean + covariance @ (normal.right - normal.gram @ prior.mean), covariance
+
+
+def log_evidence(normal: Normal, prior: Prior, widths: Widths) -> float:
+    """Return the logarithm of the marginal likelihood up to what no width changes.
+
+    With H = 1 + L^T G L and b = L^T (X^T W y - G mean): (b^T H^-1 b - log det H) / 2.
+    """
+    factor = prior.factor(widths)
+    inner = np.eye(len(factor)) + factor.T @ normal.gram @ factor
+    lower = np.linalg.cholesky((inner + inner.T) / 2)
+    explained = np.linalg.solve(lower, factor.T @ (normal.right - normal.gram @ prior.mean))
+    return float(explained @ explained / 2 - np.log(np.diag(lower)).sum())
+
+
+def likeliest_widths(normal: Normal, prior: Prior, best: Widths) -> Widths:
+    """Return the widths of the prior with the most evidence, changing one after the other until none gains."""
+    value = log_evidence(normal, prior, best)
+    while True:
+        tried = [(log_evidence(normal, prior, widths), widths) for widths in best.neighbours()]
+        top, widths = max(tried, key=lambda pair: pair[0])
+        if not top > value:
+            return best
+        best, value = widths, top
+
+
+def _inverse(normal: Normal, factor: Array) -> Array:
+    inner = np.eye(len(factor)) + factor.T @ normal.gram @ factor
+    return np.asarray(np.linalg.inv((inner + inner.T) / 2))

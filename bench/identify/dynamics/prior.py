@@ -1,0 +1,161 @@
+"""What the figures say of the unknowns before the data are looked at."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.identify.arm import Arm
+from bench.identify.dynamics.equations import GAS_SHAPE
+from bench.identify.dynamics.parameters import Layout
+from bench.identify.dynamics.regressor import N_INERTIAL, standard_parameters
+from bench.record.campaign import Array
+from bench.robot.nominal_dynamics import NominalDynamics
+
+UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))  # Pinocchio's order of the six entries of an inertia
+
+
+WIDER = np.sqrt(10.0)  # between one width and the next that is tried
+
+
+@dataclass(frozen=True)
+class Widths:
+    """By how much uncertainties are wider than stated, or than usual; powers of `WIDER`, chosen by the evidence.
+
+    Attributes:
+        figures: Of masses, centres and rotors; 0 or more, for what is stated is at least as uncertain as stated.
+        friction: Of friction that is stated, likewise.
+        direction: For each drive, of friction that differs between the directions, which with an offset is what a first
+            pass most easily takes for gravity; 0 or less.
+    """
+
+    figures: int
+    friction: int
+    direction: tuple[int, ...]
+
+    @classmethod
+    def usual(cls, n: int) -> "Widths":
+        """Return those of n drives to begin with: figures as stated, offsets and directions as free as all friction."""
+        return cls(0, 0, (0,) * n)
+
+    def neighbours(self) -> tuple["Widths", ...]:
+        """Return the widths one step away."""
+        found = [replace(self, figures=self.figures + way) for way in (1, -1) if 0 <= self.figures + way <= WIDEST]
+        found += [replace(self, friction=self.friction + way) for way in (1, -1) if 0 <= self.friction + way <= WIDEST]
+        for i, width in enumerate(self.direction):
+            for changed in (width + 1, width - 1):
+                if NARROWEST <= changed <= 0:
+                    found.append(replace(self, direction=(*self.direction[:i], changed, *self.direction[i + 1 :])))
+        return tuple(found)
+
+
+WIDEST = 6  # a thousand times what was stated: as good as unknown
+NARROWEST = -4  # a hundredth of the whole torque: less would claim to know that there is none (assumed)
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Normal: parameters = mean + L z with z standard normal, and L the sum of three parts by their widths.
+
+    Attributes:
+        mean: Shape (p,), nominal figures.
+        figures: Shape (p, p), of link and rotor inertia.
+        friction: Shape (p, p), of friction that is stated.
+        direction: Shape (n, p, p), of each drive's offset and viscous friction that differs between the directions.
+        free: Shape (p, p), of all others.
+    """
+
+    mean: Array
+    figures: Array
+    friction: Array
+    direction: Array
+    free: Array
+
+    def factor(self, widths: Widths) -> Array:
+        """Return L, shape (p, p)."""
+        direction = np.tensordot(WIDER ** np.array(widths.direction, dtype=float), self.direction, axes=1)
+        stated = WIDER**widths.figures * self.figures + WIDER**widths.friction * self.friction
+        return np.asarray(stated + direction + self.free)
+
+
+def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Array, speed_rms: Array) -> Prior:
+    """Return the prior of a robot.
+
+    Masses, centres, rotors, friction and gas are known as `uncertainty` of the figures says; friction that is not
+    stated is free up to what the whole torque of a joint could be.
+
+    Args:
+        layout: Of the parameters.
+        nominal: The robot.
+        arm: Its links.
+        torque_rms: Shape (n,) [Nm], of each joint in the campaign.
+        speed_rms: Shape (n,) [rad/s], likewise.
+    """
+    u, n = nominal.uncertainty, layout.n
+    mean = np.zeros(layout.size)
+    figures, friction, direction, free = (np.zeros((layout.size, layout.size)) for _ in range(4))
+    mean[layout.links] = standard_parameters(arm)
+    for i in range(n):
+        own = slice(N_INERTIAL * i, N_INERTIAL * (i + 1))
+        figures[own, own] = _root(_link_covariance(arm, i, u.mass, u.centre_of_mass_m))
+
+    def put(where: slice | int, at: Array | float, sigma: Array | float, into: Array) -> None:
+        index = np.arange(layout.size)[where]
+        mean[index] = at
+        into[index, index] = sigma
+
+    own_inertia = np.diag(arm.mass_matrix(np.zeros(n)))
+    rotor = np.where(nominal.rotor_inertia > 0, u.rotor_inertia * nominal.rotor_inertia, own_inertia)
+    put(layout.of_drives("rotor"), nominal.rotor_inertia, rotor, figures)
+    drag = torque_rms / np.where(speed_rms > 0, speed_rms, 1.0)
+    for name, stated, most in (("coulomb", nominal.coulomb, torque_rms), ("viscous", nominal.viscous, drag)):
+        put(layout.of_drives(name), stated, u.friction * stated, friction)
+        put(layout.of_drives(name), stated, np.where(stated > 0, 0.0, most), free)
+    put(layout.of_drives("viscous_difference"), 0.0, drag, direction)
+    put(layout.of_drives("offset"), 0.0, nominal.torque_offset_sigma, free)
+    put(layout.of_drives("offset"), 0.0, torque_rms, direction)
+    put(layout.gain, 0.0, nominal.torque_gain_sigma, free)
+    if layout.has_payload:
+        reach = np.linalg.norm(arm.point(nominal.load_point).position)
+        put(layout.payload, 0.0, nominal.payload * np.array([1.0, *(reach,) * 3, *(reach**2,) * 6]), free)
+    if layout.has_gas:
+        amount = u.gas_constant * nominal.gas_amount if nominal.gas_amount > 0 else 1.0
+        full = nominal.counterbalance
+        turn = u.geometry_m / min(full.rho, full.b) if full else 0.0  # an anchor that is off by so much
+        shape = {"critical_length": u.critical_length_m, "dead_centre": turn, "rho": u.geometry_m, "b": u.geometry_m}
+        put(
+            layout.gas,
+            np.array([nominal.gas_amount, *(0.0,) * 4]),
+            np.array([amount, *(shape[k] for k in GAS_SHAPE)]),
+            free,
+        )
+    each = np.zeros((n, layout.size, layout.size))
+    for name in ("viscous_difference", "offset"):
+        for drive, where in enumerate(np.arange(layout.size)[layout.of_drives(name)]):
+            each[drive, where, where] = direction[where, where]
+    return Prior(mean, figures, friction, each, free)
+
+
+def _link_covariance(arm: Arm, link: int, mass_sigma: float, centre_sigma: float) -> Array:
+    """Return the covariance of a link's inertial parameters, shape (10, 10).
+
+    A relative error of the mass scales all of them; an error of the centre moves them; and who knows a centre to s
+    knows lengths to s, so an inertia m r^2 to 2 m r s.
+    """
+    mass, centre = float(arm.bodies.mass[link]), arm.bodies.com[link]
+    inertia = arm.bodies.inertia[link]
+    gyration = np.sqrt(max(float(np.trace(inertia)), 0.0) / (2 * mass)) if mass > 0 else 0.0
+    about = inertia + mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    root = np.zeros((N_INERTIAL, 1 + 3 + 6))
+    root[:, 0] = mass_sigma * np.array([mass, *(mass * centre), *about[UPPER]])
+    for axis in range(3):
+        step = np.eye(3)[axis]
+        moved = mass * (2 * centre[axis] * np.eye(3) - np.outer(step, centre) - np.outer(centre, step))
+        root[:, 1 + axis] = centre_sigma * np.array([0.0, *(mass * step), *moved[UPPER]])
+    root[4:, 4:] = 2 * mass * gyration * centre_sigma * np.eye(6)
+    return root @ root.T
+
+
+def _root(covariance: Array) -> Array:
+    """Return a symmetric square root of a positive semidefinite matrix."""
+    values, vectors = np.linalg.eigh(covariance)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)

@@ -1,0 +1,120 @@
+"""What the first pass tells, as named quantities with intervals."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.regressor import NAMES
+from bench.record.campaign import Array
+
+Kind = Literal["payload", "gas", "friction", "inertia", "drive"]
+DRIVE = {  # column -> name, its unit for a hinge and for a slide
+    "coulomb": ("Coulomb friction", "Nm", "N"),
+    "viscous": ("viscous friction", "Nm s/rad", "N s/m"),
+    "viscous_difference": ("viscous friction, + less -, half", "Nm s/rad", "N s/m"),
+    "offset": ("torque offset", "Nm", "N"),
+}
+SHOWN = 3  # terms of a base parameter that are written out
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number.
+
+    Attributes:
+        kind: Group that it belongs to.
+        name: For people: "Coulomb friction (joint2)".
+        unit: Of all values.
+        nominal: As stated.
+        value: As found.
+        sigma: Standard error.
+        prior_sigma: How well it was known beforehand, with the widths that the evidence chose; offsets and directions
+            as free as they may be.
+        combine: Shape (p,), its factors of the parameters.
+        meaning: What is lumped in it; "": nothing else.
+    """
+
+    kind: Kind
+    name: str
+    unit: str
+    nominal: float
+    value: float
+    sigma: float
+    prior_sigma: float
+    combine: Array
+    meaning: str = ""
+
+    @property
+    def told(self) -> bool:
+        """Whether the data say more of it than was known: its variance is at least halved."""
+        return self.sigma**2 < self.prior_sigma**2 / 2
+
+    def interval(self, quantile: float) -> tuple[float, float]:
+        """Return the lower and upper end, `quantile` standard errors away."""
+        return self.value - quantile * self.sigma, self.value + quantile * self.sigma
+
+
+def quantities(found: FirstPass) -> tuple[Quantity, ...]:
+    """Return all quantities of a first pass: payload and gas, friction, base inertial parameters, torque scales."""
+    layout, every = found.layout, np.eye(found.layout.size)
+    result: list[Quantity] = []
+    factor = found.prior.factor(replace(found.solution.widths, direction=(0,) * layout.n))
+
+    def add(kind: Kind, name: str, unit: str, combine: Array, meaning: str = "") -> None:
+        result.append(
+            Quantity(
+                kind=kind,
+                name=name,
+                unit=unit,
+                nominal=float(combine @ found.prior.mean),
+                value=float(combine @ found.parameters),
+                sigma=float(np.sqrt(max(float(combine @ found.solution.covariance @ combine), 0.0))),
+                prior_sigma=float(np.linalg.norm(combine @ factor)),
+                combine=combine,
+                meaning=meaning,
+            )
+        )
+
+    if layout.has_payload:
+        add("payload", "unstated payload", "kg", every[layout.payload.start])
+    if layout.has_gas:
+        add("gas", "gas of the counterbalance", "of full", every[layout.gas.start])
+    for column, (name, *units) in DRIVE.items():
+        for joint, row in enumerate(every[layout.of_drives(column)]):
+            add("friction", f"{name} ({found.joints[joint]})", units[_slides(found, joint)], row)
+    base = found.base
+    for k, name in enumerate(base.names):
+        unit = base.units[k]
+        if unit == "kg m^2" and name.startswith("rotor") and _slides(found, int(base.joint[k])):
+            unit = "kg"
+        add("inertia", f"{name} ({found.joints[base.joint[k]]})", unit, base.combine[k], _meaning(found, k))
+    for joint, row in enumerate(every[layout.gain]):
+        add("drive", f"torque scale ({found.joints[joint]})", "relative", row)
+    return tuple(result)
+
+
+def _slides(found: FirstPass, joint: int) -> bool:
+    return not bool(found.nominal.bodies.is_hinge[joint])
+
+
+def _meaning(found: FirstPass, k: int) -> str:
+    """Return what else a base parameter is made of, the most uncertain terms first."""
+    base, layout = found.base, found.layout
+    names = [f"{name} {link + 1}" for link in range(layout.n) for name in NAMES]
+    names += [f"payload {name}" for name in NAMES] * layout.has_payload
+    combine = base.combine[k].copy()
+    rotors = np.arange(layout.size)[layout.of_drives("rotor")]
+    sigma = np.sqrt(np.sum(found.prior.factor(found.solution.widths) ** 2, axis=1))
+    lead = int(base.lead[k])
+    others = [i for i in np.argsort(-np.abs(combine) * sigma) if combine[i] != 0 and i != lead]
+    if not others:
+        return ""
+    words = []
+    for i in others[:SHOWN]:
+        name = f"rotor {int(np.flatnonzero(rotors == i)[0]) + 1}" if i in rotors else names[i]
+        factor = "" if abs(abs(combine[i]) - 1) < 1e-6 else f"{abs(combine[i]):.3g} "
+        words.append(f"{'-' if combine[i] < 0 else '+'} {factor}{name}")
+    more = f" and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
+    return " ".join(words) + more

@@ -1,0 +1,60 @@
+"""The joint torque of rigid links as a linear function of their inertial parameters (Pinocchio)."""
+
+import numpy as np
+import pinocchio as pin
+
+from bench.identify.arm import Arm
+from bench.record.campaign import Array
+
+N_INERTIAL = 10  # m, m c (3), and the inertia about the joint frame's origin: xx, xy, yy, xz, yz, zz
+NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+UNITS = ("kg", "kg m", "kg m", "kg m", *("kg m^2",) * 6)
+
+
+def standard_parameters(arm: Arm) -> Array:
+    """Return the inertial parameters of all links in Pinocchio's order, shape (10 n,); `NAMES` and `UNITS`."""
+    bodies = arm.bodies
+    inertias = (pin.Inertia(float(m), np.array(c), np.array(i)) for m, c, i in _links(arm))
+    return np.concatenate([inertia.toDynamicParameters() for inertia in inertias]).reshape(N_INERTIAL * bodies.n_joints)
+
+
+def link_regressor(arm: Arm, position: Array, velocity: Array, acceleration: Array) -> Array:
+    """Return Y with tau = Y pi, shape (T, n, 10 n): inverse dynamics D a + C(q, v) v + G of the links.
+
+    Args:
+        arm: Kinematics; its masses do not enter.
+        position: Shape (T, n) [rad].
+        velocity: Shape (T, n) [rad/s].
+        acceleration: Shape (T, n) [rad/s^2].
+    """
+    n = arm.n_joints
+    found = np.empty((len(position), n, N_INERTIAL * n))
+    for i, state in enumerate(zip(position, velocity, acceleration, strict=True)):
+        found[i] = arm.torque_regressor(*state)
+    return found
+
+
+def payload_columns(arm: Arm, load_point: str) -> tuple[int, Array]:
+    """Return the link that carries the load point, and what a payload adds to its parameters, shape (10, 10).
+
+    The payload's parameters are those of a body in the axes of its link whose frame sits in the load point.
+    """
+    point = arm.point(load_point)
+    basis = np.eye(N_INERTIAL)
+    return point.body, np.stack([_moved(column, point.position) for column in basis], axis=1)
+
+
+def _moved(parameters: Array, offset: Array) -> Array:
+    """Return parameters about an origin that lies `offset` away: m, h + m o, I + steiner terms; linear in them."""
+    mass, first = parameters[0], parameters[1:4]
+    xx, xy, yy, xz, yz, zz = parameters[4:]
+    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    cross = np.outer(first, offset) + np.outer(offset, first) + mass * np.outer(offset, offset)
+    inertia = inertia + np.trace(cross) * np.eye(3) - cross
+    moved = first + mass * offset
+    return np.array([mass, *moved, *inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]])
+
+
+def _links(arm: Arm) -> list[tuple[float, Array, Array]]:
+    bodies = arm.bodies
+    return list(zip(bodies.mass, bodies.com, bodies.inertia, strict=True))

@@ -1,0 +1,114 @@
+"""The equations of one drive, of all stretches, with the columns that depend on the parameters themselves."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from bench.identify.arm import Arm
+from bench.identify.dynamics.band import Band, low_pass
+from bench.identify.dynamics.equations import DRIVE_COLUMNS, GAS_SHAPE, Equations
+from bench.identify.dynamics.parameters import Layout
+from bench.identify.dynamics.regressor import N_INERTIAL, payload_columns
+from bench.record.campaign import Array
+from bench.robot.nominal_dynamics import NominalDynamics
+
+
+@dataclass(frozen=True)
+class DriveRows:
+    """Equations of one drive in which it moves; R of them, for q of the parameters.
+
+    Attributes:
+        drive: Its index.
+        index: Shape (q,), which parameters they hold; the last is the gain of the drive's torque.
+        constant: Shape (R, q), factors of the parameters; those of the gain are zero.
+        gas: Which columns are errors of the gas law's shape, per unit of gas amount; empty without gas.
+        known: Shape (R,) [Nm], torque for the known load.
+        torque: For each stretch a curve of the filtered torque, and the times of its rows [s].
+        segment: Shape (R,), number of the uninterrupted piece of motion that a row belongs to.
+        stretch: Shape (R,), index of its stretch.
+        instant: Shape (R,), index of its thinned instant in the stretch.
+    """
+
+    drive: int
+    index: NDArray[np.int64]
+    constant: Array
+    gas: slice
+    known: Array
+    torque: tuple[tuple[CubicSpline, Array], ...]
+    segment: NDArray[np.int64]
+    stretch: NDArray[np.int64]
+    instant: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.constant)
+
+    def response(self, delay: float) -> Array:
+        """Return the torque that the parameters explain, shape (R,) [Nm], read `delay` [s] later than the angles."""
+        return np.concatenate([curve(time + delay) for curve, time in self.torque]) - self.known
+
+    def model(self, parameters: Array) -> Array:
+        """Return the torque that parameters, shape (p,), predict, gain included and known load not, shape (R,)."""
+        own = parameters[self.index].copy()
+        gain, own[-1] = own[-1], 0.0
+        return np.asarray((1 + gain) * (self._at(parameters) @ own))
+
+    def factors(self, parameters: Array) -> Array:
+        """Return the factors of the parameters about given ones, shape (R, q).
+
+        An error of the gas law's shape counts by the gas there is, and the gain by the whole torque.
+        """
+        found = self._at(parameters)
+        own = parameters[self.index].copy()
+        own[-1] = 0.0
+        found[:, -1] = found @ own
+        return found
+
+    def _at(self, parameters: Array) -> Array:
+        found = self.constant.copy()
+        if self.gas.stop > self.gas.start:
+            found[:, self.gas] *= parameters[self.index[self.gas.start - 1]]
+        return found
+
+
+def drive_rows(
+    equations: Sequence[Equations], drive: int, layout: Layout, band: Band, arm: Arm, nominal: NominalDynamics
+) -> DriveRows:
+    """Return the equations of one drive in which it moves."""
+    body, payload = payload_columns(arm, nominal.load_point)
+    own = slice(
+        layout.drives.start + len(DRIVE_COLUMNS) * drive, layout.drives.start + len(DRIVE_COLUMNS) * (drive + 1)
+    )
+    has_gas = layout.has_gas and nominal.counterbalance is not None and nominal.counterbalance.joint == drive
+    every = np.arange(layout.size)
+    parts = [every[layout.links], every[layout.payload], every[own], *([every[layout.gas]] if has_gas else [])]
+    index = np.concatenate([*parts, [layout.gain.start + drive]])
+    used = [np.flatnonzero(part.moves[:, drive]) for part in equations]
+    tables, segments, n_segments = [], [], 0
+    for part, rows in zip(equations, used, strict=True):
+        links = part.links[rows, drive]
+        carried = links[:, N_INERTIAL * body : N_INERTIAL * (body + 1)] @ payload[:, : N_INERTIAL * layout.has_payload]
+        gas = part.gas[rows] if has_gas else np.zeros((len(rows), 0))
+        tables.append(np.hstack([links, carried, part.drives[rows, drive], gas, np.zeros((len(rows), 1))]))
+        breaks = np.concatenate([[0], np.cumsum(np.diff(rows) > 1)])[: len(rows)]
+        segments.append(breaks + n_segments)
+        n_segments += int(breaks[-1]) + 1 if len(rows) else 0
+    return DriveRows(
+        drive=drive,
+        index=index,
+        constant=np.vstack(tables),
+        gas=slice(len(index) - 1 - len(GAS_SHAPE), len(index) - 1) if has_gas else slice(0, 0),
+        known=np.concatenate([part.known[rows, drive] for part, rows in zip(equations, used, strict=True)]),
+        torque=tuple((_curve(part, drive, band), part.time[rows]) for part, rows in zip(equations, used, strict=True)),
+        segment=np.concatenate(segments).astype(np.int64),
+        stretch=np.repeat(np.arange(len(used)), [len(rows) for rows in used]),
+        instant=np.concatenate(used),
+    )
+
+
+def _curve(part: Equations, drive: int, band: Band) -> CubicSpline:
+    torque = part.samples.torque[:, drive]
+    filtered = low_pass(np.where(np.isfinite(torque), torque, 0.0), part.samples.rate, band.cutoff_hz)
+    return CubicSpline(part.samples.time, filtered)

@@ -1,0 +1,1 @@
+"""A model held against recordings that it was not fitted to."""

@@ -1,0 +1,107 @@
+"""Errors of a prediction, by channel and by stretch."""
+
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.cross_validation.folds import BLOCKS
+from bench.diagnose.cross_validation.held_out import PredictedError
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.predict.prediction import ChannelError, Stretch
+from bench.record.campaign import Array
+
+
+def channel_errors(
+    linear: LinearisedModel, error: Array, nominal: Array, noise: Array, promises: Sequence[PredictedError]
+) -> tuple[ChannelError, ...]:
+    """Return what a model leaves of every channel, at rest and in motion, beside what was promised.
+
+    Root mean squares are plain ones over rests and bins of motion, as those of the promises are.
+
+    Args:
+        linear: The recording.
+        error: Shape (T, c), measured less predicted; nan where not measured.
+        nominal: Shape (T, c), the same of the nominal robot.
+        noise: Shape (T, c), standard deviation of what no model can predict.
+        promises: Of the model.
+    """
+    promised = {(one.channel, one.kind): one for one in promises}
+    observed = np.concatenate([segment.observed for segment in linear.segments])
+    found = []
+    for kind, chosen in _by_kind(linear):
+        for c, quantity in enumerate(linear.quantities):
+            rows = chosen & np.isfinite(error[:, c])
+            if not np.any(rows):
+                continue
+            promise = promised.get((quantity.column, kind))
+            found.append(
+                ChannelError(
+                    channel=quantity.column,
+                    unit=quantity.unit,
+                    kind=kind,
+                    readings=int(rows.sum()),
+                    rms=rms(error[rows, c]),
+                    nominal=rms(nominal[rows, c]),
+                    floor=rms(noise[rows, c]),
+                    measured=float(np.std(observed[rows, c])),
+                    low=promise.low if promise else np.nan,
+                    high=promise.high if promise else np.nan,
+                )
+            )
+    return tuple(found)
+
+
+def worst_stretches(linear: LinearisedModel, error: Array, noise: Array) -> tuple[Stretch, ...]:
+    """Return the worst stretch of each channel, that which is furthest above what no model can predict first.
+
+    A stretch is a visit at rest, or an eighth of a run in motion: as long as the blocks that promises rest on where
+    there was one run.
+
+    Args:
+        linear: The recording.
+        error: Shape (T, c), measured less predicted; nan where not measured.
+        noise: Shape (T, c), standard deviation of what no model can predict.
+    """
+    stretches = list(_stretches(linear))
+    found = []
+    for c, quantity in enumerate(linear.quantities):
+        best: Stretch | None = None
+        for run, label, rows, start_s, end_s in stretches:
+            seen = rows[np.isfinite(error[rows, c])]
+            if len(seen) == 0:
+                continue
+            left, floor = rms(error[seen, c]), rms(noise[seen, c])
+            if best is None or left * best.floor > best.rms * floor:
+                best = Stretch(run, label, start_s, end_s, quantity.column, quantity.unit, left, floor)
+        if best:
+            found.append(best)
+    return tuple(sorted(found, key=lambda one: -one.rms / one.floor))
+
+
+def rms(values: Array) -> float:
+    """Return the root mean square."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _by_kind(linear: LinearisedModel) -> Iterator[tuple[Literal["static", "motion"], NDArray[np.bool_]]]:
+    still = np.repeat([segment.is_static for segment in linear.segments], [len(one) for one in linear.segments])
+    yield "static", still
+    yield "motion", ~still
+
+
+def _stretches(linear: LinearisedModel) -> Iterator[tuple[str, str, NDArray[np.int64], float, float]]:
+    """Yield run, label, instants, begin and end [s] of every visit and of the parts of every run in motion."""
+    first = np.cumsum([0, *(len(segment) for segment in linear.segments)])
+    time = np.concatenate([segment.motion.time[segment.motion.read] for segment in linear.segments])
+    moving: dict[str, list[int]] = {}
+    for i, segment in enumerate(linear.segments):
+        rows = np.arange(first[i], first[i + 1])
+        if segment.is_static:
+            yield segment.run, segment.label, rows, float(time[rows[0]]), float(time[rows[-1]])
+        else:
+            moving.setdefault(segment.run, []).extend(rows.tolist())
+    for run, every in moving.items():
+        for rows in np.array_split(np.array(every, dtype=np.int64), min(BLOCKS, len(every))):
+            yield run, run, rows, float(time[rows[0]]), float(time[rows[-1]])

@@ -1,0 +1,108 @@
+"""A model against a campaign, without a refit: what it leaves, beside the nominal robot, noise and promises."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from bench.diagnose.cross_validation.figures import FittedFigure, fitted_figures
+from bench.diagnose.cross_validation.floor import floor_variance, measured
+from bench.diagnose.cross_validation.held_out import PredictedError
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.replay.known import known_quantities, with_known_payload, with_known_segments
+from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import segments_of
+from bench.diagnose.replay.world import NOMINAL
+from bench.errors import NOT_SIMULATED, InputError
+from bench.predict.errors import channel_errors, worst_stretches
+from bench.predict.fit_anew import fit_anew
+from bench.predict.free import checked
+from bench.predict.prediction import PredictedRecording, Prediction
+from bench.record.campaign import Array, Campaign
+from bench.record.carried import with_payloads
+from bench.robot.compiled import CompiledRobot
+
+
+def predict(
+    campaign: Campaign,
+    model: CompiledRobot,
+    nominal: CompiledRobot,
+    promises: Sequence[PredictedError] = (),
+    free: Sequence[str] = (),
+    progress: Callable[[str], None] = lambda words: None,
+) -> Prediction:
+    """Hold a model against every recording of a campaign; nothing about one recording depends on the others.
+
+    Args:
+        campaign: A checked campaign.
+        model: The robot that predicts.
+        nominal: The robot to compare it with.
+        promises: What the model promises of a recording.
+        free: Names of what may be anew in each recording, from `FREE`; it is fitted, and nothing else.
+        progress: Called with what is done next.
+
+    Raises:
+        InputError: A recording has nothing that a replay predicts, or nothing that shows what is free.
+        ConvergenceError: The model finds no balance along the measured motion.
+    """
+    names = checked(free)
+    found = []
+    with threadpool_limits(1, "blas"):  # the matrices are small: threads take more than twice the time
+        for name in campaign.recordings:
+            progress(f"predicting {name}".rstrip())
+            runs = tuple(run for run in campaign.runs if run.recording == name)
+            known = tuple(one for one in campaign.known if one.recording in ("", name))
+            found.append(_recording(name, replace(campaign, runs=runs, known=known), model, nominal, promises, names))
+    return Prediction(model.robot.figures.title, nominal.robot.name, names, tuple(found))
+
+
+def _recording(
+    name: str,
+    recording: Campaign,
+    model: CompiledRobot,
+    nominal: CompiledRobot,
+    promises: Sequence[PredictedError],
+    free: Sequence[str],
+) -> PredictedRecording:
+    recording = with_payloads(recording)
+    quantities = (*quantities_of(recording.runs, model), *known_quantities(recording, model))
+    segments = with_known_segments(segments_of(recording, model, quantities), recording, model, quantities)
+    if not segments or not quantities:
+        raise InputError(
+            f"recording {name or recording.runs[0].name}: has no channel that a replay predicts: log motor currents or "
+            "torques, a reflector, a link encoder, or the gas pressure, beside the motor angles."
+        )
+    linear = linearised_model_of(
+        Replay(model, segments, quantities), with_known_payload(nuisances_of(model, quantities), recording, model)
+    )
+    there = measured(linear)
+    noise = np.sqrt(floor_variance(linear))
+    nominal_error = np.where(there, _left_by(nominal, linear), np.nan)
+    world, left, freed = NOMINAL, linear.residual, tuple[FittedFigure, ...]()
+    if free:
+        linear, fit = fit_anew(linear, free)
+        world, left, freed = fit.world(linear), fit.residual, fitted_figures(linear, fit)
+    error = np.where(there, left, np.nan)
+    return PredictedRecording(
+        name=name,
+        linear=linear,
+        world=world,
+        error=error,
+        nominal_error=nominal_error,
+        noise=noise,
+        freed=freed,
+        channels=channel_errors(linear, error, nominal_error, noise, promises),
+        stretches=worst_stretches(linear, error, noise),
+    )
+
+
+def _left_by(nominal: CompiledRobot, linear: LinearisedModel) -> Array:
+    """Return measured less what the nominal robot predicts, shape (T, c); nan where it finds no balance."""
+    observed = np.concatenate([segment.observed for segment in linear.segments])
+    try:
+        return observed - Replay(nominal, linear.segments, linear.quantities).predict(NOMINAL)
+    except NOT_SIMULATED:
+        return np.full_like(observed, np.nan)

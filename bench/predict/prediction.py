@@ -1,0 +1,134 @@
+"""What a model leaves of a campaign, recording by recording, and whether what was promised of it holds."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bench.diagnose.cross_validation.figures import FittedFigure
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.world import World
+from bench.record.campaign import Array
+
+Answer = Literal["kept", "less", "more", "not promised"]
+
+
+@dataclass(frozen=True)
+class ChannelError:
+    """What a model leaves of one channel of a recording, at rest or in motion; all root mean squares.
+
+    Attributes:
+        channel: Column of the campaign.
+        unit: SI.
+        kind: Of its runs.
+        readings: How many were compared: means of repeats, and bins of motion.
+        rms: Of measured less predicted.
+        nominal: Of measured less what the nominal robot predicts; nan where that finds no balance.
+        floor: Of what no model can predict: noise of the instruments, friction at rest, what rings.
+        measured: Of what was measured, about its mean.
+        low, high: 90 % interval that was promised of `rms`; nan where nothing was.
+    """
+
+    channel: str
+    unit: str
+    kind: Literal["static", "motion"]
+    readings: int
+    rms: float
+    nominal: float
+    floor: float
+    measured: float
+    low: float = float("nan")
+    high: float = float("nan")
+
+    @property
+    def answer(self) -> Answer:
+        """Whether the interval holds, or on which side the error left it."""
+        if np.isnan(self.low) or np.isnan(self.high):
+            return "not promised"
+        if self.rms > self.high:
+            return "more"
+        return "less" if self.rms < self.low else "kept"
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A visit at rest, or a part of a run in motion, of which a model leaves much.
+
+    Attributes:
+        run: Name.
+        label: Run, and pose and approach of a visit.
+        start_s, end_s: On the clock of the recording [s].
+        channel: Column of the campaign.
+        unit: SI.
+        rms: Root mean square of measured less predicted.
+        floor: The same of what no model can predict there.
+    """
+
+    run: str
+    label: str
+    start_s: float
+    end_s: float
+    channel: str
+    unit: str
+    rms: float
+    floor: float
+
+
+@dataclass(frozen=True, eq=False)
+class PredictedRecording:
+    """A recording and what a model says of it; T instants, c quantities.
+
+    Attributes:
+        name: Of the recording; "" if the campaign has one that nobody named.
+        linear: It, linearised about the model.
+        world: What was fitted anew of it; the model as it stands where nothing was.
+        error: Shape (T, c), measured less predicted; nan where not measured.
+        nominal_error: Shape (T, c), measured less what the nominal robot predicts.
+        noise: Shape (T, c), standard deviation of what no model can predict; nan where not measured.
+        freed: What was fitted anew, with intervals.
+        channels: Every channel with a reading.
+        stretches: The worst stretch of each channel, that which is furthest above what no model can predict first.
+    """
+
+    name: str
+    linear: LinearisedModel
+    world: World
+    error: Array
+    nominal_error: Array
+    noise: Array
+    freed: tuple[FittedFigure, ...]
+    channels: tuple[ChannelError, ...]
+    stretches: tuple[Stretch, ...]
+
+    @property
+    def measured(self) -> Array:
+        """Shape (T, c); nan where not measured."""
+        return np.concatenate([segment.observed for segment in self.linear.segments])
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """A model against a campaign.
+
+    Attributes:
+        model: Title of the robot.
+        nominal: Name of the robot that it is compared with.
+        free: What was allowed to be anew in every recording.
+        recordings: At least one.
+    """
+
+    model: str
+    nominal: str
+    free: tuple[str, ...]
+    recordings: tuple[PredictedRecording, ...]
+
+    @property
+    def answers(self) -> tuple[Answer, ...]:
+        """One for each promised interval and recording."""
+        found = (channel.answer for recording in self.recordings for channel in recording.channels)
+        return tuple(answer for answer in found if answer != "not promised")
+
+    @property
+    def is_broken(self) -> bool:
+        """Whether the model left more than it promised anywhere; less than promised harms nobody."""
+        return "more" in self.answers

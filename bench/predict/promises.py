@@ -1,0 +1,74 @@
+"""What a diagnosis promises of the next recording, kept in the robot folder that it hands over."""
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from pydantic import ValidationError
+
+from bench.diagnose.cross_validation.held_out import PredictedError
+from bench.errors import RobotError
+from bench.robot.folder import problems_of
+from bench.robot.strict import Strict
+
+PROMISES = "promises.json"
+
+
+class _Promise(Strict):
+    channel: str
+    unit: str
+    kind: Literal["static", "motion"]
+    runs: int
+    rms: float
+    low: float | None
+    high: float | None
+
+
+class _Promises(Strict):
+    format: Literal[1]
+    promises: tuple[_Promise, ...]
+
+
+def write_promises(folder: Path, promises: Iterable[PredictedError]) -> None:
+    """Write what is promised of the next recording into a robot folder.
+
+    Args:
+        folder: Of the robot.
+        promises: For each channel at rest and in motion; nan ends, where nothing can be promised, are written as null.
+    """
+    entries = [asdict(promise) for promise in promises]
+    for entry in entries:
+        entry |= {end: entry[end] if np.isfinite(entry[end]) else None for end in ("low", "high")}
+    text = json.dumps({"format": 1, "promises": entries}, indent=2)
+    (folder / PROMISES).write_text(text + "\n", encoding="utf-8")
+
+
+def read_promises(folder: Path) -> tuple[PredictedError, ...]:
+    """Return what a robot folder promises; nothing where no diagnosis wrote it.
+
+    Raises:
+        RobotError: The file is not what `write_promises` writes.
+    """
+    path = folder / PROMISES
+    if not path.is_file():
+        return ()
+    try:
+        content = _Promises.model_validate(json.loads(path.read_text(encoding="utf-8")))
+    except ValueError as error:  # JSON, UTF-8 and pydantic alike
+        faults = problems_of(error, PROMISES) if isinstance(error, ValidationError) else [f"{PROMISES}: {error}"]
+        raise RobotError([*faults, f"{path}: mend it, or remove it: then nothing is promised."]) from error
+    return tuple(
+        PredictedError(
+            channel=one.channel,
+            unit=one.unit,
+            kind=one.kind,
+            runs=one.runs,
+            rms=one.rms,
+            low=np.nan if one.low is None else one.low,
+            high=np.nan if one.high is None else one.high,
+        )
+        for one in content.promises
+    )

@@ -1,0 +1,51 @@
+"""What the lab knows besides the tables, each a reading with a sigma: a payload, a stiffness, the gas."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+KnownQuantity = Literal["payload_kg", "stiffness_nm_per_rad", "gas_pressure_pa", "gas_temperature_k"]
+PAYLOAD = "payload_kg"
+
+
+@dataclass(frozen=True)
+class Known:
+    """One thing that the lab knows besides; a reading of it.
+
+    Attributes:
+        quantity: What, with its unit.
+        value: Of the reading.
+        sigma: Its standard deviation.
+        joint: Number of the drive from 1, of a stiffness; 0 for everything else.
+        at: Positions of all joints [rad], of a slide [m], at which a gas pressure was read; empty for everything else.
+        recording: Name of the recording in which it was so; "": the campaign has but one, or it is the machine's.
+        note: Free words.
+    """
+
+    quantity: KnownQuantity
+    value: float
+    sigma: float
+    joint: int = 0
+    at: tuple[float, ...] = ()
+    recording: str = ""
+    note: str = ""
+
+    def faults(self, recordings: tuple[str, ...]) -> Iterator[tuple[str, str, str]]:
+        """Yield key, fault and remedy of everything that is wrong with it.
+
+        Args:
+            recordings: Of the campaign.
+        """
+        if (self.quantity == "stiffness_nm_per_rad") != (self.joint > 0):
+            yield "joint", "a stiffness is of one joint, and nothing else is", "give joint: 2 with a stiffness alone"
+        if (self.quantity == "gas_pressure_pa") != bool(self.at):
+            words = "a gas pressure is of one pose, and nothing else is"
+            yield "at", words, "give at: [angle of every joint in rad] with a pressure alone"
+        if self.value < 0 or (self.value == 0 and self.quantity != PAYLOAD):
+            yield "value", f"{self.value:g} cannot be", "correct it; units are SI"
+        if self.recording and self.recording not in recordings:
+            names = ", ".join(name for name in recordings if name) or "none has a name"
+            yield "recording", f"there is no recording {self.recording!r}", f"recordings: {names}"
+        if not self.recording and len(recordings) > 1 and self.quantity != "stiffness_nm_per_rad":
+            names = ", ".join(name for name in recordings if name)
+            yield "recording", "is missing, and the campaign has several", f"say in which it was so: {names}"

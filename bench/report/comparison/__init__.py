@@ -1,0 +1,1 @@
+"""What `bench compare` prints and writes: words, compare.json, and a page."""

@@ -1,0 +1,128 @@
+"""A comparison as one self-contained HTML page: what changed, and every component over the recordings."""
+
+from dataclasses import dataclass
+from importlib.resources import files
+
+import numpy as np
+
+from bench.compare.comparison import Comparison, Component
+from bench.record.campaign import Array
+from bench.report.comparison.names import (
+    change_name,
+    course_words,
+    interval_words,
+    limit_words,
+    size_text,
+    title_of,
+    unit_words,
+)
+from bench.report.comparison.words import NONLINEAR, basis_sentence, headline
+from bench.report.diagnosis.names import capital, channel_name, percent
+
+TEMPLATE = "page.html.j2"
+WIDTH, HEIGHT, EDGE = 160.0, 34.0, 4.0  # [px], of the small charts
+
+
+@dataclass(frozen=True)
+class Dot:
+    """One recording in a small chart, in px."""
+
+    x: float
+    y: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Line:
+    """One component on the page.
+
+    Attributes:
+        name, parameter: What it is.
+        last: Its change in the last recording, with unit and interval.
+        limit: Smallest change that would have been found.
+        zero: Height of no change in the chart [px].
+        dots: One for each recording, before first.
+        is_named: Whether it is part of an explanation.
+        is_seen: Whether a plausible size would have been found.
+    """
+
+    name: str
+    parameter: str
+    last: str
+    limit: str
+    zero: float
+    dots: tuple[Dot, ...]
+    is_named: bool
+    is_seen: bool
+
+
+def page_of(comparison: Comparison, robot: str, command: str) -> str:
+    """Return the page.
+
+    Args:
+        comparison: What to show.
+        robot: Title of the robot.
+        command: That made it.
+    """
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {
+        "capital": capital,
+        "percent": percent,
+        "channel": channel_name,
+        "change_name": change_name,
+        "size_text": size_text,
+    }
+    template = environment.from_string(files("bench.report.comparison").joinpath(TEMPLATE).read_text(encoding="utf-8"))
+    lines = lines_of(comparison)
+    return template.render(
+        c=comparison,
+        robot=robot,
+        command=command,
+        headline=headline(comparison),
+        basis=basis_sentence(comparison),
+        course=lambda change: course_words(change, comparison),
+        nonlinear=NONLINEAR,
+        seen=[line for line in lines if line.is_seen or line.is_named],
+        unseen=[line for line in lines if not line.is_seen and not line.is_named],
+        width=WIDTH,
+        height=HEIGHT,
+    )
+
+
+def lines_of(comparison: Comparison) -> list[Line]:
+    """Return one line for every component."""
+    n_before = sum(not one.is_after for one in comparison.recordings)
+    days = np.array([one.days for one in comparison.recordings])
+    time = days if np.all(np.isfinite(days)) and days[-1] > days[0] else np.arange(len(days), dtype=np.float64)
+    return [_line(one, time[n_before - 1 :]) for one in comparison.components]
+
+
+def _line(component: Component, time: Array) -> Line:
+    low = min(0.0, *(one.low for one in component.values))
+    high = max(0.0, *(one.high for one in component.values))
+    span = (high - low) or 1.0
+    first, last = float(time[0]), float(time[-1])
+
+    def height(value: float) -> float:
+        return EDGE + (HEIGHT - 2 * EDGE) * (high - value) / span
+
+    def across(moment: float) -> float:
+        return EDGE + (WIDTH - 2 * EDGE) * (moment - first) / ((last - first) or 1.0)
+
+    dots = [Dot(across(first), height(0.0), height(0.0), height(0.0))]
+    for moment, one in zip(time[1:], component.values, strict=True):
+        dots.append(Dot(across(float(moment)), height(one.value), height(one.low), height(one.high)))
+    value, lowest, highest = interval_words(component.values[-1], component.unit)
+    return Line(
+        name=title_of(component.title, component.place),
+        parameter=component.parameter.replace("_", " "),
+        last=f"{value} {unit_words(component.unit)} ({lowest} to {highest})",
+        limit=limit_words(component),
+        zero=height(0.0),
+        dots=tuple(dots),
+        is_named=component.is_named,
+        is_seen=component.limit < component.plausible,
+    )

@@ -1,0 +1,115 @@
+"""A comparison in words for the terminal."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from bench.compare.comparison import Change, Comparison, Component
+from bench.report.comparison.names import (
+    change_name,
+    course_words,
+    interval_text,
+    limit_words,
+    size_text,
+    unlisted_words,
+)
+from bench.report.diagnosis.names import capital, listed, percent
+
+MOST = 120  # characters of two lines of the page's title, as in `report.diagnosis.headline`
+BEST_LIMITS = 8
+NONLINEAR = 0.12  # of a signature; beyond, its size is not to be taken at its word (bench/diagnose/README.md: 12 %)
+
+
+def headline(comparison: Comparison) -> str:
+    """Return what changed in one sentence."""
+    if comparison.unlisted:
+        course = course_words(comparison.unlisted, comparison)
+        found = f"Changed, not listed: {unlisted_words(comparison.unlisted)}"
+        return f"{found}, {course}." if course else f"{found}."
+    if not comparison.explanations:
+        return "Nothing changed that these recordings would show."
+    best = comparison.explanations[0]
+    if len(comparison.explanations) == 1 and len(best.changes) == 1:
+        (change,) = best.changes
+        first = change.sizes[0]
+        amount = interval_text(first.per_week or first.change, first.unit) + (" a week" if first.per_week else "")
+        when = course_words(change, comparison) if not first.per_week else ""
+        said = (f"Changed: {change_name(change)} {amount}", when, f"probability {percent(best.probability)}")
+        return ", ".join(part for part in said if part) + "."
+    shared = set.intersection(*({_key(c) for c in one.changes} for one in comparison.explanations))
+    common = [change_name(change) for change in best.changes if _key(change) in shared]
+    rests = [
+        " with ".join(change_name(change) for change in one.changes if _key(change) not in shared) or "nothing else"
+        for one in comparison.explanations
+    ]
+    parts = [listed(common, "and")] if common else []
+    if len(rests) > 1:
+        either = f"either {listed(rests, 'or')}"
+        parts.append(either if len(either) < MOST else f"one of {len(rests)} sets of causes")
+        parts[-1] += ", which these data cannot tell apart"
+    return f"Changed: {', and '.join(parts)}."
+
+
+def words_of(comparison: Comparison) -> Iterator[str]:
+    """Yield the lines of a comparison for the terminal."""
+    yield headline(comparison)
+    yield basis_sentence(comparison)
+    for explanation in comparison.explanations:
+        names = " with ".join(change_name(change) for change in explanation.changes)
+        yield f"{capital(names)}: probability {percent(explanation.probability)}"
+        for change in explanation.changes:
+            yield from _change(change, comparison)
+    if comparison.has_changed:
+        yield f"That nothing changed has a probability of {percent(comparison.probability_unchanged)}."
+    yield from limits_sentences(comparison)
+
+
+def basis_sentence(comparison: Comparison) -> str:
+    """Return what was compared, and at which rate chance alone is taken for a change."""
+    before = [one.name for one in comparison.recordings if not one.is_after]
+    after = [one for one in comparison.recordings if one.is_after]
+    met = float(np.mean([one.coinciding for one in after]))
+    same = (
+        f"{percent(met)} of the instants after repeat a state from before, where everything that stayed cancels"
+        if met > 0
+        else "no instant repeats a state from before, so all that stayed has to be told apart by the model"
+    )
+    return (
+        f"{listed([one.name for one in after], 'and')} against {listed(before, 'and')}: {same}. Chance alone names a "
+        f"change on {percent(comparison.false_alarm_rate)} of machines that stayed as they were."
+    )
+
+
+def limits_sentences(comparison: Comparison) -> Iterator[str]:
+    """Yield what would have been found, and what would not."""
+    open_ones = [one for one in comparison.components if not one.is_named]
+    seen = [one for one in open_ones if one.limit < one.plausible]
+    if seen:
+        some = [f"{_component(one)} {limit_words(one)}" for one in seen[:BEST_LIMITS]]
+        yield f"Would have been found from these sizes on: {'; '.join(some)} ({len(seen)} in all)."
+    unseen = len(open_ones) - len(seen)
+    if unseen:
+        yield f"{unseen} changes would not have been found at any plausible size; the page lists them."
+
+
+def _change(change: Change, comparison: Comparison) -> Iterator[str]:
+    course = course_words(change, comparison)
+    for size in change.sizes:
+        yield f"  {size_text(size)}{f', {course}' if course else ''}"
+    if change.advice:
+        yield f"  Check: {change.advice}."
+    if change.level != "machine":
+        yield "  This is an error of the recording, not of the machine."
+    if change.nonlinearity > NONLINEAR:
+        yield (
+            f"  By simulation it acts {percent(change.nonlinearity)} otherwise than in proportion: take its size for a "
+            "first guess, and bench diagnose for its value."
+        )
+
+
+def _component(one: Component) -> str:
+    return f"{one.title}, {one.parameter.replace('_', ' ')}" if one.parameter != "change" else one.title
+
+
+def _key(change: Change) -> tuple[str, str]:
+    return change.effect, change.place

@@ -1,0 +1,1 @@
+"""`bench identify --method dynamics`: the first pass for people and as JSON."""

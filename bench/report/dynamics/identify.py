@@ -1,0 +1,75 @@
+"""From campaign folders to a first pass, and to what it predicts of other campaigns."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from bench.errors import InputError
+from bench.identify.dynamics.advice import Motion, advise
+from bench.identify.dynamics.first_pass import FirstPass, Torques, first_pass
+from bench.identify.dynamics.quantities import Quantity, quantities
+from bench.record.campaign import Campaign
+from bench.record.joined import joined
+from bench.report.campaigns import open_campaign
+from bench.robot.compiled import CompiledRobot
+from bench.robot.nominal_dynamics import nominal_dynamics
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """A first pass with all that is shown of it.
+
+    Attributes:
+        campaigns: Folders that it was fitted to.
+        found: The first pass.
+        quantities: What it tells.
+        motions: Which motions would tell what these data do not.
+        predicted: Folder -> what three models predict of a campaign that was not fitted.
+    """
+
+    campaigns: tuple[Path, ...]
+    found: FirstPass
+    quantities: tuple[Quantity, ...]
+    motions: tuple[Motion, ...]
+    predicted: dict[Path, Torques]
+
+
+def identify_dynamics(
+    folders: Sequence[Path], held_out: Sequence[Path] = (), robot: str = "", cutoff_hz: float | None = None
+) -> Dynamics:
+    """Identify the dynamics from the motion runs of campaigns, and predict others.
+
+    Args:
+        folders: Campaigns of one machine with one payload.
+        held_out: Further ones, which are only predicted.
+        robot: Name or folder of the robot to take; "": the one that the campaigns name.
+        cutoff_hz: Of the filter on model and data [Hz]; None: from the bandwidth of the motion.
+
+    Raises:
+        CampaignError: A folder is not a usable campaign, or they are of different machines.
+        InputError: The data do not serve; the message says why.
+    """
+    named: dict[str, Campaign] = {}
+    for folder in folders:
+        campaign, compiled = _opened(folder, robot)
+        name = folder.resolve().name
+        if name in named:
+            raise InputError(
+                f"{folder}: a second campaign of the name {name!r}; give each campaign once, by its own name."
+            )
+        named[name] = campaign
+    others = {folder: _opened(folder, robot)[0] for folder in held_out}
+    with threadpool_limits(1, "blas"):  # the matrices are small: threads cost more than they give
+        found = first_pass(joined(named), nominal_dynamics(compiled), cutoff_hz)
+        told = quantities(found)
+        predicted = {folder: found.predict(campaign) for folder, campaign in others.items()}
+        return Dynamics(tuple(folders), found, told, advise(found, told), predicted)
+
+
+def _opened(folder: Path, robot: str) -> tuple[Campaign, CompiledRobot]:
+    report, compiled = open_campaign(folder, robot)
+    campaign = report.usable()
+    assert compiled is not None  # a usable campaign comes with its robot
+    return campaign, compiled

@@ -1,0 +1,51 @@
+"""What has to be known to read a first pass, in sentences."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.prior import WIDER
+
+BARELY = 1.02  # an error larger by less is the same within what folds differ by (assumed)
+
+
+def notes_of(found: FirstPass) -> Iterator[str]:
+    """Yield the sentences that hold for this first pass."""
+    yield from _verdict(found)
+    if found.folds.repeats:
+        yield (
+            "Every run goes over the same angles, so the held-out error tells how well a repetition is predicted, not "
+            "another motion; give one with --held-out."
+        )
+    for joint, noise in zip(found.joints, found.solution.noise, strict=True):
+        if noise is None:
+            yield f"{joint} never moves with its torque read: nothing is told of its friction."
+    if found.solution.widths.figures:
+        yield (
+            f"Masses, centres and rotors lie farther from the stated figures than these allow: their stated "
+            f"uncertainty was widened {WIDER**found.solution.widths.figures:.0f} times, as the evidence has it."
+        )
+    broken = found.bodies.broken(found.solution.parameters)
+    if broken:
+        yield (
+            f"Without constraints, least squares makes bodies that cannot exist ({', '.join(broken)}); the parameters "
+            "given are the most probable ones that can."
+        )
+    gain = found.nominal.torque_gain_sigma
+    if np.any(gain > 0):
+        yield (
+            f"All masses and friction scale with the torque reading, known to {gain.min():.1%}"
+            f"{'' if np.ptp(gain) == 0 else f' to {gain.max():.1%}'}; that is in the intervals. A known payload would "
+            "tell the scale better."
+        )
+    if found.layout.has_payload:
+        yield "The payload is told against the stated masses of the links; all runs are taken to carry the same."
+
+
+def _verdict(found: FirstPass) -> Iterator[str]:
+    ours, rival, nominal = (found.held_out.rms(model) for model in ("first_pass", "rival", "nominal"))
+    for name, other in (("plain least squares", rival), ("the nominal model", nominal)):
+        worse = [joint for joint, a, b in zip(found.joints, ours, other, strict=True) if a > BARELY * b]
+        if worse:
+            yield f"On what was held out, {name} predicts {', '.join(worse)} better than the first pass does."

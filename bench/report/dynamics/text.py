@@ -1,0 +1,94 @@
+"""A first pass as text in the terminal."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from bench.identify.dynamics.advice import sentence
+from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.quantities import Quantity
+from bench.record.campaign import Array
+from bench.report.dynamics.as_json import MODELS
+from bench.report.dynamics.identify import Dynamics
+from bench.report.dynamics.notes import notes_of
+
+WORDS = {
+    "measured": "torque itself",
+    "nominal": "nominal model",
+    "rival": "plain least squares",
+    "first_pass": "first pass",
+}
+TITLES = {
+    "payload": "payload and counterbalance",
+    "gas": "payload and counterbalance",
+    "friction": "friction and offsets",
+    "inertia": "base inertial parameters",
+    "drive": "torque scale",
+}
+
+
+def print_dynamics(result: Dynamics, level: float) -> None:
+    """Print errors first, then parameters, then what is not told and which motion would tell it."""
+    found, console = result.found, Console()
+    for line in _head(found):
+        console.print(line, highlight=False)
+    what = "whole runs" if found.folds.by == "run" else "blocks of time"
+    errors = {model: found.held_out.rms(model) for model in MODELS}
+    console.print(_errors(found, f"held out: {len(found.folds)} {what}, each predicted by a fit without it", errors))
+    for folder, torques in result.predicted.items():
+        console.print(_errors(found, f"predicted, nothing fitted: {folder}", {m: torques.rms(m) for m in MODELS}))
+    for title in dict.fromkeys(TITLES.values()):
+        mine = [one for one in result.quantities if TITLES[one.kind] == title and one.told]
+        if mine:
+            console.print(_parameters(f"{title}, {level:.0%} intervals", mine, found.quantile(level)))
+    open_ones = [one.name for one in result.quantities if not one.told and one.kind != "drive"]
+    if open_ones:
+        console.print(f"Not told by these data, left near what was stated: {', '.join(open_ones)}.", highlight=False)
+    for motion in result.motions:
+        console.print(sentence(motion, found), highlight=False)
+    for note in notes_of(found):
+        console.print(note, highlight=False)
+
+
+def _head(found: FirstPass) -> Iterator[str]:
+    samples = [part.samples for part in found.stretches]
+    seconds = sum(len(part) / part.rate for part in samples)
+    runs = len({part.run for part in samples})
+    rates = sorted({round(part.rate) for part in samples})
+    band = found.band
+    origin = "as stated" if np.isnan(band.bandwidth_hz) else f"ten times the {band.bandwidth_hz:.2g} Hz of the motion"
+    yield (
+        f"{runs} {'run' if runs == 1 else 'runs'}, {seconds:.0f} s at {', '.join(map(str, rates))} Hz; model and data "
+        f"through one zero-phase low-pass of {band.cutoff_hz:.3g} Hz, {origin}."
+    )
+    if found.solution.delay_sigma > 0:
+        late, sigma = 1e3 * found.solution.delay, 1e3 * found.quantile() * found.solution.delay_sigma
+        yield f"Torques are read {late:.2f} ms ({late - sigma:.2f} to {late + sigma:.2f}) after the angles."
+    else:
+        yield "No delay between angles and torques: with one, what was held out is not surely predicted better."
+
+
+def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> Table:
+    hinge = found.nominal.bodies.is_hinge
+    unit = "Nm" if hinge.all() else "Nm or N" if hinge.any() else "N"
+    table = Table(title=f"error of the torque, RMS [{unit}]; {title}")
+    table.add_column("", no_wrap=True)
+    for joint in found.joints:
+        table.add_column(joint, justify="right")
+    for model in MODELS:
+        table.add_row(WORDS[model], *("-" if np.isnan(value) else f"{value:.4g}" for value in errors[model]))
+    return table
+
+
+def _parameters(title: str, rows: list[Quantity], quantile: float) -> Table:
+    lumped = any(one.meaning for one in rows)
+    table = Table(title=title)
+    for name in ("", "nominal", "found", "interval", "unit", *(["with it"] if lumped else [])):
+        table.add_column(name, justify="left" if name in ("", "unit", "with it") else "right")
+    for one in rows:
+        low, high = one.interval(quantile)
+        values = f"{one.nominal:.4g}", f"{one.value:.4g}", f"{low:.4g} to {high:.4g}"
+        table.add_row(one.name, *values, one.unit, *([one.meaning] if lumped else []))
+    return table

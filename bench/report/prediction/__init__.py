@@ -1,0 +1,1 @@
+"""What `bench predict` says and writes: terminal, page, prediction.json, recordings."""

@@ -1,0 +1,69 @@
+"""The report of a prediction as one self-contained HTML page."""
+
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+
+from bench.predict.prediction import PredictedRecording, Prediction
+from bench.report.diagnosis.facts import versions
+from bench.report.diagnosis.names import capital
+from bench.report.diagnosis.pictures import Picture
+from bench.report.prediction.pictures import pictures_of
+from bench.report.prediction.sentences import (
+    ChannelRow,
+    free_sentence,
+    freed_text,
+    headline,
+    promise_sentence,
+    rows_of,
+    stretch_text,
+)
+
+TEMPLATE = "page.html.j2"
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One recording as the page shows it."""
+
+    name: str
+    rows: tuple[ChannelRow, ...]
+    freed: tuple[str, ...]
+    stretches: tuple[str, ...]
+    pictures: tuple[tuple[str, Picture], ...]
+
+
+def page_of(prediction: Prediction, made: Sequence[str], command: str = "") -> str:
+    """Return the page.
+
+    Args:
+        prediction: What it says.
+        made: Files that stand beside it.
+        command: That made it; "" if none did.
+    """
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {"base64": lambda text: b64encode(text.encode()).decode(), "capital": capital}
+    template = environment.from_string(files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8"))
+    return template.render(
+        prediction=prediction,
+        headline=headline(prediction),
+        promise_words=promise_sentence(prediction),
+        free_words=free_sentence(prediction),
+        parts=[_part(recording) for recording in prediction.recordings],
+        command=command,
+        files=made,
+        versions=versions(),
+    )
+
+
+def _part(recording: PredictedRecording) -> _Part:
+    return _Part(
+        name=recording.name,
+        rows=tuple(rows_of(recording)),
+        freed=tuple(freed_text(figure) for figure in recording.freed),
+        stretches=tuple(stretch_text(stretch) for stretch in recording.stretches),
+        pictures=pictures_of(recording),
+    )

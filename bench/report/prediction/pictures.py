@@ -1,0 +1,56 @@
+"""Pictures of a prediction: the worst channels over time, measured and predicted, and what is left."""
+
+import numpy as np
+
+from bench.predict.prediction import PredictedRecording
+from bench.report.diagnosis.names import WORKSHOP, channel_name, shown, unit_name
+from bench.report.diagnosis.pictures import BAND, Picture, svg_of
+from bench.report.diagnosis.recording_clock import recording_clock_of
+from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure
+
+WORST = 3  # channels that are drawn
+SIZE = (4.6, 3.9)  # [inch]; on a telephone it fills the width
+
+
+def pictures_of(recording: PredictedRecording) -> tuple[tuple[str, Picture], ...]:
+    """Return name and picture of the channels that are furthest above what no model can predict."""
+    columns = [quantity.column for quantity in recording.linear.quantities]
+    ranked = sorted(recording.channels, key=lambda one: -one.rms / one.floor)
+    worst = list(dict.fromkeys(one.channel for one in ranked))[:WORST]
+    return tuple((channel_name(name), _picture(recording, columns.index(name))) for name in worst)
+
+
+def _picture(recording: PredictedRecording, column: int) -> Picture:
+    quantity = recording.linear.quantities[column]
+    unit, scale = WORKSHOP.get(quantity.unit, (quantity.unit, 1.0))
+    clock = recording_clock_of(recording.linear)
+    several = len(recording.linear.runs) > 1
+    time = np.concatenate([segment.motion.time[segment.motion.read] for segment in recording.linear.segments])
+    seconds = clock.seconds if several else time[clock.frame]
+    measured, error = scale * recording.measured[:, column], scale * recording.error[:, column]
+    measured = np.where(np.isfinite(error), measured, np.nan)
+    nominal = measured - scale * recording.nominal_error[:, column]
+    figure, rows = small_figure(2, 1, *SIZE, sharex=True)
+    above, below = rows[0][0], rows[1][0]
+    for values, words, colour, width in (
+        (measured, "measured", GREY, 2.4),
+        (nominal, "nominal", COLOURS[1], 0.8),
+        (measured - error, "predicted", COLOURS[0], 1.0),
+    ):
+        above.plot(seconds, clock.curve(values), color=colour, linewidth=width, label=words)
+    noise = clock.curve(scale * BAND * recording.noise[:, column])
+    below.fill_between(seconds, -noise, noise, color=PALE, linewidth=0, label="floor, 95 %")
+    below.axhline(0.0, color=INK, linewidth=0.6)
+    below.plot(seconds, clock.curve(error), color=COLOURS[0], linewidth=0.9, label="left")
+    seen = error[np.isfinite(error)] / scale
+    size = float(np.sqrt(np.mean(seen**2)))
+    below.set_title(f"left: RMS {shown((size,), quantity.unit, size / 10)[0]} {unit}", loc="left")
+    for panel in (above, below):
+        panel.set_ylabel(f"[{unit_name(quantity.unit)}]")
+        panel.grid(visible=False, axis="x")
+    below.set_xlabel("time, runs one after another [s]" if several else "time [s]")
+    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=SMALL_TEXT)
+    name = channel_name(quantity.column)
+    return Picture(
+        svg_of(figure), f"{name} over time: measured, as the nominal robot has it, predicted; and what is left"
+    )

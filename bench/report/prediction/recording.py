@@ -1,0 +1,73 @@
+"""A prediction as a Rerun recording: the runs replayed with the model, every channel measured and predicted."""
+
+from pathlib import Path
+
+import numpy as np
+
+from bench.predict.prediction import PredictedRecording
+from bench.report.diagnosis.curves import MEASURED, MEASURED_WIDTH, SIMULATED_WIDTH, WITH, WITHOUT
+from bench.report.diagnosis.names import WORKSHOP, capital, channel_name
+from bench.report.diagnosis.recording import GHOST, MAGNIFICATION, ROBOT
+from bench.report.diagnosis.recording_clock import RecordingClock, recording_clock_of
+from bench.report.recording.arm import log_arm, log_standing_bodies
+from bench.report.recording.curves import Curve, Plot, log_plots
+from bench.report.recording.cylinder import log_cylinder
+from bench.report.recording.events import log_events
+from bench.report.recording.layout import layout
+from bench.report.recording.poses import elastic_poses, rigid_poses
+from bench.report.recording.scene import floor_height, scene_of
+from bench.report.recording.surroundings import log_load
+from bench.report.recording.write import RIGID, extent_of
+from bench.report.recording.writer import identity_of, recording_to
+
+
+def write_prediction_recording(path: Path, recording: PredictedRecording) -> None:
+    """Write a recording as predicted (.rrd); an existing file is replaced, after an error nothing is left behind.
+
+    Args:
+        path: File to write.
+        recording: What to show.
+
+    Raises:
+        InputError: The file cannot be written.
+        RobotError: The scene that the robot's figures name does not compile.
+    """
+    replay = recording.linear.replay
+    compiled, clock = replay.compiled, recording_clock_of(recording.linear)
+    trace = replay.trace(recording.world)[clock.frame]
+    robot, rigid = elastic_poses(compiled, trace, MAGNIFICATION), rigid_poses(compiled, trace)
+    scene = scene_of(compiled)
+    floor = floor_height(scene)
+    plots = tuple(_plots(recording, clock))
+    blueprint = layout(plots, MAGNIFICATION, floor, extent_of(compiled, robot, floor), (), with_events=True)
+    identity = identity_of((np.nan_to_num(recording.error), np.nan_to_num(recording.measured), clock.seconds))
+    title = f"Prediction of {compiled.robot.figures.title}"
+    with recording_to(path, clock.seconds, identity, title, blueprint) as writer:
+        log_standing_bodies(writer, "scene", scene)
+        log_arm(writer, ROBOT, compiled, robot)
+        log_cylinder(writer, f"{ROBOT}/counterbalance", compiled, robot)
+        log_arm(writer, GHOST, compiled, rigid, RIGID)
+        load_point = robot.site_position[:, compiled.at.load_point]
+        log_load(writer, "robot/load", load_point, trace.wrench[:, :3], compiled.robot.figures.rating.force_n)
+        log_plots(writer, plots)
+        log_events(writer, clock.begins)
+
+
+def _plots(recording: PredictedRecording, clock: RecordingClock) -> list[Plot]:
+    """Return every channel by kind, and what is left of it."""
+    found = []
+    for c, quantity in enumerate(recording.linear.quantities):
+        if not np.any(np.isfinite(recording.error[:, c])):
+            continue
+        unit, scale = WORKSHOP.get(quantity.unit, (quantity.unit, 1.0))
+        measured, left = recording.measured[:, c], recording.error[:, c]
+        curves = [Curve("measured", scale * clock.curve(measured), MEASURED, MEASURED_WIDTH)]
+        if np.any(np.isfinite(recording.nominal_error[:, c])):
+            nominal = measured - recording.nominal_error[:, c]
+            curves.append(Curve("nominal", scale * clock.curve(nominal), WITHOUT, SIMULATED_WIDTH))
+        curves.append(Curve("predicted", scale * clock.curve(measured - left), WITH, SIMULATED_WIDTH))
+        tab, name = capital(channel_name(f"{quantity.kind}_")), capital(channel_name(quantity.column))
+        found.append(Plot(tab, f"{name} [{unit}]", f"channels/{quantity.column}", tuple(curves)))
+        one = Curve("left by the model", scale * clock.curve(left), WITH, SIMULATED_WIDTH)
+        found.append(Plot("Left over", f"{name}, left by the model [{unit}]", f"left/{quantity.column}", (one,)))
+    return found

@@ -1,0 +1,105 @@
+"""A prediction in sentences and rows, for the page and the terminal alike."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnose.cross_validation.figures import FittedFigure
+from bench.predict.free import FREE
+from bench.predict.prediction import ChannelError, PredictedRecording, Prediction, Stretch
+from bench.report.diagnosis.names import channel_name, listed, shown, unit_name
+
+ANSWERS = {"kept": "holds", "less": "less than promised", "more": "more than promised", "not promised": ""}
+
+
+@dataclass(frozen=True)
+class ChannelRow:
+    """One channel as it is shown; numbers in the unit that people read."""
+
+    name: str
+    unit: str
+    rms: str
+    promised: str
+    answer: str
+    nominal: str
+    floor: str
+    measured: str
+
+
+def headline(prediction: Prediction) -> str:
+    """Return what a prediction says in a sentence."""
+    answers = prediction.answers
+    if not answers:
+        return "This model promises nothing of a recording; its errors stand below."
+    kept, count = answers.count("kept"), len(answers)
+    more = [
+        row_name(recording, channel)
+        for recording in prediction.recordings
+        for channel in recording.channels
+        if channel.answer == "more"
+    ]
+    words = f"{kept} of {count} promised intervals hold"
+    if not more:
+        return f"What was promised holds: {words}, and no error is larger than promised."
+    many = len(more) > 1
+    return f"{words}; {listed(more, 'and')} {'have' if many else 'has'} larger errors than promised."
+
+
+def promise_sentence(prediction: Prediction) -> str:
+    """Return what the intervals mean and how many may fail by chance; "" where nothing was promised."""
+    count = len(prediction.answers)
+    if not count:
+        return ""
+    return (
+        f"Each interval was promised to hold with 90 %, so of {count} about {0.1 * count:.1g} fail by chance. They are "
+        "about a recording of the same robot whose instruments were not set up anew."
+    )
+
+
+def free_sentence(prediction: Prediction) -> str:
+    """Return what was fitted to the recordings."""
+    if not prediction.free:
+        return "Nothing was fitted to the data."
+    return (
+        f"Fitted anew to each recording, and nothing else: {listed([FREE[n].words for n in prediction.free], 'and')}."
+    )
+
+
+def row_name(recording: PredictedRecording, channel: ChannelError) -> str:
+    """Return the name of a channel, with "at rest" and the recording where that is not clear."""
+    both = {one.kind for one in recording.channels if one.channel == channel.channel}
+    where = " at rest" if channel.kind == "static" and len(both) > 1 else ""
+    of = f" ({recording.name})" if recording.name else ""
+    return f"{channel_name(channel.channel)}{where}{of}"
+
+
+def rows_of(recording: PredictedRecording) -> Iterator[ChannelRow]:
+    """Yield the channels as they are shown, in the order of the recording."""
+    for one in recording.channels:
+        values = (one.rms, one.low, one.high, one.nominal, one.floor)
+        rms, low, high, nominal, floor = shown(values, one.unit, one.rms / 10)  # three digits of the error
+        (measured,) = shown((one.measured,), one.unit, one.measured / 10)
+        kind = " at rest" if one.kind == "static" else ""
+        promised = "" if one.answer == "not promised" else f"{low} to {high}"
+        name = f"{channel_name(one.channel)}{kind}"
+        yield ChannelRow(name, unit_name(one.unit), rms, promised, ANSWERS[one.answer], nominal, floor, measured)
+
+
+def stretch_text(stretch: Stretch) -> str:
+    """Return a stretch in a line."""
+    rms, floor = shown((stretch.rms, stretch.floor), stretch.unit, stretch.rms / 10)
+    when = f"{stretch.start_s:.1f} to {stretch.end_s:.1f} s"
+    unit = unit_name(stretch.unit)
+    return f"{channel_name(stretch.channel)}: {rms} {unit} in {stretch.label}, {when} (floor {floor} {unit})"
+
+
+def freed_text(figure: FittedFigure) -> str:
+    """Return what was fitted anew in a line, with its 95 % interval."""
+    factor, unit = (1.0, figure.unit) if figure.unit else (100.0, "%")
+    values = [factor * x for x in (figure.found, figure.low, figure.high)]
+    value, low, high = shown(values, unit, (values[2] - values[1]) / 2)
+    trades = f"; trades against {figure.trades_with} ({figure.correlation:+.2f})" if figure.trades_with else ""
+    stated = shown((factor * figure.sigma,), unit, factor * figure.sigma)[0] if np.isfinite(figure.sigma) else ""
+    prior = f", stated within {stated} {unit_name(unit)}" if stated else ""
+    return f"{figure.name}: {value} {unit_name(unit)} ({low} to {high}){prior}{trades}"

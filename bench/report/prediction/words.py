@@ -1,0 +1,54 @@
+"""A prediction in words for the terminal."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from bench.predict.prediction import PredictedRecording, Prediction
+from bench.report.prediction.file_names import NUMBERS, REPORT, recording_name
+from bench.report.prediction.sentences import (
+    free_sentence,
+    freed_text,
+    headline,
+    promise_sentence,
+    rows_of,
+    stretch_text,
+)
+
+WORST = 3  # stretches that are named
+
+
+def words_of(prediction: Prediction) -> Iterator[str]:
+    """Yield the lines of a prediction for the terminal."""
+    yield headline(prediction)
+    if words := promise_sentence(prediction):
+        yield words
+    yield free_sentence(prediction)
+    for recording in prediction.recordings:
+        if recording.name:
+            yield f"Recording {recording.name}:"
+        yield from _table(recording, prediction.nominal)
+        for figure in recording.freed:
+            yield f"  anew: {freed_text(figure)}"
+        for stretch in recording.stretches[:WORST]:
+            yield f"  worst: {stretch_text(stretch)}"
+
+
+def _table(recording: PredictedRecording, nominal: str) -> Iterator[str]:
+    heads = ("root mean square", "error", "unit", "promised (90 %)", "", nominal, "floor")
+    rows = [(r.name, r.rms, r.unit, r.promised, r.answer, r.nominal, r.floor) for r in rows_of(recording)]
+    widths = [max(len(row[i]) for row in (heads, *rows)) for i in range(len(heads))]
+    for row in (heads, *rows):
+        cells = [
+            cell.ljust(width) if i in (0, 2, 4) else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        yield f"  {'  '.join(cells)}".rstrip()
+
+
+def places_of(folder: Path, prediction: Prediction) -> Iterator[str]:
+    """Yield where the files are and how to open them."""
+    yield f"report     {folder / REPORT}"
+    for i in range(len(prediction.recordings)):
+        name = recording_name(i + 1, len(prediction.recordings))
+        yield f"recording  {folder / name}   (bench view {folder})"
+    yield f"numbers    {folder / NUMBERS}"

@@ -1,0 +1,56 @@
+"""The files of a prediction: prediction.json, report.html, and a Rerun recording of every recording."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from bench.predict.prediction import PredictedRecording, Prediction
+from bench.report.jsonable import to_jsonable
+from bench.report.prediction.file_names import NUMBERS, REPORT, recording_name
+from bench.report.prediction.page import page_of
+from bench.report.prediction.recording import write_prediction_recording
+
+
+def write_prediction(prediction: Prediction, folder: Path, command: str = "") -> None:
+    """Write the files of a prediction into an existing folder.
+
+    Args:
+        prediction: What to write.
+        folder: Where to.
+        command: That made it, for the page.
+
+    Raises:
+        InputError: A recording cannot be written.
+        RobotError: The scene that the robot's figures name does not compile.
+    """
+    text = json.dumps(to_jsonable(json_of(prediction) | {"command": command}), indent=2)
+    (folder / NUMBERS).write_text(text + "\n", encoding="utf-8")
+    names = []
+    for i, recording in enumerate(prediction.recordings):
+        names.append(recording_name(i + 1, len(prediction.recordings)))
+        write_prediction_recording(folder / names[-1], recording)
+    (folder / REPORT).write_text(page_of(prediction, [NUMBERS, *names], command), encoding="utf-8")
+
+
+def json_of(prediction: Prediction) -> dict[str, Any]:
+    """Return the content of `prediction.json`; nan and arrays as they are."""
+    return {
+        "format": 1,
+        "model": prediction.model,
+        "nominal": prediction.nominal,
+        "free": prediction.free,
+        "promised": len(prediction.answers),
+        "kept": prediction.answers.count("kept"),
+        "broken": prediction.is_broken,
+        "recordings": [_recording(recording) for recording in prediction.recordings],
+    }
+
+
+def _recording(recording: PredictedRecording) -> dict[str, Any]:
+    return {
+        "name": recording.name,
+        "channels": [asdict(channel) | {"answer": channel.answer} for channel in recording.channels],
+        "stretches": [asdict(stretch) for stretch in recording.stretches],
+        "freed": [asdict(figure) for figure in recording.freed],
+    }

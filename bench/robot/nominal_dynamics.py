@@ -1,0 +1,102 @@
+"""The nominal rigid dynamics of a robot as plain numbers, and how well they are known; for identification."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bench.robot.bodies import Array, RigidBodies, read_only
+from bench.robot.counterbalance import Counterbalance
+from bench.robot.figures import Uncertainty
+
+if TYPE_CHECKING:
+    from bench.robot.compiled import CompiledRobot
+
+
+@dataclass(frozen=True)
+class NominalDynamics:
+    """Links, drives, friction and counterbalance; n drives, everything reflected to the joint, of a slide N for Nm.
+
+    Attributes:
+        bodies: The links.
+        rotor_inertia: Shape (n,) [kg m^2], J_m N^2.
+        coulomb: Shape (n,) [Nm], Coulomb levels of motor and link side together.
+        viscous: Shape (n,) [Nm s/rad], of motor and link side together.
+        torque_constant: Shape (n,) [Nm/A].
+        torque_gain_sigma: Shape (n,), relative standard deviation of the torque that is read, of a current with its
+            constant.
+        torque_offset_sigma: Shape (n,) [Nm], of a constant error of the torque that is read.
+        speed_limit: Shape (n,) [rad/s].
+        load_point: Name of the point where payloads are bolted on.
+        payload: Largest payload that recordings may leave unstated [kg]; 0: none.
+        counterbalance: With all of its gas; None where the robot has no cylinder.
+        gas_amount: Share of the gas that the nominal model has in it.
+        uncertainty: How well all of this is known.
+    """
+
+    bodies: RigidBodies
+    rotor_inertia: Array
+    coulomb: Array
+    viscous: Array
+    torque_constant: Array
+    torque_gain_sigma: Array
+    torque_offset_sigma: Array
+    speed_limit: Array
+    load_point: str
+    payload: float
+    counterbalance: Counterbalance | None
+    gas_amount: float
+    uncertainty: Uncertainty
+
+    @property
+    def n_joints(self) -> int:
+        """Number of driven joints."""
+        return self.bodies.n_joints
+
+
+def nominal_dynamics(compiled: "CompiledRobot") -> NominalDynamics:
+    """Return the nominal dynamics of a compiled robot as its figures and its MJCF give them."""
+    from bench.robot.links import rigid_bodies
+
+    figures, model, at, n = compiled.robot.figures, compiled.model, compiled.at, compiled.n_joints
+    current, torque = figures.instruments.current, figures.instruments.torque
+    constant = compiled.torque_constant
+    error = np.array([drive.torque_constant_error for drive in figures.drives])
+    if torque is not None:
+        gain, offset = np.full(n, torque.gain_sigma), np.full(n, torque.offset_sigma_nm)
+    elif current is not None:
+        gain, offset = np.hypot(error, current.gain_sigma), constant * current.offset_sigma_a
+    else:
+        gain, offset = error, np.zeros(n)
+    stated = figures.uncertainty.payload_kg
+    weight = float(np.linalg.norm(model.opt.gravity)) or 1.0
+    full, amount = _filled(compiled)
+    return NominalDynamics(
+        bodies=rigid_bodies(compiled),
+        rotor_inertia=read_only(model.dof_armature[at.q_dof]),
+        coulomb=read_only(compiled.motor_coulomb + compiled.link_coulomb),
+        viscous=read_only(model.dof_damping[at.q_dof] + model.dof_damping[at.theta_dof]),
+        torque_constant=read_only(constant),
+        torque_gain_sigma=read_only(gain),
+        torque_offset_sigma=read_only(offset),
+        speed_limit=read_only([drive.speed_limit_rad_per_s for drive in figures.drives]),
+        load_point=figures.load_point,
+        payload=figures.rating.force_n / weight if stated is None else stated,
+        counterbalance=full,
+        gas_amount=amount,
+        uncertainty=figures.uncertainty,
+    )
+
+
+def _filled(compiled: "CompiledRobot") -> tuple[Counterbalance | None, float]:
+    """Return the counterbalance with all of its gas, and the share that the nominal model has in it."""
+    from bench.robot.compiled import compile_robot
+    from bench.robot.plugins import configure
+
+    named = compiled.robot.figures.counterbalance
+    if named is None:
+        return None, 0.0
+    filled = compile_robot(compiled.robot, [lambda spec, _: configure(spec, named.actuator, gas_amount=1.0)])
+    full, now = filled.counterbalance, compiled.counterbalance
+    assert full is not None
+    return full, now.gas_constant / full.gas_constant if now else 0.0

@@ -1,0 +1,185 @@
+"""Pairs of recordings of one messy machine, with and without a change between them, and what a comparison says."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.compare.compare import compare
+from bench.compare.comparison import Comparison
+from bench.compare.recordings import recordings_of
+from bench.diagnose.diagnose import FALSE_ALARM_RATE
+from bench.effects.effect import Acting, Effect
+from bench.errors import BenchError, ConvergenceError
+from bench.hide.campaign import hide_campaign
+from bench.record.campaign import Campaign
+from bench.study.blind import BINS
+from bench.study.labs import Lab, Setup, machine_components
+from bench.study.limits import Way, detection_limit
+from bench.study.make import Sized
+from bench.study.worlds import surroundings_of
+
+QUARTER = 0.25  # of its absolute detection limit, at which a change is to be found (DESIGN 6.8)
+# Instruments that are set up anew for each recording: what they do otherwise than before is no change of the machine
+ANEW = ("tracker_frame", "tracker_drift", "tracker_scale", "force_gain", "force_tilt", "current_offset")
+TRIES = 60  # effects and places that are drawn until the absolute limit is plausible
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two recordings of one machine.
+
+    Attributes:
+        before, after: What the comparison is given.
+        change: What came between them; None: nothing did.
+    """
+
+    before: Campaign
+    after: Campaign
+    change: Sized | None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a comparison says of a pair.
+
+    Attributes:
+        hidden: What came between the recordings, in words; "" for nothing.
+        size: Its size as a share of its absolute detection limit.
+        times: The same as a share of what the comparison says it would have found.
+        said: What is named, in words.
+        is_named: Whether anything is said to have changed, listed or not.
+        is_first: Whether the most probable explanation is what was hidden, and nothing else.
+        is_among_first: Whether it is part of the most probable explanation.
+        is_in_set: Whether it is part of one of those that the data cannot tell apart.
+    """
+
+    hidden: str
+    size: float
+    times: float
+    said: str
+    is_named: bool
+    is_first: bool
+    is_among_first: bool
+    is_in_set: bool
+
+
+def pairs(
+    setup: Setup, count: int, seed: int, *, with_change: bool, later: Lab | None = None, size: float = QUARTER
+) -> Iterator[Pair]:
+    """Yield pairs of recordings, each of another machine in a messy world.
+
+    Effects take turns; the order, places, shapes and signs are drawn.
+
+    Args:
+        setup: Of the lab that records; its null campaign gives absolute detection limits.
+        count: How many.
+        seed: Of everything that is drawn.
+        with_change: Whether something comes between the two.
+        later: Lab of the second recording, if it does something else.
+        size: Of the change, as a share of its absolute detection limit.
+    """
+    order = np.random.default_rng([seed, count]).permutation(_listed(setup))
+    turn = 0
+    for number in range(count):
+        for _ in range(TRIES):
+            rng = np.random.default_rng([seed, number, turn, int(with_change)])
+            change = None
+            if with_change:
+                effect = setup.catalogue[str(order[turn % len(order)])]
+                turn += 1
+                change = _sized(effect, setup, rng, size)
+                if change is None:
+                    continue
+            try:
+                yield _made(setup, later or setup.lab, change, rng)
+            except ConvergenceError:  # this machine finds no rest: another one
+                turn += not with_change
+                continue
+            break
+
+
+def outcome_of(pair: Pair, setup: Setup, rate: float = FALSE_ALARM_RATE) -> Outcome:
+    """Return what a comparison says of a pair."""
+    recordings = recordings_of({"before": pair.before}, {"after": pair.after})
+    found = compare(recordings, setup.compiled, setup.catalogue, rate, most_bins=BINS)
+    names = [{(one.effect, one.place) for one in explanation.changes} for explanation in found.explanations]
+    said = " / ".join(" + ".join(one.title for one in explanation.changes) for explanation in found.explanations)
+    if found.unlisted:
+        said = f"not listed: {found.unlisted.title}"
+    if pair.change is None:
+        return Outcome("", 0.0, 0.0, said, found.has_changed, False, False, False)
+    acting = pair.change.acting
+    key = _key(acting)
+    is_listed = found.unlisted is None and bool(names)
+    return Outcome(
+        str(acting),
+        pair.change.size / pair.change.limit,
+        _times(acting, found),
+        said,
+        found.has_changed,
+        is_listed and names[0] == {key},
+        is_listed and key in names[0],
+        is_listed and any(key in one for one in names),
+    )
+
+
+def _times(acting: Acting, found: Comparison) -> float:
+    """Return the largest of the sizes of an effect as a share of what would have been found of it."""
+    limits = {one.parameter: one.limit for one in found.components if (one.effect, one.place) == _key(acting)}
+    null = {parameter.name: parameter.null for parameter in acting.effect.parameters}
+    return max((abs(acting.values[name] - null[name]) / limit for name, limit in limits.items()), default=0.0)
+
+
+def _key(acting: Acting) -> tuple[str, str]:
+    return acting.effect.name, str(acting.place)
+
+
+def counts_of(outcomes: list[Outcome]) -> str:
+    """Return the counts in one line."""
+    n, named = len(outcomes), sum(one.is_named for one in outcomes)
+    if not any(one.hidden for one in outcomes):
+        return f"{n} pairs without a change: a change is named in {named}"
+    first, among, in_set = (
+        sum(getattr(one, name) for one in outcomes) for name in ("is_first", "is_among_first", "is_in_set")
+    )
+    return (
+        f"{n} pairs with a change: named in {named}, the right cause first and alone in {first}, among the first in "
+        f"{among}, in the set in {in_set}"
+    )
+
+
+def _listed(setup: Setup) -> list[str]:
+    names = {effect.name for effect, _ in machine_components(setup.catalogue, setup.lab, setup.compiled)}
+    return sorted(names - set(ANEW))
+
+
+def _sized(effect: Effect, setup: Setup, rng: np.random.Generator, size: float) -> Sized | None:
+    """Return an effect at a share of its absolute limit; None where that limit is beyond what is plausible."""
+    places = setup.lab.places(effect, setup.compiled)
+    way = Way.draw(effect, places[int(rng.integers(len(places)))], setup.compiled, rng)
+    try:
+        limit = detection_limit(way, setup.linear, setup.blur, setup.threshold)
+    except BenchError:
+        return None
+    if limit > 1:
+        return None
+    return Sized(way.at(size * limit, setup.compiled), size * limit, limit)
+
+
+def _made(setup: Setup, later: Lab, change: Sized | None, rng: np.random.Generator) -> Pair:
+    new: tuple[Acting, ...] = (change.acting,) if change else ()
+    known = tuple(machine_components(setup.catalogue, setup.lab, setup.compiled))
+    stays = tuple(one for one, _ in surroundings_of("messy", new, known, setup.compiled, rng))
+    machine = int(rng.integers(2**31))
+    before = _recorded(setup.lab, stays, rng, machine)
+    after = _recorded(later, (*stays, *new), rng, machine)
+    return Pair(before, after, change)
+
+
+def _recorded(lab: Lab, acting: tuple[Acting, ...], rng: np.random.Generator, machine: int) -> Campaign:
+    """Return a recording of the machine with a seed."""
+    own = np.random.default_rng(machine)
+    robot, session = lab.robot(), lab.scenario()
+    known = hide_campaign(robot, session, acting, rng, without=lab.without, channels=lab.channels, machine=own)
+    return known.campaign

@@ -1,0 +1,69 @@
+"""`bench identify --method dynamics`: what it prints, writes and refuses."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.cli import main
+from tests.recordings import write_kr300
+
+
+@pytest.fixture(scope="module")
+def campaigns(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Return two stand-ins for recordings of one robot."""
+    folder, rng = tmp_path_factory.mktemp("dynamics"), np.random.default_rng(3)
+    for name, seconds in (("one", 10.0), ("two", 7.0)):
+        write_kr300(folder / f"{name}.csv", rng, seconds)
+        assert main(["convert", "kr300", str(folder / f"{name}.csv"), "-o", str(folder / name)]) == 0
+    return folder / "one", folder / "two"
+
+
+def test_json_holds_errors_and_parameters(
+    campaigns: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one, two = map(str, campaigns)
+    out = tmp_path / "out"
+    command = ["identify", one, "--method", "dynamics", "--held-out", two, "--json", "-o", str(out)]
+    capsys.readouterr()
+    assert main(command) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed == json.loads((out / "dynamics.json").read_text())
+    assert len(printed["joints"]) == 6
+    for errors in (printed["held_out_rms_nm"], printed["predicted_rms_nm"][two]):
+        assert all(ours < nominal for ours, nominal in zip(errors["first_pass"], errors["nominal"], strict=True))
+    payload = next(one for one in printed["quantities"] if one["kind"] == "payload")
+    assert payload["interval"][0] < payload["value"] < payload["interval"][1]
+    assert len(printed["links"]) == 6
+    assert printed["links"][5]["found"]["m"] > 0
+
+
+def test_text_has_errors_first(campaigns: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(["identify", *map(str, campaigns), "--method", "dynamics", "--cutoff-hz", "8"]) == 0
+    printed = capsys.readouterr().out
+    assert printed.index("plain least squares") < printed.index("Coulomb friction")
+    assert "as stated" in printed
+    assert "whole runs" in printed
+
+
+@pytest.mark.parametrize(
+    ("extra", "said"),
+    [
+        ((), "--method dynamics"),
+        (("--held-out", "x"), "--method dynamics"),
+        (("--method", "dynamics", "--cutoff-hz", "-1"), "must be positive"),
+        (("--method", "dynamics", "--level", "90"), "between 0 and 1"),
+    ],
+)
+def test_refusals_say_what_to_do(
+    campaigns: tuple[Path, Path], extra: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["identify", *map(str, campaigns), *extra]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_the_same_campaign_twice_is_refused(campaigns: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["identify", str(campaigns[0]), str(campaigns[0]), "--method", "dynamics"]) == 2
+    assert "second campaign" in capsys.readouterr().err

@@ -1,0 +1,95 @@
+"""All recordings in one model: which states coincide, and the covariance that follows."""
+
+from functools import cache
+
+import numpy as np
+
+from bench.compare.coincidence import cells_of
+from bench.compare.joint import Joint, joint_of
+from bench.compare.levels import by_level, is_held_friction, is_of_machine
+from bench.compare.noise import Repeatability, row_facts
+from bench.compare.recordings import recordings_of
+from bench.compare.shared import shared_whitening
+from bench.effects.catalogue import catalogue
+from bench.scenario.files import Experiment
+from tests.compare.pairs import recorded
+from tests.diagnose.sweeps import LOADS, SWEEP, nominal
+
+FEW = {name: catalogue()[name] for name in ("gas_loss", "coulomb_level")}
+FASTER = SWEEP.model_copy(update={"speeds_deg_per_s": (30.0,)})
+
+
+@cache
+def joint(kind: str) -> Joint:
+    before: Experiment = LOADS if kind == "loads" else SWEEP
+    after: Experiment = FASTER if kind == "other motion" else before
+    recordings = recordings_of({"before": recorded(before, 3, 1)}, {"after": recorded(after, 3, 2)})
+    return joint_of(recordings, nominal(), FEW, most_bins=60)
+
+
+def cells(kind: str) -> np.ndarray:
+    return cells_of(joint(kind).linear.segments, joint(kind).of_segment)
+
+
+def test_the_same_motion_meets_its_states_again() -> None:
+    for kind in ("sweep", "loads"):
+        found, of = cells(kind), joint(kind).of_instant
+        half = int(np.sum(of == 0))
+        np.testing.assert_array_equal(found[:half], np.arange(half))
+        np.testing.assert_array_equal(found[half:], np.arange(half))
+
+
+def test_other_speeds_are_other_states() -> None:
+    assert len(np.unique(cells("other motion"))) == len(cells("other motion"))
+
+
+def test_there_and_back_are_other_states() -> None:
+    segments = joint("sweep").linear.segments
+    found = cells_of(segments[:2], np.arange(2))
+    assert len(np.unique(found)) == len(found)
+
+
+def test_what_is_set_up_anew_is_anew_in_each_recording() -> None:
+    own = joint("sweep")
+    linear = own.linear
+    machine = sum(is_of_machine(one) for one in linear.nuisances)
+    rests = sum(is_held_friction(one) for one in linear.nuisances)
+    assert any(one.name.startswith("tracker frame") and not is_of_machine(one) for one in linear.nuisances)
+    slopes = by_level(linear.jacobian, linear.nuisances, own.of_row, 0.5)
+    most = machine + rests + 2 * (len(linear.nuisances) - machine)
+    assert machine < slopes.shape[1] <= most
+    alone = [np.unique(own.of_row[column != 0]) for column in slopes.T]
+    assert sum(len(one) == 1 for one in alone) > machine / 4
+    # friction at rest keeps its whole variance, whatever the share that is new in each recording
+    held = np.array([is_held_friction(one) for one in linear.nuisances])
+    for share in (0.0, 0.3, 1.0):
+        variance = np.sum(by_level(linear.jacobian, linear.nuisances, own.of_row, share) ** 2, axis=1)
+        np.testing.assert_allclose(variance, np.sum(linear.jacobian**2, axis=1), rtol=1e-9, err_msg=str(share))
+    assert np.any(held)
+
+
+def test_what_repeats_has_the_covariance_that_is_said_of_it() -> None:
+    for kind in ("sweep", "loads"):
+        own = joint(kind)
+        linear, found = own.linear, cells(kind)
+        c = len(linear.quantities)
+        shared = np.tile(np.linspace(0.5, 9.0, c), (2, 1))
+        known = Repeatability(np.ones((2, c)), shared, np.ones((2, c), dtype=np.intp))
+        whitening = shared_whitening(linear, known, found)
+        m = len(linear.white)
+        # in the space of the instants' own whitening: I + sum over cells of f f'; then what segments have in common
+        rest, instant = row_facts(linear)
+        sigma = np.concatenate([segment.sigma for segment in linear.weighed])[instant, linear.column_of]
+        _, cell = np.unique(found[instant] * c + linear.column_of, return_inverse=True)
+        features = np.zeros((m, int(cell.max()) + 1))
+        mean = np.bincount(cell, sigma) / np.bincount(cell)
+        features[np.arange(m), cell] = np.sqrt(shared[rest, linear.column_of]) * mean[cell] / sigma
+        edges = np.cumsum([0, *(len(one.modes) for one in linear.whitenings)])
+        for one, start, end in zip(linear.whitenings, edges[:-1], edges[1:], strict=True):
+            one.settle(features[start:end])
+        covariance = np.eye(m) + features @ features.T
+        whitened = whitening(whitening(covariance).T)
+        np.testing.assert_allclose(whitened, np.eye(m), atol=1e-8)
+        determinant = np.linalg.slogdet(covariance)[1]
+        gained = whitening.log_determinant - float(np.sum(linear.log_determinants))
+        np.testing.assert_allclose(gained, -0.5 * determinant, rtol=1e-6, atol=1e-6)

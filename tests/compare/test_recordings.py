@@ -1,0 +1,51 @@
+"""Which recordings are compared, in which order."""
+
+from dataclasses import replace
+from datetime import datetime
+
+import numpy as np
+import pytest
+
+from bench.compare.recordings import days_of, recordings_of
+from bench.errors import CampaignError
+from bench.record.campaign import Campaign, Run
+
+RUN = Run("sweep", "motion", 0.0, {"time_s": np.arange(3.0), "q_motor_1_rad": np.arange(3.0)})
+PLAIN = Campaign("hh150", (RUN,))
+
+
+def at(day: int) -> Campaign:
+    return replace(PLAIN, started=datetime(2024, 5, day))
+
+
+def test_recordings_after_stand_in_the_order_of_their_time() -> None:
+    found = recordings_of({"a": at(1)}, {"c": at(9), "b": at(3)})
+    assert [one.name for one in found] == ["a", "b", "c"]
+    assert [one.is_after for one in found] == [False, True, True]
+    np.testing.assert_allclose(days_of(found), [0, 2, 8])
+
+
+def test_without_times_the_order_given_holds() -> None:
+    found = recordings_of({"a": at(1)}, {"c": at(9), "b": PLAIN})
+    assert [one.name for one in found] == ["a", "c", "b"]
+    assert np.all(np.isnan(days_of(found)))
+
+
+def test_recordings_of_one_campaign_before_are_repeats() -> None:
+    runs = (replace(RUN, recording="may"), replace(RUN, name="again", recording="june"))
+    found = recordings_of({"a": replace(PLAIN, runs=runs)}, {"b": PLAIN})
+    assert [(one.name, one.is_after) for one in found] == [("a.may", False), ("a.june", False), ("b", True)]
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ({}, {"b": PLAIN}, "a recording before"),
+        ({"a": PLAIN}, {}, "at least one after"),
+        ({"a": PLAIN}, {"a": PLAIN}, "the same name"),
+        ({"a": PLAIN}, {"b": replace(PLAIN, robot="kr300")}, "different robots"),
+    ],
+)
+def test_what_cannot_be_compared_is_said(before: dict, after: dict, words: str) -> None:
+    with pytest.raises(CampaignError, match=words):
+        recordings_of(before, after)

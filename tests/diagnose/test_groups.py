@@ -1,0 +1,65 @@
+"""What could stand in the place of each finding."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bench.diagnose.name.groups import Keys, groups_of
+
+CAUSES: dict[Any, Any] = {
+    key: SimpleNamespace(key=key) for key in ("gas", "heat", "offset", "friction", "slope", "far")
+}
+
+
+def groups(*best: str, **odds: float) -> list[dict[str, float]]:
+    """Return the groups of a model; odds by subset, keys joined with an underscore."""
+    posterior: dict[Keys, float] = {frozenset(keys.split("_")): value for keys, value in odds.items()}
+    found = groups_of(best, posterior, CAUSES)
+    return [{str(member.cause.key): member.probability for member in group.members} for group in found]
+
+
+def test_each_finding_has_its_own_names() -> None:
+    """Two findings with two names each are two sets of two, not one of four."""
+    gas, offset = groups("gas", "offset", gas_offset=10.0, heat_offset=9.0, gas_friction=10.0, heat_friction=9.0)
+    share = 1 / (1 + np.exp(-1.0))
+    assert gas == pytest.approx({"gas": share, "heat": 1 - share})
+    assert offset == pytest.approx({"offset": 0.5, "friction": 0.5})
+
+
+def test_what_the_search_did_not_visit_does_not_count() -> None:
+    """Names of one finding are weighed with all other findings as they are, so that products need not be visited."""
+    gas, offset = groups("gas", "offset", gas_offset=10.0, heat_offset=10.0, gas_friction=10.0)
+    assert gas == pytest.approx({"gas": 0.5, "heat": 0.5})
+    assert offset == pytest.approx({"offset": 0.5, "friction": 0.5})
+
+
+def test_a_cause_that_stands_for_two_belongs_to_the_one_that_explains_most() -> None:
+    gas, offset = groups("gas", "offset", gas_offset=10.0, heat=10.0)
+    assert set(gas) == {"gas", "heat"}
+    assert offset == pytest.approx({"offset": 0.5})
+
+
+def test_what_is_far_behind_is_told_apart() -> None:
+    (gas,) = groups("gas", gas=10.0, far=3.0, heat=8.0)
+    assert set(gas) == {"gas", "heat"}
+
+
+def test_a_finding_that_may_not_be_is_less_than_certain() -> None:
+    posterior: dict[Keys, float] = {frozenset({"gas", "slope"}): 10.0, frozenset({"gas"}): 10.0}
+    gas, slope = groups_of(("gas", "slope"), posterior, CAUSES)
+    assert gas.probability == pytest.approx(1.0)
+    assert slope.probability == pytest.approx(0.5)
+
+
+def test_a_pair_of_two_of_its_names_counts_once() -> None:
+    (gas,) = groups_of(
+        ("gas",), {frozenset({"gas"}): 10.0, frozenset({"gas", "heat"}): 9.0, frozenset({"heat"}): 9.5}, CAUSES
+    )
+    assert gas.probability == pytest.approx(1.0)
+
+
+def test_a_set_holds_99_percent_and_no_more() -> None:
+    (gas,) = groups("gas", gas=10.0, heat=10.0, slope=10.0 - np.log(0.99 * 50), offset=4.5)
+    assert set(gas) == {"gas", "heat", "slope"}

@@ -1,0 +1,188 @@
+"""The first pass on a rigid arm that MuJoCo moved: exact without noise, honest with it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.errors import InputError
+from bench.identify.arm import Arm
+from bench.identify.dynamics.advice import advise, sentence
+from bench.identify.dynamics.first_pass import FirstPass, first_pass
+from bench.identify.dynamics.quantities import Quantity, quantities
+from bench.identify.dynamics.regressor import standard_parameters
+from bench.record.campaign import Campaign, Run
+from bench.robot.bodies import read_only
+from bench.robot.nominal_dynamics import NominalDynamics
+from bench.robot.payload import with_payload
+from tests.identify.dynamics.rigid_world import Friction, N, arm, drawn, recorded, robot
+
+FRICTION = Friction(np.array([12.0, 9.0, 4.0]), np.array([15.0, 10.0, 6.0]), np.array([0.5, -1.0, 0.8]))
+UNCERTAIN = {"mass": 0.02, "centre_of_mass_m": 0.005}
+SHORT = {"seconds": 10.0, "rate": 100.0}
+
+
+def truth_of(found: FirstPass, true: NominalDynamics, friction: Friction, payload: float) -> np.ndarray:
+    layout = found.layout
+    truth = np.zeros(layout.size)
+    truth[layout.links] = standard_parameters(Arm(true.bodies))
+    if layout.has_payload:
+        truth[layout.payload.start] = payload
+    for column, values in (
+        ("rotor", true.rotor_inertia),
+        ("coulomb", friction.coulomb),
+        ("viscous", friction.viscous),
+        ("offset", friction.offset),
+    ):
+        truth[layout.of_drives(column)] = values
+    return truth
+
+
+def by_name(found: FirstPass) -> dict[str, Quantity]:
+    return {one.name: one for one in quantities(found)}
+
+
+def test_parameters_are_found_without_noise() -> None:
+    """What the filters do to sign(v) at the turns is all that is left."""
+    rng = np.random.default_rng(1)
+    nominal = robot(arm(), payload=20.0, **UNCERTAIN)
+    true = drawn(nominal, rng)
+    loaded = replace(true, bodies=with_payload(true.bodies, 8.0, "hook"))
+    found = first_pass(recorded(loaded, FRICTION, rng, sigma=1e-3), nominal)
+    truth = truth_of(found, true, FRICTION, 8.0)
+    for one in quantities(found):
+        if one.kind == "friction" and "difference" not in one.name:
+            assert abs(one.value - one.combine @ truth) < 0.15, one.name  # [Nm] and [Nm s/rad], of 4 to 15
+    np.testing.assert_allclose(found.torques(found.stretches).rms("first_pass"), 0, atol=0.2)
+    assert np.all(found.held_out_rms() < 0.03 * found.held_out.rms("nominal"))
+
+
+def test_intervals_cover() -> None:
+    """85 to 95 % of the 90 % intervals of what is told hold the truth, in noise that remembers for 0.1 s."""
+    inside = []
+    for seed in range(14):
+        rng = np.random.default_rng(seed)
+        nominal = robot(arm(), payload=20.0, **UNCERTAIN)
+        true, payload = drawn(nominal, rng), float(rng.uniform(0, 15))
+        friction = Friction(rng.uniform(2, 15, N), rng.uniform(2, 20, N), rng.normal(0, 1, N))
+        loaded = replace(true, bodies=with_payload(true.bodies, payload, "hook"))
+        found = first_pass(recorded(loaded, friction, rng, **SHORT), nominal)
+        truth = truth_of(found, true, friction, payload)
+        for one in quantities(found):
+            if one.told and one.kind in ("friction", "inertia"):
+                low, high = one.interval(found.quantile(0.9))
+                inside.append(low <= one.combine @ truth <= high)
+    assert len(inside) > 250
+    assert 0.85 <= np.mean(inside) <= 0.95
+
+
+def test_delay_of_the_torques_is_found() -> None:
+    nominal = robot(arm())
+    found = first_pass(recorded(nominal, FRICTION, np.random.default_rng(2), sigma=0.5, late=6e-3), nominal)
+    assert abs(found.solution.delay - 6e-3) < found.quantile(0.99) * found.solution.delay_sigma + 1e-4
+    assert found.solution.delay_sigma < 1e-3
+
+
+def test_payload_is_told_against_stated_masses() -> None:
+    nominal = robot(arm(), payload=20.0, **UNCERTAIN)
+    loaded = replace(nominal, bodies=with_payload(nominal.bodies, 9.0, "hook"))
+    found = first_pass(recorded(loaded, FRICTION, np.random.default_rng(3)), nominal)
+    payload = by_name(found)["unstated payload"]
+    low, high = payload.interval(found.quantile())
+    assert payload.told
+    assert low < 9.0 < high
+    assert payload.sigma < 1.5
+
+
+def test_another_campaign_is_predicted_better_than_by_the_nominal_model() -> None:
+    rng = np.random.default_rng(4)
+    nominal = robot(arm(), **UNCERTAIN)
+    true = drawn(nominal, rng)
+    found = first_pass(recorded(true, FRICTION, rng), nominal)
+    torques = found.predict(recorded(true, FRICTION, rng, runs=1))
+    assert np.all(torques.rms("first_pass") < 0.4 * torques.rms("nominal"))
+    assert np.all(torques.rms("first_pass") < 2.5)  # the noise is 2 Nm, and some of it is filtered away
+
+
+def test_a_joint_that_stands_is_not_told_and_a_motion_is_named_that_would_tell_it() -> None:
+    rng = np.random.default_rng(5)
+    nominal = robot(arm(), **UNCERTAIN)
+    runs = []
+    for run in recorded(nominal, FRICTION, rng, runs=2).runs:
+        runs.append(replace(run, columns={**run.columns, "q_motor_3_rad": np.full(len(run), 0.3)}))
+    found = first_pass(Campaign("rigid", tuple(runs)), nominal)
+    told = by_name(found)
+    elbow = [one for name, one in told.items() if one.kind == "friction" and "(elbow)" in name]
+    assert elbow
+    assert not any(one.told for one in elbow)
+    assert told["Coulomb friction (shoulder)"].told
+    assert found.solution.noise[2] is None
+    motions = advise(found, quantities(found))
+    assert any("Coulomb friction (elbow)" in motion.tells and 2 in motion.joints for motion in motions)
+    assert "elbow" in sentence(motions[0], found)
+
+
+def test_currents_serve_with_the_torque_constant() -> None:
+    nominal = robot(arm())
+    (run,) = recorded(nominal, FRICTION, np.random.default_rng(6), runs=1).runs
+    columns = {name: values for name, values in run.columns.items() if not name.startswith("tau")}
+    columns |= {f"current_{j}_a": run.columns[f"tau_motor_{j}_nm"] / 50.0 for j in (1, 2, 3)}
+    by_current = first_pass(Campaign("rigid", (replace(run, columns=columns),)), nominal)
+    by_torque = first_pass(Campaign("rigid", (run,)), nominal)
+    np.testing.assert_allclose(by_current.parameters, by_torque.parameters, rtol=1e-6, atol=1e-6)
+
+
+def test_a_known_load_is_taken_into_account() -> None:
+    """A mass that the campaign states is no payload."""
+    nominal = robot(arm(), payload=20.0, **UNCERTAIN)
+    loaded = replace(nominal, bodies=with_payload(nominal.bodies, 12.0, "hook"))
+    campaign = recorded(loaded, FRICTION, np.random.default_rng(7), sigma=0.2)
+    stated = {"load_z_n": -12.0 * 9.81, "load_mass_kg": 12.0}
+    runs = [
+        replace(run, columns={**run.columns, **{name: np.full(len(run), value) for name, value in stated.items()}})
+        for run in campaign.runs
+    ]
+    found = by_name(first_pass(replace(campaign, runs=tuple(runs)), nominal))["unstated payload"]
+    assert found.value < 1.0
+
+
+def test_lost_samples_split_a_run() -> None:
+    nominal = robot(arm())
+    (run,) = recorded(nominal, FRICTION, np.random.default_rng(8), runs=1).runs
+    kept = np.ones(len(run), dtype=bool)
+    kept[1500:1520] = False
+    cut = replace(run, columns={name: values[kept] for name, values in run.columns.items()})
+    found = first_pass(Campaign("rigid", (cut,)), nominal)
+    assert len(found.stretches) == 2
+    assert found.held_out_rms().max() < 3.0
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        ({}, "tau_motor_i_nm"),
+        ({"tau_motor_1_nm": np.ones(500)}, "all stand still"),
+    ],
+)
+def test_data_that_do_not_serve_are_refused(columns: dict[str, np.ndarray], said: str) -> None:
+    still = {"time_s": np.arange(500) / 100, **{f"q_motor_{j}_rad": np.zeros(500) for j in (1, 2, 3)}}
+    with pytest.raises(InputError, match=said):
+        first_pass(Campaign("rigid", (Run("run", "motion", 0.0, still | columns),)), robot(arm()))
+
+
+def test_a_cut_off_must_be_a_frequency() -> None:
+    nominal = robot(arm())
+    campaign = recorded(nominal, FRICTION, np.random.default_rng(9), runs=1, **SHORT)
+    with pytest.raises(InputError, match="positive"):
+        first_pass(campaign, nominal, cutoff_hz=0.0)
+
+
+def test_a_stated_inertia_that_is_far_off_is_found_by_widening() -> None:
+    """CAD figures that are wrong by ten times what they claim are given up where the data say so."""
+    rng = np.random.default_rng(10)
+    nominal = robot(arm(), mass=0.002, centre_of_mass_m=1e-4)
+    moved = nominal.bodies.com + 0.05 * rng.standard_normal((N, 3))
+    true = replace(nominal, bodies=replace(nominal.bodies, com=read_only(moved)))
+    found = first_pass(recorded(true, FRICTION, rng), nominal)
+    assert found.solution.widths.figures >= 3
+    assert np.all(found.held_out_rms() < 2.5)

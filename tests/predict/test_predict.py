@@ -1,0 +1,171 @@
+"""A model against a campaign: what it leaves is what a replay leaves, and nothing is fitted but what is free."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.diagnose.cross_validation.held_out import PredictedError
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.world import NOMINAL
+from bench.errors import InputError
+from bench.predict.free import FREE, checked
+from bench.predict.predict import predict
+from bench.predict.prediction import PredictedRecording
+from bench.record.campaign import Campaign
+from bench.record.joined import joined
+from bench.report.handover.robot_folder import hand_over
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import load_robot
+from tests.predict.conftest import campaign_of
+from tests.report.handover.made import CASES, fit_of
+
+AGREES = 1e-6  # of a channel's largest reading; as a handed-over folder agrees with its fit
+ZERO = 7e-5  # [rad], of a link encoder; two thirds of its stated uncertainty
+PAYLOAD_KG = 4.0
+
+
+def only(campaign: Campaign, model: CompiledRobot, nominal: CompiledRobot, *free: str) -> PredictedRecording:
+    (found,) = predict(campaign, model, nominal, free=free).recordings
+    return found
+
+
+def shifted(campaign: Campaign, column: str, by: float) -> Campaign:
+    runs = [replace(run, columns={**run.columns, column: run.columns[column] + by}) for run in campaign.runs]
+    return replace(campaign, runs=tuple(runs))
+
+
+def test_a_folder_predicts_what_its_fit_did(
+    campaign: Campaign, nominal: CompiledRobot, tmp_path: Path, rng: np.random.Generator
+) -> None:
+    linear = only(campaign, nominal, nominal).linear
+    fit = fit_of(linear, CASES["friction"], rng)
+    hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
+    found = only(campaign, compile_robot(load_robot(tmp_path / "robot")), nominal)
+    repeated = Replay(nominal, found.linear.segments, found.linear.quantities)
+    expected, stated = repeated.predict(fit.world(linear)), repeated.predict(NOMINAL)
+    scale = np.max(np.abs(expected), axis=0)
+    there = np.isfinite(found.error)
+    assert np.max((np.abs(found.measured - found.error - expected) / scale)[there]) < AGREES
+    assert np.max((np.abs(found.measured - found.nominal_error - stated) / scale)[there]) < AGREES
+    assert np.max((np.abs(expected - stated) / scale)[there]) > 1e3 * AGREES
+
+
+def test_errors_are_plain_root_mean_squares_beside_the_promise(campaign: Campaign, nominal: CompiledRobot) -> None:
+    promised = PredictedError("tau_motor_1_nm", "Nm", "motion", 8, 1.0, 0.5, 2.0)
+    (found,) = predict(campaign, nominal, nominal, [promised, replace(promised, kind="static")]).recordings
+    assert promised.channel in [channel.channel for channel in found.channels]
+    for channel in found.channels:
+        column = [quantity.column for quantity in found.linear.quantities].index(channel.channel)
+        left = found.error[np.isfinite(found.error[:, column]), column]
+        np.testing.assert_allclose(channel.rms, np.sqrt(np.mean(left**2)))
+        assert (channel.kind, channel.readings, channel.nominal) == ("motion", len(left), channel.rms)
+        is_promised = channel.channel == promised.channel
+        assert (channel.low, channel.high) == (0.5, 2.0) if is_promised else channel.answer == "not promised"
+
+
+def test_a_right_model_is_left_with_no_more_than_the_floor(campaign: Campaign, nominal: CompiledRobot) -> None:
+    """Where a joint stands, what its friction may hold is in the floor too; the joint that moves is left with noise."""
+    channels = {one.channel: one for one in only(campaign, nominal, nominal).channels}
+    for channel in channels.values():
+        assert channel.rms < 1.2 * channel.floor, channel
+    assert channels["tau_motor_1_nm"].rms > 0.8 * channels["tau_motor_1_nm"].floor
+
+
+def test_stretches_hold_the_worst_of_each_channel(campaign: Campaign, nominal: CompiledRobot) -> None:
+    """A torque that is off for a while in one run is the worst stretch, of that run and at that time."""
+    spoilt = campaign.runs[1]
+    time = spoilt.columns["time_s"]
+    late = time > 0.8 * time[-1]
+    torque = np.where(late, spoilt.columns["tau_motor_1_nm"] + 500.0, spoilt.columns["tau_motor_1_nm"])
+    runs = (campaign.runs[0], replace(spoilt, columns={**spoilt.columns, "tau_motor_1_nm": torque}), *campaign.runs[2:])
+    worst = only(replace(campaign, runs=runs), nominal, nominal).stretches[0]
+    assert (worst.channel, worst.run) == ("tau_motor_1_nm", spoilt.name)
+    assert worst.end_s > spoilt.start_s + 0.8 * time[-1]
+    assert worst.rms > 10 * worst.floor
+
+
+def test_free_takes_exactly_the_zero(campaign: Campaign, nominal: CompiledRobot) -> None:
+    """Bayes: of what an encoder was shifted by, all is found but the part that the prior keeps; nothing else moves."""
+    before = only(campaign, nominal, nominal, "encoder_zero")
+    after = only(shifted(campaign, "q_link_2_rad", ZERO), nominal, nominal, "encoder_zero")
+    (old,), (new,) = before.freed, after.freed
+    assert (new.name, new.unit, new.sigma) == ("zero of link encoder 2", "rad", 1e-4)
+    spread = (new.high - new.low) / (2 * 1.959964)
+    np.testing.assert_allclose(new.found - old.found, ZERO * (1 - (spread / new.sigma) ** 2), rtol=1e-6)
+    assert new.low < ZERO + old.found < new.high
+    columns = [quantity.column for quantity in after.linear.quantities]
+    others = [c for c, column in enumerate(columns) if column != "q_link_2_rad"]
+    np.testing.assert_array_equal(after.error[:, others], before.error[:, others])
+    seen = columns.index("q_link_2_rad")
+    kept = after.error[:, seen] - before.error[:, seen]
+    np.testing.assert_allclose(kept[np.isfinite(kept)], ZERO - (new.found - old.found), atol=1e-12)
+
+
+def test_without_free_a_zero_stays_in_the_error(campaign: Campaign, nominal: CompiledRobot) -> None:
+    before, after = only(campaign, nominal, nominal), only(shifted(campaign, "q_link_2_rad", ZERO), nominal, nominal)
+    moved = after.error - before.error
+    columns = [quantity.column for quantity in after.linear.quantities]
+    np.testing.assert_allclose(moved[np.isfinite(moved[:, -1]), columns.index("q_link_2_rad")], ZERO, atol=1e-12)
+    assert after.freed == ()
+
+
+@pytest.mark.parametrize("carried", [0.0, 7.0])
+def test_another_payload_is_found_in_both_directions(nominal: CompiledRobot, tmp_path: Path, carried: float) -> None:
+    """The model carries nothing, or more than the recording does."""
+    model = nominal
+    if carried:
+        linear = only(campaign_of(nominal, 3), nominal, nominal).linear
+        fit = fit_of(linear, CASES["unstated payload"], np.random.default_rng(0))
+        values = np.array([carried, 0.05])
+        fit = replace(fit, values=values, nuisances=np.zeros_like(fit.nuisances))
+        hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
+        model = compile_robot(load_robot(tmp_path / "robot"))
+    recorded = campaign_of(nominal, 2, "unstated_payload", mass=PAYLOAD_KG, inertia=0.05)
+    found = only(recorded, model, nominal, "payload")
+    mass = next(figure for figure in found.freed if figure.name.endswith(": mass"))
+    assert mass.low < PAYLOAD_KG - carried < mass.high
+    assert mass.high - mass.low < 1.0
+    torques = [c for c, quantity in enumerate(found.linear.quantities) if quantity.is_drive]
+    fixed = only(recorded, model, nominal)
+    assert np.nanstd(found.error[:, torques]) < 0.5 * np.nanstd(fixed.error[:, torques])
+
+
+@pytest.mark.parametrize(("hidden", "value", "lost"), [("lost", 0.1, 0.1), ("offset", 20.0, -20.0 / 293.15)])
+def test_gas_may_be_less_or_more(nominal: CompiledRobot, hidden: str, value: float, lost: float) -> None:
+    """Warm gas pulls as more gas does."""
+    name = {"lost": "gas_loss", "offset": "gas_temperature"}[hidden]
+    recorded = campaign_of(nominal, 5, name, **{hidden: value})
+    (gas,) = only(recorded, nominal, nominal, "gas_amount").freed
+    np.testing.assert_allclose(gas.found, lost, rtol=0.02)  # the engine that made it takes other steps
+
+
+def test_nothing_about_a_recording_depends_on_the_others(campaign: Campaign, nominal: CompiledRobot) -> None:
+    other = shifted(campaign_of(nominal, 4), "q_link_2_rad", ZERO)
+    both = predict(joined({"one": campaign, "two": other}), nominal, nominal, free=("encoder_zero",))
+    assert [recording.name for recording in both.recordings] == ["one", "two"]
+    for recording, own in zip(both.recordings, (campaign, other), strict=True):
+        alone = only(own, nominal, nominal, "encoder_zero")
+        np.testing.assert_array_equal(recording.error, alone.error)
+        assert recording.channels == alone.channels
+
+
+def test_unknown_names_list_the_known_ones() -> None:
+    with pytest.raises(InputError, match=r"--free encoder: unknown name 'encoder'.*Known: .*encoder_zero, ") as raised:
+        checked(["encoder", "payload", "wings"])
+    assert len(raised.value.problems) == 2
+    assert checked(["payload", "payload"]) == ("payload",)
+
+
+def test_what_nothing_shows_cannot_be_free(campaign: Campaign, nominal: CompiledRobot) -> None:
+    dark = [{name: v for name, v in run.columns.items() if not name.startswith("q_link")} for run in campaign.runs]
+    runs = tuple(replace(run, columns=columns) for run, columns in zip(campaign.runs, dark, strict=True))
+    with pytest.raises(InputError, match="--free encoder_zero: nothing to fit"):
+        predict(replace(campaign, runs=runs), nominal, nominal, free=("encoder_zero",))
+
+
+def test_what_is_free_is_documented() -> None:
+    page = (Path(__file__).parents[2] / "bench/predict/README.md").read_text()
+    for name, one in FREE.items():
+        assert f"| `{name}` | {one.words} |" in page

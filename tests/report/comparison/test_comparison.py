@@ -1,0 +1,68 @@
+"""What a comparison prints and writes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.compare.comparison import Comparison
+from bench.report.comparison.page import lines_of, page_of
+from bench.report.comparison.words import headline, words_of
+from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
+from tests.report.comparison.examples import NOTHING, ONE, SET, THREE, UNLISTED
+
+
+@pytest.mark.parametrize(
+    ("comparison", "words"),
+    [
+        (NOTHING, "Nothing changed that these recordings would show."),
+        (ONE, "Changed: loss of gas +1.24 % (90 % interval 1.12 to 1.36), probability 99.3 %."),
+        (
+            SET,
+            "Changed: either loss of gas or gas warmer or colder than nominal, which these data cannot tell apart.",
+        ),
+        (UNLISTED, "Changed, not listed: a torque on the link of joint 2 that depends on angle."),
+        (THREE, "Changed: loss of gas +0.600 % (90 % interval 0.550 to 0.650) a week, probability 95 %."),
+    ],
+)
+def test_headlines(comparison: Comparison, words: str) -> None:
+    assert headline(comparison) == words
+
+
+def test_nothing_found_says_what_would_have_been_found() -> None:
+    lines = list(words_of(NOTHING))
+    assert any("loss of gas, lost 0.30 %" in line for line in lines)
+    assert lines[-1].startswith("1 changes would not have been found")
+
+
+def test_terminal_gives_every_explanation_with_its_size() -> None:
+    words = "\n".join(words_of(SET))
+    assert "lost +1.24 % (90 % interval 1.12 to 1.36)" in words
+    assert "offset -3.60 K (90 % interval -4.00 to -3.20)" in words
+
+
+def test_page_has_a_line_for_each_component() -> None:
+    page = page_of(ONE, "HH-150", "bench compare may june -o out")
+    assert page.count("<svg") == len(ONE.components)
+    assert headline(ONE).split(",")[0] in page
+    assert "bench compare may june -o out" in page
+    assert "1 components that no plausible change" in page
+
+
+def test_charts_stand_in_time_and_rise_with_the_value() -> None:
+    line = lines_of(THREE)[0]
+    x, y = ([getattr(dot, name) for dot in line.dots] for name in "xy")
+    assert len(x) == 5
+    np.testing.assert_allclose(np.diff(x), np.diff(x)[0])
+    assert np.all(np.diff(y) < 0), "upwards in a picture"
+    assert line.dots[0].y == pytest.approx(line.zero)
+
+
+def test_files(tmp_path: Path) -> None:
+    write_comparison(THREE, tmp_path, "HH-150")
+    content = json.loads((tmp_path / COMPARISON).read_text())
+    assert content["format"] == 1
+    assert content["has_changed"] is True
+    assert content["explanations"][0]["changes"][0]["sizes"][0]["per_week"]["value"] == 0.006
+    assert (tmp_path / REPORT).exists()
