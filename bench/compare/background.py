@@ -17,8 +17,7 @@ from bench.errors import InputError
 from bench.record.campaign import Array
 
 # Share of the scatter of friction at rest, as a standard deviation, that is tried beside all of it. That is less than
-# currents resolve, so where rests repeat it stands for none; what lies between the two shows in differences
-# (`noise.py`).
+# currents resolve, so where rests repeat it stands for none; what lies between shows in differences (`noise.py`).
 HELD = 0.04
 ENOUGH = 0.4  # log of a variance; one that changes by less is settled: 1.2 in the standard error, as in a diagnosis
 ROUNDS = 2

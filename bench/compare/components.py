@@ -19,25 +19,30 @@ from bench.record.campaign import Array
 def components_of(background: Background, found: Found, n_before: int) -> tuple[Component, ...]:
     """Return every component, those that are named first, then by how small a part of its range would have been found.
 
-    The value of a component in a recording is fitted beside all changes that the best explanation names, and apart from
-    them where it is not one of them itself.
+    The value of a component in a recording is fitted beside all other changes of the likeliest explanation that it is
+    part of; one that is part of none, beside those of the likeliest.
 
     Args:
         background: All recordings.
         found: What changed.
         n_before: Recordings before.
     """
-    named = {key for i in found.near for key in found.alternatives[i].keys} if found.alternatives[0].keys else set()
-    best = [found.possible[i] for i in found.alternatives[0].best.terms]
-    taken = {one.entry.cause.key: one.entry for one in best if one.entry.cause}
+    near = [found.alternatives[i].best.terms for i in found.near] if found.alternatives[0].keys else []
+    explanation: dict[object, tuple[int, ...]] = {}
+    for terms in near:
+        for term in terms:
+            explanation.setdefault(found.possible[term].key, terms)
+    acting = sorted({term for terms in near for term in terms})
+    one_each = {found.possible[term].key: found.possible[term].entry for term in reversed(acting)}
+    taken = {entry.cause.key: entry for entry in one_each.values() if entry.cause}
     entries = _one_shape_each(background, found, taken)
     columns = np.concatenate([entry.columns for entry in entries]).astype(np.intp)
     count = len(background.joint.recordings)
-    own = [background.acting(one.entry.columns, one.profile.weights) for one in best]
+    own = [background.acting(found.possible[i].entry.columns, found.possible[i].profile.weights) for i in acting]
     each = [background.acting(columns, np.eye(count)[k]) for k in range(n_before, count)]
     every = background.nuisances.products(background.white, Columns(np.concatenate([*own, *each], axis=1)))
-    edges = np.cumsum([0, *(len(one.prior) for one in best)])
-    places = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
+    edges = np.cumsum([0, *(len(found.possible[i].prior) for i in acting)])
+    places = {i: np.arange(a, b) for i, (a, b) in zip(acting, itertools.pairwise(edges), strict=True)}
     beside: dict[object, Marginal] = {}
     components: list[Component] = []
     start = int(edges[-1])
@@ -46,15 +51,15 @@ def components_of(background: Background, found: Found, n_before: int) -> tuple[
         assert cause
         key = cause.key if cause.key in taken else None
         if key not in beside:
-            others = [i for i, one in enumerate(best) if one.key != key]
+            others = [i for i in explanation.get(key, near[0] if near else ()) if found.possible[i].key != key]
             indices = np.concatenate([np.empty(0, dtype=np.intp), *(places[i] for i in others)])
-            prior = np.concatenate([np.empty(0), *(best[i].prior for i in others)])
+            prior = np.concatenate([np.empty(0), *(found.possible[i].prior for i in others)])
             beside[key] = every.given(indices, prior)
         which = start + np.arange(len(entry.columns))
         start += len(entry.columns)
         steps = [which + k * len(columns) for k in range(count - n_before)]
         values = _values(beside[key], entry, steps)
-        components += _rows(background, found, entry, values, is_named=cause.key in named)
+        components += _rows(background, found, entry, values, is_named=cause.key in taken)
     return tuple(sorted(components, key=lambda one: (not one.is_named, one.limit / one.plausible)))
 
 

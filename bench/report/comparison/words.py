@@ -17,6 +17,7 @@ from bench.report.diagnosis.names import capital, listed, percent
 
 MOST = 120  # characters of two lines of the page's title, as in `report.diagnosis.headline`
 BEST_LIMITS = 8
+LEAST = 1e-12  # of a probability that is said: none is nothing
 NONLINEAR = 0.12  # of a signature; beyond, its size is not to be taken at its word (bench/diagnose/README.md: 12 %)
 
 
@@ -60,7 +61,7 @@ def words_of(comparison: Comparison) -> Iterator[str]:
         for change in explanation.changes:
             yield from _change(change, comparison)
     if comparison.has_changed:
-        yield f"That nothing changed has a probability of {percent(comparison.probability_unchanged)}."
+        yield f"That nothing changed has a probability of {percent(max(comparison.probability_unchanged, LEAST))}."
     yield from limits_sentences(comparison)
 
 

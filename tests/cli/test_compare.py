@@ -1,0 +1,56 @@
+"""`bench compare`: exit codes, files, and what cannot be compared."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from bench.cli import main
+from bench.cli.compare import CHANGED
+from bench.record.write import write_campaign
+from tests.compare.pairs import recorded
+from tests.diagnose.sweeps import SWEEP
+
+
+@pytest.fixture(scope="module")
+def campaigns(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("machine")
+    write_campaign(recorded(SWEEP, 5, 1), folder / "may")
+    write_campaign(recorded(SWEEP, 5, 2), folder / "june")
+    write_campaign(recorded(SWEEP, 5, 3, {"gas_loss": 0.02}), folder / "july")
+    return folder
+
+
+def test_nothing_changed_ends_with_0_and_writes_nothing_unasked(
+    campaigns: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["compare", str(campaigns / "may"), str(campaigns / "june"), "--no-store", "--cores", "1"]) == 0
+    assert capsys.readouterr().out.startswith("Nothing changed")
+    assert sorted(path.name for path in campaigns.iterdir()) == ["july", "june", "may"]
+
+
+def test_a_change_ends_with_its_code_and_writes_page_and_numbers(
+    campaigns: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    arguments = [str(campaigns / "may"), str(campaigns / "july"), "-o", str(out), "--no-store", "--cores", "1"]
+    assert main(["compare", *arguments]) == CHANGED
+    assert capsys.readouterr().out.startswith("Changed: ")
+    assert json.loads((out / "compare.json").read_text())["has_changed"] is True
+    assert "bench compare" in (out / "report.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("names", "code", "words"),
+    [
+        (["may"], 2, "at least one made later"),
+        (["may", "june", "june"], 2, "given twice"),
+        (["may", "may"], 3, "the same name"),
+        (["may", "august"], 3, "august"),
+    ],
+)
+def test_what_cannot_be_compared_is_said(
+    names: list[str], code: int, words: str, campaigns: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["compare", *(str(campaigns / name) for name in names)]) == code
+    assert words in capsys.readouterr().err
