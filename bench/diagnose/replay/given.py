@@ -88,14 +88,14 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         nuisances: Of the robot, as stated.
         compiled: It.
     """
-    own = {(nuisance.name, nuisance.unit): i for i, nuisance in enumerate(nuisances)}
+    # what is another one in each recording, or drifts, is not given: nothing was learned of the one to come
+    own = {(one.name, one.unit): i for i, one in enumerate(nuisances) if one.between == "same"}
     found, which, at, held = list(nuisances), [], [], []
     for i, one in enumerate(posterior.parameters):
         if not one.effect:
-            mine = own.get((one.name, one.unit))
-            if mine is not None and nuisances[mine].between == "same":  # nothing of what is set up anew
+            if (one.name, one.unit) in own:
                 which.append(i)
-                at.append(mine)
+                at.append(own[one.name, one.unit])
             continue
         nuisance = _of_finding(one, REACH * float(np.sqrt(posterior.covariance[i, i])) * one.sigma, compiled)
         if nuisance is None:
@@ -155,6 +155,7 @@ def with_earlier(
         standing=np.ones(still.shape[1], dtype=bool),
         acceleration_error=still[1:],
         rings=np.zeros(k, dtype=bool),
+        recording=last.recording,
     )
     return (*segments, one)
 
