@@ -38,7 +38,6 @@ class CoulombLevel(_WithCoulomb):
 
     name = "coulomb_level"
     title = "Coulomb level"
-    between = "drifts"
     physics = "Preload, wear and lubricant set the level of dry friction: both sides' levels become (1 + x) f_C."
     source = f"{BITTENCOURT}; range: spread between units and over life, assumed"
     parameters = (Parameter("change", "", 0.0, 0.1, 0.6, "of the level, relative", signed=True, least=-1.0),)
@@ -92,7 +91,6 @@ class Viscous(_OnFriction):
 
     name = "viscous_level"
     title = "viscous friction"
-    between = "drifts"
     physics = "Shear of the lubricant opposes motion in proportion to speed, f = (1 + x) f_v v on the motor side."
     source = f"{BITTENCOURT}; range: lubricant and filling, assumed"
     parameters = (Parameter("change", "", 0.0, 0.1, 0.8, "of the coefficient, relative", signed=True, least=-1.0),)

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.errors import RobotError
+from bench.record.json_text import load_json
 from bench.robot.folder import problems_of
 from bench.robot.strict import Strict
 
@@ -56,7 +57,7 @@ def read_promises(folder: Path) -> tuple[PredictedError, ...]:
     if not path.is_file():
         return ()
     try:
-        content = _Promises.model_validate(json.loads(path.read_text(encoding="utf-8")))
+        content = _Promises.model_validate(load_json(path))
     except ValueError as error:  # JSON, UTF-8 and pydantic alike
         faults = problems_of(error, PROMISES) if isinstance(error, ValidationError) else [f"{PROMISES}: {error}"]
         raise RobotError([*faults, f"{path}: mend it, or remove it: then nothing is promised."]) from error

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from bench.errors import CampaignError
+from bench.errors import CampaignError, InputError
 from bench.record.campaign import Campaign
 from bench.record.known import Known
 
@@ -58,14 +58,14 @@ def names_of(folders: Sequence[Path]) -> tuple[str, ...]:
     """Return a name for each of several folders: its own, with as many of those above it as tell it from the others.
 
     Raises:
-        CampaignError: No folder is given, or one twice.
+        InputError: No folder is given, or one twice.
     """
     if not folders:
-        raise CampaignError("no campaign was given: name the folder of one at least")
+        raise InputError("no campaign was given: name the folder of one at least")
     parts = [folder.resolve().parts for folder in folders]
     for i, one in enumerate(parts):
         if one in parts[:i]:
-            raise CampaignError(f"{folders[i]} is given twice: a recording counts once")
+            raise InputError(f"{folders[i]} is given twice: a recording counts once")
     return tuple(
         next(
             "-".join(one[-count:])

@@ -59,6 +59,7 @@ YAML_BYTES = Limit(
 )
 YAML_DEPTH = Limit("BENCH_MOST_YAML_DEPTH", 30, "levels", "assumed: five times what any file of the bench has")
 YAML_VALUES = Limit("BENCH_MOST_YAML_VALUES", 100_000, "values", "aliases written out; 10 000 runs fit in")
+JSON_BYTES = Limit("BENCH_MOST_JSON_BYTES", 50_000_000, "bytes", "a covariance of 1500 figures takes 45 MB")
 TABLE_BYTES = Limit("BENCH_MOST_TABLE_BYTES", 500_000_000, "bytes", "assumed: the cells below, at 25 bytes in CSV")
 TABLE_CELLS = Limit("BENCH_MOST_TABLE_CELLS", 20_000_000, "cells", "two hours of 40 channels at 60 Hz; 160 MB")
 TABLE_COLUMNS = Limit("BENCH_MOST_TABLE_COLUMNS", 1_000, "columns", "assumed: all channels of 30 drives are 300")
@@ -76,7 +77,7 @@ MODEL_SECONDS = Limit("BENCH_MOST_MODEL_SECONDS", 15, "seconds", "assumed: of th
 MODEL_MEMORY = Limit("BENCH_MOST_MODEL_MEMORY", 4_000_000_000, "bytes", "assumed: to compile a model once")
 
 LIMITS: Sequence[Limit] = (
-    *(YAML_BYTES, YAML_DEPTH, YAML_VALUES),
+    *(YAML_BYTES, YAML_DEPTH, YAML_VALUES, JSON_BYTES),
     *(TABLE_BYTES, TABLE_CELLS, TABLE_COLUMNS, CAMPAIGN_CELLS, CAMPAIGN_RUNS, FOLDER_ENTRIES),
     *(MODEL_BYTES, MODEL_DEPTH, MODEL_INCLUDES, MODEL_COPIES, ASSET_BYTES, MODEL_SECONDS, MODEL_MEMORY),
 )

@@ -19,7 +19,7 @@ from tests.diagnose.sweeps import SWEEP, changed
 ZEROED = 2e-3  # [rad], how well link encoders are set
 BINS = 80
 EFFECTS = catalogue()
-CHOICE = ("coulomb_level", "viscous_level", "unstated_payload", "joint_compliance", "gas_loss", "channel_delay")
+CHOICE = ("coulomb_level", "viscous_level", "unstated_payload", "joint_compliance", "gas_loss", "current_offset")
 
 
 def with_encoders() -> Robot:

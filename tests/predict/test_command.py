@@ -106,7 +106,7 @@ def test_files_hold_what_was_computed(
         (["MODEL", "CAMPAIGN", "--free", "gas_thermometer"], 2, "--free gas_thermometer: nothing to fit"),
         (["MODEL", "CAMPAIGN", "CAMPAIGN"], 3, "is given twice"),
         (["MODEL", "CAMPAIGN", "--nominal", "nobody"], 4, "unknown robot 'nobody'"),
-        (["hh150", "CAMPAIGN"], 3, "no angle of drive 3"),
+        (["hh150", "CAMPAIGN"], 3, "no angle of drive 3, 4, 5, 6"),
     ],
 )
 def test_mistakes_end_in_one_named_error(

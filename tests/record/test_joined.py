@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.errors import CampaignError
+from bench.errors import CampaignError, InputError
 from bench.record.campaign import Campaign, Run
 from bench.record.check import check_campaign
 from bench.record.joined import joined, names_of
@@ -59,5 +59,5 @@ def test_folders_are_called_by_as_much_of_their_path_as_tells_them_apart() -> No
 
 
 def test_a_folder_that_is_given_twice_is_refused() -> None:
-    with pytest.raises(CampaignError, match="twice"):
+    with pytest.raises(InputError, match="twice"):
         names_of([Path("/lab/may"), Path("/lab/june/../may")])

@@ -17,11 +17,10 @@ from scipy.ndimage import uniform_filter1d
 from bench.diagnose.linearise.noise_covariance import Whitening, whitening_of
 from bench.diagnose.linearise.standing_joints import shaken_share
 from bench.diagnose.linearise.torque_response import TorqueResponse, torque_response
-from bench.diagnose.replay.levels import in_recordings
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment, recordings_of
+from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.simulations import simulate_all
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError
@@ -222,12 +221,9 @@ def held_friction(
 ) -> tuple[tuple[Nuisance, ...], Array]:
     """Return nuisances for how much of its friction a joint still holds at rest, and their changes, shape (T, c, q).
 
-    Settling and shaking let go of part of it, on each side of the gear, and more in one joint than in another; part of
-    that is another one in each recording.
+    Settling and shaking let go of part of it, on each side of the gear, and more in one joint than in another.
     """
     found, sensitivities = [], []
-    recordings = recordings_of(replay.segments)
-    whose = np.repeat([segment.recording for segment in replay.segments], [len(segment) for segment in replay.segments])
     for j, drive in enumerate(replay.compiled.robot.figures.drives):
         for side, sigma in (("motor", HELD_MOTOR), ("link", HELD_LINK)):
             change = np.concatenate(
@@ -238,12 +234,9 @@ def held_friction(
                     for segment, trace, response in zip(replay.segments, traces, responses, strict=True)
                 ]
             )
-            held = Nuisance(f"{side}-side friction held at rest by {drive.joint}", "", sigma, between="drifts")
-            for one in in_recordings(held, recordings):
-                own = change if one.recording is None else np.where((whose == one.recording)[:, None], change, 0.0)
-                if np.any(own):
-                    found.append(one)
-                    sensitivities.append(one.sigma * own)
+            if np.any(change):
+                found.append(Nuisance(f"{side}-side friction held at rest by {drive.joint}", "", sigma))
+                sensitivities.append(sigma * change)
     if not found:
         return (), np.zeros((*replay.shape, 0))
     return tuple(found), np.stack(sensitivities, axis=2)

@@ -1,10 +1,9 @@
 """What belongs to a machine, and what to one of its recordings: background errors of each, and worlds as each has them.
 
-Geometry, masses, gears, friction laws and the law of the gas are the machine's; so are the gain of the force sensor,
-nests that are glued on, and the weights of the lab. Link encoders are zeroed, a tracker is set up and a payload bolted
-on anew in each recording. Torque constants are the machine's, and fall a little when the motor is warm; the zero of a
-current or torque channel, and how much of its friction a joint holds at rest, are the machine's with a drift. The gas
-is as warm as the air of the day.
+Geometry, masses, gears, friction laws and the law of the gas are the machine's; so are torque constants, the gain of
+the force sensor, nests that are glued on, and the weights of the lab. Link encoders are zeroed, a tracker is set up and
+a payload bolted on anew in each recording. The zero of a current or torque channel is the machine's with a drift. The
+gas is as warm as the air of the day.
 """
 
 from collections.abc import Iterator, Sequence
@@ -35,26 +34,12 @@ def with_recordings(
         compiled: The robot.
         recordings: Names.
     """
-    found = [one for nuisance in nuisances for one in in_recordings(nuisance, recordings)]
-    if compiled.counterbalance and len(recordings) > 1:
+    if len(recordings) < 2:
+        return tuple(nuisances)
+    found = [one for nuisance in nuisances for one in _in_recordings(nuisance, recordings)]
+    if compiled.counterbalance:
         found += [replace(_gas_of_the_day(), recording=name) for name in recordings]
     return tuple(found)
-
-
-def in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nuisance]:
-    """Yield what one background error is in several recordings; where there is one recording, as it was given."""
-    if len(recordings) < 2 or nuisance.between == "same":
-        yield nuisance
-        return
-    sigma = nuisance.sigma
-    if nuisance.between == "drifts" and nuisance.drift is not None:
-        yield nuisance
-        sigma = nuisance.drift
-    elif nuisance.between == "drifts":
-        yield replace(nuisance, sigma=float(np.sqrt(1 - DRIFTING)) * sigma)
-        sigma = float(np.sqrt(DRIFTING)) * sigma
-    for name in recordings:
-        yield replace(nuisance, sigma=sigma, recording=name)
 
 
 def world_in(world: World, recording: str) -> World:
@@ -81,6 +66,18 @@ def is_told_apart(world: World) -> bool:
     return any(nuisance.recording is not None for nuisance in world.deviations) or any(
         acting.place.recording is not None for acting in world.acting
     )
+
+
+def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nuisance]:
+    if nuisance.between == "same":
+        yield nuisance
+        return
+    sigma = nuisance.sigma
+    if nuisance.between == "drifts":
+        yield replace(nuisance, sigma=float(np.sqrt(1 - DRIFTING)) * sigma)
+        sigma = float(np.sqrt(DRIFTING)) * sigma
+    for name in recordings:
+        yield replace(nuisance, sigma=sigma, recording=name)
 
 
 def _gas_of_the_day() -> Nuisance:

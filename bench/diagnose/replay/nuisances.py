@@ -17,9 +17,6 @@ from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_
 
 # [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold; assumed
 THERMOMETER_K = 2.0
-# Relative, of a torque constant from recording to recording: magnets lose 0.1 %/K (`effects/sensing_drive.py`), and
-# motors are as warm within 10 K (1 sigma), assumed.
-WARM_MAGNETS = 0.01
 UNKNOWN_ZERO = 1e-3  # [rad] or [m], how well secondary encoders are zeroed where the figures do not say, assumed
 
 OnReading = Callable[[float, Reading], Reading]
@@ -39,8 +36,6 @@ class Nuisance:
         scales_payload: It is the relative error of what is bolted to it.
         between: What becomes of it between two recordings, as of an effect (`effects/effect.py`).
         recording: Name of the only recording in which it acts; None: in all.
-        drift: Of what drifts, standard deviation of each recording beside `sigma`, which they share; None: both are
-            parts of `sigma` (`levels.DRIFTING`).
         said_before: What each reading of an earlier diagnosis changes by with one unit of it (`given.py`).
     """
 
@@ -53,7 +48,6 @@ class Nuisance:
     scales_payload: bool = False
     between: Between = "same"
     recording: str | None = None
-    drift: float | None = None
 
     def __str__(self) -> str:
         return self.name if self.recording is None else f"{self.name}{IN_RECORDING}{self.recording}"
@@ -90,21 +84,16 @@ def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
         if "current" in kinds:
             gain = float(np.hypot(drive.torque_constant_error, current.gain_sigma if current else 0.0))
             offset = current.offset_sigma_a if current else 0.0
-            found.append(_torque_constant(drive.joint, gain, _current_gain(j)))
+            found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_current_gain(j)))
             zero = Nuisance(f"current offset of {drive.joint}", "A", offset, on_reading=_current_offset(j))
             found.append(replace(zero, between="drifts"))
         if "tau_motor" in kinds:
             gain = torque.gain_sigma if torque else drive.torque_constant_error
-            found.append(_torque_constant(drive.joint, gain, _torque_gain(j)))
+            found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_torque_gain(j)))
             offset = torque.offset_sigma_nm if torque else 0.0
             zero = Nuisance(f"torque offset of {drive.joint}", "Nm", offset, on_reading=_torque_offset(j))
             found.append(replace(zero, between="drifts"))
     return found
-
-
-def _torque_constant(joint: str, sigma: float, on_reading: OnReading) -> Nuisance:
-    name = f"torque constant of {joint}"
-    return Nuisance(name, "", sigma, on_reading=on_reading, between="drifts", drift=WARM_MAGNETS)
 
 
 def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[Nuisance]:

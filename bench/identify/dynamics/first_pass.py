@@ -1,7 +1,7 @@
 """The first pass over a campaign's moving data: its parameters, and how well they predict what was held out."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
@@ -16,7 +16,7 @@ from bench.identify.dynamics.folds import Folds, folds_of
 from bench.identify.dynamics.held_out import HeldOut, Missed, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.prior import Prior, prior_of
+from bench.identify.dynamics.prior import NARROWEST, Prior, prior_of
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, drive_rows
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
@@ -200,7 +200,23 @@ def _solved(
         beside = missed(solve(rows, prior, band.cutoff_hz, inflation, find_delay), prior, folds)
         inflation = inflation * beside.excess
     solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay)
-    return solution, missed(solution, prior, folds)
+    beside = missed(solution, prior, folds)
+    if held := _without_direction(solution, beside, prior, folds):
+        solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay, held)
+        beside = missed(solution, prior, folds)
+    return solution, beside
+
+
+def _without_direction(solution: Solution, beside: Missed, prior: Prior, folds: Folds) -> frozenset[int]:
+    """Return the drives whose torque is predicted no worse without what differs between the directions."""
+    for drive, width in enumerate(solution.widths.direction):
+        if width == NARROWEST or solution.noise[drive] is None:
+            continue
+        without = replace(solution, widths=solution.widths.holding(drive))
+        tried = missed(without, prior, folds)
+        if tried.squares[:, drive].sum() <= beside.squares[:, drive].sum():
+            solution, beside = without, tried
+    return solution.widths.held
 
 
 def _equations(

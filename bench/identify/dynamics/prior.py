@@ -16,6 +16,9 @@ UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))  # Pinocchio's order of the six
 
 WIDER = np.sqrt(10.0)  # between one width and the next that is tried
 
+WIDEST = 6  # a thousand times what was stated: as good as unknown
+NARROWEST = -4  # a hundredth of the whole torque: less would claim to know that there is none (assumed)
+
 
 @dataclass(frozen=True)
 class Widths:
@@ -26,16 +29,23 @@ class Widths:
         friction: Of friction that is stated, likewise.
         direction: For each drive, of friction that differs between the directions, which with an offset is what a first
             pass most easily takes for gravity; 0 or less.
+        held: Drives whose width of direction stays at its least.
     """
 
     figures: int
     friction: int
     direction: tuple[int, ...]
+    held: frozenset[int] = frozenset()
 
     @classmethod
-    def usual(cls, n: int) -> "Widths":
+    def usual(cls, n: int, held: frozenset[int] = frozenset()) -> "Widths":
         """Return those of n drives to begin with: figures as stated, offsets and directions as free as all friction."""
-        return cls(0, 0, (0,) * n)
+        return cls(0, 0, tuple(NARROWEST if i in held else 0 for i in range(n)), held)
+
+    def holding(self, drive: int) -> "Widths":
+        """Return these with the direction of one more drive held."""
+        narrow = (*self.direction[:drive], NARROWEST, *self.direction[drive + 1 :])
+        return replace(self, direction=narrow, held=self.held | {drive})
 
     def neighbours(self) -> tuple["Widths", ...]:
         """Return the widths one step away."""
@@ -43,13 +53,9 @@ class Widths:
         found += [replace(self, friction=self.friction + way) for way in (1, -1) if 0 <= self.friction + way <= WIDEST]
         for i, width in enumerate(self.direction):
             for changed in (width + 1, width - 1):
-                if NARROWEST <= changed <= 0:
+                if NARROWEST <= changed <= 0 and i not in self.held:
                     found.append(replace(self, direction=(*self.direction[:i], changed, *self.direction[i + 1 :])))
         return tuple(found)
-
-
-WIDEST = 6  # a thousand times what was stated: as good as unknown
-NARROWEST = -4  # a hundredth of the whole torque: less would claim to know that there is none (assumed)
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,12 @@ class Solution:
 
 
 def solve(
-    rows: Sequence[DriveRows], prior: Prior, cutoff_hz: float, inflation: Array, find_delay: bool = True
+    rows: Sequence[DriveRows],
+    prior: Prior,
+    cutoff_hz: float,
+    inflation: Array,
+    find_delay: bool = True,
+    held: frozenset[int] = frozenset(),
 ) -> Solution:
     """Return the posterior of the parameters.
 
@@ -66,9 +71,10 @@ def solve(
         cutoff_hz: Of the filter [Hz]; bounds the delay that is looked for.
         inflation: Shape (n,), by how much the variance of each drive's noise exceeds that of its residuals.
         find_delay: Whether torques may be later than angles.
+        held: Drives whose friction is not to differ between the directions, but for a little.
     """
     size, parameters, delay = len(prior.mean), prior.mean, 0.0
-    widths = Widths.usual(len(rows))
+    widths = Widths.usual(len(rows), held)
     noise = [_as_measured(one) for one in rows]
     for trial in range(2 * PASSES):
         # By variance alone at first. Then the memory is known and counts; were it found anew each time, a drive that

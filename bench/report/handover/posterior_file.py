@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError
 
 from bench.diagnose.replay.given import Posterior, PosteriorParameter
 from bench.errors import RobotError
+from bench.record.json_text import load_json
 from bench.robot.folder import problems_of
 from bench.robot.strict import Strict
 
@@ -53,7 +54,7 @@ def read_posterior(folder: Path) -> Posterior:
     if not path.is_file():
         raise RobotError(f"{path}: does not exist; give the folder that a finished `bench diagnose` wrote.")
     try:
-        content = _Content.model_validate(json.loads(path.read_text(encoding="utf-8")))
+        content = _Content.model_validate(load_json(path))
     except ValueError as error:  # JSON, UTF-8 and pydantic alike
         raise RobotError(
             problems_of(error, POSTERIOR) if isinstance(error, ValidationError) else f"{path}: {error}"

@@ -60,19 +60,19 @@ def test_parameters_are_found_without_noise() -> None:
 def test_intervals_cover() -> None:
     """85 to 95 % of the 90 % intervals of what is told hold the truth, in noise that remembers for 0.1 s."""
     inside = []
-    for seed in range(14):
+    for seed in range(10):
         rng = np.random.default_rng(seed)
         nominal = robot(arm(), payload=20.0, **UNCERTAIN)
         true, payload = drawn(nominal, rng), float(rng.uniform(0, 15))
         friction = Friction(rng.uniform(2, 15, N), rng.uniform(2, 20, N), rng.normal(0, 1, N))
         loaded = replace(true, bodies=with_payload(true.bodies, payload, "hook"))
-        found = first_pass(recorded(loaded, friction, rng, **SHORT), nominal)
+        found = first_pass(recorded(loaded, friction, rng, runs=2, **SHORT), nominal, find_delay=False)
         truth = truth_of(found, true, friction, payload)
         for one in quantities(found):
             if one.told and one.kind in ("friction", "inertia"):
                 low, high = one.interval(found.quantile(0.9))
                 inside.append(low <= one.combine @ truth <= high)
-    assert len(inside) > 250
+    assert len(inside) > 200
     assert 0.85 <= np.mean(inside) <= 0.95
 
 
