@@ -104,7 +104,7 @@ def test_files_hold_what_was_computed(
         (["MODEL", "NOWHERE"], 3, "NOWHERE"),
         (["MODEL", "CAMPAIGN", "--free", "encoder"], 2, "--free encoder: unknown name 'encoder'"),
         (["MODEL", "CAMPAIGN", "--free", "gas_thermometer"], 2, "--free gas_thermometer: nothing to fit"),
-        (["MODEL", "CAMPAIGN", "CAMPAIGN"], 3, "is given twice"),
+        (["MODEL", "CAMPAIGN", "CAMPAIGN"], 2, "is given twice"),
         (["MODEL", "CAMPAIGN", "--nominal", "nobody"], 4, "unknown robot 'nobody'"),
         (["hh150", "CAMPAIGN"], 3, "no angle of drive 3, 4, 5, 6"),
     ],
