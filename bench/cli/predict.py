@@ -80,29 +80,20 @@ class Predict:
         """
         import sys
 
-        from bench.diagnose.plausibility.channels import doubts_of
         from bench.errors import CampaignError
-        from bench.record.joined import joined, names_of
-        from bench.report.campaigns import drives_without_angle, open_campaign, robot_of
+        from bench.report.campaigns import robot_of
+        from bench.report.joint_campaign import open_joint
         from bench.report.prediction.model import model_folder
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
 
-        model = compile_robot(load_robot(model_folder(self.model)))
-        campaigns = {}
-        for name, folder in zip(names_of(self.campaign), self.campaign, strict=True):
-            report, _ = open_campaign(folder, str(model.robot.folder))
-            campaigns[name] = report.usable()
-            if missing := drives_without_angle(campaigns[name], model):
-                raise CampaignError([f"{folder}: {sentence}" for sentence in missing])
-            doubts = (*report.doubts, *doubts_of(campaigns[name], model, report.findings))
-            if doubts and not self.despite_doubts:
-                raise CampaignError([*(f"{folder}: {doubt}" for doubt in doubts), WAYS_OUT])
-            for finding in (*report.warnings, *doubts):
-                print(f"{finding.level:8}{finding}", file=sys.stderr)
-        campaign = joined(campaigns)
-        nominal = self.nominal or robot_of(self.campaign[0], campaign.robot)
-        return campaign, model, compile_robot(load_robot(nominal))
+        joint = open_joint(self.campaign, str(load_robot(model_folder(self.model)).folder))
+        if joint.doubts and not self.despite_doubts:
+            raise CampaignError([*(f"{folder}: {doubt}" for folder, doubt in joint.doubts), WAYS_OUT])
+        for finding in (*joint.warnings, *(doubt for _, doubt in joint.doubts)):
+            print(f"{finding.level:8}{finding}", file=sys.stderr)
+        nominal = self.nominal or robot_of(self.campaign[0], joint.campaign.robot)
+        return joint.campaign, joint.compiled, compile_robot(load_robot(nominal))
 
     @property
     def command(self) -> str:

@@ -207,12 +207,12 @@ def signatures_of(
 ) -> Signatures:
     """Return the signatures of a campaign and of all others of its session; nothing is simulated yet."""
     quantities = (*quantities_of(campaign.runs, compiled), *known_quantities(campaign, compiled))
-    own = with_known_payload(nuisances_of(compiled, quantities), campaign, compiled)
-    nuisances = with_recordings(own, compiled, campaign.recordings)
+    nuisances = nuisances_of(compiled, quantities)
     if given:
         nuisances = given_by(given, nuisances, compiled).nuisances
         quantities = (*quantities, EARLIER) if rows_of(nuisances) else quantities
     causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled))
+    nuisances = with_known_payload(with_recordings(nuisances, compiled, campaign.recordings), campaign, compiled)
     return Signatures(compiled, quantities, nuisances, causes, store=store)
 
 

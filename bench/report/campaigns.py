@@ -6,7 +6,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from bench.record.campaign import Arm, Campaign
+from bench.record.campaign import Arm
 from bench.record.check import check_with_robot
 from bench.record.finding import Report
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -40,21 +40,6 @@ def robot_of(folder: Path, name: str) -> str:
     """Return the robot that a campaign folder names: a folder within it, or else the name as it stands."""
     beside = folder.absolute() / name  # absolute: a robot that comes along may have the same name
     return str(beside) if os.path.isdir(beside) else name  # noqa: PTH112  a name may be too long for pathlib
-
-
-def drives_without_angle(campaign: Campaign, compiled: CompiledRobot) -> list[str]:
-    """Return a sentence for each run in which drives of a robot have no angle: it was another robot."""
-    found = []
-    for run in campaign.runs:
-        known = {name.rpartition("_")[0] for name in run.columns}
-        numbers = range(1, compiled.n_joints + 1)
-        dark = [str(i) for i in numbers if not {f"q_cmd_{i}", f"q_motor_{i}"} & known]
-        if dark:
-            found.append(
-                f"run {run.name}: has neither q_cmd nor q_motor of drive {', '.join(dark)}, and {compiled.robot.name} "
-                f"has {compiled.n_joints} drives: is it another robot?"
-            )
-    return found
 
 
 def plain_arm(compiled: CompiledRobot) -> Arm:

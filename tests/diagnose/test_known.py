@@ -132,13 +132,20 @@ def test_a_known_payload_is_no_finding(campaign: Campaign, robot: CompiledRobot,
     assert "payload as known" in (tmp_path / "report.html").read_text()
 
 
-def test_a_known_payload_that_data_contradict_weighs_as_a_reading(campaign: Campaign, robot: CompiledRobot) -> None:
-    """Two readings of the payload and the torques: the estimate is nearest to the sharpest of them."""
+def test_two_readings_of_a_payload_weigh_by_their_errors(campaign: Campaign, robot: CompiledRobot) -> None:
+    """What hangs on the arm is the first reading; both are rows about it, and pull as Bayes' rule says."""
     one, other = Known("payload_kg", 9.6, 0.2), Known("payload_kg", 9.0, 0.02)
     linear = linear_of(replace(campaign, known=(one, other)), robot)
     at = [nuisance.scales_payload for nuisance in linear.nuisances].index(True)
-    share = float(fit(linear)[at]) * linear.nuisances[at].sigma
-    assert abs(9.6 * (1 + share) - 9.0) < 0.04
+    size = 9.6 * linear.nuisances[at].sigma
+    known = linear.column_of == len(linear.quantities) - 1
+    np.testing.assert_allclose(linear.jacobian[known][:, at], [size / 0.2, size / 0.02])
+    np.testing.assert_allclose(linear.white[known], [0.0, -0.6 / 0.02], atol=1e-9)
+    jacobian, white, rows = linear.jacobian[~known], linear.white[~known], linear.jacobian[known]
+    spread = np.linalg.inv(jacobian.T @ jacobian + np.eye(len(linear.nuisances)))
+    x = spread @ jacobian.T @ white
+    pull = np.linalg.solve(np.eye(2) + rows @ spread @ rows.T, linear.white[known] - rows @ x)
+    np.testing.assert_allclose(fit(linear), x + spread @ rows.T @ pull, rtol=ROUNDING, atol=ROUNDING)
 
 
 def test_prediction_takes_what_is_known(campaign: Campaign, robot: CompiledRobot) -> None:

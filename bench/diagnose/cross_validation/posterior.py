@@ -19,12 +19,14 @@ def posterior_of(linear: LinearisedModel, fit: Fit) -> Posterior:
     covariance = np.linalg.inv(tangent_of(linear, fit).precision)
     p, found, which, width = len(fit.nuisances), [], [], []
     for i, nuisance in enumerate(linear.nuisances):
-        if is_simulated(nuisance):
+        if is_simulated(nuisance) and nuisance.recording is None:
             value = float(fit.nuisances[i]) * nuisance.sigma
             found.append(PosteriorParameter(nuisance.name, nuisance.unit, nuisance.sigma, value))
             which.append(i)
             width.append(1.0)
     for j, unknown in enumerate(fit.unknowns):
+        if unknown.cause.place.recording is not None:
+            continue
         entry = entry_of(unknown.cause.acting({unknown.parameter.name: float(fit.values[j])}))
         if entry is None or unknown.parameter.is_shape or entry.form:
             continue

@@ -13,7 +13,8 @@ import numpy as np
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
-from bench.effects.effect import Acting, Conditions, Effect
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Acting, Conditions, Effect, Place
 from bench.effects.fitted import acting_of
 from bench.effects.nominal import LEAST
 from bench.errors import NOT_SIMULATED, RobotError
@@ -88,14 +89,14 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         nuisances: Of the robot, as stated.
         compiled: It.
     """
-    own = {(nuisance.name, nuisance.unit): i for i, nuisance in enumerate(nuisances)}
+    # what is another one in each recording, or drifts, is not given: nothing was learned of the one to come
+    own = {(one.name, one.unit): i for i, one in enumerate(nuisances) if one.between == "same"}
     found, which, at, held = list(nuisances), [], [], []
     for i, one in enumerate(posterior.parameters):
         if not one.effect:
-            mine = own.get((one.name, one.unit))
-            if mine is not None and nuisances[mine].between == "same":  # nothing of what is set up anew
+            if (one.name, one.unit) in own:
                 which.append(i)
-                at.append(mine)
+                at.append(own[one.name, one.unit])
             continue
         nuisance = _of_finding(one, REACH * float(np.sqrt(posterior.covariance[i, i])) * one.sigma, compiled)
         if nuisance is None:
@@ -155,6 +156,7 @@ def with_earlier(
         standing=np.ones(still.shape[1], dtype=bool),
         acceleration_error=still[1:],
         rings=np.zeros(k, dtype=bool),
+        recording=last.recording,
     )
     return (*segments, one)
 
@@ -193,10 +195,8 @@ def _of_finding(one: PosteriorParameter, reach: float, compiled: CompiledRobot) 
 
     It has to make a model as far as `reach` to either side.
     """
-    entry = FittedEffect(effect=one.effect, place=one.place, values={one.parameter: 0.0, **one.shapes}, form={})
-    try:
-        acting = acting_of(entry, compiled)
-    except RobotError:
+    acting = _on_top(one, compiled)
+    if acting is None:
         return None
     null = next(p.null for p in acting.effect.parameters if p.name == one.parameter)
 
@@ -209,6 +209,19 @@ def _of_finding(one: PosteriorParameter, reach: float, compiled: CompiledRobot) 
     if not _is_in_model(acting) or not all(_runs(compiled, edit(x)) for x in (-reach, reach)):
         return None
     return Nuisance(one.name, one.unit, one.sigma, edit=edit)
+
+
+def _on_top(one: PosteriorParameter, compiled: CompiledRobot) -> Acting | None:
+    """Return the effect of a finding as it may act once more; None where it sets what is there already."""
+    joints = [drive.joint for drive in compiled.robot.figures.drives]
+    effect = catalogue().get(one.effect)
+    values = {one.parameter: 0.0, **one.shapes}
+    if effect and effect.is_additive and one.place in joints:  # also where it is looked for only if it is not there
+        return Acting(effect, Place("joint", joints.index(one.place), one.place), effect.complete(values))
+    try:
+        return acting_of(FittedEffect(effect=one.effect, place=one.place, values=values, form={}), compiled)
+    except RobotError:
+        return None
 
 
 def _is_in_model(acting: Acting) -> bool:

@@ -14,8 +14,6 @@ from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment, conditions_of
 from bench.diagnose.replay.static_segments import visits_of
-from bench.effects.effect import WHOLE
-from bench.effects.masses import UnstatedPayload
 from bench.errors import CampaignError
 from bench.record.campaign import Array, Campaign, Run
 from bench.record.known import PAYLOAD, Known
@@ -27,6 +25,9 @@ KINDS = {
     "gas_pressure_pa": "known_gas_pressure",
     "gas_temperature_k": "known_gas_temperature",
 }
+# Times the error of a reading, the prior of what it reads: the estimate then keeps 1 / (1 + FLAT^2) of the prior, and
+# derivatives are taken over no more than that, for friction and play of a robot with a much heavier payload are others.
+FLAT = 10.0
 OF_GAS = ("gas_pressure_pa", "gas_temperature_k")
 
 
@@ -73,10 +74,16 @@ def with_known_payload(
 
     Else it would be stated within what weights that are written down may be off.
     """
-    largest = next(iter(UnstatedPayload().parameters_at(compiled, WHOLE))).high
-    masses = [one.value for one in campaign.known if one.quantity == PAYLOAD and one.value]
-    wide = max((largest / np.sqrt(3) / mass for mass in masses), default=0.0)  # as wide as that of an unstated one
-    return tuple(replace(n, sigma=max(n.sigma, wide)) if n.scales_payload else n for n in nuisances)
+    widths: dict[str, float] = {}
+    for one in campaign.known:
+        if one.quantity == PAYLOAD and one.value:
+            widths[one.recording] = max(widths.get(one.recording, 0.0), FLAT * one.sigma / one.value)
+    found = []
+    for nuisance in nuisances:
+        # of the only recording, whatever its name
+        wide = max(widths.values(), default=0.0) if nuisance.recording is None else widths.get(nuisance.recording, 0.0)
+        found.append(replace(nuisance, sigma=max(nuisance.sigma, wide)) if nuisance.scales_payload else nuisance)
+    return tuple(found)
 
 
 def known_value(quantity: Quantity, compiled: CompiledRobot, gas_force: Array, gas_temperature: Array) -> Array:
@@ -153,6 +160,7 @@ def _rest(one: Known, run: Run, label: str, compiled: CompiledRobot, quantities:
         standing=np.ones(n, dtype=bool),
         acceleration_error=np.zeros((1, n)),
         rings=np.zeros(1, dtype=bool),
+        recording=run.recording,
     )
 
 
