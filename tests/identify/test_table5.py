@@ -88,7 +88,7 @@ def test_missing_files_are_named(tmp_path):
     with pytest.raises(InputError, match=r"table5\.csv: no such file"):
         read_table5(tmp_path)
     (tmp_path / "table5.csv").write_text("configuration,fx_N\n1,0\n")
-    with pytest.raises(InputError, match=r"experiment\.yaml: no such file"):
+    with pytest.raises(InputError, match=r"experiment\.yaml: cannot be read: No such file"):
         read_table5(tmp_path)
     (tmp_path / "experiment.yaml").write_text((PAPER / "experiment.yaml").read_text())
     with pytest.raises(InputError, match="columns are missing: fy_N, fz_N, i1_A"):

@@ -25,12 +25,15 @@ class Folds:
         of_instants: Shape (T,), fold of every instant.
         gap: Shape (T, K) bool, instants that are left out beside a fold without being predicted.
         recordings: Name of the recording that each fold is; empty where folds are something else.
+        own: How many of the folds, the first ones, are of the recording that shows an extension alone; None: all count.
+            What is another recording's own cannot be predicted without that recording, and says nothing of this one.
     """
 
     by: Literal["recording", "run", "block"]
     of_instants: NDArray[np.int64]
     gap: NDArray[np.bool_]
     recordings: tuple[str, ...] = ()
+    own: int | None = None
 
     def __len__(self) -> int:
         return int(self.gap.shape[1])
@@ -51,16 +54,18 @@ def instant_of(linear: LinearisedModel) -> NDArray[np.int64]:
     return np.flatnonzero(rows) // len(linear.quantities)
 
 
-def folds_of(linear: LinearisedModel, changed: Array | None = None) -> Folds:
+def folds_of(linear: LinearisedModel, changed: Array | None = None, only: str | None = None) -> Folds:
     """Return the folds of a campaign.
 
     A fold is what a later recording would be: a recording where there are several, else a run. Beyond 40 runs every
-    fold takes several that lie far apart, as up and down of one sweep do not. Where one recording shows nearly all of
-    an extension, its runs are folds beside the other recordings; where one run does, that is cut into blocks.
+    fold takes several that lie far apart, as up and down of one sweep do not. Where an extension acts in one recording
+    alone, or that shows nearly all of it, its runs are folds beside the other recordings; where one run does, that is
+    cut into blocks.
 
     Args:
         linear: The campaign.
         changed: Shape (m,), whitened change of the prediction by the extension; None: there is none.
+        only: Name of the recording in which alone the extension acts; None: there is none.
     """
     lengths = [len(segment) for segment in linear.segments]
     run = np.repeat([linear.runs.index(segment.run) for segment in linear.segments], lengths)
@@ -73,9 +78,9 @@ def folds_of(linear: LinearisedModel, changed: Array | None = None) -> Folds:
     )
     recording_of = np.array([of_run[name] for name in linear.runs])
     share = _sums(recording_of, power, len(names))
-    alone = int(np.argmax(share))
+    alone = int(np.argmax(share)) if only is None else names.index(only)
     recording = recording_of[run]
-    if changed is None or share[alone] <= ALONE * share.sum():
+    if changed is None or (only is None and share[alone] <= ALONE * share.sum()):
         return Folds("recording", recording, np.zeros((len(run), len(names)), dtype=bool), names)
     mine, runs = recording == alone, np.flatnonzero(recording_of == alone)
     inside = _of_runs(np.searchsorted(runs, run[mine]), power[runs])
@@ -83,7 +88,7 @@ def folds_of(linear: LinearisedModel, changed: Array | None = None) -> Folds:
     fold[mine] = inside.of_instants
     gap = np.zeros((len(run), len(inside) + len(names) - 1), dtype=bool)
     gap[np.flatnonzero(mine)[:, None], np.arange(len(inside))] = inside.gap
-    return Folds(inside.by, fold, gap)
+    return Folds(inside.by, fold, gap, own=len(inside))
 
 
 def _sums(group: NDArray[np.int64] | Array, values: Array, count: int) -> Array:

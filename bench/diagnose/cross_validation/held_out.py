@@ -133,16 +133,21 @@ def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: Linear
     """
     designs = before_in or linear, linear
     count = len(before.nuisances)
-    folds = folds_of(linear, linear.whiten(before.residual - after.residual))
+    added = {cause.key: cause for cause in after.causes}.keys() - {cause.key for cause in before.causes}
+    acts_in = {cause.place.recording for cause in after.causes if cause.key in added}
+    only = acts_in.pop() if len(acts_in) == 1 else None
+    folds = folds_of(linear, linear.whiten(before.residual - after.residual), only)
     weights = np.random.default_rng(SEED).dirichlet(np.ones(len(folds)), DRAWS)
     tangents = [tangent_of(own, fit) for own, fit in zip(designs, (before, after), strict=True)]
     one, two = (log_probability_of_folds(linear, tangent, folds) for tangent in tangents)
     figures = log_probability_of_figures(after, tangents[1], count) - log_probability_of_figures(before, tangents[0])
-    low, high = np.quantile(figures + len(folds) * weights @ (two - one), (LOW, HIGH))
+    rise = (two - one)[: folds.own]
+    own = np.random.default_rng(SEED).dirichlet(np.ones(len(rise)), DRAWS)
+    low, high = np.quantile(figures + len(rise) * own @ rise, (LOW, HIGH))
     both = zip(designs, (before, after), tangents, strict=True)
     first, second = (errors_of_folds(own, fit, tangent, folds) for own, fit, tangent in both)
     return HeldOut(
-        nats=figures + float(np.sum(two - one)),
+        nats=figures + float(np.sum(rise)),
         low=float(low),
         high=float(high),
         figures=figures,

@@ -1,10 +1,9 @@
 """A first pass as text in the terminal."""
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
 from bench.identify.dynamics.advice import sentence
 from bench.identify.dynamics.first_pass import FirstPass
@@ -13,6 +12,9 @@ from bench.record.campaign import Array
 from bench.report.dynamics.as_json import MODELS
 from bench.report.dynamics.identify import Dynamics
 from bench.report.dynamics.notes import notes_of
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 WORDS = {
     "measured": "torque itself",
@@ -31,6 +33,8 @@ TITLES = {
 
 def print_dynamics(result: Dynamics, level: float) -> None:
     """Print errors first, then parameters, then what is not told and which motion would tell it."""
+    from rich.console import Console
+
     found, console = result.found, Console()
     for line in _head(found):
         console.print(line, highlight=False)
@@ -70,9 +74,11 @@ def _head(found: FirstPass) -> Iterator[str]:
         yield "No delay between angles and torques: with one, what was held out is not surely predicted better."
 
 
-def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> Table:
+def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> "Table":
     hinge = found.nominal.bodies.is_hinge
     unit = "Nm" if hinge.all() else "Nm or N" if hinge.any() else "N"
+    from rich.table import Table
+
     table = Table(title=f"error of the torque, RMS [{unit}]; {title}")
     table.add_column("", no_wrap=True)
     for joint in found.joints:
@@ -82,8 +88,10 @@ def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> Table:
     return table
 
 
-def _parameters(title: str, rows: list[Quantity], quantile: float) -> Table:
+def _parameters(title: str, rows: list[Quantity], quantile: float) -> "Table":
     lumped = any(one.meaning for one in rows)
+    from rich.table import Table
+
     table = Table(title=title)
     for name in ("", "nominal", "found", "interval", "unit", *(["with it"] if lumped else [])):
         table.add_column(name, justify="left" if name in ("", "unit", "with it") else "right")
