@@ -75,6 +75,8 @@ def _large(verdict: Verdict, room: int) -> str:
     for found in names:
         if len(text := listed(found, "and") + words) <= room:
             return text
+    if fitting := _fitting(names[1], "and", room):
+        return fitting
     rest = f"{len(large)} findings" if len(large) > 1 else f"one of {len(large[0].names)} causes"
     return rest + words if len(rest + words) <= room else ""
 

@@ -106,6 +106,13 @@ def test_small_findings_that_are_open_are_no_either_or_of_the_headline() -> None
     assert headline(replace(VERDICTS["several"], findings=(finding(GAS), small))).startswith("Loss of gas: lost 0.133")
 
 
+def test_findings_with_several_names_have_one_each_in_a_long_headline() -> None:
+    found = (finding(GAS, WARM), finding(replace(MASS, share=0.4), OIL), finding(ZERO))
+    assert headline(replace(VERDICTS["several"], findings=found)) == (
+        "Loss of gas or 1 other, mass of a link (upper arm) or 1 other and zero of a joint (joint 2)."
+    )
+
+
 def test_two_causes_in_the_place_of_one_are_another_explanation() -> None:
     other = Explanation((MASS, ZERO), 0.4, 90.0)
     one = replace(VERDICTS["cause"], explanations=(*VERDICTS["cause"].explanations, other))
