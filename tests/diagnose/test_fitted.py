@@ -9,8 +9,8 @@ import yaml
 
 from bench.diagnose.replay.fitted import figures_with, fitted_world
 from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.perfect_instruments import ideal_reading
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.replay import ideal_reading
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.fitted import NOTHING
 from bench.robot.folder import load_robot, robot_names

@@ -11,7 +11,7 @@ from bench.diagnose.extend.fit import Fit, world_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.levels import world_in
 from bench.diagnose.replay.nuisances import THERMOMETER_K
-from bench.diagnose.replay.replay import ideal_reading
+from bench.diagnose.replay.perfect_instruments import ideal_reading
 from bench.diagnose.replay.segments import recordings_of
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
 from bench.effects.effect import REFERENCE_K, Conditions

@@ -22,11 +22,12 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.groups import AmbiguityGroup, groups_of
-from bench.diagnose.name.models import CandidateModel, Fitter, Model, log_of_signs, without_shape
+from bench.diagnose.name.leaders import leaders_of, scattering
+from bench.diagnose.name.models import Fitter, Model, log_of_signs, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.repeated import repeats
-from bench.diagnose.name.search import WINDOW, Alternative, alternatives_of, exchanges, search
-from bench.diagnose.name.search_space import SearchSpace, search_space
+from bench.diagnose.name.search import alternatives_of, exchanges, search
+from bench.diagnose.name.search_space import search_space
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -44,7 +45,6 @@ class Renew(Protocol):
 
 MOST_ROUNDS = 12  # of linearising and searching; the KR300 takes 6
 LEADERS = 6  # alternatives of a search that are simulated; half of them while the best model still changes
-MOST_PLAYS = 12  # models with a play that are tried; one of 20 findings would be tried for minutes
 # Share of what an effect changes, to which it is simulated: bins, time steps and how friction starts to slide; assumed,
 # from what signatures miss of simulations (0.5 to 3.5 %, tests/diagnose/test_first_order.py).
 SIMULATED = 0.02
@@ -167,14 +167,14 @@ class _Selection:
         self.promising = tuple(cause for cause in causes if cause)
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
         count = LEADERS if is_last else LEADERS // 2
-        leaders = [one.best.terms for one in _leaders(found, count)]
+        leaders = [one.best.terms for one in leaders_of(found, count)]
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known)
         present = fitter.knows(self.best, about.candidate_of(about.present))
         alone = tuple(i for i in found[0].best.terms if i not in shape)
         others = [*leaders, alone if shape else about.instead(alone)]
         candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms))]
-        candidates += _scattering(about, found[0]) if is_last else []
+        candidates += scattering(about, found[0]) if is_last else []
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
         if not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
@@ -281,28 +281,3 @@ class _Selection:
         others = tuple(other for other in best.causes if other.key != cause.key)
         start = {key: value for key, value in best.start.items() if key[:2] != cause.key}
         return refit(self.best.linear(self.linear), others, start, best.nuisances, best)
-
-
-def _leaders(found: Sequence[Alternative], count: int) -> list[Alternative]:
-    """Return what is worth a simulation: the best, and the best of those that have all of a better one and more."""
-    near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
-    larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
-    return [*[one for one in near if one not in larger][:count], *larger[:1]]
-
-
-def _scattering(about: SearchSpace, leader: Alternative) -> list[CandidateModel]:
-    """Return the leader with a play beside or in the place of anything at its joint.
-
-    Where a link rests within its play is chance, so its signature alone shows little of it.
-    """
-    terms, candidates = leader.best.terms, []
-    for play, what in enumerate(about.what):
-        cause = about.cause(play)
-        if cause is None or not cause.effect.scatters or cause.key in leader.keys:
-            continue
-        for i in terms:
-            other = about.cause(i)
-            if about.what[i].drive == what.drive and not (other and other.effect.scatters):
-                rest = tuple(one for one in terms if one != i)
-                candidates += [about.candidate_of((*rest, play)), about.candidate_of((*terms, play))]
-    return candidates[:MOST_PLAYS]

@@ -19,6 +19,7 @@ from bench.diagnose.replay.jacobians import reflector_jacobians
 from bench.diagnose.replay.known import known_value
 from bench.diagnose.replay.late import read_late
 from bench.diagnose.replay.levels import is_told_apart, world_in
+from bench.diagnose.replay.perfect_instruments import distorted, ideal_reading
 from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
@@ -33,13 +34,12 @@ from bench.diagnose.replay.world import (
     moved,
     steps_of,
 )
-from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect
+from bench.effects.effect import Conditions
 from bench.effects.followed import Followed
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.robot.patched import Structure
 from bench.simulate.bare import bare_spec
-from bench.simulate.instruments import Reading
 from bench.simulate.plant import Trace
 from bench.simulate.prescribed import TOLERANCE, Prescribed
 
@@ -121,7 +121,7 @@ class Replay:
         late = [acting.effect.lateness(acting.place, acting.values) for acting in world.acting]
         trace = read_late(self.compiled, segments, trace, [one for one in late if one])
         reading = ideal_reading(self.compiled, trace)
-        reading = _distorted(reading, segments, trace, world.acting)
+        reading = distorted(reading, segments, trace, world.acting)
         for nuisance, value in world.deviations.items():
             if nuisance.on_reading:
                 reading = nuisance.on_reading(value, reading)
@@ -130,7 +130,7 @@ class Replay:
     def _say_known(self, values: Array, world: World, trace: Trace) -> None:
         """Write what the lab knows besides, as it is in a world; errors of the recording are not in it."""
         of_machine = [one for one in self.whole(world).acting if one.effect.level == "machine"]
-        reading = _distorted(ideal_reading(self.compiled, trace), self.segments, trace, of_machine)
+        reading = distorted(ideal_reading(self.compiled, trace), self.segments, trace, of_machine)
         for segment, mine in zip(self.segments, self._rows, strict=True):
             if segment.label == LABEL:
                 values[mine, self.quantities.index(EARLIER)] = said_before(world.deviations, len(segment))
@@ -282,36 +282,3 @@ class Replay:
 
     def _robot(self, world: World, conditions: Conditions) -> CompiledRobot:
         return self._structure.robot(steps_of(self.whole(world), conditions))
-
-
-def ideal_reading(compiled: CompiledRobot, trace: Trace) -> Reading:
-    """Return what perfect instruments show; every quantity is there."""
-    gauge = compiled.robot.figures.instruments.pressure
-    area = gauge.piston_area_m2 if gauge else np.nan
-    return Reading(
-        time=trace.time,
-        q_motor=trace.q,
-        q_link=trace.theta,
-        current=trace.motor_torque / compiled.torque_constant,
-        torque=trace.motor_torque,
-        force=trace.wrench[:, :3],
-        moment=trace.wrench[:, 3:],
-        reflectors=trace.reflectors,
-        gas_pressure=trace.gas_force / area,
-        gas_temperature=np.full(len(trace), REFERENCE_K),
-    )
-
-
-def _distorted(reading: Reading, segments: Iterable[Segment], trace: Trace, acting: Iterable[Acting]) -> Reading:
-    """Return what instruments show in which some effects act."""
-    distorting = [one for one in acting if type(one.effect).distort is not Effect.distort]
-    if not distorting:
-        return reading
-    known = tuple(segments)
-    parts = []
-    for segment, rows in zip(known, slices_of(count_of(one) for one in known), strict=True):
-        seen, there = reading[rows], trace[rows]
-        for one in distorting:
-            seen = one.effect.distort(one.place, one.values, seen, there, segment.conditions)
-        parts.append(seen)
-    return Reading.concatenate(parts)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.replay.replay import ideal_reading
+from bench.diagnose.replay.perfect_instruments import ideal_reading
 from bench.diagnose.replay.world import NOMINAL
 from bench.effects.effect import Acting
 from bench.effects.sensing_drive import CurrentOffset, TorqueConstant

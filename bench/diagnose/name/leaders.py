@@ -1,0 +1,34 @@
+"""Which models a search is worth to simulate."""
+
+from collections.abc import Sequence
+
+from bench.diagnose.name.models import CandidateModel
+from bench.diagnose.name.search import WINDOW, Alternative
+from bench.diagnose.name.search_space import SearchSpace
+
+MOST_PLAYS = 12  # models with a play that are tried; one of 20 findings would be tried for minutes
+
+
+def leaders_of(found: Sequence[Alternative], count: int) -> list[Alternative]:
+    """Return what is worth a simulation: the best, and the best of those that have all of a better one and more."""
+    near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
+    larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
+    return [*[one for one in near if one not in larger][:count], *larger[:1]]
+
+
+def scattering(about: SearchSpace, leader: Alternative) -> list[CandidateModel]:
+    """Return the leader with a play beside or in the place of anything at its joint.
+
+    Where a link rests within its play is chance, so its signature alone shows little of it.
+    """
+    terms, candidates = leader.best.terms, []
+    for play, what in enumerate(about.what):
+        cause = about.cause(play)
+        if cause is None or not cause.effect.scatters or cause.key in leader.keys:
+            continue
+        for i in terms:
+            other = about.cause(i)
+            if about.what[i].drive == what.drive and not (other and other.effect.scatters):
+                rest = tuple(one for one in terms if one != i)
+                candidates += [about.candidate_of((*rest, play)), about.candidate_of((*terms, play))]
+    return candidates[:MOST_PLAYS]
