@@ -96,9 +96,12 @@ def _is_among(outcome: Outcome) -> bool:
 def twin_is_right(outcome: Outcome) -> bool:
     """Whether a twin came back as a set with its like, or, where it can be told apart, without it."""
     assert outcome.twin is not None
-    sets = [explanation.names for explanation in outcome.answer.explanations]
-    truth, other = frozenset(cause.name for cause in outcome.truth), frozenset([outcome.twin])
-    return outcome.answer.unlisted is None and truth in sets and (other in sets) != outcome.is_split
+    (truth,) = (cause.name for cause in outcome.truth)
+    sets = [frozenset(name for name, _ in group.names) for group in outcome.answer.findings]
+    sets.append(frozenset(e.causes[0].name for e in outcome.answer.explanations if len(e.causes) == 1))
+    mine = [names for names in sets if truth in names]
+    is_together = any(outcome.twin in names for names in mine)
+    return outcome.answer.unlisted is None and bool(mine) and is_together != outcome.is_split
 
 
 def _is_place_right(outcome: Outcome) -> bool | None:

@@ -158,6 +158,13 @@ def test_twins_together_or_apart() -> None:
     assert not is_right(wrong, is_split=True)
 
 
+def test_twins_are_together_where_they_are_names_of_one_finding() -> None:
+    names = ((LOSS, 0.9), (WARM, 0.1))
+    answer = Answer("cause", (explanation(LOSS),), findings=(FoundGroup(names, 1.0),))
+    assert twin_is_right(outcome("twin", truth(LOSS), answer, WARM, is_split=False))
+    assert not twin_is_right(outcome("twin", truth(LOSS), answer, WARM, is_split=True))
+
+
 def test_outcome_goes_to_a_line_and_back() -> None:
     one = single(explanation(LOSS))
     line = one.as_json()
