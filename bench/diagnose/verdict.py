@@ -26,6 +26,7 @@ from bench.diagnose.extend.size import NORMAL_95 as NORMAL_95  # of the interval
 from bench.diagnose.linearise.limits import DetectionLimit as DetectionLimit  # part of the verdict
 
 CONFIRMED = 0.5  # of searches without a part of the runs, that find a cause again: the majority
+UNLIKELY = 0.01  # what is left out of the names of a finding and beside them: names hold 99 % (DESIGN 6.2)
 SMALL = 0.2  # of the plausible range (DESIGN 6.1: of 16 large effects hidden in messes the smallest came out at 0.196)
 
 
@@ -259,9 +260,13 @@ class Verdict:
 
     @property
     def other_explanations(self) -> tuple[Explanation, ...]:
-        """Explanations that are more than another name for single findings, such as two causes in the place of one."""
+        """Explanations that are more than another name for single findings, such as two causes in the place of one.
+
+        One with less than a hundredth of the probability is left out.
+        """
         names = {one.cause.name for group in self.findings for one in group.names}
-        return tuple(e for e in self.explanations[1:] if not {cause.name for cause in e.causes} <= names)
+        others = [e for e in self.explanations[1:] if not {cause.name for cause in e.causes} <= names]
+        return tuple(e for e in others if e.probability >= UNLIKELY)
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of `verdict.json`."""
