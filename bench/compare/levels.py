@@ -1,15 +1,23 @@
-"""What belongs to the machine, and what may be anew in each recording."""
+"""What belongs to the machine, and what may be anew in each recording.
+
+Stricter than a joint diagnosis (`diagnose/replay/levels.py`): there a force sensor, weights and nests of reflectors are
+the same in all recordings; here a change of the machine must not be one of theirs, so all that reads is anew.
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.replay.levels import DRIFTING
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.record.campaign import Array
 
-ANEW = {"same": 0.0, "drifts": DRIFTING, "anew": 1.0}  # part of the variance that each recording has for itself
+GAIN = "torque constant of "  # of a motor, with the amplifier beside it: the machine's, though readings show it
+
+
+def is_of_machine(nuisance: Nuisance) -> bool:
+    """Whether what may be off is the machine's: its figures and torque constants. All else is set up anew."""
+    return nuisance.edit is not None or nuisance.name.startswith(GAIN)
 
 
 def is_held_friction(nuisance: Nuisance) -> bool:
@@ -19,7 +27,9 @@ def is_held_friction(nuisance: Nuisance) -> bool:
 
 
 def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[np.intp], held: float) -> Array:
-    """Return the slopes with one column for what recordings share of each nuisance, and one per recording for the rest.
+    """Return the slopes with one column for each of the machine's nuisances, and one per recording for the others.
+
+    How much of its friction a joint holds at rest has both: what it does every time, and by how much that changes.
 
     Args:
         jacobian: Shape (m, p), whitened, of one standard deviation of each nuisance.
@@ -27,8 +37,9 @@ def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[
         recording: Shape (m,), index of the recording of each row.
         held: Share of friction at rest, as a standard deviation, that is new in each recording.
     """
-    own = np.array([held**2 if is_held_friction(one) else ANEW[one.between] for one in nuisances], dtype=np.float64)
-    anew = (jacobian * np.sqrt(own))[:, own > 0]
-    parts = [anew * (recording == k)[:, None] for k in np.unique(recording)]
-    every = np.concatenate([(jacobian * np.sqrt(1 - own))[:, own < 1], *parts], axis=1)
+    machine = np.array([is_of_machine(nuisance) for nuisance in nuisances], dtype=bool)
+    rests = np.array([is_held_friction(nuisance) for nuisance in nuisances], dtype=bool)
+    anew = jacobian[:, ~machine] * np.where(rests[~machine], held, 1.0)
+    own = [anew * (recording == k)[:, None] for k in np.unique(recording)]
+    every = np.concatenate([jacobian[:, machine], np.sqrt(1 - held**2) * jacobian[:, rests], *own], axis=1)
     return np.asarray(every[:, np.any(every != 0, axis=0)], dtype=np.float64)
