@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.compare.recordings import Recording
+from bench.diagnose.diagnose import measured_by
 from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
@@ -20,7 +21,6 @@ from bench.effects.recorded import recorded_in
 from bench.errors import InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
-from bench.record.campaign import Run
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
@@ -84,7 +84,8 @@ def joint_of(
     every = tuple(sorted(runs.values(), key=lambda run: run.start_s))
     quantities = quantities_of(tuple(run for one in recordings for run in one.campaign.runs), compiled)
     recorded = recorded_in(every, compiled.model.opt.gravity)
-    causes = causes_of(catalogue.values(), compiled, _measured(recordings), recorded)
+    measured = frozenset[str]().union(*(measured_by(one.campaign) for one in recordings))
+    causes = causes_of(catalogue.values(), compiled, measured, recorded)
     first = {one.campaign.runs[0].name for one in recordings}  # what sets in with it acts in all of a recording
     causes = tuple(cause for cause in causes if cause.place.since not in first)
     nuisances = nuisances_of(compiled, quantities)
@@ -115,10 +116,3 @@ def _stacked(parts: Sequence[Digits | None]) -> Digits | None:
     """Return what a cause changes in all recordings; None where its model finds no balance in one of them."""
     sound = [part for part in parts if part is not None]
     return np.concatenate(sound) if len(sound) == len(parts) else None
-
-
-def _measured(recordings: Sequence[Recording]) -> frozenset[str]:
-    """Return the quantities of all recordings, without numbers and units."""
-    runs: list[Run] = [run for one in recordings for run in one.campaign.runs]
-    words = (name.split("_")[:-1] for run in runs for name in run.columns)
-    return frozenset("_".join(word for word in part if not word.isdigit()) for part in words)

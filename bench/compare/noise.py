@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.compare.autocorrelation import FEW, alike
+from bench.diagnose.linearise.autocorrelation import FEW, alike
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.record.campaign import Array
 

@@ -10,12 +10,12 @@ quantity counts as known better than half of that. As the climb goes on, standar
 import numpy as np
 from scipy.linalg import cho_solve, solve_triangular
 
+from bench.diagnose.linearise.autocorrelation import alike
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Columns
 from bench.record.campaign import Array
 
 RIDGE = 1.0  # the richest model keeps the priors of its columns
-MOST_ALIKE = 50  # lags over which the correlation of neighbours is summed
 SHARE_OF_MISSES = 0.5  # of what the present model misses, below which no standard error goes
 AT_A_TIME = 1024  # readings whose leverage is found together: memory stays small
 FEW = 10  # readings that say nothing of their own scatter
@@ -76,23 +76,9 @@ def _by_quantity(linear: LinearisedModel, left: Array, freedom: Array, *, counts
     for c in range(len(linear.quantities)):
         for kind, rows in enumerate((at_rest & (linear.column_of == c), ~at_rest & (linear.column_of == c))):
             if np.count_nonzero(rows) >= FEW:
-                alike = _alike(left[rows], linear.run_of[rows]) if kind == 1 and counts_alike else 1.0
-                found[kind, c] = alike * float(np.sum(left[rows] ** 2) / np.sum(freedom[rows]))
+                together = 1.0
+                if kind == 1 and counts_alike:
+                    runs = linear.run_of[rows]
+                    together = alike([left[rows][runs == run] for run in np.unique(runs)])
+                found[kind, c] = together * float(np.sum(left[rows] ** 2) / np.sum(freedom[rows]))
     return found
-
-
-def _alike(left: Array, run_of: Array) -> float:
-    """Return how many neighbours err together: the integrated autocorrelation, summed until it turns negative."""
-    sequences = [left[run_of == run] for run in np.unique(run_of)]
-    power = sum(float(s @ s) for s in sequences)
-    total = 1.0
-    for lag in range(1, MOST_ALIKE):
-        pairs = sum(float(s[lag:] @ s[:-lag]) for s in sequences if len(s) > lag)
-        count = sum(len(s) - lag for s in sequences if len(s) > lag)
-        if power <= 0 or count < FEW:
-            break
-        correlation = pairs / count / (power / len(left))
-        if correlation <= 0:
-            break
-        total += 2 * correlation
-    return total

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from bench.record.campaign import Array
 
-MOST_LAGS = 50  # over which the correlation of neighbours is summed, as in `diagnose.linearise.lack_of_fit`
+MOST_LAGS = 50  # over which the correlation of neighbours is summed
 FEW = 10  # pairs that say nothing of a correlation
 
 
