@@ -101,7 +101,7 @@ def joint_of(
         found = Signatures(compiled, quantities, nuisances, causes, store=store).sensitivities(segments, executor)
         known.append((segments, found))
     joined = tuple(
-        replace(segment, run=f"{one.name}.{segment.run}", label=f"{one.name}.{segment.label}")
+        replace(segment, run=f"{one.name}.{segment.run}", label=f"{one.name}.{segment.label}", recording=one.name)
         for one, (segments, _) in zip(recordings, known, strict=True)
         for segment in segments
     )
