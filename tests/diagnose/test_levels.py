@@ -10,12 +10,13 @@ from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.cross_validation.folds import folds_of
 from bench.diagnose.diagnose import Diagnosis, recorded_by, signatures_of
 from bench.diagnose.linearise.reference_motion import session_of
+from bench.diagnose.replay.courses import courses_of
 from bench.diagnose.replay.levels import as_of, with_recordings
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, MOST_READINGS, Segment, segments_of
-from bench.diagnose.replay.world import World
+from bench.diagnose.replay.world import NOMINAL, World, model_of
 from bench.effects.effect import Acting
 from bench.effects.levels import places_of
 from bench.record.campaign import Campaign
@@ -215,3 +216,11 @@ def test_bins_of_a_run_do_not_depend_on_other_runs(plain: tuple[Campaign, Campai
         expected = alone[i % len(alone)]
         np.testing.assert_array_equal(segment.motion.time, expected.motion.time)
         np.testing.assert_array_equal(segment.observed, expected.observed)
+
+
+def test_each_recording_is_followed_for_itself(both: Campaign) -> None:
+    """Each has its own clock: what gas or friction remembers of one says nothing of the next."""
+    parts = segments(both)
+    models = [model_of(NOMINAL, part.run, part.recording, part.conditions) for part in parts]
+    for course in courses_of(parts, models, with_temperatures=False):
+        assert len({parts[i].recording for i in course.segments}) == 1

@@ -145,14 +145,6 @@ def test_gas_stays_warm_where_one_motion_follows_another(rng: np.random.Generato
     assert np.max(np.abs(cold[second] - alone)) < 0.05 * remembered
 
 
-def test_a_clock_that_goes_back_is_another_recording(rng: np.random.Generator) -> None:
-    compiled = _compiled("warming gas")
-    robot, motion = Prescribed(compiled), _motion(compiled.n_joints, rng)
-    back = replace(_halves(motion), time=motion.time - 1000.0 * (np.arange(LENGTH) >= LENGTH // 2))
-    alone = robot.follow(_second(motion))[0].gas_force
-    np.testing.assert_allclose(robot.follow(back)[0].gas_force[-len(alone) :], alone, rtol=1e-12)
-
-
 @pytest.mark.parametrize("kind", ["nominal", "loose", "passive hinges"])
 @pytest.mark.parametrize("iterations", [1, 2, 8])
 def test_failures_are_the_same(

@@ -19,10 +19,6 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-// [s]; the approach of a motion may begin before the motion before it has ended. A clock that goes back by more is another
-// one, of another recording.
-static const double kOverlap = 10;
-
 // Numbers of the search, from the Python side, which says where they come from.
 typedef struct Search {
   double tolerance;        // of the torques on the links, relative
@@ -313,7 +309,7 @@ EXPORT int bench_replay(const mjModel* model, mjData* data, const Arm* arm, cons
     double* found = seen->found + 2 * (size_t)i * u;
     const double since = i ? course->time[i] - course->time[i - 1] : 0;  // [s]
     if (course->begins[i]) {
-      begin(&w, i == 0 || since < -kOverlap);
+      begin(&w, i == 0);
     }
     // gas relaxes over what the plugin takes for one step
     w.model.opt.timestep = fmax(since, own_step);
