@@ -171,8 +171,8 @@ class _Selection:
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known)
         present = fitter.knows(self.best, about.candidate_of(about.present))
-        alone = tuple(i for i in found[0].best.terms if i not in shape)
-        others = [*leaders, alone if shape else about.instead(alone)]
+        alone = [tuple(i for i in found[0].best.terms if i not in shape)] if shape else []
+        others = [*leaders, *alone, about.instead(found[0].best.terms)]
         candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms))]
         candidates += scattering(about, found[0]) if is_last else []
         self.progress(f"fitting {len(candidates) - 1} models")
