@@ -5,15 +5,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
-from bench.diagnose.extend.fit import BEYOND, fit_without, unknowns_of
+from bench.diagnose.extend.fit import BEYOND, Fit, fit_without, unknowns_of
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import causes_of
 from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.marginal import Nuisances
-from bench.diagnose.linearise.screening import Entry, tried_of
-from bench.diagnose.name.models import CandidateModel, Fitter
+from bench.diagnose.linearise.screening import Entry, tried_of, widths_of
+from bench.diagnose.name.models import CandidateModel, Fitter, log_of_widths
 from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.diagnose.name.search_space import SearchSpace, search_space
 from bench.effects.catalogue import catalogue
@@ -76,6 +77,34 @@ def test_what_is_beside_listed_causes_is_orthogonal_to_them(rng: np.random.Gener
 
 def test_findings_are_found_again_without_a_part_of_the_runs(found: Diagnosis) -> None:
     assert [finding.repeats for finding in found.naming.findings] == [1.0, 1.0]
+
+
+def test_a_cause_of_several_sizes_is_weighed_with_priors_of_several_widths(rng: np.random.Generator) -> None:
+    """Against the marginal likelihood of linear readings, written out."""
+    (cause,) = causes_of([catalogue()["floor_tilt"]], nominal(), frozenset({"reflector"}))
+    unknowns = unknowns_of((cause,))
+    prior = np.array([unknown.sigma for unknown in unknowns])
+    slopes = rng.standard_normal((12, 2)) / prior
+    readings = slopes @ (0.1 * prior) + rng.standard_normal(12)
+    covariance = np.linalg.inv(slopes.T @ slopes + np.diag(prior**-2))
+    values = covariance @ slopes.T @ readings
+    empty = np.empty(0)
+    fit = Fit((cause,), unknowns, values, covariance, empty, 0.0, 0.0, empty, empty, empty)
+
+    def marginal(width: float) -> float:
+        spread = np.eye(12) + width**2 * slopes @ np.diag(prior**2) @ slopes.T
+        return float(multivariate_normal.logpdf(readings, cov=spread))
+
+    expected = [marginal(width) - marginal(1.0) - np.log(3) for width in widths_of(cause)]
+    np.testing.assert_allclose(log_of_widths(fit, cause), expected, atol=1e-8)
+    assert np.argmax(expected) == 2  # small sizes are no reason to doubt a cause
+
+
+def test_a_model_is_as_probable_when_it_is_found_as_when_it_is_known(found: Diagnosis, about: SearchSpace) -> None:
+    candidate = about.candidate_of(about.present)
+    linear, model = found.naming.linear, found.naming.models[0]
+    fitter = Fitter(linear, refit(linear, (), {}), SERIAL)
+    assert fitter.fitted([candidate])[0].log_posterior == pytest.approx(model.log_posterior, abs=0.5)
 
 
 def toy(signal: Array, *columns: Array) -> SearchSpace:

@@ -17,9 +17,9 @@ from bench.diagnose.linearise.candidates import Candidate, Cause
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Columns, Nuisances
-from bench.diagnose.linearise.screening import WIDTHS, Entry, Tried
+from bench.diagnose.linearise.screening import WIDTHS, Entry, Tried, widths_of
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.models import CandidateModel, Model
+from bench.diagnose.name.models import CandidateModel, Model, log_of_widths
 from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
@@ -144,18 +144,15 @@ class SearchSpace:
         causes: list[Cause] = []
         shape: Block | None = None
         sizes = self.model.sizes(which) if len(which) else np.empty(0)
-        odds: dict[tuple[str, str], float] = {}
         of_shape: tuple[float, ...] = ()
         for i in which:
             term, what = self.model.terms[i], self.what[i]
             mine, sizes = sizes[: len(term.columns)], sizes[len(term.columns) :]
             if isinstance(what, Cause):
                 causes.append(what)
-                odds[what.key] = term.log_odds
                 start |= {key: value for key, value in self.about.fit.start.items() if key[:2] == what.key}
             elif isinstance(what.what, Candidate):
                 causes.append(what.what.cause)
-                odds[what.what.cause.key] = term.log_odds
                 start |= _values(what.what, mine)
             else:
                 shape, of_shape = replace(what.what, prior=float(term.prior[0])), (term.log_odds,)
@@ -165,7 +162,7 @@ class SearchSpace:
         nuisances = self.about.fit.nuisances if self.about.keys else None
         if nuisances is not None and self.about.shape:
             nuisances = nuisances[: len(nuisances) - self.about.shape.columns.shape[1]]
-        log_odds = (*(odds[cause.key] for cause in causes), *of_shape)
+        log_odds = (*[-self.threshold] * len(causes), *of_shape)  # a fit weighs shapes and widths of a cause itself
         return CandidateModel(tuple(causes), shape, start, nuisances, log_odds)
 
 
@@ -215,7 +212,10 @@ def search_space(
         unknowns = [unknown for unknown in fit.unknowns if unknown.cause is cause]
         sigma = np.array([unknown.sigma for unknown in unknowns])
         sign = np.array([0.0 if u.parameter.is_shape or u.parameter.signed else 1.0 for u in unknowns])
-        terms.append(Term(cause.key, columns, sigma, -threshold, sign))
+        widths = widths_of(cause)
+        width = widths[int(np.argmax(log_of_widths(fit, cause)))]
+        prior = np.where([u.parameter.is_shape for u in unknowns], 1.0, width) * sigma
+        terms.append(Term(cause.key, columns, prior, -threshold - float(np.log(len(widths))), sign))
         what.append(cause)
     if about.shape:
         log_odds = -float(np.log(len(WIDTHS)))

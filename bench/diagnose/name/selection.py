@@ -23,7 +23,7 @@ from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.groups import AmbiguityGroup, groups_of
 from bench.diagnose.name.leaders import leaders_of, scattering
-from bench.diagnose.name.models import Fitter, Model, log_of_signs, without_shape
+from bench.diagnose.name.models import Fitter, Model, log_of_priors, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
@@ -272,7 +272,7 @@ class _Selection:
         except NOT_SIMULATED:
             return None
         gain = held_out(self.best.linear(self.linear), without, best)
-        rise = best.log_evidence - without.log_evidence + log_of_signs(best) - log_of_signs(without)
+        rise = best.log_evidence - without.log_evidence + log_of_priors(best) - log_of_priors(without)
         return Finding(cause, best, rise, gain, gain.is_gain and rise > self._least(without))
 
     def _without(self, cause: Cause) -> Fit:
