@@ -21,7 +21,7 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.groups import AmbiguityGroup, groups_of
+from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
 from bench.diagnose.name.leaders import leaders_of, scattering
 from bench.diagnose.name.models import Fitter, Model, log_of_priors, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
@@ -89,6 +89,7 @@ class _Selection:
     findings: dict[Hashable, Finding] = field(default_factory=dict)
     refused: dict[Hashable, Finding] = field(default_factory=dict)
     refused_shapes: set[str] = field(default_factory=set)
+    plays: set[frozenset[Hashable]] = field(default_factory=set)
     promising: tuple[Cause, ...] = ()
     causes: dict[Hashable, Cause] = field(default_factory=dict)
     posterior: dict[frozenset[Hashable], float] = field(default_factory=dict)
@@ -174,13 +175,16 @@ class _Selection:
         alone = [tuple(i for i in found[0].best.terms if i not in shape)] if shape else []
         others = [*leaders, *alone, about.instead(found[0].best.terms)]
         candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms))]
-        candidates += scattering(about, found[0]) if is_last else []
+        plays = scattering(about, found[0], self.plays) if is_last else {}
+        candidates += plays.values()
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
         if not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
             beside = about.beside()
             models += fitter.fitted([beside] if beside else [])
         models = sorted([Model(self.null), *models], key=lambda model: -model.log_posterior)
+        near = {model.keys for model in models if model.log_posterior > models[0].log_posterior - IN_SET}
+        self.plays |= {there for there, one in plays.items() if one.keys not in near}
         # whatever was promised of those that could not be fitted, or did not need all of their causes
         fell = {keys for keys, model in fitter.models.items() if model is None or model.keys != keys}
         self.posterior = posterior_of(models, found, fell)
