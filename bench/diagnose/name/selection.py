@@ -21,7 +21,7 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
+from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of, part_of_unlisted
 from bench.diagnose.name.leaders import leaders_of, scattering
 from bench.diagnose.name.models import Fitter, Model, log_of_priors, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
@@ -128,7 +128,12 @@ class _Selection:
             return ()  # stopped before a search about it
         first = [finding.cause.key for finding in ranked]
         every = [*first, *(key for key in self.best.keys if key not in first)]
-        return groups_of(every, self.posterior, self.causes)
+        groups = groups_of(every, self.posterior, self.causes)
+        where = self.best.shape.drive if self.best.shape else -1
+        drives = [{member.cause.drive for member in group.members} - {-1} for group in groups]
+        return tuple(
+            part_of_unlisted(group) if where in mine else group for group, mine in zip(groups, drives, strict=True)
+        )
 
     def run(self) -> None:
         """Search until the best model repeats, then with honest errors, and keep what pays on what was held out.
