@@ -33,5 +33,7 @@ class NewRobot:
         print(f"load point: {started.source.load_origin}")
         if started.source.left_out:
             print(f"left out: {', '.join(started.source.left_out)}")
-        print(f"{folder / 'README.md'} lists the defaults that were added; replace what you know better.")
+        for line in started.compiled.robot.figures.assumed:
+            print(f"assumed {line}")
+        print(f"{folder / 'README.md'} says where every figure comes from; replace what you know better.")
         return 0
