@@ -38,7 +38,10 @@ def test_damping_of_a_servo_is_no_friction(tmp_path: Path) -> None:
     robot = started(tmp_path, stranger.mjcf("350"))
     np.testing.assert_array_equal([drive.viscous for drive in robot.drives], 0)
     readme = (tmp_path / "arm" / "README.md").read_text()
-    assert "would take 700 of 200 Nm at full speed, so it is a servo's" in readme
+    assert (
+        "damping 350 of the file would take more than half of the torque limit at full speed, so it is a servo's"
+        in readme
+    )
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from bench.errors import InputError
 from bench.record.campaign import Array
 from bench.record.channels import columns_of
 from bench.record.rules.sheet import TRAVEL
@@ -96,3 +97,16 @@ def split_at_rest(columns: Mapping[str, Array], rest_s: float) -> list[slice]:
         end = int(np.searchsorted(time, time[group[-1]] + rest_s / 2, side="right"))
         found.append(slice(max(begin, 0), min(end, len(time))))
     return found
+
+
+def in_window(cuts: Cuts, window: tuple[float, float]) -> Cuts:
+    """Return cuts with another window.
+
+    Raises:
+        InputError: It is empty.
+    """
+    if not 0 <= window[0] < window[1]:
+        raise InputError(
+            f"--window-s {window[0]:g} {window[1]:g}: write FROM before TO, in seconds after the first row."
+        )
+    return cuts.model_copy(update={"windows_s": (window,)})

@@ -167,13 +167,12 @@ def _needed(joint: SourceJoint, found: Survey, j: int) -> float:
 
 def _viscous(joint: SourceJoint, speed: float, inertia: float) -> tuple[float, str]:
     """Return the viscous friction of a joint [Nm s/rad], and where it comes from; a servo's damping is none."""
-    taken, unit = joint.damping * speed, "N" if joint.is_slide else "Nm"
     if joint.damping == 0:
         return 0.0, "none in the file"
-    if joint.torque_limit and taken > SWALLOWED * joint.torque_limit:
+    if joint.torque_limit and joint.damping * speed > SWALLOWED * joint.torque_limit:
         return 0.0, (
-            f"left out: damping {joint.damping:g} of the file would take {taken:.3g} of "
-            f"{joint.torque_limit:.3g} {unit} at full speed, so it is a servo's"
+            f"left out: damping {joint.damping:g} of the file would take more than half of the torque limit at full "
+            "speed, so it is a servo's"
         )
     critical = 2 * np.sqrt(joint.servo_gain * (joint.armature + inertia))
     if joint.servo_gain and not joint.servo_damping and joint.damping > CRITICAL * critical:

@@ -65,7 +65,7 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
         "  pressure: null",
         "",
         "uncertainty:  # default: a model taken from a drawing",
-        *_defaults(Uncertainty, **DRAWING, payload_kg=float(f"{force / STANDARD_GRAVITY:.2g}")),
+        *_defaults(Uncertainty, "  ", **DRAWING, payload_kg=float(f"{force / STANDARD_GRAVITY:.2g}")),
         "",
         "assumed:  # bench check shows these lines; take out what you have replaced",
         *(f"  - {json.dumps(line)}" for line in assumptions(source, drives)),
@@ -73,12 +73,12 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
     return "\n".join(lines) + "\n"
 
 
-def _defaults(kind: type[BaseModel], **other: float) -> list[str]:
-    """Return a line for each figure of an instrument that has a default."""
+def _defaults(kind: type[BaseModel], indent: str = "    ", **other: float) -> list[str]:
+    """Return a line for each figure that has a default."""
     lines = []
     for name, field in kind.model_fields.items():
         if not field.is_required():
-            lines.append(f"    {name}: {other.get(name, field.default):g}  # default")
+            lines.append(f"{indent}{name}: {other.get(name, field.default):g}  # default")
     return lines
 
 
