@@ -24,7 +24,6 @@ from bench.robot.nominal_dynamics import NominalDynamics
 EXPLAINED = 0.5  # share of a reading's variance, mean over drives, from which it is a torque or a current (assumed)
 NEAR_ONE = 0.25  # relative: a factor this near to one is no gear ratio; payload and masses may be off so far (assumed)
 UNTOLD = 0.3  # relative standard deviation of a factor that is no proposal (assumed: gears of one arm differ by less)
-REMEDY = "write the gear ratio or constant where it is known"
 JITTER = 0.05  # of a step, from which the first pass cuts a run (`identify/dynamics/samples.py`)
 MAX_TRAVEL = 10.0  # [m] of a slide; tracks that carry arms are this long, and in mm 10 would be a centimetre
 QUANTITY = {"link": "q_link", "current": "current", "torque": "tau_motor", "temperature": "motor_temperature"}
@@ -239,23 +238,30 @@ def _scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks
         f"all drives agree best; they lag the angles by {1e3 * scale.delay:.1f} ms"
     )
     near = bool(np.all(np.abs(np.abs(scale.factor) - 1) < NEAR_ONE))
-    if family.kind == "current" and not near:
+    if family.kind == "current":
         estimated = zip(names, scale.factor, scale.sigma, strict=True)
         constants = ", ".join(f"{name} {abs(k):.3g} +- {100 * s:.0f} %" for name, k, s in estimated)
-        remarks.append(f"for figures.yaml, torque_constant_nm_per_a as estimated: {constants}")
+        remarks.append(f"for figures.yaml, torque_constant_nm_per_a as estimated: {constants} (torque_constant_error)")
+    elif not near:
+        widest = float(np.max(scale.sigma[scale.sigma < UNTOLD], initial=0.01))
+        remarks.append(
+            f"factors of {family.shown} are estimates: write gear ratios or constants there where they are known, else "
+            f"`gain_sigma: {widest:.2g}` under instruments: torque: of figures.yaml"
+        )
     for number, source in zip(family.numbers, family.sources, strict=True):
         k = number - 1
         sign = float(np.sign(scale.factor[k]))
         unit = "nm" if nominal.bodies.is_hinge[k] else "n"
         told = f"{100 * scale.explained[k]:.0f} % explained"
-        if family.kind == "current" and not near:
+        if family.kind == "current":
             yield Line(f"current_{number}_a", source, sign, 0.0, f"{told}; sign as the model has it")
         elif near:
             why = f"{told}; joint torque within {100 * abs(abs(scale.factor[k]) - 1):.0f} % of the model's"
             yield Line(f"tau_motor_{number}_{unit}", source, sign, 0.0, why)
         else:
             wide = scale.sigma[k] > UNTOLD
-            why = f"{told}; +- {100 * scale.sigma[k]:.0f} %{' is not told by this log' if wide else ''}: {REMEDY}"
+            remedy = ": not told by this log, write the gear ratio" if wide else ""
+            why = f"{told}; +- {100 * scale.sigma[k]:.0f} %{remedy}"
             factor = float(f"{scale.factor[k]:.3g}")
             yield Line(f"tau_motor_{number}_{unit}", source, factor, 0.0, why, is_open=bool(wide))
 

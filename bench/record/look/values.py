@@ -14,6 +14,7 @@ DERIVATIVE = 0.95  # correlation of a column with the slope of another from whic
 # differentiated encoders at 50 Hz leaves 0.99, another joint's velocity 0.5)
 SLOPES = (0.8, 1.25)  # between a velocity and a slope in the same unit (assumed; other units lie a factor of 57 away)
 SMOOTH = 0.01  # share of a column that is faster than 20 Hz: less in encoders, more in currents (assumed)
+HUGE = 1e30  # no instrument reads more, and its square is still a number
 ALIKE = 0.1  # of its own spread, by which a command differs from what it commands (assumed; following errors are 1 %)
 
 
@@ -48,7 +49,7 @@ def evenly(time: Array, columns: Mapping[str, Array]) -> tuple[Array, dict[str, 
 
 def moving(columns: Mapping[str, Array]) -> list[str]:
     """Return the columns that are numbers throughout and do not stand still."""
-    return [name for name, values in columns.items() if np.isfinite(values).all() and np.ptp(values) > 0]
+    return [name for name, values in columns.items() if np.max(np.abs(values)) < HUGE and np.ptp(values) > 0]
 
 
 def families_by_value(time: Array, columns: Mapping[str, Array], n: int | None) -> list[Family]:

@@ -96,7 +96,8 @@ def log_text(source: Source) -> str:
     """Return a `log.yaml` whose names are those of a campaign, to be edited."""
     lines = [
         "# How your logs read: on the left a column of a campaign, on the right the column of your log, and its factor",
-        "# (unit, gear ratio, sign). Take out what you do not record, or mark it optional. Keys: models/README.md.",
+        "# (unit, gear ratio, sign). Take out what you do not record, or mark it optional. All keys stand in",
+        "# bench/record/logs/README.md; `bench convert --look LOG --robot DIR` proposes such a file.",
         "kind: motion",
         "columns:",
         "  time_s: {from: time_s}",
