@@ -46,7 +46,7 @@ class Convert:
 
     def _look(self, log: Path) -> int:
         from bench.errors import InputError
-        from bench.report.log_look import look
+        from bench.report.log_look.look import look
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
         from bench.robot.nominal_dynamics import nominal_dynamics

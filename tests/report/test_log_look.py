@@ -9,7 +9,7 @@ from bench.cli import main
 from bench.errors import CampaignError
 from bench.record.convert import convert
 from bench.record.log_format import LogFormat, read_log_format
-from bench.report.log_look import look
+from bench.report.log_look.look import look
 from bench.robot.nominal_dynamics import NominalDynamics, nominal_dynamics
 from bench.robot.starter.folder import start_robot
 from bench.robot.starter.source import read_source

@@ -11,6 +11,7 @@ import numpy as np
 from bench.errors import RobotError, unknown_name
 from bench.robot.bodies import Array
 from bench.robot.plain_words import plain_words
+from bench.robot.starter.actuators import servo_gains, torque_limit
 from bench.robot.starter.urdf import Urdf, read_urdf
 from bench.robot.trial import expect_harmless
 
@@ -200,28 +201,13 @@ def _describe(model: mujoco.MjModel, j: int, name: str, speeds: Mapping[str, flo
         has_limits=has_limits,
         armature=float(model.dof_armature[dof]),
         damping=float(np.ravel(model.dof_damping[dof])[0]),
-        servo_gain=_servo_gains(model, j)[0],
-        servo_damping=_servo_gains(model, j)[1],
+        servo_gain=servo_gains(model, j)[0],
+        servo_damping=servo_gains(model, j)[1],
         frictionloss=float(model.dof_frictionloss[dof]),
-        torque_limit=_torque_limit(model, j),
+        torque_limit=torque_limit(model, j),
         speed_limit=speeds.get(name, 0.0),
         home=float(np.clip(home, low, high)),
     )
-
-
-def _actuators_of(model: mujoco.MjModel, j: int) -> list[int]:
-    """Return the actuators that act on a joint."""
-    on_joints = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
-    return np.flatnonzero(on_joints & (model.actuator_trnid[:, 0] == j)).tolist()
-
-
-def _servo_gains(model: mujoco.MjModel, j: int) -> tuple[float, float]:
-    """Return stiffness [Nm/rad] and damping [Nm s/rad] of a position actuator on a joint; zeros if there is none."""
-    for actuator in _actuators_of(model, j):
-        bias, gear = model.actuator_biasprm[actuator], float(model.actuator_gear[actuator, 0])
-        if int(model.actuator_biastype[actuator]) == int(mujoco.mjtBias.mjBIAS_AFFINE) and bias[1] < 0:
-            return -float(bias[1]) * gear**2, -float(bias[2]) * gear**2
-    return 0.0, 0.0
 
 
 def _guessed_masses(spec: mujoco.MjSpec) -> tuple[str, ...]:
@@ -231,21 +217,6 @@ def _guessed_masses(spec: mujoco.MjSpec) -> tuple[str, ...]:
         for body in spec.bodies
         if not body.explicitinertial and any(np.isnan(g.mass) and g.density == WATER for g in body.geoms)
     )
-
-
-def _torque_limit(model: mujoco.MjModel, j: int) -> float:
-    """Return the largest torque of a joint's actuator, or of the joint itself; 0 if nothing limits it."""
-    limits = [float(np.max(np.abs(model.jnt_actfrcrange[j])))] if model.jnt_actfrclimited[j] else []
-    for actuator in _actuators_of(model, j):
-        gear = abs(float(model.actuator_gear[actuator, 0]))
-        if model.actuator_forcelimited[actuator]:
-            limits.append(gear * float(np.max(np.abs(model.actuator_forcerange[actuator]))))
-        elif int(model.actuator_biastype[actuator]) == int(mujoco.mjtBias.mjBIAS_NONE):
-            control = model.actuator_ctrladr[actuator]
-            if model.actuator_ctrllimited[actuator]:
-                gain = abs(float(model.actuator_gainprm[actuator, 0]))
-                limits.append(gear * gain * float(np.max(np.abs(model.actuator_ctrlrange[control]))))
-    return min(limits, default=0.0)
 
 
 def _clear(spec: mujoco.MjSpec, driven: set[str]) -> tuple[str, ...]:
