@@ -132,7 +132,7 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
         origins["stiffness"] = (
             f"default: the torque limit winds it up by {wind}"
             if stiff <= stable
-            else f"default: as stiff as the time step allows on {softest:.2g} of inertia; real gears are stiffer"
+            else "default: as stiff as the time step allows on inertia so small; real gears are stiffer"
         )
         whole = rotor + greatest
         kp = min(whole * BANDWIDTH**2, rotor * (RULE / STEP) ** 2 / 2)

@@ -14,7 +14,6 @@ from bench.robot.mjcf_text import look_through
 from bench.robot.trial import expect_harmless
 
 MESHES = (".stl", ".obj", ".msh")  # that MuJoCo reads
-SPELT = 4  # names that a sentence spells out
 ABOVE = 4  # folders above the URDF in which a package is looked for (assumed: urdf/ and robots/ lie one or two below)
 
 
@@ -84,7 +83,7 @@ def read_urdf(file: Path) -> Urdf | None:
         for kind in ("visual", "collision"):
             for shape in link.findall(kind):
                 _place_mesh(file, link, shape, meshes, missing)
-    left_out = (f"{len(missing)} shapes: {_some(missing)}",) if missing else ()
+    left_out = (f"{len(missing)} shapes: {'; '.join(missing)}",) if missing else ()
     extension = root.find("mujoco")
     extension = ElementTree.SubElement(root, "mujoco") if extension is None else extension
     compiler = extension.find("compiler")
@@ -108,7 +107,7 @@ def _place_mesh(
             raise RobotError(
                 f"{file}: link {link.get('name')!r} has its mass in {written!r}, which is not read: {why}."
             )
-        missing.append(f"{written} of {link.get('name')} ({why})")
+        missing.append(f"{PurePosixPath(written).name} of {link.get('name')} ({why})")
         link.remove(shape)
         return
     try:
@@ -139,8 +138,3 @@ def _number(text: str) -> float:
         return float(text)
     except ValueError:
         return 0.0
-
-
-def _some(names: list[str]) -> str:
-    rest = len(names) - SPELT
-    return ", ".join(names[:SPELT]) + (f" and {rest} more" if rest > 0 else "")
