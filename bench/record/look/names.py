@@ -25,8 +25,9 @@ _INDEX = re.compile(r"\d+")
 
 
 def clocks(names: Sequence[str]) -> list[str]:
-    """Return the columns that may be a clock by their names."""
-    return [name for name in names if (words := _words(name)) and (words[0] in CLOCKS or words[-1] in STAMPS)]
+    """Return the columns that may be a clock by their names; first a stamp of the measurement, then one of the log."""
+    found = [name for name in names if (words := _words(name)) and (words[0] in CLOCKS or words[-1] in STAMPS)]
+    return sorted(found, key=lambda name: _words(name)[0] == "log")
 
 
 def unit_of(name: str) -> str:
