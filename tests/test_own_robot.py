@@ -60,3 +60,37 @@ def test_the_page_from_its_first_command_to_its_last(
     assert all(rms < 0.5 for rms in found["held_out_rms_nm"]["first_pass"])
     assert (tmp_path / "found" / "report.html").is_file()
     assert (tmp_path / "found" / "verdict.json").is_file()
+
+
+def test_drives_that_report_current(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Torque constants that nobody knows are estimated from a log, written down, and then used."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.xml").write_text(stranger.mjcf())
+    assert main(["new-robot", "myarm", "--mjcf", "arm.xml"]) == 0
+    motion = stranger.moved(np.random.default_rng(3), 20.0)
+    names = ["time", *(f"actual_q_{j}" for j in range(3)), *(f"actual_current_{j}" for j in range(3))]
+    rows = np.column_stack([motion.time, motion.position, motion.torque / np.array(stranger.CONSTANT)])
+    np.savetxt("log.csv", rows, delimiter=",", header=",".join(names), comments="", fmt="%.8g")
+    capsys.readouterr()
+    assert main(["convert", "--look", "log.csv", "--robot", "myarm", "-o", "log.yaml"]) == 0
+    convert = ["convert", "myarm", "log.csv", "--log", "log.yaml", "-o", "campaign"]
+    assert main(convert) == 0
+    assert main(["check", "campaign"]) == 3  # the constants are not written down yet
+    told = (tmp_path / "log.yaml").read_text().split("as estimated: ")[1].split(" (torque")[0]
+    constants = [part.split()[1] for part in told.split(", ")]
+    figures = tmp_path / "myarm" / "figures.yaml"
+    text = figures.read_text().replace("current: null", "current: {}")
+    text = re.sub(r"  torque:\n(    .*\n)+", "  torque: null\n", text)
+    for constant in constants:
+        line = f"torque_constant_nm_per_a: {constant}\n    torque_constant_error: 0.1\n"
+        text = re.sub(r"# torque_constant_nm_per_a.*\n", line, text, count=1)
+    figures.write_text(text)
+    capsys.readouterr()
+    assert main(["check", "campaign"]) == 0
+    assert main(["identify", "campaign", "--method", "dynamics", "-o", "first-pass"]) == 0
+    found = json.loads((tmp_path / "first-pass" / "dynamics.json").read_text())
+    for joint, coulomb in enumerate(stranger.COULOMB):
+        low, high = quantity(found, f"Coulomb friction (j{joint + 1})")
+        assert low < coulomb < high

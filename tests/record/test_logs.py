@@ -6,12 +6,15 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from pyarrow import parquet
 
+from bench.cli import main
 from bench.errors import CampaignError, InputError
 from bench.record.convert import convert
 from bench.record.log_format import LogFormat, read_log_format
-from bench.record.logs.dialect import Dialect, guess_dialect
+from bench.record.logs.dialect import Dialect, guess_dialect, read_log_table
 from tests.record.test_convert import log
 
 JOINTS = 3
@@ -224,6 +227,53 @@ def test_another_table_with_its_own_clock(tmp_path: Path) -> None:
     log(tmp_path, "a_force.csv", "ms;fz\n" + "".join(f"{9990 + 20 * k};{k}\n" for k in range(11)))
     with pytest.raises(CampaignError, match=r"fz of force: no value.*other table has no readings"):
         convert(tmp_path, form, "mine")
+
+
+@given(
+    rows=st.integers(3, 30),
+    columns=st.integers(2, 12),
+    seed=st.integers(0, 2**32 - 1),
+    dialect=st.sampled_from(
+        [(",", "."), (";", "."), (";", ","), (" ", "."), (" ", ","), ("\t", "."), ("\t", ","), ("|", ".")]
+    ),
+    header=st.booleans(),
+    before=st.integers(0, 3),
+    end=st.booleans(),
+)
+def test_any_way_of_writing_is_guessed_and_read_back(
+    tmp_path_factory: pytest.TempPathFactory,
+    rows: int,
+    columns: int,
+    seed: int,
+    dialect: tuple[str, str],
+    header: bool,
+    before: int,
+    end: bool,
+) -> None:
+    separator, decimal = dialect
+    cells = np.random.default_rng(seed).normal(scale=30, size=(rows, columns)).round(4)
+    above = "".join(f"remark {k}\n" for k in range(before))
+    names = separator.join(f"c{k}" for k in range(columns)) + "\n" if header else ""
+    file = tmp_path_factory.mktemp("log") / "x.csv"
+    text = text_of(cells, separator, decimal, separator if end and separator != " " else "")
+    file.write_text(above + names + text)
+    guess = guess_dialect(file.read_bytes())
+    assert guess is not None
+    assert guess.header == header
+    table = read_log_table(file, guess)
+    assert not table.findings
+    assert table.names == tuple(f"c{k}" for k in range(columns)) if header else table.names[0] == "1"
+    for name, values in zip(table.names, cells.T, strict=True):
+        np.testing.assert_array_equal(table.columns[name], values)
+
+
+def test_a_window_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = "".join(f"{k / 100},{0.1 * np.sin(k / 9)},{0.1 * np.sin(k / 9)},{np.cos(k / 9)}\n" for k in range(300))
+    log(tmp_path, "x.csv", "time_s,q_cmd_m,q_m,u_V\n" + rows)
+    command = ["convert", "emps", str(tmp_path / "x.csv"), "-o", str(tmp_path / "campaign")]
+    assert main([*command, "--window-s", "2", "1"]) == 2
+    assert main([*command, "--window-s", "0.5", "1.5"]) == 0
+    assert "1 runs, 101 rows" in capsys.readouterr().out
 
 
 def test_a_log_without_a_clock(tmp_path: Path) -> None:

@@ -71,7 +71,7 @@ def test_a_file_without_actuators_says_that_torque_limits_are_made_up(
     assert main(["new-robot", "arm", "--mjcf", str(tmp_path / "arm.xml"), "-o", str(tmp_path / "arm")]) == 0
     said = capsys.readouterr().out
     assert re.search(r"assumed torque limit \(j1 .*j4 .*\): the file limits no torque", said)
-    assert "assumed speed limit (j1 2, j2 2, j3 2, j4 2): the file has none" in said
+    assert "assumed speed limit (j1 3.142, j2 3.142, j3 3.142, j4 3.142): the file has none" in said
     assert "the file limits no torque" in (tmp_path / "arm" / "README.md").read_text()
     compiled = compile_robot(load_robot(tmp_path / "arm"))
     limits = compiled.model.actuator_forcerange[compiled.at.servo, 1]
@@ -150,7 +150,7 @@ def test_the_speed_limit_stands_once(tmp_path: Path) -> None:
     started(tmp_path, stranger.mjcf())
     assert "velrange" not in (tmp_path / "arm" / "arm.xml").read_text()
     figures = tmp_path / "arm" / "figures.yaml"
-    figures.write_text(figures.read_text().replace("speed_limit_rad_per_s: 2 ", "speed_limit_rad_per_s: 4 "))
+    figures.write_text(figures.read_text().replace("speed_limit_rad_per_s: 3.142 ", "speed_limit_rad_per_s: 4 "))
     assert [d.speed_limit_rad_per_s for d in compile_robot(load_robot(tmp_path / "arm")).robot.figures.drives] == [
         4
     ] * 3
