@@ -252,7 +252,7 @@ def test_any_way_of_writing_is_guessed_and_read_back(
 ) -> None:
     separator, decimal = dialect
     cells = np.random.default_rng(seed).normal(scale=30, size=(rows, columns)).round(4)
-    above = "".join(f"remark {k}\n" for k in range(before))
+    above = "".join(" ".join(["remark"] * 20) + "\n" for _ in range(before))  # more words than columns
     names = separator.join(f"c{k}" for k in range(columns)) + "\n" if header else ""
     file = tmp_path_factory.mktemp("log") / "x.csv"
     text = text_of(cells, separator, decimal, separator if end and separator != " " else "")
@@ -274,6 +274,18 @@ def test_a_window_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixt
     assert main([*command, "--window-s", "2", "1"]) == 2
     assert main([*command, "--window-s", "0.5", "1.5"]) == 0
     assert "1 runs, 101 rows" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("stamp", ["{}", "{}Z", "{}+02:00", "{}-05:30"])
+@pytest.mark.parametrize("between", ["T", " "])
+def test_a_clock_of_dates(tmp_path: Path, stamp: str, between: str) -> None:
+    moments = [f"2024-12-31{between}23:59:59.900", f"2025-01-01{between}00:00:00", f"2025-01-01{between}00:00:00.1"]
+    rows = "".join(f"{stamp.format(moment)};{0.1 * k:.1f}\n" for k, moment in enumerate(moments))
+    form = layout(table={"separator": ";"})
+    (run,) = convert(log(tmp_path, "x.csv", "t;q\n" + rows), form, "mine").campaign.runs
+    np.testing.assert_allclose(run.columns["time_s"], [0, 0.1, 0.2], atol=1e-6)
+    with pytest.raises(CampaignError, match=r"2024-13-31.*is no number"):
+        convert(log(tmp_path, "y.csv", "t;q\n" + rows.replace("2024-12", "2024-13")), form, "mine")
 
 
 def test_a_log_without_a_clock(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from bench.record import csv_table
 from bench.record.finding import Finding
 from bench.record.limits import TABLE_BYTES
+from bench.record.logs.dates import in_seconds
 from bench.record.plain_file import FileFault, read_plain
 from bench.record.table import Table, read_table
 
@@ -55,7 +56,7 @@ def read_log_table(file: Path, dialect: Dialect) -> Table:
         return read_table(file.parent, file.name)
     findings: list[Finding] = []
     try:
-        data = read_plain(file, TABLE_BYTES)
+        data = in_seconds(read_plain(file, TABLE_BYTES))
     except FileFault as fault:
         return Table((), {}, (Finding("error", file.name, None, "", str(fault), fault.remedy),))
     if not data.strip():
@@ -136,7 +137,7 @@ def _begin(dialect: Dialect) -> int:
 
 def _lines(data: bytes) -> list[str]:
     """Return the first lines of a text."""
-    text = data[: 1 << 20].decode("utf-8-sig", errors="replace")
+    text = in_seconds(data[: 1 << 20]).decode("utf-8-sig", errors="replace")
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
