@@ -81,12 +81,27 @@ def test_a_delay_and_a_turned_angle_are_told(tmp_path: Path, arm: NominalDynamic
     rows = np.column_stack([motion.time, motion.position * [1, -1, 1], motion.torque * [1, -1, 1]])
     np.savetxt(tmp_path / "x.csv", rows, delimiter=",", header=header, comments="", fmt="%.8g")
     text = look(tmp_path / "x.csv", nominal=arm)
-    assert "angles of j2 seem to count the other way round than the model: give them factor -1" in text
+    assert "angles of j2 count the other way round than the model's" in text
     lag = float(text.split("they lag the angles by ")[1].split(" ms")[0]) * 1e-3
     assert abs(lag - delay) < LAG
     form = proposed(tmp_path, text)
     assert [form.columns[f"tau_motor_{j}_nm"].factor for j in (1, 2, 3)] == [1, -1, 1]
+    assert [form.columns[f"q_motor_{j}_rad"].factor for j in (1, 2, 3)] == [1, -1, 1]
     assert "joint torque within" in text
+
+
+def test_of_two_families_that_follow_the_torque_the_measured_one_is_taken(tmp_path: Path, arm: NominalDynamics) -> None:
+    """Commanded and measured currents side by side: a key that stands twice would be no log.yaml."""
+    rng = np.random.default_rng(8)
+    motion = stranger.moved(rng, SECONDS)
+    current = motion.torque / np.array(stranger.CONSTANT)
+    smooth = np.stack([np.convolve(c, np.ones(25) / 25, mode="same") for c in current.T], axis=1)
+    rows = np.column_stack([motion.time, motion.position, motion.velocity, smooth, current])
+    np.savetxt(tmp_path / "x.csv", rows, delimiter=",", fmt="%.8g")
+    text = look(tmp_path / "x.csv", nominal=arm)
+    form = proposed(tmp_path, text)
+    assert [form.columns[f"tau_motor_{j}_nm"].source for j in (1, 2, 3)] == ["11", "12", "13"]
+    assert "8 to 10: follow the torque too; 11 to 13 are taken" in text
 
 
 def test_names_units_and_currents(tmp_path: Path, arm: NominalDynamics) -> None:

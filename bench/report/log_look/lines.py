@@ -1,17 +1,19 @@
 """Lines of a proposed `log.yaml` that a log alone tells."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bench.record.campaign import Array
+from bench.record.channels import parse_column
 from bench.record.look.families import Family
 from bench.record.rules.scale import MAX_ANGLE
 from bench.record.units import FOREIGN
 
 MAX_TRAVEL = 10.0  # [m] of a slide; tracks that carry arms are this long, and in mm 10 would be a centimetre
 KELVIN = 200.0  # a temperature above it is in kelvin, below in degrees Celsius; no winding has either in the other
+ANGLES = ("q_cmd", "q_motor", "q_link")
 QUANTITY = {"link": "q_link", "current": "current", "torque": "tau_motor", "temperature": "motor_temperature"}
 
 
@@ -25,6 +27,16 @@ class Line:
     offset: float
     why: str
     is_open: bool = False
+
+    @property
+    def number(self) -> int:
+        """Number of the drive whose angle it is; 0 of what is no angle."""
+        column = parse_column(self.column)
+        return column.index if column is not None and column.channel.quantity in ANGLES else 0
+
+    def turned(self) -> "Line":
+        """Return the line with the angle counted the other way round."""
+        return replace(self, factor=-self.factor, offset=-self.offset)
 
     def __str__(self) -> str:
         """As it stands in the file."""

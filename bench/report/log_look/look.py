@@ -48,7 +48,8 @@ def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) ->
     lines = [Line("time_s", clock, factor, 0.0, f"rises evenly; {why}")]
     lines += positions(families, others, is_slide)
     remarks: list[str] = []
-    lines += drives(families, lines, time, others, nominal, remarks)
+    found = drives(families, lines, time, others, nominal, remarks)
+    lines = [*(line.turned() if line.number in found.turned else line for line in lines), *found.lines]
     lines += temperatures(families, others)
     if len(lines) == 1:
         remarks.append(
