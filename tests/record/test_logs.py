@@ -15,6 +15,7 @@ from bench.errors import CampaignError, InputError
 from bench.record.convert import convert
 from bench.record.log_format import LogFormat, read_log_format
 from bench.record.logs.dialect import Dialect, guess_dialect, read_log_table
+from bench.record.table import read_table
 from tests.record.test_convert import log
 
 JOINTS = 3
@@ -299,6 +300,16 @@ def test_columns_by_number_below_a_header(tmp_path: Path) -> None:
     converted = convert(log(tmp_path, "x.csv", "t,q,q2\n0,1,5\n1,2,6\n"), form, "mine")
     np.testing.assert_array_equal(converted.campaign.runs[0].columns["q_motor_1_rad"], [5, 6])
     assert converted.unused == {"x.csv": ("q",)}
+
+
+def test_parquet_with_dates(tmp_path: Path) -> None:
+    """A campaign's own table refuses dates; of a log they are the clock. A column of words is not asked for."""
+    stamps = pa.array(1_700_000_000_000_000 + 2000 * np.arange(4), pa.timestamp("us"))
+    content = {"t": stamps, "q": [0.1, 0.2, 0.3, 0.4], "word": ["a", "b", "c", "d"]}
+    parquet.write_table(pa.table(content), tmp_path / "x.parquet")
+    (run,) = convert(tmp_path, layout(), "mine").campaign.runs
+    np.testing.assert_allclose(run.columns["time_s"], [0, 0.002, 0.004, 0.006], atol=1e-6)
+    assert "holds timestamp" in str(read_table(tmp_path, "x.parquet").findings[0])
 
 
 def test_parquet(tmp_path: Path) -> None:

@@ -8,12 +8,12 @@ from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from bench.record import csv_table
+from bench.record import csv_table, parquet_table
 from bench.record.finding import Finding
 from bench.record.limits import TABLE_BYTES
 from bench.record.logs.dates import in_seconds
 from bench.record.plain_file import FileFault, read_plain
-from bench.record.table import Table, read_table
+from bench.record.table import Table
 
 Separator = Literal[",", ";", "tab", "space", "|"]
 SEPARATORS: dict[Separator, str] = {",": ",", ";": ";", "tab": "\t", "space": " ", "|": "|"}
@@ -52,10 +52,11 @@ PLAIN = Dialect.model_validate({})  # as a campaign's own tables are written
 
 def read_log_table(file: Path, dialect: Dialect) -> Table:
     """Read the table of a log; whatever is wrong with it becomes a finding. Without a header, names are "1", "2"."""
-    if file.suffix.lower() == ".parquet":
-        return read_table(file.parent, file.name)
     findings: list[Finding] = []
     try:
+        if file.suffix.lower() == ".parquet":
+            names, columns = parquet_table.read(file, file.name, findings, with_dates=True) or ((), {})
+            return Table(names, columns, tuple(findings))
         data = in_seconds(read_plain(file, TABLE_BYTES))
     except FileFault as fault:
         return Table((), {}, (Finding("error", file.name, None, "", str(fault), fault.remedy),))
