@@ -186,6 +186,10 @@ class Figures(Strict):
                 "that drives report current: write how many Nm at the joint one A makes (motor constant times gear "
                 "ratio); where nobody knows, write current: null, then `bench convert --look LOG --robot DIR` tells it"
             )
+        if fitted.torque and len(fitted.torque.sigma_of(len(joints))) != len(joints):
+            raise ValueError(
+                f"instruments.torque.sigma_nm needs one number, or one for each of the {len(joints)} drives"
+            )
         for name in fitted.link_encoder.joints if fitted.link_encoder else ():
             if name not in joints:
                 raise ValueError(f"instruments.link_encoder.joints: {unknown_name('driven joint', name, joints)}")
