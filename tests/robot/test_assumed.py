@@ -185,6 +185,20 @@ def test_shapes_that_cannot_be_read_are_said_to_be_left_out(tmp_path: Path, mesh
     assert f"Left out: 1 shapes: {Path(mesh).name} of upper (" in (tmp_path / "arm" / "README.md").read_text()
 
 
+def test_what_has_no_place_here_is_said_to_be_left_out(tmp_path: Path) -> None:
+    text = (
+        stranger.urdf().replace('effort="40"', 'effort="40.0"').replace("</robot>", '<transmission name="t"/></robot>')
+    )
+    text = text.replace("<dynamics", '<safety_controller k_velocity="1"/><dynamics')
+    started(tmp_path, text, "other.urdf")
+    assert "Left out: 1 safety_controller, 1 transmission." in (tmp_path / "arm" / "README.md").read_text()
+
+
+def test_a_spring_at_a_joint_is_said_to_be_left_out(tmp_path: Path) -> None:
+    started(tmp_path, stranger.mjcf().replace('name="j2" ', 'name="j2" stiffness="40" '))
+    assert "the spring of joint j2" in (tmp_path / "arm" / "README.md").read_text()
+
+
 def test_meshes_of_one_name_stay_two(tmp_path: Path) -> None:
     for folder, size in (("a", 0.1), ("b", 0.2)):
         (tmp_path / folder).mkdir()

@@ -121,6 +121,7 @@ def readme_text(name: str, source: Source, drives: Sequence[DriveFigures]) -> st
         f"- Load point: {source.load_origin}.",
         f"- Left out: {', '.join(source.left_out) or 'nothing'}.",
         "- Actuators of the file are not kept: the servo of the bench tracks what a recording says was commanded.",
+        "- Time step and integrator are those of the bench.",
         "",
         "## Assumed",
         "",

@@ -230,6 +230,8 @@ def _clear(spec: mujoco.MjSpec, driven: set[str]) -> tuple[str, ...]:
             spec.delete(element)
     for joint in list(spec.joints):
         if joint.name in driven:
+            if np.any(joint.stiffness):
+                words.append(f"the spring of joint {joint.name}")
             joint.armature, joint.frictionloss = 0.0, 0.0
             joint.damping = np.zeros_like(np.atleast_1d(joint.damping))
             joint.stiffness = np.zeros_like(np.atleast_1d(joint.stiffness))

@@ -14,6 +14,7 @@ from bench.robot.mjcf_text import look_through
 from bench.robot.trial import expect_harmless
 
 MESHES = (".stl", ".obj", ".msh")  # that MuJoCo reads
+UNREAD = ("mimic", "safety_controller", "calibration", "transmission")  # of a URDF, that nothing here has a place for
 ABOVE = 4  # folders above the URDF in which a package is looked for (assumed: urdf/ and robots/ lie one or two below)
 
 
@@ -83,7 +84,9 @@ def read_urdf(file: Path) -> Urdf | None:
         for kind in ("visual", "collision"):
             for shape in link.findall(kind):
                 _place_mesh(file, link, shape, meshes, missing)
+    unread = [f"{len(found)} {tag}" for tag in UNREAD if (found := list(root.iter(tag)))]
     left_out = (f"{len(missing)} shapes: {'; '.join(missing)}",) if missing else ()
+    left_out = (*left_out, *unread)
     extension = root.find("mujoco")
     extension = ElementTree.SubElement(root, "mujoco") if extension is None else extension
     compiler = extension.find("compiler")
