@@ -79,6 +79,18 @@ def test_lines_before_the_header_and_a_header_that_is_a_comment(tmp_path: Path) 
     np.testing.assert_array_equal(run.columns["q_motor_1_rad"], [0.1, 0.2])
 
 
+def test_a_line_of_units_below_the_header(tmp_path: Path) -> None:
+    file = log(tmp_path, "x.csv", "made by y\nt;q\n[s];[rad]\n0;1\n1;oops\n2;3\n")
+    table = {"separator": ";", "skip_lines": 1, "units_line": True}
+    assert guess_dialect(file.read_bytes().replace(b"oops", b"2")) == Dialect.model_validate(table)
+    with pytest.raises(CampaignError, match=r"x\.csv: row 2 \(line 5\): q: 'oops' is no number"):
+        convert(file, layout(table=table), "mine")
+    file.write_text(file.read_text().replace("oops", "2"))
+    np.testing.assert_array_equal(
+        convert(file, layout(table=table), "mine").campaign.runs[0].columns["q_motor_1_rad"], [1, 2, 3]
+    )
+
+
 def test_a_log_without_a_header_is_one_error(tmp_path: Path) -> None:
     """It was one error for each column that was asked for, each with 31 numbers as known names."""
     for name in ("a.csv", "b.csv", "c.csv"):
@@ -102,7 +114,7 @@ def test_a_log_without_a_header_is_one_error(tmp_path: Path) -> None:
         ),
         ("t\tq\n0\t1\n1\t2\n", r"separated by tabs; write `table: \{separator: tab\}`"),
         ("made by x\nt,q\n0,1\n1,2\n", r"numbers begin in line 3; write `table: \{skip_lines: 1\}`"),
-        ("t,q\ns,rad\n0,1\n1,2\n", r"numbers begin in line 3"),
+        ("t,q\ns,rad\n0,1\n1,2\n", r"numbers begin in line 3; write `table: \{units_line: true\}`"),
         ("t,q\n0,1\n1,\n2,3\n", r"row 2 \(line 3\): q: no value.*fill: hold"),
     ],
 )

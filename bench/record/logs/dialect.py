@@ -14,11 +14,13 @@ from bench.record.limits import TABLE_BYTES
 from bench.record.logs.dates import in_seconds
 from bench.record.plain_file import FileFault, read_plain
 from bench.record.table import Table
+from bench.record.units import FOREIGN
 
 Separator = Literal[",", ";", "tab", "space", "|"]
 SEPARATORS: dict[Separator, str] = {",": ",", ";": ";", "tab": "\t", "space": " ", "|": "|"}
 LOOKED_AT = 20  # lines of numbers from which a guess is made (assumed: a fault in one of them does not hide the rest)
 MOST_BEFORE = 200  # lines before the first numbers that a guess passes over (assumed: headers of instruments have 50)
+UNITS = {*FOREIGN, *(foreign.si for foreign in FOREIGN.values()), "a", "n", "k", "", "-", "1", "deg/s", "rad/s", "m/s"}
 _NUMBER = re.compile(r"[+-]?([0-9]+([.,][0-9]*)?|[.,][0-9]+)([eE][+-]?[0-9]+)?|[+-]?(nan|inf)", re.IGNORECASE)
 
 
@@ -31,12 +33,20 @@ class Dialect(BaseModel):
     decimal: Literal[".", ","] = "."
     header: bool = Field(True, description="whether names stand above the numbers; else columns go by number, from 1")
     skip_lines: int = Field(0, ge=0, description="lines before the header, or before the numbers if there is none")
+    units_line: bool = Field(False, description="whether a line with units stands between the header and the numbers")
 
     @model_validator(mode="after")
     def _is_readable(self) -> Self:
         if self.separator == self.decimal:
             raise ValueError("separator and decimal are both ','; which comma is which could not be told")
+        if self.units_line and not self.header:
+            raise ValueError("units_line stands below a header; without one count it among skip_lines")
         return self
+
+    @property
+    def lines_before(self) -> int:
+        """Lines above the numbers."""
+        return self.skip_lines + self.header + self.units_line
 
     def __str__(self) -> str:
         """As it is written into `log.yaml`."""
@@ -67,7 +77,7 @@ def read_log_table(file: Path, dialect: Dialect) -> Table:
         remedy = f"write `table: {guess}` into the log.yaml; `bench convert --look` with this log proposes it"
         return Table((), {}, (Finding("error", file.name, None, "", other, remedy),))
     content = csv_table.parse(_as_csv(data, dialect), file.name, findings)
-    before = _begin(dialect)
+    before = dialect.lines_before
     names, columns = content or ((), {})
     return Table(names, columns, tuple(_at_lines(finding, before) for finding in findings))
 
@@ -82,10 +92,20 @@ def guess_dialect(data: bytes) -> Dialect | None:
                 continue
             first, count = _first_numbers(lines, separator, decimal)
             if count and (best is None or (count, decimal == ".") > best[0]):
-                header = first > 0 and len(_cells(lines[first - 1], separator)) in (count, count + 1)
-                dialect = Dialect(separator=name, decimal=decimal, header=header, skip_lines=first - header)
+                header, units = _above(lines[max(first - 2, 0) : first], separator, count)
+                skipped = first - header - units
+                dialect = Dialect(separator=name, decimal=decimal, header=header, skip_lines=skipped, units_line=units)
                 best = (count, decimal == "."), dialect
     return best[1] if best else None
+
+
+def _above(lines: Sequence[str], separator: str, count: int) -> tuple[bool, bool]:
+    """Return whether a header stands in the last two lines above the numbers, and whether units stand below it."""
+    cells = [_cells(line, separator) for line in lines]
+    fits = [len(line) in (count, count + 1) for line in cells]  # the mark of a comment may be a cell of its own
+    if len(fits) == 2 and all(fits) and all(cell.strip("[](){}#% ").lower() in UNITS for cell in cells[1]):
+        return True, True
+    return bool(fits and fits[-1]), False
 
 
 def _first_numbers(lines: Sequence[str], separator: str, decimal: str) -> tuple[int, int]:
@@ -117,7 +137,8 @@ def _cells(line: str, separator: str) -> list[str]:
 
 def _contradiction(stated: Dialect, guess: Dialect, lines: Sequence[str]) -> str:
     """Return what of a dialect as stated can hardly be, "" if it can."""
-    header, first = (lines[place] if place < len(lines) else "" for place in (stated.skip_lines, _begin(stated)))
+    places = (stated.skip_lines, stated.lines_before)
+    header, first = (lines[place] if place < len(lines) else "" for place in places)
     separator = SEPARATORS[stated.separator]
     if _numbers(first, separator, stated.decimal):
         is_named = not stated.header or not _numbers(header, separator, stated.decimal)
@@ -126,14 +147,11 @@ def _contradiction(stated: Dialect, guess: Dialect, lines: Sequence[str]) -> str
         commas = ", numbers have decimal commas" if guess.decimal == "," else ""
         words = {",": "commas", ";": "semicolons", "tab": "tabs", "space": "spaces", "|": "upright bars"}
         return f"cells are separated by {words[guess.separator]}{commas}"
-    if _begin(guess) > _begin(stated) and not any(_NUMBER.fullmatch(cell) for cell in _cells(first, separator)):
-        return f"its numbers begin in line {_begin(guess) + 1}"
+    if guess.lines_before > stated.lines_before and not any(
+        _NUMBER.fullmatch(cell) for cell in _cells(first, separator)
+    ):
+        return f"its numbers begin in line {guess.lines_before + 1}"
     return ""
-
-
-def _begin(dialect: Dialect) -> int:
-    """Return how many lines stand above the numbers."""
-    return dialect.skip_lines + dialect.header
 
 
 def _lines(data: bytes) -> list[str]:
@@ -152,6 +170,9 @@ def _as_csv(data: bytes, dialect: Dialect) -> bytes:
         data = data[data.find(b"\n") + 1 :] if b"\n" in data else b""
     if dialect.header:
         data = data.lstrip(b"#% \t")  # a header that is marked as a comment
+    if dialect.units_line:
+        end = data.find(b"\n") + 1
+        data = data[:end] + data[data.find(b"\n", end) + 1 :]
     if dialect.decimal == ",":
         data = data.replace(b",", b".")
     separator = SEPARATORS[dialect.separator].encode()

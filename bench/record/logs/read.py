@@ -53,7 +53,7 @@ def read_log(file: Path, layout: LogFormat, findings: list[Finding]) -> LogColum
         return None
     named = {origin.name_in(table.names) for origin in own.values()}
     unused = tuple(name for name in dict.fromkeys(table.names) if name and name not in named)
-    return LogColumns(columns, unused, layout.table.skip_lines + layout.table.header)
+    return LogColumns(columns, unused, layout.table.lines_before)
 
 
 def no_values(file: Path, columns: dict[str, Array], rows: slice, log: LogColumns, layout: LogFormat) -> list[Finding]:
