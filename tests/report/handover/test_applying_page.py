@@ -13,6 +13,7 @@ import yaml
 
 import bench.report.handover
 from bench.cli import main
+from bench.report.diagnosis.words import places_of
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from tests.found import write_found
@@ -21,7 +22,8 @@ from tests.small_robot import FIGURES, MJCF, write_small_robot
 README = (Path(bench.report.handover.__file__).parent / "README.md").read_text(encoding="utf-8")
 OWN = MJCF.replace("<worldbody>", '<worldbody><geom name="floor" type="plane" size="3 3 0.1" pos="0 0 -2"/>')
 PINOCCHIO = 1e-9  # as the page says, of the largest torque
-MEDIAN, SLIDING = 5e-3, 0.02
+MEDIAN, SLIDING = 5e-3, 0.04  # as the page says
+CURRENT_ERROR_A = 0.08  # three standard deviations of what instruments draw: offset 0.01, noise 0.02, 1.1 % of 1 A
 SETTLED_S = 0.5
 
 
@@ -67,15 +69,17 @@ def test_steps_in_time_agree_with_the_table(ran: dict[str, object]) -> None:
     assert np.all(np.asarray(ran["middle"]) < MEDIAN)
     turns = [0.0, *time[1:-1][np.any(np.diff(np.sign(np.diff(q, axis=0)), axis=0) != 0, axis=1)]]
     sliding = np.all([(time < turn) | (time > turn + SETTLED_S) for turn in turns], axis=0)
-    sliding &= time < time[-1] - SETTLED_S
+    sliding = (sliding & (time < time[-1] - SETTLED_S))[: len(stepped)]
     assert sliding.mean() > 0.5
-    error = np.abs(stepped - torque)[sliding].max(axis=0) / np.abs(torque).max(axis=0)
+    error = np.abs(stepped - torque[: len(stepped)])[sliding].max(axis=0) / np.abs(torque).max(axis=0)
     assert np.all(error < SLIDING), error
 
 
-def test_mujoco_holds_the_robot(ran: dict[str, object]) -> None:
-    data, at, q = ran["data"], ran["at"], np.asarray(ran["q"])
-    np.testing.assert_allclose(data.qpos[at.q], q[0], atol=1e-6)  # type: ignore[attr-defined]
+def test_the_environment_shows_currents(ran: dict[str, object]) -> None:
+    seen, q = np.asarray(ran["seen"]), np.asarray(ran["q"])
+    assert seen.shape == q.shape
+    shown = np.asarray(ran["table"])["current_1_a"]  # type: ignore[call-overload]
+    assert np.median(np.abs(seen[:, 0] - shown)) < SLIDING * np.abs(shown).max() + CURRENT_ERROR_A
 
 
 @pytest.mark.skipif(not shutil.which("patch"), reason="there is no `patch` on this machine")
@@ -88,6 +92,13 @@ def test_patched_files_are_the_robot(place: Path, ran: dict[str, object]) -> Non
         np.testing.assert_allclose(getattr(own, field), getattr(found, field), rtol=1e-12, atol=1e-14)
     nominal = mujoco.MjModel.from_xml_path(str(place / "hh150" / "hh150.xml"))
     assert np.any(own.body_mass != nominal.body_mass)
+
+
+def test_a_diagnosis_names_the_command_and_the_page(place: Path) -> None:
+    (line,) = [line for line in places_of(place / "found") if line.startswith("apply")]
+    assert f"bench apply {place / 'found'} -o applied" in line
+    (page,) = re.findall(r"more: (.*)\)", line)
+    assert (Path(bench.__file__).parents[1] / page).samefile(Path(bench.report.handover.__file__).parent / "README.md")
 
 
 def test_the_readme_says_what_a_urdf_cannot(place: Path, ran: dict[str, object]) -> None:
