@@ -15,6 +15,8 @@ from bench.report.handover.posterior_file import read_posterior
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import Robot, load_robot
 from bench.simulate.env import BenchEnv, Drawn
+from tests.found import write_found
+from tests.report.handover.made import torque_robot
 
 DRAWS = 2000
 # Of the inverses between a posterior and the readings that it is given as; condition numbers reach 1e6 here.
@@ -81,6 +83,18 @@ def test_the_robot_is_the_one_that_was_drawn(found: Path, compiled: CompiledRobo
     constant = (1 - lost) * (1 + drawn["gas constant C"])
     assert now.gas_constant / gas.gas_constant == pytest.approx(constant)
     assert env.instruments.errors.current_gain[0] == pytest.approx(drawn["torque constant of hinge_a"])
+
+
+def test_drives_that_report_torque_have_gains_that_were_drawn(tmp_path: Path) -> None:
+    found = write_found(torque_robot(tmp_path / "small"), tmp_path / "found")
+    env = make(posterior=found, truth=True)
+    _, info = env.reset(seed=4)
+    gains = env.plant.compiled.robot.figures.fitted.readings.torque_gain
+    for j, name in enumerate(("hinge_a", "hinge_b")):
+        expected = (1 + gains.get(name, 0.0)) * (1 + info["parameters"][f"torque constant of {name}"]) - 1
+        assert env.instruments.errors.torque_gain[j] == pytest.approx(expected)
+    env.reset(seed=5)
+    assert env.instruments.errors.torque_gain[0] != pytest.approx(expected)
 
 
 def test_what_the_diagnosis_says_nothing_of_is_drawn_by_the_instruments(found: Path) -> None:
