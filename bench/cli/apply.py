@@ -25,12 +25,13 @@ class Apply:
 
     def run(self) -> int:
         """Write, and print where; return the exit code."""
+        import sys
         from math import isfinite
 
         from bench.errors import InputError
         from bench.record.folder import new_folder
         from bench.report.handover.applied import applied_robot
-        from bench.report.handover.apply import DRIVES, README, TORQUES, summary, urdf_name, write_applied
+        from bench.report.handover.apply import DRIVES, README, TORQUES, beyond, summary, urdf_name, write_applied
         from bench.report.handover.feed_forward import feed_forward, read_motion
         from bench.report.prediction.model import model_folder
         from bench.robot.folder import load_robot
@@ -38,10 +39,13 @@ class Apply:
         if not (isfinite(self.payload_kg) and self.payload_kg >= 0):
             raise InputError(f"--payload-kg {self.payload_kg:g}: must be a mass of 0 or more.")
         applied = applied_robot(load_robot(model_folder(self.robot)), self.payload_kg)
-        table = feed_forward(applied, read_motion(self.motion, applied.compiled)) if self.motion else None
+        motion = read_motion(self.motion, applied.compiled) if self.motion else None
+        table = feed_forward(applied, motion) if motion is not None else None
         with new_folder(self.out, README, replace=False) as folder:
             write_applied(applied, table, folder)
-        if table is not None:
+        if motion is not None and table is not None:
+            for words in beyond(table, motion, applied):
+                print(f"warning  {words}", file=sys.stderr)
             for line in summary(table, applied.bodies.names):
                 print(line)
             print(f"torques    {self.out / TORQUES}")

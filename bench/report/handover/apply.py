@@ -11,6 +11,7 @@ from bench.report.handover.feed_forward import PARTS, FeedForward
 from bench.report.handover.urdf import urdf_of
 from bench.report.handover.urdf_gaps import gaps_of
 from bench.robot.folder import Robot
+from bench.simulate.prescribed import Motion
 
 TORQUES = "torque.csv"
 DRIVES = "drives.csv"
@@ -59,6 +60,20 @@ def summary(table: FeedForward, names: tuple[str, ...]) -> Iterator[str]:
     for j, name in enumerate(names):
         sizes = [float(np.sqrt(np.mean(values[:, j] ** 2))) for values in whole.values()]
         yield "  " + f"{name:>12}" + "".join(f"{size:12.4g}" for size in sizes)
+
+
+def beyond(table: FeedForward, motion: Motion, applied: Applied) -> Iterator[str]:
+    """Yield a sentence for every drive that the motion asks for more speed or torque than it gives."""
+    compiled = applied.compiled
+    torques = compiled.model.actuator_forcerange[compiled.at.servo, 1]
+    speeds = [drive.speed_limit_rad_per_s for drive in compiled.robot.figures.drives]
+    for j, name in enumerate(applied.bodies.names):
+        force, speed = ("N", "m/s") if compiled.is_slide[j] else ("Nm", "rad/s")
+        for values, most, unit in ((motion.velocity, speeds[j], speed), (table.torque, torques[j], force)):
+            row = int(np.argmax(np.abs(values[:, j])))
+            if abs(values[row, j]) > most:
+                at = f"at {motion.time[row]:g} s"
+                yield f"{name}: {abs(values[row, j]):.4g} {unit} {at}, more than the {most:.4g} {unit} of its drive"
 
 
 def _write_drives(path: Path, applied: Applied) -> None:

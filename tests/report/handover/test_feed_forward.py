@@ -8,6 +8,7 @@ import pytest
 from bench.cli import main
 from bench.errors import InputError
 from bench.report.handover.applied import applied_robot
+from bench.report.handover.apply import beyond
 from bench.report.handover.feed_forward import PARTS, feed_forward, read_motion
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
@@ -69,6 +70,21 @@ def test_derivatives_that_the_planner_knows_are_taken(compiled: CompiledRobot, t
     motion = read_motion(written(tmp_path / "m.csv", sweep() | known), compiled)
     np.testing.assert_array_equal(motion.velocity, [[1.5, 2.5]] * 400)
     np.testing.assert_array_equal(motion.acceleration, [[1.5, 2.5]] * 400)
+
+
+def test_motions_beyond_a_drive_are_told(small_robot: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """2 rad/s and 9000 Nm are all that a drive gives; rotor and link of joint 2 have 24 kg m^2 and some."""
+    for name, columns, said in (("slow", sweep(0.1), ""), ("fast", sweep(2.1, count=100), "hinge_b: 2.1 rad/s at ")):
+        file = str(written(tmp_path / f"{name}.csv", columns))
+        assert main(["apply", str(small_robot), "-o", str(tmp_path / name), "--motion", file]) == 0
+        errors = capsys.readouterr().err
+        assert errors.startswith(f"warning  {said}") if said else errors == ""
+    jerky = sweep() | {"acceleration_1": np.zeros(400), "acceleration_2": np.full(400, 500.0)}
+    applied = applied_robot(load_robot(small_robot))
+    motion = read_motion(written(tmp_path / "m.csv", jerky), applied.compiled)
+    (words,) = beyond(feed_forward(applied, motion), motion, applied)
+    assert words.startswith("hinge_b: ")
+    assert words.endswith("more than the 9000 Nm of its drive")
 
 
 def test_what_the_drive_shows_has_its_errors(found: Path, tmp_path: Path) -> None:
