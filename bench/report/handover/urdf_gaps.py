@@ -52,7 +52,7 @@ def _friction(applied: Applied) -> Iterator[str]:
             found = attributes_of(applied.spec, name)
             laws = {key: text for key, text in found.items() if key not in NOT_LISTED and not _is_zero(text)}
             if laws:
-                words = ", ".join(f"{key.replace('_', ' ')} {text}" for key, text in laws.items())
+                words = ", ".join(f"{key.replace('_', ' ')} {float(text):.{ROUND}g}" for key, text in laws.items())
                 yield f"friction of {drive.joint}, {side} side, beyond its Coulomb level: {words}"
 
 
