@@ -101,7 +101,7 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
         self.render_mode = render_mode
         self._plant_of = Plant if action == "position" else TorquePlant
         self._command = "q_cmd" if action == "position" else "torque"
-        self._edits, self._given_timestep, self._draw = tuple(edits), timestep, draw
+        self._edits, self._given_timestep, self.draw = tuple(edits), timestep, draw
         self.plant: Plant = self._plant_of(load_robot(robot), self._edits, timestep)
         self._spec = read_spec(self.plant.compiled.robot) if draw else None
         self.instruments = Instruments(self.plant.compiled, None)
@@ -217,12 +217,12 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
 
     def _next_robot(self, q: Array) -> Drawn | None:
         """Put the robot at rest; draw it first, if it is drawn."""
-        if self._draw is None:
+        if self.draw is None:
             self.plant.reset(q)
             return None
         failed: Exception | None = None
         for _ in range(MOST_DRAWS):
-            drawn = self._draw(self.np_random)
+            drawn = self.draw(self.np_random)
             edits = (*self._edits, *drawn.edits)
             try:
                 plant = self._plant_of(self.plant.compiled.robot, edits, self._given_timestep, self._spec)

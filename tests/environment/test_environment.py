@@ -69,6 +69,8 @@ def test_the_robot_is_the_one_that_was_drawn(found: Path, compiled: CompiledRobo
     env = make(posterior=found, truth=True)
     _, info = env.reset(seed=4)
     drawn, nominal = info["parameters"], compiled.model
+    assert isinstance(env.draw, PosteriorDraws)
+    assert env.draw.names == tuple(drawn)
     assert env.plant.model.body("fore").mass[0] == pytest.approx(
         nominal.body("fore").mass[0] * (1 + drawn["mass of fore"])
     )
