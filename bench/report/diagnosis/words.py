@@ -135,3 +135,4 @@ def places_of(folder: Path) -> Iterator[str]:
     yield f"numbers    {folder / VERDICT}"
     if (folder / ROBOT).is_dir():
         yield f"robot      {folder / ROBOT}   (its change: {DIFFERENCE}; all that was fitted: {FIGURES})"
+        yield f"apply      bench apply {folder} -o applied   (URDF, torques; more: bench/report/handover/README.md)"
