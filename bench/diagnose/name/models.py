@@ -241,9 +241,6 @@ def _fit(
             fit = refit(linear, candidate.causes, start, nuisances, known)
             if found is None or fit.log_evidence > found.log_evidence:
                 found = fit
-    if known and (found is None or found.objective > known.objective) and (start := _within(candidate, known)):
-        with suppress(*NOT_SIMULATED):  # a part of the model fits better than all of it: that is no optimum
-            found = refit(linear, candidate.causes, start, known.nuisances, known)
     if found is None:
         return None
     try:
@@ -253,14 +250,6 @@ def _fit(
         return None
     kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
     return replace(found, causes=(), unknowns=()), kept
-
-
-def _within(candidate: CandidateModel, known: Fit) -> dict[Key, float]:
-    """Return where a known fit stands, as a start for a model that has all of its causes and more; else nothing."""
-    if candidate.shape or not {cause.key for cause in known.causes} <= candidate.keys:
-        return {}
-    shapes = {(*cause.key, shape.name) for cause in candidate.causes for shape in cause.shapes}
-    return {key: value for key, value in candidate.start.items() if key in shapes} | known.start
 
 
 def _starts(candidate: CandidateModel, known: Fit | None) -> list[dict[Key, float]]:
