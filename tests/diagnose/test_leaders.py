@@ -3,8 +3,10 @@
 from types import SimpleNamespace
 from typing import Any
 
-from bench.diagnose.name.leaders import scattering
-from bench.diagnose.name.search import Alternative, Subset
+import numpy as np
+
+from bench.diagnose.name.leaders import grown, scattering
+from bench.diagnose.name.search import Alternative, Subset, SubsetPosterior, Term
 
 
 def linearised() -> Any:
@@ -38,3 +40,15 @@ def test_a_play_that_fell_behind_is_not_tried_again_for_what_is_found_elsewhere(
     alone = Alternative(frozenset({"friction 1"}), Subset((0,), 0.0), 0.0)
     assert scattering(linearised(), alone, behind) == {}
     assert scattering(linearised(), Alternative(frozenset({"softening 1"}), Subset((1,), 0.0), 0.0), behind)
+
+
+def test_what_has_all_of_a_model_and_more_is_simulated_as_well(rng: np.random.Generator) -> None:
+    """Models without a part of it promised more, and fell short: what was missing beside it was never tried."""
+    columns, noise = rng.standard_normal((80, 3)), rng.standard_normal(80)
+    white = columns @ [6.0, 4.0, 5.0] + noise
+    terms = [Term(name, np.array([i]), np.full(1, 5.0), -7.0, np.zeros(1)) for i, name in enumerate("abc")]
+    model = SubsetPosterior(columns.T @ columns, columns.T @ white, terms)
+    about: Any = SimpleNamespace(model=model, present=(0, 1), about=SimpleNamespace(keys=frozenset("ab")))
+    without = Alternative(frozenset("bc"), Subset((1, 2), 900.0), 900.0)
+    assert grown(about, [without]) == (0, 1, 2)
+    assert grown(about, [without, Alternative(frozenset("abc"), Subset((0, 1, 2), 800.0), 800.0)]) == ()

@@ -3,9 +3,10 @@
 from collections.abc import Hashable, Sequence, Set
 
 from bench.diagnose.name.models import CandidateModel
-from bench.diagnose.name.search import WINDOW, Alternative
+from bench.diagnose.name.search import WINDOW, Alternative, search
 from bench.diagnose.name.search_space import SearchSpace
 
+GROWING = 12  # subsets that are expanded to find what is missing beside all of a model
 MOST_PLAYS = 12  # models with a play that are tried; one of 20 findings would be tried for minutes
 
 
@@ -14,6 +15,17 @@ def leaders_of(found: Sequence[Alternative], count: int) -> list[Alternative]:
     near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
     larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
     return [*[one for one in near if one not in larger][:count], *larger[:1]]
+
+
+def grown(about: SearchSpace, leaders: Sequence[Alternative]) -> tuple[int, ...]:
+    """Return the most probable subset that has all of the model and more, where no leader has; else nothing.
+
+    What promises more without a part of the model may fall short of it when simulated; what has all of it does not.
+    """
+    if not about.present or any(one.keys > about.about.keys for one in leaders):
+        return ()
+    best = search(about.model, [about.present], about.present, GROWING)[0].terms
+    return best if len(best) > len(about.present) else ()
 
 
 def scattering(

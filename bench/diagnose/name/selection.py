@@ -22,7 +22,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of, part_of_unlisted
-from bench.diagnose.name.leaders import leaders_of, scattering
+from bench.diagnose.name.leaders import grown, leaders_of, scattering
 from bench.diagnose.name.models import Fitter, Model, log_of_priors, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.repeated import repeats
@@ -173,7 +173,8 @@ class _Selection:
         self.promising = tuple(cause for cause in causes if cause)
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
         count = LEADERS if is_last else LEADERS // 2
-        leaders = [one.best.terms for one in leaders_of(found, count)]
+        leading = leaders_of(found, count)
+        leaders = [*(one.best.terms for one in leading), grown(about, leading)]
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known)
         present = fitter.knows(self.best, about.candidate_of(about.present))
