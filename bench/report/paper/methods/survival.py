@@ -21,12 +21,14 @@ class UnderProtocol:
         by_side: Key of `SIDES` -> errors with the robot's own amount of friction there.
         weighted: Friction that Table 6 needs, by the methods with the noise as their weight.
         plain: The same by plain least squares, as the paper identifies.
+        ideal: Over amounts and sides of friction, read by ideal instruments.
     """
 
     protocol: Protocol
     by_side: Mapping[str, ConditionResult]
     weighted: NeededFriction
     plain: NeededFriction
+    ideal: Sequence[ConditionResult] = ()
 
     def off(self, analysis: str, side: str) -> float:
         """Return the median error over the joints."""

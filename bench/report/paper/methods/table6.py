@@ -46,7 +46,9 @@ def needed_friction(results: Sequence[ConditionResult], published: Array, force:
         rising = np.maximum.accumulate(link[known, j])
         if rising.size and rising[0] <= wanted <= rising[-1]:
             level[j] = np.interp(wanted, rising, amounts[known])
-    inside = (np.nanmin(motor, axis=0) <= published) & (published <= np.nanmax(motor, axis=0))
+    lowest = np.where(np.isfinite(motor), motor, np.inf).min(axis=0)
+    highest = np.where(np.isfinite(motor), motor, -np.inf).max(axis=0)
+    inside = (lowest <= published) & (published <= highest)
     return NeededFriction(level, inside, float(amounts[-1]))
 
 

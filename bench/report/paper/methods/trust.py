@@ -46,7 +46,7 @@ def run_trust(
     folder: Path,
     progress: Progress,
     executor: Executor,
-) -> Chapter:
+) -> tuple[Chapter, list[UnderProtocol]]:
     """Study the methods over friction, ways of measuring and protocols; write numbers and figures into a folder.
 
     Args:
@@ -87,7 +87,7 @@ def run_trust(
         *survivals(found),
         *lab_advice(found),
     )
-    return Chapter(
+    chapter = Chapter(
         name="methods",
         title="Which method to trust: friction, its side, the protocol of the experiment",
         rows=(),
@@ -95,6 +95,7 @@ def run_trust(
         data=data,
         tables=_tables(found, joint_names, published),
     )
+    return chapter, found
 
 
 def study_protocols(scenario: Loading, published: Array, progress: Progress, executor: Executor) -> list[UnderProtocol]:
@@ -115,7 +116,7 @@ def study_protocols(scenario: Loading, published: Array, progress: Progress, exe
         Condition(friction=amount, link_share=share, protocol=protocol)
         for protocol in PROTOCOLS
         for amount in AMOUNTS
-        for share in (0.0, 1.0)
+        for share in SIDES.values()
     ]
     by_side = study_methods(scenario, sides, SEEDS, lambda done: progress(OF_PROTOCOLS * done), executor, ANALYSES)
     compared = {name: METHODS[name] for name in ("current", "force")} | AS_THE_PAPER
@@ -132,6 +133,7 @@ def study_protocols(scenario: Loading, published: Array, progress: Progress, exe
                 dict(zip(SIDES, by_side[len(SIDES) * i : len(SIDES) * (i + 1)], strict=True)),
                 needed_friction(line, published, "force", "current"),
                 needed_friction(line, published, plain_force, plain_current),
+                line,
             )
         )
     return found
