@@ -16,6 +16,7 @@ from bench.report.paper.line.results import line_as_json, line_conclusions, writ
 from bench.report.paper.line.run import run_line
 from bench.report.paper.loading.results import LoadingResult, loading_chapter, print_loading, write_loading
 from bench.report.paper.loading.worlds import run_worlds
+from bench.report.paper.methods.in_time import run_in_time
 from bench.report.paper.methods.survival import UnderProtocol
 from bench.report.paper.methods.trust import run_trust
 from bench.report.paper.rotation.results import as_json as rotation_as_json
@@ -47,13 +48,14 @@ class PaperResult:
     chapters: tuple[Chapter, ...]
 
 
-def run_paper(folder: Path, progress: Progress, executor: Executor) -> PaperResult:
+def run_paper(folder: Path, progress: Progress, executor: Executor, in_time: bool = False) -> PaperResult:
     """Run every experiment of the paper; campaigns, truth, recordings, numbers and figures go into an existing folder.
 
     Args:
         folder: Where to write.
         progress: Called with the share that is done.
         executor: Where to simulate.
+        in_time: Whether protocols are also run in time.
     """
     scenario = read_as(Loading, LOADING)
     robot = load_robot(scenario.robot)
@@ -76,7 +78,8 @@ def run_paper(folder: Path, progress: Progress, executor: Executor) -> PaperResu
     trust, protocols = run_trust(scenario, names, table6, _made(folder, "methods"), part(TRUST_SHARE), executor)
     rotation = _rotation(_made(folder, "rotation"), part(ROTATION_SHARE), executor)
     line = _line(_made(folder, "line"), loading, protocols, part(1 - done), executor)
-    result = PaperResult(loading, (complementary, rotation, line, trust))
+    further = (run_in_time(scenario, part(0.0), executor),) if in_time else ()
+    result = PaperResult(loading, (complementary, rotation, line, trust, *further))
     content = {LOADING: loading.data} | {chapter.name: chapter.data for chapter in result.chapters}
     (folder / RESULTS).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     return result

@@ -30,7 +30,7 @@ def trust_figure(results: Sequence[ConditionResult], protocol: str) -> "Figure":
     amounts = sorted({result.condition.friction for result in results})
     shares = sorted({result.condition.link_share for result in results})
     at = {(result.condition.friction, result.condition.link_share): result for result in results}
-    title = f"Error of the stiffness by method, side and amount of friction: {protocol}"
+    title = f"Error by method, side and amount of friction: {protocol}"
     figure, (panels,) = new_figure(title, 1, len(METHODS), 4.6)
     for panel, method in zip(panels, METHODS, strict=True):
         bias = np.array([[100 * np.nanmedian(np.abs(at[a, s].bias(method))) for s in shares] for a in amounts])

@@ -75,12 +75,18 @@ def lab_advice(found: Sequence[UnderProtocol]) -> list[str]:
     """Return what a lab must do so that either method is right, and what is left to do where it was not done."""
     worst = {each.protocol: _worst(each, "force", "current") for each in found}
     best = min(worst, key=lambda protocol: worst[protocol])
+    (at_best,) = (each for each in found if each.protocol == best)
+    from_first = _worst(at_best, "force, from the first load", "current, from the first load")
     rising = [each for each in found if each.protocol.loads == "rising"]
     others = [each for each in found if each.protocol.loads != "rising"]
     return [
         f"So that forces and currents are both right: {best.title} ({best.name}). The worse of them is then off by "
-        f"{100 * worst[best]:.1f} %, wherever friction sits (median over the joints; the servo gives). Friction slides "
-        "the way of the load before the unloaded reading and at each load, so it cancels between them.",
+        f"{100 * worst[best]:.1f} %, wherever friction sits (median over the joints, from rest to rest; the servo "
+        "gives): friction slides the way of the load before the unloaded reading and at each load, and cancels.",
+        "A servo that holds brings a motor back after each load, and the motor's friction then points the other way "
+        "than at the unloaded reading, whatever the approach was. So hold the loads against the first one as well: "
+        f"the worse is then off by {100 * from_first:.1f} % from rest to rest; what it is in time, `bench paper "
+        "--in-time` says.",
         f"Where that was not done and loads only rose, hold them against the first load: with friction on the link "
         f"side the force method's error goes {_from_first(rising)}. Where loads were taken off it is no help: "
         f"{_from_first(others)}.",
