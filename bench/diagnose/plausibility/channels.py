@@ -56,14 +56,15 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     every = quantities_of(campaign.runs, compiled)
     try:
         segments = segments_of(campaign, compiled, every, BINS)
-        found = list(smoothed(campaign, compiled, every))
         drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
-        found += list(_of_drives(compiled, readings_of(segments, every, drives), drives, told))
+        found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told))
         if readings := readings_of(segments, every, others):
             found += displaced(Replay(compiled, readings, others))
     except ConvergenceError as error:
         return (doubt("", f"the nominal model cannot follow the motion ({error})", "look at angles and their units"),)
-    return tuple(finding for finding in found if finding.column not in told)
+    kept = tuple(finding for finding in found if finding.column not in told)
+    told |= {finding.column for finding in found}
+    return (*kept, *(finding for finding in smoothed(campaign, compiled, every) if finding.column not in told))
 
 
 def readings_of(
