@@ -65,12 +65,14 @@ def late_reflectors(replay: Replay) -> Iterator[Late]:
         columns = [c for c, q in enumerate(replay.quantities) if q.kind == "reflector" and q.index == k]
         speed = _rates(replay, trace.time, nominal[:, columns])
         missing = observed[:, columns] - nominal[:, columns]
-        for segment in np.unique(_segments(replay)):  # its frame, and what the model lacks throughout
-            rows = (_segments(replay) == segment) & moving
-            if np.any(rows):
-                missing[rows] -= np.nanmean(missing[rows], axis=0)
-                speed[rows] -= np.nanmean(speed[rows], axis=0)
         rows = moving[:, None] & np.isfinite(missing) & np.isfinite(speed)
+        segment = _segments(replay)
+        for one in np.unique(segment):  # the frame, and what the model lacks throughout
+            for c in range(len(columns)):
+                here = rows[:, c] & (segment == one)
+                if np.any(here):
+                    missing[here, c] -= np.mean(missing[here, c])
+                    speed[here, c] -= np.mean(speed[here, c])
         if rows.sum() >= LEAST:
             yield Late(replay.quantities[columns[0]].column, _delay(missing[rows], speed[rows]))
 
