@@ -77,7 +77,7 @@ def sensors_agree(sheet: Sheet) -> Iterator[Finding]:
 
 
 def _in_one_direction(sheet: Sheet, name: str, reference: str) -> Iterator[Finding]:
-    if correlation(sheet.run.columns[name], sheet.run.columns[reference]) < -CORRELATED:
+    if _correlation(sheet.run.columns[name], sheet.run.columns[reference]) < -CORRELATED:
         yield sheet.doubt(name, f"runs against {reference}", "turn the sign of one of them")
 
 
@@ -86,11 +86,11 @@ def _in_one_unit(sheet: Sheet, name: str, reference: str, factors: Mapping[float
     own, other = float(np.std(values)), float(np.std(references))
     ratio = own / other if other > 0 else 0.0
     for factor, guess in factors.items():
-        if abs(ratio / factor - 1) < NEAR and correlation(values, references) > CORRELATED:
+        if abs(ratio / factor - 1) < NEAR and _correlation(values, references) > CORRELATED:
             yield sheet.error(name, f"is {ratio:.4g} times {reference}", f"{guess} give both in SI units")
 
 
-def correlation(first: Array, second: Array) -> float:
+def _correlation(first: Array, second: Array) -> float:
     """Return the correlation coefficient; 0 where there is none, or too few rows to tell."""
     if len(first) < MANY or np.ptp(first) == 0 or np.ptp(second) == 0:
         return 0.0

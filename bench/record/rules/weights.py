@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from bench.record.finding import Finding
-from bench.record.rules.pairing import CORRELATED, FORCES, LOAD_N, MANY, NEAR, correlation
+from bench.record.rules.pairing import CORRELATED, FORCES, LOAD_N, MANY, NEAR
 from bench.record.rules.sheet import Sheet, rows_where
 from bench.record.units import STANDARD_GRAVITY
 
@@ -28,18 +28,20 @@ def masses_hang(sheet: Sheet) -> Iterator[Finding]:
 
 
 def loads_are_felt(sheet: Sheet) -> Iterator[Finding]:
-    """At rest the force sensor reads the load, to a few per cent."""
-    if sheet.run.kind != "static":
+    """At rest the force sensor reads the load, to a few per cent of its size; its direction is not looked at."""
+    columns = sheet.run.columns
+    axes = [axis for axis in "xyz" if {f"force_{axis}_n", f"load_{axis}_n"} <= set(columns)]
+    if sheet.run.kind != "static" or not axes or len(sheet.run) < MANY:
         return
-    for axis in "xyz":
-        force, load = (sheet.run.columns.get(f"{name}_{axis}_n") for name in ("force", "load"))
-        if force is None or load is None or len(load) < MANY or np.ptp(load) <= LOAD_N:
-            continue
-        if correlation(force, load) < CORRELATED:
-            continue
-        about = load - load.mean()
-        ratio = float(about @ (force - force.mean()) / (about @ about))
-        if abs(ratio - 1) > APART and not any(abs(ratio / factor - 1) < NEAR for factor in FORCES):
-            message = f"is {ratio:.3g} times load_{axis}_n"
-            remedy = "one of them is wrong; bench diagnose weighs both (hung_load, channel_scale)"
-            yield sheet.warning(f"force_{axis}_n", message, remedy)
+    force, load = (np.stack([columns[f"{name}_{axis}_n"] for axis in axes]) for name in ("force", "load"))
+    if np.max(np.ptp(load, axis=1)) <= LOAD_N:
+        return
+    felt, hung = (values - values.mean(axis=1, keepdims=True) for values in (force, load))
+    along = float(np.sum(hung * felt))
+    if along < CORRELATED * float(np.sqrt(np.sum(hung**2) * np.sum(felt**2))):
+        return
+    ratio = along / float(np.sum(hung**2))
+    if abs(ratio - 1) > APART and not any(abs(ratio / factor - 1) < NEAR for factor in FORCES):
+        axis = axes[int(np.argmax(np.ptp(load, axis=1)))]
+        remedy = "one of them is wrong; bench diagnose weighs both (hung_load, channel_scale)"
+        yield sheet.warning(f"force_{axis}_n", f"is {ratio:.3g} times load_{axis}_n", remedy)
