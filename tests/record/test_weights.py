@@ -38,7 +38,7 @@ def test_a_sensor_that_reads_another_load_is_a_warning(factor: float, is_told: b
 
 
 def test_a_sensor_that_is_a_little_askew_is_none() -> None:
-    """A slanting load: 12 % off in its smaller part, 1 % off in size, as a sensor that is turned by 15 mrad reads it."""
+    """A slanting load read by a sensor that is turned by 15 mrad: 12 % off in its smaller part, not in its size."""
     columns: dict[str, Array] = loading()
     size = -columns["load_z_n"]
     columns |= {"load_x_n": 0.14 * size, "force_x_n": 0.123 * size + columns["force_x_n"]}

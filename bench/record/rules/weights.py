@@ -38,7 +38,7 @@ def loads_are_felt(sheet: Sheet) -> Iterator[Finding]:
         return
     felt, hung = (values - values.mean(axis=1, keepdims=True) for values in (force, load))
     along = float(np.sum(hung * felt))
-    if along < CORRELATED * float(np.sqrt(np.sum(hung**2) * np.sum(felt**2))):
+    if along <= CORRELATED * float(np.sqrt(np.sum(hung**2) * np.sum(felt**2))):
         return
     ratio = along / float(np.sum(hung**2))
     if abs(ratio - 1) > APART and not any(abs(ratio / factor - 1) < NEAR for factor in FORCES):
