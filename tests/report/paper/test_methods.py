@@ -126,3 +126,12 @@ def test_a_scenario_says_its_protocol(scenario: Loading) -> None:
     assert in_words(scenario.model_copy(update={"approach": (1,), "unload": False})) == (
         "all joints from below, loads only put on"
     )
+
+
+def test_the_scenario_with_the_load_is_what_the_protocol_makes_of_the_plain_one(scenario: Loading, arm: Arm) -> None:
+    load_point = load_robot("hh150").figures.load_point
+    wanted = BY_NAME["with-load"].of(scenario, arm, load_point)
+    found = read_as(Loading, "loading-with-load")
+    assert [pose.sides for pose in found.poses] == [pose.sides for pose in wanted.poses]
+    assert [pose.force_n for pose in found.poses] == [pose.force_n for pose in wanted.poses]
+    assert (found.approach, found.unload) == (wanted.approach, wanted.unload)
