@@ -4,4 +4,4 @@ from gymnasium import register
 
 __version__ = "0.1.0"
 
-register(id="Bench-v0", entry_point="bench.simulate.env:BenchEnv")  # gymnasium.make("bench:Bench-v0")
+register(id="Bench-v0", entry_point="bench.environment.entry:make")  # gymnasium.make("bench:Bench-v0")

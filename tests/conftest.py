@@ -38,6 +38,14 @@ def small_robot(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_small_robot(tmp_path_factory.mktemp("robots") / "small")
 
 
+@pytest.fixture(scope="session")
+def found(small_robot: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a diagnosis of the two-joint robot, as far as other commands read it."""
+    from tests.found import write_found
+
+    return write_found(small_robot, tmp_path_factory.mktemp("diagnoses") / "found")
+
+
 @pytest.fixture
 def rng() -> np.random.Generator:
     """Random numbers that are the same in every run."""

@@ -1,7 +1,7 @@
 """Import arrows run one way.
 
 errors <- executor, record <- robot <- {simulate, identify} <- {hide, diagnose} <- {compare, predict} <- {study,
-benchmark} <- report <- cli.
+benchmark} <- report <- {environment, cli}.
 """
 
 import ast
@@ -38,6 +38,7 @@ MAY_IMPORT = {
     "benchmark": BELOW | {"simulate", "scenario", "effects", "hide", "identify", "diagnose"},
     "report": BELOW
     | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "compare", "predict", "study"},
+    "environment": BELOW | {"simulate", "effects", "diagnose", "report"},
     "cli": BELOW
     | {
         "store",

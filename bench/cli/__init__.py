@@ -7,6 +7,7 @@ from typing import Annotated
 
 import tyro
 
+from bench.cli.apply import Apply
 from bench.cli.benchmark import Benchmark
 from bench.cli.check import Check
 from bench.cli.compare import Compare
@@ -38,6 +39,7 @@ Command = (
     | Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
     | Annotated[Compare, tyro.conf.subcommand("compare")]
     | Annotated[Predict, tyro.conf.subcommand("predict")]
+    | Annotated[Apply, tyro.conf.subcommand("apply")]
     | Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[Store, tyro.conf.subcommand("store")]

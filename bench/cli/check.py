@@ -33,6 +33,8 @@ class Check:
             if report.campaign and compiled:
                 findings += doubts_of(report.campaign, compiled, report.findings)
                 findings += hints_of(report.campaign, compiled, findings)
+        for line in compiled.robot.figures.assumed if compiled else ():
+            print(f"assumed {line}")
         for finding in findings:
             print(f"{finding.level:8}{finding}")
         runs = f"{len(report.campaign.runs)} runs on {report.campaign.robot}" if report.campaign else "not usable"

@@ -9,36 +9,85 @@ import tyro
 
 @dataclass(frozen=True)
 class Convert:
-    """Make a campaign of logs, one run for each file, as the `log.yaml` of the robot's folder says."""
+    """Make a campaign of logs as the `log.yaml` of the robot's folder says, or propose such a file with `--look`.
 
-    robot: tyro.conf.Positional[str]
+    A log is text with any separator, Parquet or MCAP (a ROS 2 bag). How it is described, and what is cut out of it,
+    says bench/record/logs/README.md.
+    """
+
+    robot: tyro.conf.Positional[str] = ""
     """Name of a robot folder, or a path to one."""
-    source: tyro.conf.Positional[Path]
-    """A log (CSV or Parquet), or a folder of logs."""
-    out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """Campaign folder to write; must not exist yet."""
+    source: tyro.conf.Positional[Path | None] = None
+    """A log, or a folder of logs."""
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Campaign folder to write, must not exist yet; with --look the log.yaml to write."""
     log: Path | None = None
     """Another file in place of `log.yaml` of the robot's folder."""
+    window_s: tuple[float, float] | None = None
+    """Only this, FROM TO in seconds after the first row of each log; in place of `runs: windows_s`."""
     parquet: bool = False
     """Write tables as Parquet instead of CSV."""
+    look: Path | None = None
+    """Propose a log.yaml for this log: what its columns seem to be, each guess with its reason. Converts nothing."""
+    of: Annotated[str, tyro.conf.arg(name="robot")] = ""
+    """With --look: the robot that moved; units, signs, gear ratios and delays are then held against its model."""
+    topic: str = ""
+    """With --look: topic of an MCAP recording."""
 
     def run(self) -> int:
-        """Convert, write, and say what was left out and what is doubtful; return the exit code."""
+        """Convert or look, and say what was left out; return the exit code."""
+        from bench.errors import InputError
+
+        if self.look is not None:
+            return self._look(self.look)
+        if not self.robot or self.source is None or self.out is None:
+            raise InputError("bench convert ROBOT LOGS -o DIR, or bench convert --look LOG --robot ROBOT.")
+        return self._convert(self.source, self.out)
+
+    def _look(self, log: Path) -> int:
+        from bench.errors import InputError
+        from bench.report.log_look.look import look
+        from bench.robot.compiled import compile_robot
+        from bench.robot.folder import load_robot
+        from bench.robot.nominal_dynamics import nominal_dynamics
+
+        if self.out is not None and self.out.exists():
+            raise InputError(f"{self.out}: is there already; name a file that is not.")
+        robot = self.of or self.robot
+        nominal = nominal_dynamics(compile_robot(load_robot(robot))) if robot else None
+        proposed = look(log, self.topic, nominal)
+        if self.out is None:
+            print(proposed, end="")
+        else:
+            self.out.write_text(proposed, encoding="utf-8")
+            print(
+                f"{self.out}: look at every line, then: bench convert {robot or 'ROBOT'} {log} --log {self.out} -o DIR"
+            )
+        return 0
+
+    def _convert(self, source: Path, out: Path) -> int:
         from bench.record.check import check_campaign
         from bench.record.convert import convert
+        from bench.record.logs.cuts import in_window
         from bench.record.write import write_campaign
         from bench.robot.folder import load_robot
         from bench.robot.logs import campaign_name, log_format_of
 
         robot = load_robot(self.robot)
-        converted = convert(self.source, log_format_of(robot, self.log), campaign_name(robot))
-        write_campaign(converted.campaign, self.out, "parquet" if self.parquet else "csv")
+        layout = log_format_of(robot, self.log)
+        if self.window_s is not None:
+            layout = layout.model_copy(update={"runs": in_window(layout.runs, self.window_s)})
+        converted = convert(source, layout, campaign_name(robot))
+        write_campaign(converted.campaign, out, "parquet" if self.parquet else "csv")
+        unused: dict[tuple[str, ...], list[str]] = {}
         for file, names in converted.unused.items():
+            unused.setdefault(names, []).append(file)
+        for names, files in unused.items():
             if names:
-                print(f"{file}: not used: {', '.join(names)}")
-        warnings = check_campaign(self.out).findings  # one with errors was not written
+                print(f"{', '.join(files)}: not used: {', '.join(names)}")
+        warnings = check_campaign(out).findings  # one with errors was not written
         for warning in warnings:
             print(f"{warning.level:8}{warning}")
         rows = sum(len(run) for run in converted.campaign.runs)
-        print(f"{self.out}: {len(converted.campaign.runs)} runs, {rows} rows, {len(warnings)} warnings")
+        print(f"{out}: {len(converted.campaign.runs)} runs, {rows} rows, {len(warnings)} warnings")
         return 0

@@ -1,10 +1,13 @@
 """`bench new-robot`: a robot folder from an MJCF or URDF."""
 
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import tyro
+
+SHOWN = 300  # characters of what was left out
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,9 @@ class NewRobot:
         print(f"{folder}: {len(started.drives)} drives: {', '.join(joint.name for joint in started.source.joints)}")
         print(f"load point: {started.source.load_origin}")
         if started.source.left_out:
-            print(f"left out: {', '.join(started.source.left_out)}")
-        print(f"{folder / 'README.md'} lists the defaults that were added; replace what you know better.")
+            left_out = ", ".join(started.source.left_out)
+            print(f"left out: {textwrap.shorten(left_out, SHOWN, placeholder=' ... (all of it in README.md)')}")
+        for line in started.compiled.robot.figures.assumed:
+            print(f"assumed {line}")
+        print(f"{folder / 'README.md'} says where every figure comes from; replace what you know better.")
         return 0

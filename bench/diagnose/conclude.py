@@ -97,6 +97,7 @@ def _findings(naming: Naming, near: Sequence[Model], fits: Sequence[Fit]) -> tup
         AmbiguityGroup(
             tuple(PossibleCause(named(member.cause), member.probability) for member in group.members),
             group.probability,
+            group.may_be_unlisted,
         )
         for group in naming.groups
     ]

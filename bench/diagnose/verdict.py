@@ -98,10 +98,12 @@ class AmbiguityGroup:
     Attributes:
         names: The likeliest first; the fewest that together hold 99 %.
         probability: That any of them acts.
+        may_be_unlisted: Whether it is at the joint of what is unlisted, and as likely a part of that.
     """
 
     names: tuple[PossibleCause, ...]
     probability: float
+    may_be_unlisted: bool = False
 
     @property
     def is_small(self) -> bool:

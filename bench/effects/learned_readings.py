@@ -14,7 +14,7 @@ from bench.simulate.plant import Trace
 AXES = "xyz"
 # of the largest reading, where dead bands and offsets of amplifiers are
 NEAR_ZERO = np.array([-0.2, -0.1, -0.05, -0.02, 0.0, 0.02, 0.05, 0.1, 0.2])
-OF_READING = ("square", "cube", "signed_square", *(f"at_{i + 1}" for i in range(len(NEAR_ZERO))))
+OF_READING = ("proportional", "square", "cube", "signed_square", *(f"at_{i + 1}" for i in range(len(NEAR_ZERO))))
 IN_ROOM = tuple(f"{axis}_from_{other}_squared" for axis, other in product(AXES, AXES)) + tuple(
     f"{axis}_from_{axis}" for axis in AXES
 )
@@ -33,7 +33,7 @@ class LearnedScale(Learned):
 
     name = "learned_scale"
     title = "scale of what a drive reports, as learned"
-    physics = "The drive reports x + a u^2 + b u^3 + c u |u| + e(u) with u = x/x_max; e is a table about zero."
+    physics = "The drive reports x + a u + b u^2 + c u^3 + d u |u| + e(u) with u = x/x_max; e is a table about zero."
 
     def __init__(
         self, parameters: tuple[Parameter, ...], channel: Literal["current", "torque"], largest: float
@@ -155,9 +155,9 @@ class LearnedMount(Learned):
 
 
 def of_reading(share: Array) -> Array:
-    """Return `OF_READING` of relative readings, shape (T,): three powers and a table about zero, shape (T, 12)."""
+    """Return `OF_READING` of relative readings, shape (T,): four powers and a table about zero, shape (T, 13)."""
     table = [np.interp(share, NEAR_ZERO, row) for row in np.eye(len(NEAR_ZERO))]
-    return np.stack([share**2, share**3, np.abs(share) * share, *table], axis=1)
+    return np.stack([share, share**2, share**3, np.abs(share) * share, *table], axis=1)
 
 
 def in_room(place: Array) -> Array:

@@ -113,7 +113,7 @@ class Arm:
         spatial = np.empty((len(flat), 6, self.n_joints))
         origin, rotation = np.empty((len(flat), 3)), np.empty((len(flat), 3, 3))
         for i, row in enumerate(flat):
-            spatial[i] = pin.computeJointJacobians(self._model, self._data, row)
+            spatial[i] = pin.computeJointJacobians(self._model, self._data, row).reshape(6, -1)  # (6,) of one joint
             placement = self._data.oMi[body + 1]
             origin[i], rotation[i] = placement.translation, placement.rotation
         lead = q.shape[:-1]

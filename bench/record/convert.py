@@ -1,22 +1,21 @@
 """From a laboratory's own logs to a campaign, as a `LogFormat` says."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
-from bench.errors import CampaignError, unknown_name
+from bench.errors import CampaignError
 from bench.record.campaign import Array, Campaign, Run
 from bench.record.check import examine_all
 from bench.record.finding import Finding
 from bench.record.log_format import LogFormat
-from bench.record.manifest import SUFFIXES
-from bench.record.rules.sheet import Sheet, rows_where
-from bench.record.table import read_table
+from bench.record.logs.likewise import likewise
+from bench.record.logs.read import LogColumns, in_log, no_values, read_log
+from bench.record.rules.sheet import Sheet
 
 PAUSE_S = 60.0  # [s] between two logs whose times of day nobody wrote down
+SUFFIXES = (".csv", ".tsv", ".dat", ".parquet", ".mcap")  # of the logs in a folder; a log by its own name has any
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,7 @@ class Converted:
     """A campaign made of logs.
 
     Attributes:
-        campaign: One run for each file, named after it.
+        campaign: One run for each file, or for each piece of it, named after it.
         unused: File name -> its columns that the format does not name.
     """
 
@@ -35,97 +34,111 @@ class Converted:
 def convert(source: Path, layout: LogFormat, robot: str) -> Converted:
     """Make a campaign of a log, or of all logs of a folder in the order of their names.
 
-    The clock of each run begins at its first row. Logs do not say when they were started: each run is put a minute
-    after the end of the one before, and its note says so.
+    The clock of each run begins at its first row. Logs do not say when they were started: each is put a minute after
+    the end of the one before, and the notes of its runs say so.
 
     Args:
-        source: A file, CSV or Parquet, or a folder of such files.
+        source: A file, or a folder of files; text, Parquet or MCAP.
         layout: How they read.
         robot: Name of the robot, or path to its folder; written into the campaign.
 
     Raises:
-        CampaignError: There is no log, or one cannot be used; every fault with file, row and column.
+        CampaignError: There is no log, or one cannot be used; every fault once, with file, row and column.
     """
-    files = _logs(source)
+    files = _logs(source, layout)
     findings: list[Finding] = []
     unused: dict[str, tuple[str, ...]] = {}
     runs: list[Run] = []
     start = 0.0
     for file in files:
-        read = _read(file, layout, findings)
-        if read is None:
+        log = read_log(file, layout, findings)
+        if log is None:
             continue
-        columns, unused[file.name] = read
-        note = f"made of {file.name}" + ("" if len(files) == 1 else "; the time of its start is not known")
-        run = Run(_run_name(file, {run.name for run in runs}), layout.kind, start, columns, note)
-        findings += _faults_of(run, file, layout)
-        runs.append(run)
-        if "time_s" in columns and len(run):
-            start += float(columns["time_s"][-1]) + PAUSE_S
+        unused[file.name] = log.unused
+        pieces, length = _pieces(file, log, layout, findings)
+        when = "" if len(files) == 1 else "; the time of its start is not known"
+        for begin, columns in pieces:
+            name = _run_name(file, {run.name for run in runs})
+            cut = f" from {begin:g} s" if not layout.runs.cuts_nothing else ""
+            runs.append(Run(name, layout.kind, start + begin, columns, f"made of {file.name}{cut}{when}"))
+        start += length + PAUSE_S if "time_s" in log.columns else 0.0
     if findings:
-        raise CampaignError(str(finding) for finding in findings)
-    return Converted(Campaign(robot, tuple(runs), noise=layout.noise, notes=layout.notes), unused)
+        raise CampaignError(str(finding) for finding in likewise(findings))
+    if not runs:
+        raise CampaignError(f"{source}: nothing is left of it; look at `runs` and `resample` in the log.yaml")
+    return Converted(Campaign(robot, tuple(runs), noise=layout.noise, notes=_notes(layout)), unused)
 
 
-def _logs(source: Path) -> list[Path]:
-    if source.is_file() and source.suffix.lower() in SUFFIXES:
-        return [source]
+def _logs(source: Path, layout: LogFormat) -> list[Path]:
     if source.is_file():
-        raise CampaignError(f"{source}: is no table; save it as {' or '.join(SUFFIXES)}")
+        return [source]
     if not source.is_dir():
         raise CampaignError(f"{source}: no such file or folder; give a log, or a folder of logs")
     files = sorted(path for path in source.iterdir() if path.suffix.lower() in SUFFIXES)
-    if not files:
-        raise CampaignError(f"{source}: holds no {' or '.join(SUFFIXES)} file; give a log, or a folder of logs")
-    return files
+    besides = {
+        file.with_name(table.file.replace("*", file.stem))
+        for table in layout.tables.values()
+        if table.file
+        for file in files
+    }
+    if logs := [file for file in files if file not in besides]:
+        return logs
+    raise CampaignError(f"{source}: holds no log ({', '.join(SUFFIXES)}); give a log, or a folder of logs")
 
 
-def _read(file: Path, layout: LogFormat, findings: list[Finding]) -> tuple[dict[str, Array], tuple[str, ...]] | None:
-    """Return the columns of a campaign, and which of the log are not used; None if something is missing or broken."""
-    table = read_table(file.parent, file.name)
-    named = {origin.source for origin in layout.columns.values()}
-    faults = [finding for finding in table.findings if not finding.column or finding.column in named]
-    columns: dict[str, Array] = {}
-    for name, origin in layout.columns.items() if table.names else ():
-        count = table.names.count(origin.source)
-        if count == 0 and origin.optional:
+def _pieces(
+    file: Path, log: LogColumns, layout: LogFormat, findings: list[Finding]
+) -> tuple[list[tuple[float, dict[str, Array]]], float]:
+    """Return the runs of a log, each with the time at which it begins [s], and the length of the log [s]."""
+    columns = dict(log.columns)
+    time = columns.get("time_s")
+    if time is None or not len(time):
+        findings += no_values(file, columns, slice(0, None), log, layout) or _faults_of(columns, file, log, layout, 0)
+        return [(0.0, columns)], 0.0
+    columns["time_s"] = time = time - time[0]
+    pieces = []
+    for rows, window in zip(layout.runs.windows(time), layout.runs.windows_s or [()], strict=True):
+        if rows.stop - rows.start == 0:
+            message = f"window {list(window)} s holds no row: the log ends after {time[-1]:g} s"
+            findings.append(Finding("error", file.name, None, "", message, "correct `runs: windows_s`"))
             continue
-        if count != 1:
-            what = "is missing" if count == 0 else f"{count} columns have this name"
-            hint = unknown_name("column", origin.source, table.names).removeprefix("unknown column ").rstrip(".")
-            remedy = f"{name} is made of it; {hint}" if count == 0 else "keep the right one"
-            faults.append(Finding("error", file.name, None, origin.source, what, remedy))
-        elif origin.source in table.columns:
-            logged = table.columns[origin.source]
-            if rows := rows_where(~np.isfinite(logged)):
-                message, remedy = "no value (empty, NaN or infinite)", "remove these rows, or repeat the last reading"
-                faults.append(_in_rows(file, origin.source, message, remedy, rows))
-            columns[name] = origin.factor * logged + origin.offset
-    findings += faults
-    if faults:
-        return None
-    if "time_s" in columns and len(columns["time_s"]):
-        columns["time_s"] = columns["time_s"] - columns["time_s"][0]
-    return columns, tuple(name for name in dict.fromkeys(table.names) if name not in named)
+        part = {name: values[rows] for name, values in columns.items()}
+        faults = no_values(file, columns, rows, log, layout) or _faults_of(part, file, log, layout, rows.start)
+        findings += faults
+        if faults:
+            continue
+        for stretch in layout.resample.applied(part) if layout.resample else [part]:
+            for cut in layout.runs.split(stretch):
+                piece = {name: values[cut] for name, values in stretch.items()}
+                begin = float(piece["time_s"][0])
+                pieces.append((begin, piece | {"time_s": piece["time_s"] - begin}))
+    return pieces, float(time[-1])
 
 
-def _in_rows(file: Path, column: str, message: str, remedy: str, rows: list[int]) -> Finding:
-    sheet = Sheet(Run("log", "motion", 0.0, {}), file.name, ())
-    return sheet.error(column, message, remedy, rows)
+def _faults_of(columns: dict[str, Array], file: Path, log: LogColumns, layout: LogFormat, first: int) -> list[Finding]:
+    """Return what keeps a run from being used, in the words of the log it was made of, whose row `first` is its own."""
+    run = Run("log", layout.kind, 0.0, columns)
+    found = examine_all([Sheet(run, file.name, tuple(columns))])
+    return [_in_words(in_log(finding, log), layout, first) for finding in found if finding.level == "error"]
 
 
-def _faults_of(run: Run, file: Path, layout: LogFormat) -> list[Finding]:
-    """Return what keeps a run from being used, in the words of the log it was made of."""
-    found = examine_all([Sheet(run, file.name, tuple(run.columns))])
-    origins = {name: origin.source for name, origin in layout.columns.items()}
-    return [
-        replace(finding, column=f"{origins[finding.column]} ({finding.column})" if finding.column in origins else "")
-        for finding in found
-        if finding.level == "error"
-    ]
+def _in_words(finding: Finding, layout: LogFormat, first: int) -> Finding:
+    origin = layout.columns.get(finding.column)
+    column = f"{origin} ({finding.column})" if origin else ""
+    if not first or finding.row is None:
+        return replace(finding, column=column)
+    message = f"{finding.message}, counted from row {first + 1} on"
+    return replace(finding, column=column, row=finding.row + first, message=message)
 
 
-def _run_name(file: Path, taken: set[str]) -> str:
+def _notes(layout: LogFormat) -> str:
+    """Return the notes of the campaign: what the lab wrote, and what was done to the numbers."""
+    if layout.resample is None:
+        return layout.notes
+    return " ".join([*([layout.notes.strip()] if layout.notes else []), layout.resample.description()])
+
+
+def _run_name(file: Path, taken: Sequence[str] | set[str]) -> str:
     """Return a name for a run: the file's, with what no name may hold replaced, and a number where it is taken."""
     stem = re.sub(r"[^A-Za-z0-9_.-]", "_", file.stem)[:90]
     stem = stem if re.match(r"[A-Za-z0-9]", stem) else f"run{stem}"

@@ -22,7 +22,11 @@ _COMMA_NUMBER = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
 
 def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
     """Read a CSV file; see `bench.record.table.Format`."""
-    data = read_plain(path, TABLE_BYTES)
+    return parse(read_plain(path, TABLE_BYTES), file, findings)
+
+
+def parse(data: bytes, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
+    """Take the contents of a CSV file apart; see `bench.record.table.Format`."""
     if too_much := _too_much(data):
         findings.append(Finding("error", file, None, "", *too_much))
         return None

@@ -25,6 +25,7 @@ class Finding:
         column: Column of a table, or key of the manifest ("runs[2].kind"); empty: the whole file.
         message: What is wrong, and in which other rows.
         remedy: What to do.
+        lines_before: Lines of the file above its first data row.
     """
 
     level: Level
@@ -33,11 +34,14 @@ class Finding:
     column: str
     message: str
     remedy: str
+    lines_before: int = 1
 
     @property
     def line(self) -> int | None:
         """Line of the file, counted from 1, that `row` stands in; None where there are no lines to count."""
-        return self.row + 1 if self.row is not None and self.file.lower().endswith(".csv") else None
+        if self.row is None or self.file.lower().endswith(".parquet"):
+            return None
+        return self.row + self.lines_before
 
     def __str__(self) -> str:
         place = self.file

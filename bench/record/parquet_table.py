@@ -17,8 +17,10 @@ from bench.record.limits import TABLE_BYTES, TABLE_CELLS, TABLE_COLUMNS
 from bench.record.plain_file import read_plain
 
 
-def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
-    """Read a Parquet file; see `bench.record.table.Format`."""
+def read(
+    path: Path, file: str, findings: list[Finding], with_dates: bool = False
+) -> tuple[tuple[str, ...], dict[str, Array]] | None:
+    """Read a Parquet file; see `bench.record.table.Format`. In a log (`with_dates`) a date is seconds since 1970."""
     import pyarrow as pa
     from pyarrow import parquet
 
@@ -35,7 +37,9 @@ def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...
         if _names_again(stored.metadata) not in (None, schema.names):
             fault("is damaged: its two lists of column names differ", "write it again")
             return None
+        dates = [with_dates and pa.types.is_timestamp(t) for t in schema.types]
         numeric = [pa.types.is_integer(t) or pa.types.is_floating(t) or pa.types.is_null(t) for t in schema.types]
+        numeric = [is_number or is_date for is_number, is_date in zip(numeric, dates, strict=True)]
         wanted = [name for name in dict.fromkeys(schema.names) if numeric[schema.names.index(name)]]
         table = stored.read(columns=wanted, use_threads=False)
     except (pa.ArrowException, OSError, ValueError) as error:
@@ -50,6 +54,9 @@ def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...
             continue
         if pa.types.is_null(column.type):
             columns[name] = np.full(len(column), np.nan)
+        elif pa.types.is_timestamp(column.type):
+            nanoseconds = column.cast(pa.timestamp("ns"), safe=False).cast(pa.int64()).cast(pa.float64(), safe=False)
+            columns[name] = np.asarray(nanoseconds.to_numpy(), dtype=np.float64) * 1e-9
         else:
             numbers = column if pa.types.is_float64(column.type) else column.cast(pa.float64(), safe=False)
             columns[name] = np.asarray(numbers.to_numpy(), dtype=np.float64)

@@ -1,5 +1,6 @@
 """Files that an MJCF names, copied into another robot folder."""
 
+import filecmp
 import shutil
 from collections.abc import Iterable
 from pathlib import Path, PurePath
@@ -47,6 +48,9 @@ def _copy(file: str, places: Iterable[Path], folder: Path) -> str:
         for candidate in (place / file, place / pure.name):
             if candidate.is_file():
                 copy = folder / ASSETS / target
+                if pure.is_absolute() and copy.exists() and not filecmp.cmp(copy, candidate, shallow=False):
+                    target = f"{candidate.parent.name}_{target}"
+                    copy = folder / ASSETS / target
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(candidate, copy)
                 return target

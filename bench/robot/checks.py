@@ -4,9 +4,11 @@ from collections.abc import Iterator
 
 import mujoco
 
+from bench.robot.figures import Drive
 from bench.robot.folder import Robot
 
 JOINT_KINDS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+SPEED_ROUNDING = 0.01  # relative; both are written down with three digits or more
 
 
 def negative_masses(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
@@ -38,6 +40,7 @@ def faulty_roles(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
         if model.dof_armature[model.jnt_dofadr[rotor.id]] <= 0:
             yield f"{place}.rotor: {drive.rotor!r} has no armature; write J_m N^2 there."
         yield from _element(place, drive.element, model, joint.id, rotor.id)
+        yield from _speed(place, drive, model)
         for part, name, on, word in (
             ("servo", drive.servo, rotor.id, drive.rotor),
             ("motor_friction", drive.motor_friction, rotor.id, drive.rotor),
@@ -45,6 +48,20 @@ def faulty_roles(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
         ):
             if model.actuator(name).trnid[0] != on:
                 yield f"{place}.{part}: actuator {name!r} does not act on {word!r}; let it."
+
+
+def _speed(place: str, drive: Drive, model: mujoco.MjModel) -> Iterator[str]:
+    """Yield a sentence where a servo lets less speed through than the drive is said to have."""
+    servo = model.actuator(drive.servo).id
+    velocity = model.actuator_ctrladr[servo] + 1
+    if model.actuator_ctrlnum[servo] < 2 or not model.actuator_ctrllimited[velocity]:
+        return
+    let, limit = float(model.actuator_ctrlrange[velocity][1]), drive.speed_limit_rad_per_s
+    if let < (1 - SPEED_ROUNDING) * limit:
+        yield (
+            f"{place}.speed_limit_rad_per_s: is {limit:g}, but velrange of the servo {drive.servo!r} lets {let:g} "
+            f'through; write velrange="-{limit:g} {limit:g}" into the MJCF, or take it out.'
+        )
 
 
 def _element(place: str, name: str, model: mujoco.MjModel, joint: int, rotor: int) -> Iterator[str]:

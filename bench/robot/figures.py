@@ -27,6 +27,11 @@ class Drive(Strict):
     torque_constant_error: NonNegative = Field(0.01, description="relative standard deviation of xi as known")
     speed_limit_rad_per_s: Positive = Field(description="at the joint; of a slide [m/s]")
 
+    @property
+    def states_torque_constant(self) -> bool:
+        """Whether the torque constant was written down; else the drive reports torque."""
+        return "torque_constant_nm_per_a" in self.model_fields_set
+
 
 class Counterbalance(Strict):
     """A gas cylinder between two links, by its names in the MJCF. Geometry and gas figures stand in the MJCF."""
@@ -46,38 +51,40 @@ class Rating(Strict):
 class Tracker(Strict):
     """Laser tracker; noise grows with the distance from where it stands."""
 
-    position_m: tuple[float, float, float]
+    position_m: tuple[float, float, float] = Field(description="[m], where it stands, in the base frame")
     sigma_per_distance: Positive = Field(10e-6, description="[m/m], one coordinate of one reading")
     placement_sigma_m: NonNegative = Field(15e-6, description="[m], each time a reflector is taken off and put back")
-    frame_sigma_m: NonNegative = 0.1e-3
-    frame_sigma_rad: NonNegative = 0.2e-3
-    drift_m_per_h: NonNegative = 5e-6
+    frame_sigma_m: NonNegative = Field(0.1e-3, description="[m], each coordinate of its frame, one draw per set-up")
+    frame_sigma_rad: NonNegative = Field(0.2e-3, description="[rad], about each axis of its frame, one draw per set-up")
+    drift_m_per_h: NonNegative = Field(5e-6, description="[m/h], of its frame, each coordinate")
 
 
 class ForceSensor(Strict):
     """Force sensor at the load point. The direction error counts only where the load does not hang."""
 
-    sigma_n: Positive = 0.5
-    sigma_nm: Positive = 0.2
-    gain_sigma: NonNegative = 0.005
-    direction_sigma_rad: NonNegative = 0.005
+    sigma_n: Positive = Field(0.5, description="[N], noise of one reading of a force")
+    sigma_nm: Positive = Field(0.2, description="[Nm], noise of one reading of a moment")
+    gain_sigma: NonNegative = Field(0.005, description="relative gain error of the reading, one draw")
+    direction_sigma_rad: NonNegative = Field(0.005, description="[rad], of the direction of a load that does not hang")
 
 
 class CurrentSensor(Strict):
     """Motor current as the drive reports it."""
 
-    sigma_a: Positive = 0.02
-    resolution_a: NonNegative = 0.01
-    offset_sigma_a: NonNegative = 0.01
+    sigma_a: Positive = Field(0.02, description="[A], noise of one reading")
+    resolution_a: NonNegative = Field(0.01, description="[A], step of the reading")
+    offset_sigma_a: NonNegative = Field(0.01, description="[A], offset of the reading, one draw per drive")
     gain_sigma: NonNegative = Field(0.005, description="relative gain error of the reading, one draw per drive")
 
 
 class TorqueSensor(Strict):
     """Motor torque as a drive reports it, reflected to the joint; of a slide a force, in N for Nm."""
 
-    sigma_nm: Positive | tuple[Positive, ...] = Field(description="one for all drives, or one for each")
-    resolution_nm: NonNegative = 0.0
-    offset_sigma_nm: NonNegative = 0.0
+    sigma_nm: Positive | tuple[Positive, ...] = Field(
+        description="[Nm], noise of one reading; one for all drives, or one for each"
+    )
+    resolution_nm: NonNegative = Field(0.0, description="[Nm], step of the reading")
+    offset_sigma_nm: NonNegative = Field(0.0, description="[Nm], offset of the reading, one draw per drive")
     gain_sigma: NonNegative = Field(0.02, description="relative gain error of the reading, one draw per drive")
 
     def sigma_of(self, n: int) -> tuple[float, ...]:
@@ -88,25 +95,27 @@ class TorqueSensor(Strict):
 class Encoder(Strict):
     """Motor encoder, reflected to the joint; of a slide in m for rad."""
 
-    resolution_rad: Positive = 2e-7
-    offset_sigma_rad: NonNegative = 0.0
-    delay_s: NonNegative = 0.0
+    resolution_rad: Positive = Field(2e-7, description="[rad], step of the reading, at the joint")
+    offset_sigma_rad: NonNegative = Field(0.0, description="[rad], of its zero, one draw per drive")
+    delay_s: NonNegative = Field(0.0, description="[s], by which it reads late")
 
 
 class LinkEncoder(Strict):
     """Secondary encoders behind the gear, on some joints; of a slide in m for rad."""
 
     joints: tuple[str, ...] = Field(min_length=1, description="link-side joints that have one, by their names")
-    resolution_rad: Positive = 2e-7
-    offset_sigma_rad: NonNegative = 0.0
-    accuracy_rad: NonNegative = Field(0.0, description="error within a turn: graduation, centring; no mean lessens it")
+    resolution_rad: Positive = Field(default=2e-7, description="[rad], step of the reading")
+    offset_sigma_rad: NonNegative = Field(default=0.0, description="[rad], of its zero, one draw per joint")
+    accuracy_rad: NonNegative = Field(
+        0.0, description="[rad], error within a turn: graduation, centring; no mean lessens it"
+    )
 
 
 class PressureGauge(Strict):
     """Gauge of the gas pressure in the counterbalance."""
 
-    resolution_pa: Positive = 1e5
-    piston_area_m2: Positive
+    resolution_pa: Positive = Field(1e5, description="[Pa], step of the reading")
+    piston_area_m2: Positive = Field(description="[m^2], on which the gas acts")
 
 
 class Instruments(Strict):
@@ -157,6 +166,9 @@ class Figures(Strict):
     instruments: Instruments
     uncertainty: Uncertainty = Uncertainty.model_validate({})
     fitted: Fitted = NOTHING
+    assumed: tuple[str, ...] = Field(
+        (), description="what nobody knows of this robot yet, and what was taken in its place; `bench check` shows it"
+    )
 
     @model_validator(mode="after")
     def _instruments_have_something_to_measure(self) -> Self:
@@ -167,6 +179,13 @@ class Figures(Strict):
         if fitted.pressure and not self.counterbalance:
             raise ValueError("instruments.pressure needs a counterbalance: name it, or write pressure: null")
         joints = [drive.joint for drive in self.drives]
+        unstated = [drive.joint for drive in self.drives if not drive.states_torque_constant]
+        if fitted.current and unstated:
+            raise ValueError(
+                f"drives: torque_constant_nm_per_a is missing for {', '.join(unstated)}, and instruments.current says "
+                "that drives report current: write how many Nm at the joint one A makes (motor constant times gear "
+                "ratio); where nobody knows, write current: null, then `bench convert --look LOG --robot DIR` tells it"
+            )
         if fitted.torque and len(fitted.torque.sigma_of(len(joints))) != len(joints):
             raise ValueError(
                 f"instruments.torque.sigma_nm needs one number, or one for each of the {len(joints)} drives"

@@ -17,7 +17,7 @@ def log_format_of(robot: Robot, file: Path | None = None) -> LogFormat:
     path = file or robot.folder / LOG_FORMAT
     if not path.is_file():
         raise InputError(
-            f"{path}: no such file; write one line for each column of your logs (models/README.md), "
+            f"{path}: no such file; write one line for each column of your logs (bench/record/logs/README.md), "
             "models/emps/log.yaml is an example"
         )
     return read_log_format(path)

@@ -51,7 +51,8 @@ class Glance:
                 distance = np.sqrt(np.add.reduce(away * away, axis=1, keepdims=True))
                 np.multiply(distance, self._relative, out=self._scale_of_reflectors)
             noise *= self._scale
-            shown[self._noisy] += noise
+            noisy = shown[self._noisy]  # a view: `shown[...] += noise` would write it once more
+            noisy += noise
         rounded = shown[: len(self._steps)]
         rounded /= self._steps
         np.rint(rounded, out=rounded)

@@ -1,21 +1,25 @@
 """A campaign linearised about a model with findings, and models fitted without what they do not need."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
-from bench.diagnose.extend.fit import BEYOND, fit_without, unknowns_of
+from bench.diagnose.extend.fit import BEYOND, Fit, fit_without, unknowns_of
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import causes_of
-from bench.diagnose.linearise.generic import blocks_of
+from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.marginal import Nuisances
-from bench.diagnose.linearise.screening import tried_of
-from bench.diagnose.name.models import CandidateModel, Fitter
+from bench.diagnose.linearise.screening import Entry, tried_of, widths_of
+from bench.diagnose.name.models import CandidateModel, Fitter, log_of_widths
+from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.diagnose.name.search_space import SearchSpace, search_space
 from bench.effects.catalogue import catalogue
 from bench.executor.serial import SERIAL
+from bench.record.campaign import Array
 from tests.diagnose.sweeps import SWEEPS, made, nominal
 
 CHOICE = ("coulomb_level", "viscous_level", "gas_loss")
@@ -73,3 +77,79 @@ def test_what_is_beside_listed_causes_is_orthogonal_to_them(rng: np.random.Gener
 
 def test_findings_are_found_again_without_a_part_of_the_runs(found: Diagnosis) -> None:
     assert [finding.repeats for finding in found.naming.findings] == [1.0, 1.0]
+
+
+def test_a_cause_of_several_sizes_is_weighed_with_priors_of_several_widths(rng: np.random.Generator) -> None:
+    """Against the marginal likelihood of linear readings, written out."""
+    (cause,) = causes_of([catalogue()["floor_tilt"]], nominal(), frozenset({"reflector"}))
+    unknowns = unknowns_of((cause,))
+    prior = np.array([unknown.sigma for unknown in unknowns])
+    slopes = rng.standard_normal((12, 2)) / prior
+    readings = slopes @ (0.1 * prior) + rng.standard_normal(12)
+    covariance = np.linalg.inv(slopes.T @ slopes + np.diag(prior**-2))
+    values = covariance @ slopes.T @ readings
+    empty = np.empty(0)
+    fit = Fit((cause,), unknowns, values, covariance, empty, 0.0, 0.0, empty, empty, empty)
+
+    def marginal(width: float) -> float:
+        spread = np.eye(12) + width**2 * slopes @ np.diag(prior**2) @ slopes.T
+        return float(multivariate_normal.logpdf(readings, cov=spread))
+
+    expected = [marginal(width) - marginal(1.0) - np.log(3) for width in widths_of(cause)]
+    np.testing.assert_allclose(log_of_widths(fit, cause), expected, atol=1e-8)
+    assert np.argmax(expected) == 2  # small sizes are no reason to doubt a cause
+
+
+def test_a_model_is_as_probable_when_it_is_found_as_when_it_is_known(found: Diagnosis, about: SearchSpace) -> None:
+    candidate = about.candidate_of(about.present)
+    linear, model = found.naming.linear, found.naming.models[0]
+    fitter = Fitter(linear, refit(linear, (), {}), SERIAL)
+    assert fitter.fitted([candidate])[0].log_posterior == pytest.approx(model.log_posterior, abs=0.5)
+
+
+def toy(signal: Array, *columns: Array) -> SearchSpace:
+    """Return a linearised model of listed columns and, as the last, a free shape of one column; all sizes about ten."""
+    rng = np.random.default_rng(3)
+    matrix = np.stack(columns, axis=1)
+    white = signal + rng.standard_normal(len(signal))
+    last = matrix.shape[1] - 1
+    terms = [
+        Term(f"term {i}", np.array([i]), np.array([10.0]), -7.0 if i < last else -11.6, np.zeros(1), i < last)
+        for i in range(last + 1)
+    ]
+    places = [Block(f"joint {i + 1}", "motor torque", "angle", i, "Nm", np.zeros(1), 10.0) for i in range(last + 1)]
+    what = tuple(Entry(place, np.array([i]), ()) for i, place in enumerate(places))
+    model = SubsetPosterior(matrix.T @ matrix, matrix.T @ white, terms)
+    nothing: Any = None
+    return SearchSpace(model, nothing, what, (), white, nothing, 7.0)
+
+
+def test_one_shape_is_preferred_to_several_causes_that_only_imitate_it(rng: np.random.Generator) -> None:
+    """Drag with the square of the speed came out as viscous drag, a ripple and four weights written down wrong."""
+    first, second, third, other = (rng.standard_normal(60) for _ in range(4))
+    shape = first + second + third
+    about = toy(8 * shape + 5 * other, first, second, third, other, shape)
+    assert about.instead((0, 1, 2, 3)) == (3, 4)
+
+
+def test_a_shape_is_not_preferred_to_one_cause_that_does_as_well(rng: np.random.Generator) -> None:
+    cause = rng.standard_normal(60)
+    about = toy(8 * cause + 0.5 * rng.standard_normal(60), cause, cause + 0.05 * rng.standard_normal(60))
+    assert about.instead((0,)) == ()
+
+
+def test_several_causes_that_no_shape_does_without_stay(rng: np.random.Generator) -> None:
+    first, second = rng.standard_normal((2, 60))
+    assert toy(8 * first + 8 * second, first, second, first - second).instead((0, 1)) == ()
+
+
+def test_a_shape_that_stands_beside_a_cause_may_do_without_it(rng: np.random.Generator) -> None:
+    """Then it is of what the cause leaves; as it is, it holds the cause's part as well."""
+    cause, rest = rng.standard_normal((2, 60))
+    about = toy(8 * cause + 3 * rest, cause, 8 * cause + 3 * rest)
+    of_rest = Term("term 1", np.array([1]), np.array([10.0]), -11.6, np.zeros(1), False)
+    columns = np.stack([cause, rest, 8 * cause + 3 * rest], axis=1)
+    terms = [about.model.terms[0], of_rest, replace(of_rest, key="as it is", columns=np.array([2]))]
+    what = (*about.what, about.what[-1])
+    model = SubsetPosterior(columns.T @ columns, columns.T @ about.white, terms)
+    assert replace(about, model=model, what=what).instead((0, 1)) == (2,)

@@ -152,7 +152,8 @@ def works(folder: Path) -> None:
 
     env = BenchEnv(str(folder), truth=True)
     env.reset(seed=1, options={"q": home})
-    goal, load = home + 0.05, np.array([5.0, 3.0, -10.0, 0, 0, 0])
+    rated = env.action_space["wrench"]
+    goal, load = home + 0.05, np.clip([5.0, 3.0, -10.0, 0, 0, 0], rated.low, rated.high)
     for k in range(600):
         blend = min(k / 100, 1.0)
         observation, *_, info = env.step({"q_cmd": home + blend * (goal - home), "wrench": blend * load})

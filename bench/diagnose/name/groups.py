@@ -6,7 +6,7 @@ the best.
 """
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,15 +33,27 @@ class AmbiguityGroup:
     Attributes:
         members: The likeliest first; the fewest that hold `LEVEL` of what all of them together do.
         probability: That any of them acts.
+        may_be_unlisted: Whether it is at the joint of what is unlisted, of which it may be a part.
     """
 
     members: tuple[Member, ...]
     probability: float
+    may_be_unlisted: bool = False
 
     @property
     def keys(self) -> Keys:
         """Of its members."""
         return frozenset(member.cause.key for member in self.members)
+
+
+def part_of_unlisted(group: AmbiguityGroup) -> AmbiguityGroup:
+    """Return a group at the joint of something unlisted, of which nobody knows the form: it may be a part of that.
+
+    A free shape depends on one thing; what is unlisted may depend on two, and the listed cause is what the shape cannot
+    hold. Nothing tells the two apart, so they share the probability.
+    """
+    members = tuple(replace(member, probability=member.probability / 2) for member in group.members)
+    return AmbiguityGroup(members, group.probability / 2, True)
 
 
 def groups_of(

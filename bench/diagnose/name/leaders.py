@@ -1,6 +1,6 @@
 """Which models a search is worth to simulate."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence, Set
 
 from bench.diagnose.name.models import CandidateModel
 from bench.diagnose.name.search import WINDOW, Alternative
@@ -16,19 +16,30 @@ def leaders_of(found: Sequence[Alternative], count: int) -> list[Alternative]:
     return [*[one for one in near if one not in larger][:count], *larger[:1]]
 
 
-def scattering(about: SearchSpace, leader: Alternative) -> list[CandidateModel]:
-    """Return the leader with a play beside or in the place of anything at its joint.
+def scattering(
+    about: SearchSpace, leader: Alternative, behind: Set[frozenset[Hashable]]
+) -> dict[frozenset[Hashable], CandidateModel]:
+    """Return the leader with a play beside or in the place of anything at its joint, by what acts at that joint then.
 
     Where a link rests within its play is chance, so its signature alone shows little of it.
+
+    Args:
+        about: What may be wrong.
+        leader: The best subset of it.
+        behind: What acted at one joint with a play in models that fell behind. Findings elsewhere do not change that.
     """
-    terms, candidates = leader.best.terms, []
+    terms = leader.best.terms
+    found: dict[frozenset[Hashable], CandidateModel] = {}
     for play, what in enumerate(about.what):
         cause = about.cause(play)
         if cause is None or not cause.effect.scatters or cause.key in leader.keys:
             continue
         for i in terms:
             other = about.cause(i)
-            if about.what[i].drive == what.drive and not (other and other.effect.scatters):
-                rest = tuple(one for one in terms if one != i)
-                candidates += [about.candidate_of((*rest, play)), about.candidate_of((*terms, play))]
-    return candidates[:MOST_PLAYS]
+            if about.what[i].drive != what.drive or (other and other.effect.scatters):
+                continue
+            for kept in (tuple(one for one in terms if one != i), terms):
+                there = frozenset(about.model.terms[i].key for i in (*kept, play) if about.what[i].drive == what.drive)
+                if there not in behind and len(found) < MOST_PLAYS:
+                    found[there] = about.candidate_of((*kept, play))
+    return found

@@ -17,9 +17,9 @@ from bench.diagnose.linearise.candidates import Candidate, Cause
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Columns, Nuisances
-from bench.diagnose.linearise.screening import WIDTHS, Entry, Tried
+from bench.diagnose.linearise.screening import WIDTHS, Entry, Tried, widths_of
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.models import CandidateModel, Model
+from bench.diagnose.name.models import CandidateModel, Model, log_of_widths
 from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
@@ -92,23 +92,46 @@ class SearchSpace:
     def instead(self, which: Sequence[int]) -> tuple[int, ...]:
         """Return the free shape that is more probable than listed terms that it does without, with the others; or none.
 
-        It may stand for all of them, or for those at its drive. One that merely does as well as causes that explain
-        most of it is not preferred to them: a robot that only lacks Coulomb friction would be called unlisted, for a
-        torque over angle and direction holds that too.
+        A shape is added to them, and what is then not needed is taken away, the least needed first. One that merely
+        does as well as a single cause that explains most of it is not preferred to that: a robot that only lacks
+        Coulomb friction would be called unlisted, for a torque over angle and direction holds that too. Several causes
+        that one shape does without are a coincidence that it does not need: there the posterior decides. So it does
+        where listed terms need a shape beside them (which is of what they leave): as it is, it may do without some.
         """
-        model, listed = self.model, self.model.log_posterior(which)
+        before, has_shape = self.model.log_posterior(which), any(not self.model.terms[i].is_listed for i in which)
+        listed = [i for i in which if self.model.terms[i].is_listed]
         found: tuple[int, ...] = ()
-        best = listed
-        for drive in (None, *sorted({self.what[i].drive for i in which})):
-            rest = [i for i in which if drive is not None and self.what[i].drive != drive]
-            shapes = [i for i in self._shapes if drive is None or self.what[i].drive == drive]
-            if not shapes:
+        best = before
+        for shape in self._worth_trying(listed):
+            kept, total = self._needed(listed, shape)
+            gone = [i for i in listed if i not in kept]
+            if not gone or total <= best:
                 continue
-            base, rise = model.log_posterior(rest), model.additions(rest)[shapes]
-            total = base + float(np.max(rise))
-            if total > best and listed - base < GREATER_PART * (total - base):
-                found, best = (*rest, int(shapes[np.argmax(rise)])), total
+            explained = total - self.model.log_posterior(kept[:-1])
+            if has_shape or len(gone) > 1 or explained - (total - before) < GREATER_PART * explained:
+                found, best = kept, total
         return found
+
+    def _worth_trying(self, which: Sequence[int]) -> list[int]:
+        """Return the free shapes that explain most in the place of all terms, of those at each drive, and of none."""
+        if not len(self._shapes):
+            return []
+        drives = sorted({self.what[i].drive for i in which})
+        rests = [[], *([i for i in which if self.what[i].drive != drive] for drive in drives), which]
+        best = (int(self._shapes[np.argmax(self.model.additions(rest)[self._shapes])]) for rest in rests)
+        return list(dict.fromkeys(best))
+
+    def _needed(self, which: Sequence[int], shape: int) -> tuple[tuple[int, ...], float]:
+        """Return the terms that are needed beside a free shape, and it; and the logarithm of their posterior odds."""
+        kept = list(which)
+        total = self.model.log_posterior([*kept, shape])
+        while kept:
+            without = [self.model.log_posterior([*(i for i in kept if i != gone), shape]) for gone in kept]
+            if max(without) < total:
+                break
+            total = max(without)
+            del kept[int(np.argmax(without))]
+        return (*kept, shape), total
 
     @property
     def present(self) -> tuple[int, ...]:
@@ -121,18 +144,15 @@ class SearchSpace:
         causes: list[Cause] = []
         shape: Block | None = None
         sizes = self.model.sizes(which) if len(which) else np.empty(0)
-        odds: dict[tuple[str, str], float] = {}
         of_shape: tuple[float, ...] = ()
         for i in which:
             term, what = self.model.terms[i], self.what[i]
             mine, sizes = sizes[: len(term.columns)], sizes[len(term.columns) :]
             if isinstance(what, Cause):
                 causes.append(what)
-                odds[what.key] = term.log_odds
                 start |= {key: value for key, value in self.about.fit.start.items() if key[:2] == what.key}
             elif isinstance(what.what, Candidate):
                 causes.append(what.what.cause)
-                odds[what.what.cause.key] = term.log_odds
                 start |= _values(what.what, mine)
             else:
                 shape, of_shape = replace(what.what, prior=float(term.prior[0])), (term.log_odds,)
@@ -142,7 +162,7 @@ class SearchSpace:
         nuisances = self.about.fit.nuisances if self.about.keys else None
         if nuisances is not None and self.about.shape:
             nuisances = nuisances[: len(nuisances) - self.about.shape.columns.shape[1]]
-        log_odds = (*(odds[cause.key] for cause in causes), *of_shape)
+        log_odds = (*[-self.threshold] * len(causes), *of_shape)  # a fit weighs shapes and widths of a cause itself
         return CandidateModel(tuple(causes), shape, start, nuisances, log_odds)
 
 
@@ -179,8 +199,8 @@ def search_space(
     what: list[Entry | Cause] = []
     for entry in tried.entries:
         key = entry.cause.key if entry.cause else str(entry.what)
-        if key in taken or key in refused or (about.shape and not entry.cause):
-            continue  # a model has one free shape at most
+        if key in taken or key in refused:
+            continue
         for prior, log_odds in entry.priors:
             log_odds -= threshold if entry.cause else threshold + LEAST
             terms.append(Term(key, entry.columns, prior, log_odds, entry.sign, entry.cause is not None))
@@ -192,7 +212,10 @@ def search_space(
         unknowns = [unknown for unknown in fit.unknowns if unknown.cause is cause]
         sigma = np.array([unknown.sigma for unknown in unknowns])
         sign = np.array([0.0 if u.parameter.is_shape or u.parameter.signed else 1.0 for u in unknowns])
-        terms.append(Term(cause.key, columns, sigma, -threshold, sign))
+        widths = widths_of(cause)
+        width = widths[int(np.argmax(log_of_widths(fit, cause)))]
+        prior = np.where([u.parameter.is_shape for u in unknowns], 1.0, width) * sigma
+        terms.append(Term(cause.key, columns, prior, -threshold - float(np.log(len(widths))), sign))
         what.append(cause)
     if about.shape:
         log_odds = -float(np.log(len(WIDTHS)))

@@ -21,9 +21,9 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.groups import AmbiguityGroup, groups_of
+from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of, part_of_unlisted
 from bench.diagnose.name.leaders import leaders_of, scattering
-from bench.diagnose.name.models import Fitter, Model, log_of_signs, without_shape
+from bench.diagnose.name.models import Fitter, Model, log_of_priors, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
@@ -89,6 +89,7 @@ class _Selection:
     findings: dict[Hashable, Finding] = field(default_factory=dict)
     refused: dict[Hashable, Finding] = field(default_factory=dict)
     refused_shapes: set[str] = field(default_factory=set)
+    plays: set[frozenset[Hashable]] = field(default_factory=set)
     promising: tuple[Cause, ...] = ()
     causes: dict[Hashable, Cause] = field(default_factory=dict)
     posterior: dict[frozenset[Hashable], float] = field(default_factory=dict)
@@ -127,7 +128,12 @@ class _Selection:
             return ()  # stopped before a search about it
         first = [finding.cause.key for finding in ranked]
         every = [*first, *(key for key in self.best.keys if key not in first)]
-        return groups_of(every, self.posterior, self.causes)
+        groups = groups_of(every, self.posterior, self.causes)
+        where = self.best.shape.drive if self.best.shape else -1
+        drives = [{member.cause.drive for member in group.members} - {-1} for group in groups]
+        return tuple(
+            part_of_unlisted(group) if where in mine else group for group, mine in zip(groups, drives, strict=True)
+        )
 
     def run(self) -> None:
         """Search until the best model repeats, then with honest errors, and keep what pays on what was held out.
@@ -171,16 +177,19 @@ class _Selection:
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known)
         present = fitter.knows(self.best, about.candidate_of(about.present))
-        alone = tuple(i for i in found[0].best.terms if i not in shape)
-        others = [*leaders, alone if shape else about.instead(alone)]
+        alone = [tuple(i for i in found[0].best.terms if i not in shape)] if shape else []
+        others = [*leaders, *alone, about.instead(found[0].best.terms)]
         candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms))]
-        candidates += scattering(about, found[0]) if is_last else []
+        plays = scattering(about, found[0], self.plays) if is_last else {}
+        candidates += plays.values()
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
         if not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
             beside = about.beside()
             models += fitter.fitted([beside] if beside else [])
         models = sorted([Model(self.null), *models], key=lambda model: -model.log_posterior)
+        near = {model.keys for model in models if model.log_posterior > models[0].log_posterior - IN_SET}
+        self.plays |= {there for there, one in plays.items() if one.keys not in near}
         # whatever was promised of those that could not be fitted, or did not need all of their causes
         fell = {keys for keys, model in fitter.models.items() if model is None or model.keys != keys}
         self.posterior = posterior_of(models, found, fell)
@@ -272,7 +281,7 @@ class _Selection:
         except NOT_SIMULATED:
             return None
         gain = held_out(self.best.linear(self.linear), without, best)
-        rise = best.log_evidence - without.log_evidence + log_of_signs(best) - log_of_signs(without)
+        rise = best.log_evidence - without.log_evidence + log_of_priors(best) - log_of_priors(without)
         return Finding(cause, best, rise, gain, gain.is_gain and rise > self._least(without))
 
     def _without(self, cause: Cause) -> Fit:

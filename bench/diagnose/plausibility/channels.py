@@ -126,7 +126,8 @@ def _beyond_speed(picture: DrivePicture, compiled: CompiledRobot) -> Iterator[Fi
         drive, limit = compiled.robot.figures.drives[j].joint, speed_limit(compiled, j)
         if top > BEYOND * limit:
             message = f"{drive} moves at {top:.3g} per s, its limit is {limit:.3g}"
-            yield doubt(f"q_motor_{j + 1}", message, "degrees or millimetres? give SI units")
+            remedy = "degrees or millimetres? give SI units; else correct speed_limit_rad_per_s in figures.yaml"
+            yield doubt(f"q_motor_{j + 1}", message, remedy)
 
 
 def _dead(picture: DrivePicture) -> Iterator[Finding]:

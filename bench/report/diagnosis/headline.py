@@ -38,7 +38,7 @@ def headline(verdict: Verdict) -> str:
 
 def _headline(verdict: Verdict, room: int) -> str:
     shape = verdict.unlisted if verdict.unlisted and verdict.unlisted.stands_out else None
-    large = any(not group.is_small for group in verdict.findings)
+    large = bool(_of_headline(verdict))
     if shape:
         name = unlisted_name(shape)
         if large:
@@ -64,9 +64,15 @@ def _headline(verdict: Verdict, room: int) -> str:
     return "Nothing found: the nominal model explains this campaign."
 
 
+def _of_headline(verdict: Verdict) -> list[AmbiguityGroup]:
+    """Return the large findings, without those that may be a part of the unlisted cause that the headline names."""
+    is_named = verdict.unlisted is not None and verdict.unlisted.stands_out
+    return [group for group in verdict.findings if not (group.is_small or (is_named and group.may_be_unlisted))]
+
+
 def _large(verdict: Verdict, room: int) -> str:
     """Return the large findings, each with the causes that may be behind it; "" without room."""
-    large = [group for group in verdict.findings if not group.is_small]
+    large = _of_headline(verdict)
     others = verdict.other_explanations
     if not others and all(len(group.names) == 1 for group in large):
         return _together([group.names[0].cause for group in large], room)

@@ -13,6 +13,7 @@ from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.facts import Facts
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
+    PART_OF_UNLISTED,
     capital,
     cause_name,
     channel_name,
@@ -117,6 +118,7 @@ def page_of(
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.globals["part_of_unlisted"] = PART_OF_UNLISTED
     environment.filters |= {
         "base64": lambda text: b64encode(text.encode()).decode(),
         "capital": capital,

@@ -10,6 +10,7 @@ from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, RECORDING, REPORT, ROBOT, VERDICT
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
+    PART_OF_UNLISTED,
     cause_name,
     error_text,
     limit_text,
@@ -84,6 +85,8 @@ def _finding(group: AmbiguityGroup) -> Iterator[str]:
             yield f"{'':13}{parameter_text(parameter)}" + (f"   {meaning}" if meaning else "")
         if cause.advice:
             yield f"{'':13}check: {cause.advice}"
+    if group.may_be_unlisted:
+        yield f"{'':11}or it is {PART_OF_UNLISTED}"
 
 
 def _selection(verdict: Verdict) -> Iterator[str]:
@@ -132,3 +135,4 @@ def places_of(folder: Path) -> Iterator[str]:
     yield f"numbers    {folder / VERDICT}"
     if (folder / ROBOT).is_dir():
         yield f"robot      {folder / ROBOT}   (its change: {DIFFERENCE}; all that was fitted: {FIGURES})"
+        yield f"apply      bench apply {folder} -o applied   (URDF, torques; more: bench/report/handover/README.md)"

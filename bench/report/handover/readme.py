@@ -37,6 +37,8 @@ def readme_of(robot: Robot, figures: Figures, missing: Sequence[str], disagreeme
         "  torque constants.",
         "- `promises.json`: within what this model will err on the next recording (`bench predict`). `posterior.json`:",
         "  what is known of figures and findings, together (`bench diagnose --given` and the folder above).",
+        "- `bench apply` on the folder above writes URDF and feed-forward torques; what else:",
+        "  the page bench/report/handover/README.md of the bench.",
         "- Left out: how much of its friction each joint held at rest. That belongs to the campaign.",
     ]
     if recording:

@@ -10,7 +10,7 @@ from bench.report.diagnosis.names import WORKSHOP, capital, channel_name
 from bench.report.diagnosis.recording import GHOST, MAGNIFICATION, ROBOT
 from bench.report.diagnosis.recording_clock import RecordingClock, recording_clock_of
 from bench.report.recording.arm import log_arm, log_standing_bodies
-from bench.report.recording.curves import Curve, Plot, log_plots
+from bench.report.recording.curves import JOINT_COLOURS, Curve, Plot, log_plots
 from bench.report.recording.cylinder import log_cylinder
 from bench.report.recording.events import log_events
 from bench.report.recording.layout import layout
@@ -54,20 +54,25 @@ def write_prediction_recording(path: Path, recording: PredictedRecording) -> Non
 
 
 def _plots(recording: PredictedRecording, clock: RecordingClock) -> list[Plot]:
-    """Return every channel by kind, and what is left of it."""
+    """Return every channel by kind, and what is left of it, all channels of a kind and unit in one plot."""
     found = []
+    left: dict[tuple[str, str], list[Curve]] = {}
     for c, quantity in enumerate(recording.linear.quantities):
         if not np.any(np.isfinite(recording.error[:, c])):
             continue
         unit, scale = WORKSHOP.get(quantity.unit, (quantity.unit, 1.0))
-        measured, left = recording.measured[:, c], recording.error[:, c]
+        measured, error = recording.measured[:, c], recording.error[:, c]
         curves = [Curve("measured", scale * clock.curve(measured), MEASURED, MEASURED_WIDTH)]
         if np.any(np.isfinite(recording.nominal_error[:, c])):
             nominal = measured - recording.nominal_error[:, c]
             curves.append(Curve("nominal", scale * clock.curve(nominal), WITHOUT, SIMULATED_WIDTH))
-        curves.append(Curve("predicted", scale * clock.curve(measured - left), WITH, SIMULATED_WIDTH))
-        tab, name = capital(channel_name(f"{quantity.kind}_")), capital(channel_name(quantity.column))
-        found.append(Plot(tab, f"{name} [{unit}]", f"channels/{quantity.column}", tuple(curves)))
-        one = Curve("left by the model", scale * clock.curve(left), WITH, SIMULATED_WIDTH)
-        found.append(Plot("Left over", f"{name}, left by the model [{unit}]", f"left/{quantity.column}", (one,)))
+        curves.append(Curve("predicted", scale * clock.curve(measured - error), WITH, SIMULATED_WIDTH))
+        tab, name = capital(channel_name(f"{quantity.kind}_")), channel_name(quantity.column)
+        found.append(Plot(tab, f"{capital(name)} [{unit}]", f"channels/{quantity.column}", tuple(curves)))
+        same = left.setdefault((quantity.kind, unit), [])
+        colour = JOINT_COLOURS[len(same) % len(JOINT_COLOURS)]
+        same.append(Curve(name, scale * clock.curve(error), colour, SIMULATED_WIDTH))
+    for (kind, unit), some in left.items():
+        title = f"{capital(channel_name(f'{kind}_'))}, left by the model [{unit}]"
+        found.append(Plot("Left over", title, f"left/{kind}_{unit}", tuple(some)))
     return found

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
 TRAIL = 60.0  # [s], how long the way of a point stays visible
 PLAYBACK_SPEED = 4.0
-WINDOW = (-60.0, 20.0)  # [s], what the plots show around the time cursor
 BACKGROUND = [38, 43, 50]
 AZIMUTH = -0.8  # [rad], from the robot to the eye, against x
 ELEVATION = 0.25  # [rad], of the eye above the middle of the robot
@@ -109,17 +108,12 @@ def robot_view(title: str, floor: float, extent: Array, trails: Sequence[str] = 
 
 
 def _plot_view(plot: Plot) -> "View":
-    import rerun as rr
     import rerun.blueprint as rrb
 
-    window = rr.TimeRange(
-        start=rrb.TimeRangeBoundary.cursor_relative(seconds=WINDOW[0]),
-        end=rrb.TimeRangeBoundary.cursor_relative(seconds=WINDOW[1]),
-    )
     return rrb.TimeSeriesView(
         origin=plot.path,
         name=plot.title,
-        axis_x=rrb.TimeAxis(link="LinkToGlobal", view_range=window),
+        axis_x=rrb.TimeAxis(link="LinkToGlobal"),  # all plots show the same time
         axis_y=None if plot.span is None else rrb.ScalarAxis(range=plot.span),
         plot_legend=rrb.Corner2D.LeftTop,
     )

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from bench.robot.bodies import Array
-from bench.robot.starter.source import Source
+from bench.robot.starter.source import Source, SourceJoint
 
 STEP = 2.5e-4  # [s], time step of a started robot
 POSES = 60  # at which inertia and gravity are looked at
@@ -23,7 +23,24 @@ PRESLIDING = 1e-4  # [rad] or [m], where a friction element has reached its leve
 LEAST_FRICTION = 0.01  # of the torque limit: level for which a frictionless element is made stiff
 RESERVE = 3.0  # torque limit by what the arm alone takes, where the file limits no torque
 REACH_TIME = 0.5  # [s] to the speed limit, where the file limits no torque
-SPEED = {False: 2.0, True: 0.5}  # [rad/s] of a hinge, [m/s] of a slide
+WEAKEST = 0.1  # of the strongest drive's torque limit: none is taken to be weaker where the file limits no torque.
+# Assumed: the smallest drives of six-axis arms have 0.08 to 0.2 of it (KUKA KR300 0.09, Universal Robots UR5e 28 / 150)
+SWALLOWED = (
+    0.5  # of the torque limit: viscous friction that takes more at the speed limit is a servo's damping. Assumed:
+)
+# with friction a drive that can still accelerate keeps half of its torque
+CRITICAL = 0.1  # of critical damping: damping of a joint that does more for a position servo without damping of its own
+# belongs to that servo. Assumed: friction of a geared drive does not do it alone
+# [rad/s] of a hinge, [m/s] of a slide, where the file has none. Assumed: 180 deg/s, as the joints of light arms have
+# (UR5e, iiwa: 98 to 180); data that are faster than twice that are asked whether they are in degrees
+SPEED = {False: np.pi, True: 1.0}
+
+
+DEFAULT = "default"
+NO_TORQUE = (
+    "default: the file limits no torque; three times what gravity, friction and acceleration take, and a tenth of the "
+    "strongest drive's at least"
+)
 
 
 @dataclass(frozen=True)
@@ -32,7 +49,7 @@ class DriveFigures:
 
     Attributes:
         rotor_inertia: [kg m^2].
-        viscous: Of the rotor [Nm s/rad].
+        viscous: Of the rotor [Nm s/rad]; 0 where the file's damping is a servo's.
         coulomb: On the motor side [Nm].
         stiffness: [Nm/rad].
         damping: Of the element [Nm s/rad].
@@ -99,13 +116,15 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
 def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
     """Return the figures of every drive: what the file says, and defaults for the rest."""
     drives = []
+    needed = [_needed(joint, found, j) for j, joint in enumerate(source.joints)]
+    strongest = max(joint.torque_limit or needed[j] for j, joint in enumerate(source.joints))
     for j, joint in enumerate(source.joints):
         least, greatest = float(found.least_inertia[j]), float(found.greatest_inertia[j])
-        speed, origins = SPEED[joint.is_slide], {"speed_limit": "default"}
-        torque = joint.torque_limit or RESERVE * (float(found.gravity[j]) + greatest * speed / REACH_TIME)
-        origins["torque_limit"] = (
-            "the file" if joint.torque_limit else "default: three times what gravity and acceleration take"
-        )
+        speed = joint.speed_limit or SPEED[joint.is_slide]
+        origins = {"speed_limit": "the file" if joint.speed_limit else DEFAULT}
+        viscous, origins["viscous"] = _viscous(joint, speed, greatest)
+        torque = joint.torque_limit or max(needed[j], WEAKEST * strongest)
+        origins["torque_limit"] = "the file" if joint.torque_limit else NO_TORQUE
         rotor = joint.armature or ROTOR_SHARE * greatest
         origins["rotor_inertia"] = "armature of the file" if joint.armature else "default: half of the link's inertia"
         softest = min(rotor, least)
@@ -115,17 +134,16 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
         origins["stiffness"] = (
             f"default: the torque limit winds it up by {wind}"
             if stiff <= stable
-            else f"default: as stiff as the time step allows on {softest:.2g} of inertia; real gears are stiffer"
+            else "default: as stiff as the time step allows on inertia so small; real gears are stiffer"
         )
         whole = rotor + greatest
         kp = min(whole * BANDWIDTH**2, rotor * (RULE / STEP) ** 2 / 2)
         kv = 1.4 * whole * np.sqrt(kp / whole)
         level = max(joint.frictionloss, LEAST_FRICTION * torque)
         origins["coulomb"] = "frictionloss of the file" if joint.frictionloss else "none in the file"
-        origins["viscous"] = "damping of the file" if joint.damping else "none in the file"
         figures = {
             "rotor_inertia": rotor,
-            "viscous": joint.damping,
+            "viscous": viscous,
             "coulomb": joint.frictionloss,
             "stiffness": stiffness,
             "damping": 2 * ELEMENT_DAMPING * np.sqrt(stiffness * rotor * least / (rotor + least)),
@@ -139,3 +157,26 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
         }
         drives.append(DriveFigures(**{key: float(f"{value:.4g}") for key, value in figures.items()}, origins=origins))
     return tuple(drives)
+
+
+def _needed(joint: SourceJoint, found: Survey, j: int) -> float:
+    """Return the torque limit that a drive is given where the file has none [Nm]."""
+    speed = joint.speed_limit or SPEED[joint.is_slide]
+    greatest = float(found.greatest_inertia[j])
+    friction = joint.frictionloss + _viscous(joint, speed, greatest)[0] * speed
+    return RESERVE * (float(found.gravity[j]) + friction + greatest * speed / REACH_TIME)
+
+
+def _viscous(joint: SourceJoint, speed: float, inertia: float) -> tuple[float, str]:
+    """Return the viscous friction of a joint [Nm s/rad], and where it comes from; a servo's damping is none."""
+    if joint.damping == 0:
+        return 0.0, "none in the file"
+    if joint.torque_limit and joint.damping * speed > SWALLOWED * joint.torque_limit:
+        return 0.0, (
+            f"left out: damping {joint.damping:g} of the file would take more than half of the torque limit at full "
+            "speed, so it is a servo's"
+        )
+    critical = 2 * np.sqrt(joint.servo_gain * (joint.armature + inertia))
+    if joint.servo_gain and not joint.servo_damping and joint.damping > CRITICAL * critical:
+        return 0.0, f"left out: damping {joint.damping:g} of the file damps its position servo, which has no other"
+    return joint.damping, "damping of the file"

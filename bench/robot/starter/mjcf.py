@@ -96,7 +96,6 @@ def _add_drive(
     servo.attrib |= {"kp": f"{drive.kp:g}", "kv": f"{drive.kv:g}", "ki": f"{drive.ki:g}"}
     servo.attrib |= {"imax": f"{drive.torque_limit / drive.ki:.4g}", "posrange": f"{limits[0]:.12g} {limits[1]:.12g}"}
     servo.attrib |= {"forcerange": f"{-drive.torque_limit:g} {drive.torque_limit:g}"}
-    servo.set("velrange", f"{-drive.speed_limit:g} {drive.speed_limit:g}")
     for side, joint, level, sigma in (
         ("motor_friction", names["rotor"], drive.coulomb, drive.motor_presliding),
         ("link_friction", names["joint"], 0.0, drive.link_presliding),

@@ -1,12 +1,19 @@
 """The text files of a started robot: figures, scene, log format, and a page that says where every number comes from."""
 
+import json
 from collections.abc import Sequence
 
+from pydantic import BaseModel
+
+from bench.record.units import STANDARD_GRAVITY
+from bench.robot.figures import Encoder, TorqueSensor, Tracker, Uncertainty
+from bench.robot.starter.assumed import assumptions
 from bench.robot.starter.defaults import DriveFigures, Survey
 from bench.robot.starter.mjcf import names_of
 from bench.robot.starter.source import Source
 
 LOAD_SHARE = 0.2  # of the greatest torque, which the rated load takes at full reach
+DRAWING = {"mass": 0.05, "centre_of_mass_m": 5e-3, "geometry_m": 0.5e-3, "friction": 0.2, "stiffness": 0.5}  # assumed
 SIGMA_SHARE = 0.002  # of the torque limit: noise of a torque reading
 
 
@@ -27,8 +34,8 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
         lines.append(f"  - joint: {_quoted(keys.pop('joint'))}")
         lines += [f"    {key}: {_quoted(value)}" for key, value in keys.items()]
         lines += [
-            "    torque_constant_nm_per_a: 1.0  # of a drive that reports current: Nm at the joint per A",
-            f"    speed_limit_rad_per_s: {drive.speed_limit:g}  # default",
+            "    # torque_constant_nm_per_a:  of a drive that reports current: Nm at the joint per A; else left out",
+            f"    speed_limit_rad_per_s: {drive.speed_limit:g}  # {drive.origins['speed_limit']}",
         ]
     turning = [drive.torque_limit / max(found.reach, 0.1) for joint, drive in pairs if not joint.is_slide]
     force = LOAD_SHARE * max(turning or [drive.torque_limit for drive in drives])
@@ -46,23 +53,33 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
         "instruments:  # null: not there",
         "  tracker:",
         f"    position_m: [{max(3.0, 2 * found.reach):.2g}, 0.5, 0.5]  # default",
+        *_defaults(Tracker),
         "  force: null",
-        "  current: null  # default: the drives report torque",
+        "  current: null  # default: the drives report torque; drives that report current: {} here, torque: null",
         "  torque:",
         f"    sigma_nm: [{sigmas}]  # default: 0.2 % of the torque limit",
-        "    gain_sigma: 0.02  # default",
+        *_defaults(TorqueSensor),
         "  encoder:",
-        "    resolution_rad: 1.0e-6  # default",
+        *_defaults(Encoder, resolution_rad=1e-6),
+        "  link_encoder: null",
         "  pressure: null",
         "",
         "uncertainty:  # default: a model taken from a drawing",
-        "  mass: 0.05",
-        "  centre_of_mass_m: 5.0e-3",
-        "  geometry_m: 0.5e-3",
-        "  friction: 0.2",
-        "  stiffness: 0.5",
+        *_defaults(Uncertainty, "  ", **DRAWING, payload_kg=float(f"{force / STANDARD_GRAVITY:.2g}")),
+        "",
+        "assumed:  # bench check shows these lines; take out what you have replaced",
+        *(f"  - {json.dumps(line)}" for line in assumptions(source, drives)),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _defaults(kind: type[BaseModel], indent: str = "    ", **other: float) -> list[str]:
+    """Return a line for each figure that has a default."""
+    lines = []
+    for name, field in kind.model_fields.items():
+        if not field.is_required():
+            lines.append(f"{indent}{name}: {other.get(name, field.default):g}  # default")
+    return lines
 
 
 def scene_text(name: str) -> str:
@@ -79,7 +96,8 @@ def log_text(source: Source) -> str:
     """Return a `log.yaml` whose names are those of a campaign, to be edited."""
     lines = [
         "# How your logs read: on the left a column of a campaign, on the right the column of your log, and its factor",
-        "# (unit, gear ratio, sign). Take out what you do not record, or mark it optional. Keys: models/README.md.",
+        "# (unit, gear ratio, sign). Take out what you do not record, or mark it optional. All keys stand in",
+        "# bench/record/logs/README.md; `bench convert --look LOG --robot DIR` proposes such a file.",
         "kind: motion",
         "columns:",
         "  time_s: {from: time_s}",
@@ -94,7 +112,6 @@ def log_text(source: Source) -> str:
 
 def readme_text(name: str, source: Source, drives: Sequence[DriveFigures]) -> str:
     """Return `README.md`: what was taken from the file, what was added, and what to replace first."""
-    limits = [joint.name for joint in source.joints if not joint.has_limits]
     lines = [
         f"# {name}",
         "",
@@ -103,7 +120,15 @@ def readme_text(name: str, source: Source, drives: Sequence[DriveFigures]) -> st
         "",
         f"- Load point: {source.load_origin}.",
         f"- Left out: {', '.join(source.left_out) or 'nothing'}.",
-        f"- Ranges made up for: {', '.join(limits) or 'no joint'}.",
+        "- Actuators of the file are not kept: the servo of the bench tracks what a recording says was commanded.",
+        "- Time step and integrator are those of the bench.",
+        "",
+        "## Assumed",
+        "",
+        "What the file does not say. `bench check` repeats these lines for each campaign of this robot; replace the",
+        "figure and take its line out of `assumed` in `figures.yaml`.",
+        "",
+        *(f"- {line}" for line in assumptions(source, drives)),
         "",
         "## Joint by joint",
         "",
@@ -123,13 +148,16 @@ def readme_text(name: str, source: Source, drives: Sequence[DriveFigures]) -> st
         )
     lines += [
         "",
-        "Damping of the elements (ratio 0.05), presliding stiffness, servo gains, rating and instruments are defaults.",
+        "Damping of the elements (ratio 0.05), presliding stiffness, servo gains, rating and instruments are defaults;",
+        "those of instruments stand in `figures.yaml`, and what they mean in models/README.md of the bench.",
+        "The speed limit stands in `figures.yaml` alone, the torque limit in the MJCF alone (`forcerange`).",
         "",
         "## What to replace first",
         "",
         "1. Rotor inertia times the square of the gear ratio, and the stiffness of the gears, in the MJCF.",
         "2. What the drives report, and how well: `instruments` in `figures.yaml`. A drive that reports current needs",
-        "   `torque_constant_nm_per_a`, `current: {}` and `torque: null`.",
+        "   `torque_constant_nm_per_a` (motor constant times gear ratio), `current: {}` and `torque: null`. Where",
+        "   nobody knows it, `bench convert --look LOG --robot DIR` estimates it against masses and says how well.",
         "3. How your logs read: `log.yaml`. Then `bench convert`, `bench check`, `bench diagnose`.",
     ]
     return "\n".join(lines) + "\n"

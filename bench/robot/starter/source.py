@@ -1,6 +1,6 @@
 """Somebody's MJCF or URDF: which joints are driven, what is kept of it, what is left out."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -11,11 +11,14 @@ import numpy as np
 from bench.errors import RobotError, unknown_name
 from bench.robot.bodies import Array
 from bench.robot.plain_words import plain_words
+from bench.robot.starter.actuators import servo_gains, torque_limit
+from bench.robot.starter.urdf import Urdf, read_urdf
 from bench.robot.trial import expect_harmless
 
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 NOT_KEPT = ("keys", "sensors", "actuators", "equalities", "tendons", "excludes", "pairs")
+WATER = 1000.0  # [kg/m^3], MuJoCo's density of a shape that has none
 TURN = 2 * np.pi  # [rad], range of a hinge that has none
 TRAVEL = 1.0  # [m], range of a slide that has none
 TOOL_SITES = ("attachment_site", "tool0", "tcp", "ee_site", "end_effector", "flange", "tool", "grip_site", "pinch")
@@ -32,8 +35,10 @@ class SourceJoint:
         has_limits: Whether the file gave them.
         armature: [kg m^2] or [kg], 0 if not given.
         damping: [Nm s/rad] or [N s/m].
+        servo_gain, servo_damping: Of a position actuator on it [Nm/rad], [Nm s/rad]; 0 if there is none.
         frictionloss: [Nm] or [N].
         torque_limit: Of its actuator or its joint [Nm] or [N]; 0 if not given.
+        speed_limit: [rad/s] or [m/s]; 0 if not given, as in any MJCF.
         home: [rad] or [m], in the first keyframe, else zero, moved into the limits.
     """
 
@@ -43,8 +48,11 @@ class SourceJoint:
     has_limits: bool
     armature: float
     damping: float
+    servo_gain: float
+    servo_damping: float
     frictionloss: float
     torque_limit: float
+    speed_limit: float
     home: float
 
 
@@ -60,6 +68,7 @@ class Source:
         load_position: Shape (3,) [m], of the load point in that body.
         load_origin: Where the load point comes from, in words.
         left_out: What was left out, in words.
+        guessed_masses: Bodies whose mass the file does not give; MuJoCo makes it of their shapes, 1000 kg/m^3.
     """
 
     file: Path
@@ -69,6 +78,7 @@ class Source:
     load_position: Array
     load_origin: str
     left_out: tuple[str, ...]
+    guessed_masses: tuple[str, ...]
 
 
 def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "") -> Source:
@@ -82,22 +92,27 @@ def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "") ->
     Raises:
         RobotError: The file cannot be used; names the place and what to do.
     """
-    spec, model = _read(file)
-    driven = _driven(file, model, joints)
-    names = _name_joints(spec, model, driven)
-    described = tuple(_describe(model, j, name) for j, name in zip(driven, names, strict=True))
-    left_out = _clear(spec, set(names))
-    load_body, position, origin = _load_point(file, spec, names[-1], load_point)
-    return Source(file, spec, described, load_body, position, origin, left_out)
-
-
-def _read(file: Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     if not file.is_file():
         raise RobotError(f"{file}: no such file; give an MJCF (.xml) or a URDF.")
-    expect_harmless(file)
+    urdf = read_urdf(file)
+    spec, model = _read(file, urdf)
+    driven = _driven(file, model, joints)
+    names = _name_joints(spec, model, driven)
+    speeds = urdf.speed_limits if urdf else {}
+    described = tuple(_describe(model, j, name, speeds) for j, name in zip(driven, names, strict=True))
+    guessed = _guessed_masses(spec)
+    left_out = (*_clear(spec, set(names)), *(urdf.left_out if urdf else ()))
+    load_body, position, origin = _load_point(file, spec, names[-1], load_point)
+    return Source(file, spec, described, load_body, position, origin, left_out, guessed)
+
+
+def _read(file: Path, urdf: Urdf | None) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     try:
-        spec = mujoco.MjSpec.from_file(str(file.resolve()))
-        spec.compiler.fusestatic = False  # a URDF's tool frames keep their bodies
+        if urdf:
+            spec = urdf.spec()
+        else:
+            expect_harmless(file)
+            spec = mujoco.MjSpec.from_file(str(file.resolve()))
         model = spec.compile()
     except ValueError as error:
         raise RobotError(f"{file}: {plain_words(error)}") from error
@@ -173,7 +188,7 @@ def _name_joints(spec: mujoco.MjSpec, model: mujoco.MjModel, driven: list[int]) 
     return names
 
 
-def _describe(model: mujoco.MjModel, j: int, name: str) -> SourceJoint:
+def _describe(model: mujoco.MjModel, j: int, name: str, speeds: Mapping[str, float]) -> SourceJoint:
     is_slide = bool(model.jnt_type[j] == SLIDE)
     dof, has_limits = int(model.jnt_dofadr[j]), bool(model.jnt_limited[j])
     unlimited = TRAVEL if is_slide else TURN
@@ -186,30 +201,22 @@ def _describe(model: mujoco.MjModel, j: int, name: str) -> SourceJoint:
         has_limits=has_limits,
         armature=float(model.dof_armature[dof]),
         damping=float(np.ravel(model.dof_damping[dof])[0]),
+        servo_gain=servo_gains(model, j)[0],
+        servo_damping=servo_gains(model, j)[1],
         frictionloss=float(model.dof_frictionloss[dof]),
-        torque_limit=_torque_limit(model, j),
+        torque_limit=torque_limit(model, j),
+        speed_limit=speeds.get(name, 0.0),
         home=float(np.clip(home, low, high)),
     )
 
 
-def _torque_limit(model: mujoco.MjModel, j: int) -> float:
-    """Return the largest torque of a joint's actuator, or of the joint itself; 0 if nothing limits it."""
-    limits = [float(np.max(np.abs(model.jnt_actfrcrange[j])))] if model.jnt_actfrclimited[j] else []
-    for actuator in range(model.nactuator):
-        if (
-            int(model.actuator_trntype[actuator]) != int(mujoco.mjtTrn.mjTRN_JOINT)
-            or model.actuator_trnid[actuator, 0] != j
-        ):
-            continue
-        gear = abs(float(model.actuator_gear[actuator, 0]))
-        if model.actuator_forcelimited[actuator]:
-            limits.append(gear * float(np.max(np.abs(model.actuator_forcerange[actuator]))))
-        elif int(model.actuator_biastype[actuator]) == int(mujoco.mjtBias.mjBIAS_NONE):
-            control = model.actuator_ctrladr[actuator]
-            if model.actuator_ctrllimited[actuator]:
-                gain = abs(float(model.actuator_gainprm[actuator, 0]))
-                limits.append(gear * gain * float(np.max(np.abs(model.actuator_ctrlrange[control]))))
-    return min(limits, default=0.0)
+def _guessed_masses(spec: mujoco.MjSpec) -> tuple[str, ...]:
+    """Return the bodies whose mass comes from nothing but the shapes of the file and the density of water."""
+    return tuple(
+        body.name or "without a name"
+        for body in spec.bodies
+        if not body.explicitinertial and any(np.isnan(g.mass) and g.density == WATER for g in body.geoms)
+    )
 
 
 def _clear(spec: mujoco.MjSpec, driven: set[str]) -> tuple[str, ...]:
@@ -223,6 +230,8 @@ def _clear(spec: mujoco.MjSpec, driven: set[str]) -> tuple[str, ...]:
             spec.delete(element)
     for joint in list(spec.joints):
         if joint.name in driven:
+            if np.any(joint.stiffness):
+                words.append(f"the spring of joint {joint.name}")
             joint.armature, joint.frictionloss = 0.0, 0.0
             joint.damping = np.zeros_like(np.atleast_1d(joint.damping))
             joint.stiffness = np.zeros_like(np.atleast_1d(joint.stiffness))

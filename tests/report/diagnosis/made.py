@@ -131,6 +131,11 @@ UNLISTED = replace(
     NOTHING, kind="unlisted cause", unlisted=Unlisted("joint 2", "motor torque", "angle and direction"), detectable=()
 )
 BESIDE = replace(CAUSE, kind="unlisted cause", unlisted=Unlisted("tracker", "reading", "place"))
+WITHIN = replace(
+    UNLISTED,
+    explanations=(Explanation((ZERO,), 1.0, 96.4),),
+    findings=(AmbiguityGroup((PossibleCause(ZERO, 0.5),), 0.5, may_be_unlisted=True),),
+)
 REMAINDER = replace(
     CAUSE, kind="unlisted cause", unlisted=Unlisted("joint 2", "motor torque", "speed", stands_out=False)
 )
@@ -150,6 +155,7 @@ VERDICTS = {
     "several": SEVERAL,
     "unlisted": UNLISTED,
     "unlisted beside a listed one": BESIDE,
+    "a part of the unlisted one": WITHIN,
     "a remainder": REMAINDER,
     "small": SMALL,
     "messy": MESSY,

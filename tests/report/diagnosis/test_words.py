@@ -52,6 +52,10 @@ OIL = replace(MASS, place="forearm")
             "unlisted beside a listed one",
             "Loss of gas; and an unlisted error of the readings of tracker that depends on place.",
         ),
+        (
+            "a part of the unlisted one",
+            "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction.",
+        ),
         ("a remainder", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
         ("small", "Only small findings: loss of gas."),
         ("messy", "2 causes act together: mass of a link (upper arm) and zero of a joint (joint 2)."),
@@ -172,6 +176,12 @@ def test_a_rival_with_much_in_common_is_told_by_its_difference() -> None:
     assert name_beside(best, Explanation((GAS, ZERO), 0.0, 1.0)) == "the same with mass of a link (upper arm) too"
     assert name_beside(Explanation((WARM,), 0.1, 1.0), best) == "gas warmer or colder"
     assert name_beside(best, best) == "loss of gas with zero of a joint (joint 2) with mass of a link (upper arm)"
+
+
+def test_what_may_be_a_part_of_the_unlisted_cause_is_said_to_be() -> None:
+    lines = list(words_of(VERDICTS["a part of the unlisted one"]))
+    assert "     50 %  zero of a joint (joint 2)" in lines
+    assert any("or it is a part of what is unlisted at its joint" in line for line in lines)
 
 
 def test_a_set_is_not_guessed_between() -> None:

@@ -1,0 +1,28 @@
+"""Dates with times of day in a log, as seconds since 1970."""
+
+import re
+from datetime import UTC, datetime, timedelta
+
+LOOKED_AT = (
+    4096  # bytes from the beginning in which a date must stand, else there are none (assumed: headers are shorter)
+)
+_STAMP = re.compile(
+    rb"(\d{4})-(\d{2})-(\d{2})[T ](\d{2}):(\d{2}):(\d{2})(\.\d+)?(?:(Z)|([+-])(\d{2}):(\d{2}))?(?![\d:])"  # ISO 8601
+)
+EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+
+
+def in_seconds(data: bytes) -> bytes:
+    """Return a text with seconds since 1970 in place of dates like 2024-05-13T09:00:00.002+02:00; UTC if no zone."""
+    return _STAMP.sub(_seconds, data) if _STAMP.search(data[:LOOKED_AT]) else data
+
+
+def _seconds(found: re.Match[bytes]) -> bytes:
+    fraction, _, sign, hours, minutes = found.groups()[6:]
+    try:
+        moment = datetime(*(int(number) for number in found.groups()[:6]), tzinfo=UTC)  # type: ignore[misc, arg-type]
+    except ValueError:  # no such day or hour: it stays, and is told to be no number
+        return found[0]
+    zone = timedelta(hours=int(hours), minutes=int(minutes)) if sign else timedelta()
+    moment += zone if sign == b"-" else -zone
+    return b"%d" % int((moment - EPOCH).total_seconds()) + (fraction or b"")

@@ -1,0 +1,36 @@
+"""One fault said once, in however many columns and files it stands."""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from bench.record.finding import Finding
+
+SPELT = 6  # names that a message spells out
+_FIGURES = re.compile(r"rows? \d[\d, ]*((to|and|more) [\d, ]*)*|-?\d+(\.\d+)?([eE][+-]?\d+)?|'[^']*'")
+
+
+def likewise(findings: Iterable[Finding]) -> list[Finding]:
+    """Return the first of all findings that say the same but for figures, with the places of the others."""
+    alike: dict[tuple[str, ...], list[Finding]] = {}
+    for finding in findings:
+        key = (finding.level, _FIGURES.sub("#", finding.message), _FIGURES.sub("#", finding.remedy))
+        alike.setdefault(key, []).append(finding)
+    return [_with_others(group) for group in alike.values()]
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return "a, b and 3 more"."""
+    shown = ", ".join(names[:SPELT])
+    return shown if len(names) <= SPELT else f"{shown} and {len(names) - SPELT} more"
+
+
+def _with_others(group: Sequence[Finding]) -> Finding:
+    first, others = group[0], group[1:]
+    if not others:
+        return first
+    columns = list(dict.fromkeys(other.column for other in others if other.column and other.column != first.column))
+    files = list(dict.fromkeys(other.file for other in others if other.file != first.file))
+    also = [f"in {listed(columns)}"] if columns else []
+    also += [f"in {listed(files)}"] if files else []
+    return replace(first, message=f"{first.message} (likewise {' and '.join(also)})") if also else first

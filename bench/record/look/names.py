@@ -1,0 +1,85 @@
+"""What the names of columns tell: quantity, unit, number of the drive."""
+
+import re
+from collections.abc import Sequence
+
+from bench.record.look.families import Family, Kind
+from bench.record.units import FOREIGN
+
+# Words that loggers use, from ROS 2 (JointState), Universal Robots (RTDE), KUKA (RSI), Franka, and German controllers
+COMMANDED = {"target", "cmd", "command", "commanded", "des", "desired", "set", "setpoint", "ref", "reference", "soll"}
+WORDS: tuple[tuple[Kind, frozenset[str]], ...] = (
+    ("temperature", frozenset({"temp", "temps", "temperature", "temperatures"})),
+    ("acceleration", frozenset({"qdd", "ddq", "acc", "accel", "acceleration"})),
+    ("velocity", frozenset({"qd", "dq", "vel", "velocity", "velocities", "speed", "qdot", "omega"})),
+    ("current", frozenset({"current", "currents", "curr", "amp", "amps", "i", "iq", "strom"})),
+    ("torque", frozenset({"torque", "torques", "tau", "effort", "trq", "moment", "drehmoment", "m"})),
+    ("link", frozenset({"link", "secondary", "abtrieb"})),
+    ("position", frozenset({"q", "pos", "position", "positions", "angle", "theta", "joint", "axis", "achse", "enc"})),
+)
+CLOCKS = {"t", "time", "timestamp", "stamp", "zeit", "clock", "log"}
+STAMPS = {"time", "timestamp", "stamp"}  # "log_time", "header.stamp"
+SI = {"rad", "m", "s", "a", "nm", "n", "k"}
+LISTS = {"position", "velocity", "effort"}  # of a JointState, with the names of joints behind a dot
+_INDEX = re.compile(r"\d+")
+
+
+def clocks(names: Sequence[str]) -> list[str]:
+    """Return the columns that may be a clock by their names; first a stamp of the measurement, then one of the log."""
+    found = [name for name in names if (words := _words(name)) and (words[0] in CLOCKS or words[-1] in STAMPS)]
+    return sorted(found, key=lambda name: _words(name)[0] == "log")
+
+
+def unit_of(name: str) -> str:
+    """Return the unit at the end of a name, in lower case; "" if there is none that is known."""
+    end = re.search(r"(?:[_\s.]|[\[(])([A-Za-z]+)[\])]?$", name)
+    word = end[1].lower() if end else ""
+    return word if word in FOREIGN or word in SI else ""
+
+
+def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family]:
+    """Return what names tell of columns that go by the drives; columns are listed by number of the drive.
+
+    Args:
+        names: Of the columns.
+        joints: Names of the robot's joints, if it is known.
+    """
+    groups: dict[str, list[tuple[int, str]]] = {}
+    for name in dict.fromkeys(names):
+        stem, number = _stem(name, joints)
+        if number is not None:
+            groups.setdefault(stem, []).append((number, name))
+    found = []
+    first = min((number for members in groups.values() for number, _ in members), default=1)  # 0 or 1
+    for stem, members in groups.items():
+        unit = unit_of(members[0][1])
+        words = _words(stem)
+        words = words[:-1] if unit and words and words[-1] == unit else words
+        kind = next((kind for kind, known in WORDS if known & set(words)), None)
+        if kind is None:
+            continue
+        ordered = sorted(members, key=lambda member: member[0])
+        numbers = tuple(number - min(first, 1) + 1 for number, _ in ordered)
+        numbers = numbers if len(set(numbers)) == len(numbers) else ()  # no numbers: in the order of the log
+        sources = tuple(name for _, name in ordered)
+        found.append(Family(kind, bool(COMMANDED & set(words)), sources, unit, "by name", numbers))
+    return found
+
+
+def _stem(name: str, joints: Sequence[str]) -> tuple[str, int | None]:
+    """Return a name without what tells the drive, and the drive's number; None if nothing tells it."""
+    for number, joint in enumerate(joints):
+        if joint and re.search(rf"(?<![A-Za-z0-9]){re.escape(joint)}(?![A-Za-z0-9])", name, re.IGNORECASE):
+            return re.sub(re.escape(joint), "*", name, count=1, flags=re.IGNORECASE), number
+    found = list(_INDEX.finditer(name))
+    if found:
+        last = found[-1]
+        return f"{name[: last.start()]}*{name[last.end() :]}", int(last[0])
+    before, dot, _ = name.rpartition(".")
+    return (f"{before}.*", 0) if dot and before in LISTS else (name, None)  # in the order of the log
+
+
+def _words(text: str) -> list[str]:
+    """Return the words of a name: "actualQ_1" is actual, q."""
+    spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)
+    return [word.lower() for word in re.findall(r"[A-Za-z]+", spaced)]

@@ -1,0 +1,1 @@
+"""A `log.yaml` proposed for a log that nobody has described."""

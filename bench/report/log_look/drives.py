@@ -1,0 +1,165 @@
+"""Lines of a proposed `log.yaml` for torques and currents, held against the robot where it is known."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.identify.drive_scale import DriveScale, drive_scale
+from bench.record.campaign import Array
+from bench.record.look.families import Family
+from bench.record.look.values import evenly
+from bench.report.log_look.lines import Line, as_logged
+from bench.robot.nominal_dynamics import NominalDynamics
+
+EXPLAINED = 0.5  # share of a reading's variance, mean over drives, from which it is a torque or a current (assumed)
+NEAR_ONE = 0.25  # relative: a factor this near to one is no gear ratio; payload and masses may be off so far (assumed)
+EDGE = 5  # samples at either end, which the low-pass sees past
+UNTOLD = 0.3  # relative standard deviation of a factor that is no proposal (assumed: gears of one arm differ by less)
+
+
+@dataclass(frozen=True)
+class Drives:
+    """What was found of the drives.
+
+    Attributes:
+        lines: Of torques and currents.
+        turned: Numbers of the drives whose angles count the other way round than the model's.
+    """
+
+    lines: tuple[Line, ...]
+    turned: frozenset[int] = frozenset()
+
+
+def drives(
+    families: Sequence[Family],
+    lines: Sequence[Line],
+    time: Array,
+    columns: Mapping[str, Array],
+    nominal: NominalDynamics | None,
+    remarks: list[str],
+) -> Drives:
+    """Return the lines of torques and currents, one family for each quantity.
+
+    Args:
+        families: Of the log.
+        lines: Those of the angles.
+        time: Shape (T,) [s].
+        columns: Of the log.
+        nominal: The robot, if it is known.
+        remarks: To which is added what was taken, and what was not.
+    """
+    candidates = [f for f in families if f.kind in ("torque", "current", "unknown") and not f.is_command]
+    if nominal is None:
+        if unknown := [family.shown for family in candidates if family.kind == "unknown"]:
+            remarks.append(f"{', '.join(unknown)}: move with the robot; currents or torques? --robot DIR tells")
+        first = {family.kind: family for family in reversed(candidates) if family.kind != "unknown"}
+        if first:
+            remarks.append("torques and currents are as logged: --robot DIR tells gear ratio, sign and delay")
+        return Drives(tuple(line for family in first.values() for line in as_logged(family, columns)))
+    angles = _angles(lines, nominal.n_joints)
+    if angles is None:
+        return Drives(())
+    scales = [(family, _scale(family, angles, time, columns, nominal, remarks)) for family in candidates]
+    found: list[Line] = []
+    turned: set[int] = set()
+    for kind in ("tau_motor", "current"):
+        fitting = [(f, s) for f, s in scales if s is not None and (f.kind == "current") == (kind == "current")]
+        if fitting:
+            family, scale = _measured(fitting, columns, remarks)
+            found += _scaled(family, scale, nominal, remarks)
+            turned |= set((np.flatnonzero(scale.turned) + 1).tolist())
+    return Drives(tuple(found), frozenset(turned))
+
+
+def _angles(lines: Sequence[Line], n: int) -> list[Line] | None:
+    """Return the line of each drive's angle, of the encoder or else of the command; None if a drive has none."""
+    places = {line.column: line for line in lines}
+    found = []
+    for number in range(1, n + 1):
+        names = [f"{quantity}_{number}_{unit}" for quantity in ("q_motor", "q_cmd") for unit in ("rad", "m")]
+        found += [places[name] for name in names if name in places][:1]
+    return found if len(found) == n else None
+
+
+def _scale(
+    family: Family,
+    angles: Sequence[Line],
+    time: Array,
+    columns: Mapping[str, Array],
+    nominal: NominalDynamics,
+    remarks: list[str],
+) -> DriveScale | None:
+    """Return how a family compares with the torque that the arm needs; None if it has little to do with it."""
+    names = [*(line.source for line in angles), *family.sources]
+    clock, slow = evenly(time, {name: columns[name] for name in names})
+    position = np.stack([line.factor * slow[line.source] for line in angles], axis=1)[EDGE:-EDGE]
+    reading = np.stack([slow[name] for name in family.sources], axis=1)[EDGE:-EDGE]
+    if not np.all(np.ptp(reading, axis=0) > 0):
+        return None
+    scale = drive_scale(nominal, clock[EDGE:-EDGE], position, reading)
+    if np.mean(scale.explained) < EXPLAINED:
+        remarks.append(f"{family.shown}: the model explains {100 * np.mean(scale.explained):.0f} % of it; not taken")
+        return None
+    return scale
+
+
+def _measured(
+    fitting: Sequence[tuple[Family, DriveScale]], columns: Mapping[str, Array], remarks: list[str]
+) -> tuple[Family, DriveScale]:
+    """Return the family that was measured: of those without names the roughest, of those with names the best explained.
+
+    What is commanded or computed has no noise.
+    """
+
+    def rank(pair: tuple[Family, DriveScale]) -> float:
+        family, scale = pair
+        if family.kind != "unknown":
+            return 1 + float(np.mean(scale.explained))
+        step = [np.mean(np.abs(np.diff(columns[name], n=2))) / np.std(columns[name]) for name in family.sources]
+        return float(np.mean(step) / (1 + np.mean(step)))
+
+    best = max(fitting, key=rank)
+    for family, _ in fitting:
+        if family is not best[0]:
+            remarks.append(f"{family.shown}: follow the torque too; {best[0].shown} are taken, as what was measured")
+    return best
+
+
+def _scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks: list[str]) -> Iterator[Line]:
+    """Yield the lines of one family of readings that go by the torque that the arm needs."""
+    names = nominal.bodies.names
+    if np.any(scale.turned):
+        who = ", ".join(name for name, turned in zip(names, scale.turned, strict=True) if turned)
+        remarks.append(f"angles of {who} count the other way round than the model's: their factors are turned below")
+    remarks.append(
+        f"{family.shown}: held against the masses of the robot with {scale.payload:.3g} kg of payload, with which "
+        f"all drives agree best; they lag the angles by {1e3 * scale.delay:.1f} ms"
+    )
+    near = bool(np.all(np.abs(np.abs(scale.factor) - 1) < NEAR_ONE))
+    if family.kind == "current":
+        estimated = zip(names, scale.factor, scale.sigma, strict=True)
+        constants = ", ".join(f"{name} {abs(k):.3g} +- {100 * s:.0f} %" for name, k, s in estimated)
+        remarks.append(f"for figures.yaml, torque_constant_nm_per_a as estimated: {constants} (torque_constant_error)")
+    elif not near:
+        widest = float(np.max(scale.sigma[scale.sigma < UNTOLD], initial=0.01))
+        remarks.append(
+            f"factors of {family.shown} are estimates: write gear ratios or constants there where they are known, else "
+            f"`gain_sigma: {widest:.2g}` under instruments: torque: of figures.yaml"
+        )
+    for number, source in zip(family.numbers, family.sources, strict=True):
+        k = number - 1
+        sign = float(np.sign(scale.factor[k]))
+        unit = "nm" if nominal.bodies.is_hinge[k] else "n"
+        told = f"{100 * scale.explained[k]:.0f} % explained"
+        if family.kind == "current":
+            yield Line(f"current_{number}_a", source, sign, 0.0, f"{told}; sign as the model has it")
+        elif near:
+            why = f"{told}; joint torque within {100 * abs(abs(scale.factor[k]) - 1):.0f} % of the model's"
+            yield Line(f"tau_motor_{number}_{unit}", source, sign, 0.0, why)
+        else:
+            wide = scale.sigma[k] > UNTOLD
+            remedy = ": not told by this log, write the gear ratio" if wide else ""
+            why = f"{told}; +- {100 * scale.sigma[k]:.0f} %{remedy}"
+            factor = float(f"{scale.factor[k]:.3g}")
+            yield Line(f"tau_motor_{number}_{unit}", source, factor, 0.0, why, is_open=bool(wide))

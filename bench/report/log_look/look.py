@@ -1,0 +1,132 @@
+"""A log looked at: which of its columns is what, and what is written of it."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from bench.errors import CampaignError
+from bench.record.campaign import Array
+from bench.record.limits import TABLE_BYTES
+from bench.record.logs.dialect import PLAIN, Dialect, guess_dialect, read_log_table
+from bench.record.logs.mcap_table import MCAP, read_topic
+from bench.record.look.families import Family, span
+from bench.record.look.names import clocks, families_by_name, unit_of
+from bench.record.look.values import clock_factor, clock_of, families_by_value, moving
+from bench.record.plain_file import FileFault, read_plain
+from bench.record.table import Table
+from bench.report.log_look.drives import drives
+from bench.report.log_look.lines import QUANTITY, Line, positions, temperatures
+from bench.robot.nominal_dynamics import NominalDynamics
+
+JITTER = 0.05  # of a step, from which the first pass cuts a run (`identify/dynamics/samples.py`)
+
+
+def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) -> str:
+    """Return a proposed `log.yaml` as text; comments say what each line was guessed from.
+
+    Args:
+        file: The log.
+        topic: Of an MCAP recording.
+        nominal: The robot that moved, if it is known.
+
+    Raises:
+        CampaignError: The log cannot be read, or nothing in it rises like a clock.
+    """
+    table, dialect = _opened(file, topic)
+    columns = {name: table.columns[name] for name in dict.fromkeys(table.names) if name in table.columns}
+    clock = clock_of(columns, clocks(table.names))
+    if clock is None:
+        raise CampaignError(
+            f"{file.name}: no column rises evenly, so none is a clock; write `time_s: {{rate_hz: ...}}` into a log.yaml"
+        )
+    factor, why = clock_factor(columns[clock], unit_of(clock))
+    time = factor * (columns[clock] - columns[clock][0])
+    others = {name: values for name, values in columns.items() if name != clock}
+    is_slide = None if nominal is None else [not bool(hinge) for hinge in nominal.bodies.is_hinge]
+    families = _families(time, others, dialect, nominal)
+    lines = [Line("time_s", clock, factor, 0.0, f"rises evenly; {why}")]
+    lines += positions(families, others, is_slide)
+    remarks: list[str] = []
+    found = drives(families, lines, time, others, nominal, remarks)
+    lines = [*(line.turned() if line.number in found.turned else line for line in lines), *found.lines]
+    lines += temperatures(families, others)
+    if len(lines) == 1:
+        remarks.append(
+            "no column was recognised as a position; name the robot with --robot, or write the lines yourself"
+        )
+    named = {line.source for line in lines}
+    head = [f"# Proposed by `bench convert --look {file.name}`: guesses, each with its reason. Check every line."]
+    named |= {
+        name for family in families if family.kind in QUANTITY or family.kind == "unknown" for name in family.sources
+    }
+    head += [f"# {remark}" for remark in (*remarks, *_unused(families, others, named))]
+    head += [f"table: {dialect}  # from its text"] if dialect != PLAIN else []
+    head += [f"topic: {topic}"] if topic else []
+    return "\n".join([*head, *_evenness(time), "columns:", *map(str, lines)]) + "\n"
+
+
+def _opened(file: Path, topic: str) -> tuple[Table, Dialect]:
+    """Return the table of a log, and how it is written."""
+    dialect = PLAIN
+    if file.suffix.lower() == MCAP:
+        table = read_topic(file, topic)
+    elif file.suffix.lower() == ".parquet":
+        table = read_log_table(file, PLAIN)
+    else:
+        try:
+            dialect = guess_dialect(read_plain(file, TABLE_BYTES)) or PLAIN
+        except FileFault as fault:
+            raise CampaignError(f"{file}: {fault}; {fault.remedy}") from fault
+        table = read_log_table(file, dialect)
+    if not table.columns:
+        raise CampaignError([str(finding) for finding in table.findings] or f"{file}: holds no column of numbers")
+    return table, dialect
+
+
+def _families(
+    time: Array, others: Mapping[str, Array], dialect: Dialect, nominal: NominalDynamics | None
+) -> list[Family]:
+    joints = () if nominal is None else nominal.bodies.names
+    families = families_by_name(list(others), joints) if dialect.header else []
+    n = None if nominal is None else nominal.n_joints
+    if nominal is not None:
+        families = [family for family in families if _fits(family, nominal.n_joints)]
+    if any(family.kind == "position" for family in families):
+        return families
+    if n is None and families:
+        n = len(families[0].sources)
+    taken = {name for family in families for name in family.sources}
+    return families + families_by_value(time, {k: v for k, v in others.items() if k not in taken}, n)
+
+
+def _fits(family: Family, n: int) -> bool:
+    """Return whether a family goes by the drives of a robot; only some joints may have a secondary encoder."""
+    every = tuple(range(1, n + 1))
+    return set(family.numbers) <= set(every) if family.kind == "link" else family.numbers == every
+
+
+def _unused(families: Sequence[Family], columns: Mapping[str, Array], named: set[str]) -> Iterator[str]:
+    """Yield a remark for what is not taken up."""
+    for family in families:
+        if family.kind in ("velocity", "acceleration"):
+            yield (
+                f"{family.shown}: {family.kind}, not needed: positions are differentiated after a stated low-pass "
+                "(bench/identify/dynamics/README.md)"
+            )
+            named = named | set(family.sources)
+    moves = set(moving(columns))
+    if still := [name for name in columns if name not in moves and name not in named]:
+        yield f"not used, they stand still or have empty cells: {span(still) if len(still) > 3 else ', '.join(still)}"
+    if rest := [name for name in columns if name in moves and name not in named]:
+        yield f"not used: {', '.join(rest[:12])}{' ...' if len(rest) > 12 else ''}"
+
+
+def _evenness(time: Array) -> Iterator[str]:
+    """Yield what a clock that is not even asks for."""
+    step = np.diff(time)
+    median = float(np.median(step))
+    uneven = float(np.mean(np.abs(step - median) > JITTER * median))
+    if uneven > 0:
+        rate = float(f"{1 / median:.4g}")
+        yield f"resample: {{rate_hz: {rate:g}}}  # {100 * uneven:.2g} % of steps are over 5 % off: that cuts a motion"

@@ -1,0 +1,143 @@
+"""What MuJoCo's reader of URDF leaves out, brought in: visual shapes, speed limits, meshes by `package://`."""
+
+import tempfile
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+import mujoco
+
+from bench.errors import RobotError
+from bench.record.limits import ASSET_BYTES, MODEL_BYTES
+from bench.record.plain_file import FileFault, expect_plain
+from bench.robot.mjcf_text import look_through
+from bench.robot.trial import expect_harmless
+
+MESHES = (".stl", ".obj", ".msh")  # that MuJoCo reads
+UNREAD = ("mimic", "safety_controller", "calibration", "transmission")  # of a URDF, that nothing here has a place for
+ABOVE = 4  # folders above the URDF in which a package is looked for (assumed: urdf/ and robots/ lie one or two below)
+
+
+@dataclass(frozen=True)
+class Urdf:
+    """A URDF.
+
+    Attributes:
+        file: Where it stands.
+        root: Its elements.
+        speed_limits: Joint -> [rad/s] or [m/s], of those that have one.
+        left_out: Shapes that MuJoCo cannot read, in words.
+        meshes: Files of its meshes, by the name that `root` has for them.
+    """
+
+    file: Path
+    root: ElementTree.Element
+    speed_limits: dict[str, float]
+    left_out: tuple[str, ...]
+    meshes: dict[str, Path]
+
+    def spec(self) -> mujoco.MjSpec:
+        """Return the robot with its visual shapes and with the bodies of tool frames; its meshes have absolute paths.
+
+        Raises:
+            RobotError: It breaks the limits, or ends the process that tries it.
+            ValueError: MuJoCo cannot read it.
+        """
+        with tempfile.TemporaryDirectory() as name:
+            copy = Path(name) / self.file.name
+            for mesh, source in self.meshes.items():
+                (Path(name) / mesh).symlink_to(source)
+            ElementTree.ElementTree(self.root).write(copy, encoding="utf-8")
+            try:
+                expect_harmless(copy)
+                spec = mujoco.MjSpec.from_file(str(copy))
+            except RobotError as error:
+                raise RobotError(problem.replace(str(copy), str(self.file)) for problem in error.problems) from error
+        for mesh in spec.meshes:
+            mesh.file = str(self.meshes.get(Path(mesh.file).name, mesh.file))
+        spec.modelfiledir = str(self.file.resolve().parent)
+        return spec
+
+
+def read_urdf(file: Path) -> Urdf | None:
+    """Read a URDF; None if the file is none.
+
+    Raises:
+        RobotError: It is no XML, or breaks the limits for strangers' files.
+    """
+    try:
+        expect_plain(file, MODEL_BYTES)
+    except FileFault as fault:
+        raise RobotError(f"{file}: {fault}; {fault.remedy}.") from fault
+    look_through(file)
+    root = ElementTree.parse(file).getroot()
+    if root.tag != "robot":
+        return None
+    speeds = {}
+    for joint in root.iter("joint"):
+        limit = joint.find("limit")
+        if limit is not None and (speed := _number(limit.get("velocity", ""))) > 0:
+            speeds[joint.get("name", "")] = speed
+    meshes: dict[str, Path] = {}
+    missing: list[str] = []
+    for link in root.iter("link"):
+        for kind in ("visual", "collision"):
+            for shape in link.findall(kind):
+                _place_mesh(file, link, shape, meshes, missing)
+    unread = [f"{len(found)} {tag}" for tag in UNREAD if (found := list(root.iter(tag)))]
+    left_out = (f"{len(missing)} shapes: {'; '.join(missing)}",) if missing else ()
+    left_out = (*left_out, *unread)
+    extension = root.find("mujoco")
+    extension = ElementTree.SubElement(root, "mujoco") if extension is None else extension
+    compiler = extension.find("compiler")
+    compiler = ElementTree.SubElement(extension, "compiler") if compiler is None else compiler
+    compiler.attrib |= {"discardvisual": "false", "fusestatic": "false", "strippath": "false"}
+    return Urdf(file, root, speeds, left_out, meshes)
+
+
+def _place_mesh(
+    file: Path, link: ElementTree.Element, shape: ElementTree.Element, meshes: dict[str, Path], missing: list[str]
+) -> None:
+    """Give the mesh of a shape a name of its own; take shapes out that cannot be read."""
+    mesh = shape.find("geometry/mesh")
+    if mesh is None:
+        return
+    written = mesh.get("filename", "")
+    place = _find(file, written)
+    if place is None or place.suffix.lower() not in MESHES:
+        why = "not found" if place is None else f"MuJoCo reads {', '.join(MESHES)}"
+        if shape.tag == "collision" and link.find("inertial") is None:
+            raise RobotError(
+                f"{file}: link {link.get('name')!r} has its mass in {written!r}, which is not read: {why}."
+            )
+        missing.append(f"{PurePosixPath(written).name} of {link.get('name')} ({why})")
+        link.remove(shape)
+        return
+    try:
+        expect_plain(place, ASSET_BYTES)
+    except FileFault as fault:
+        raise RobotError(f"{file}: {place}: {fault}; {fault.remedy}.") from fault
+    known = next((name for name, other in meshes.items() if other == place), "")
+    name = known or (place.name if place.name not in meshes else f"{len(meshes)}_{place.name}")
+    meshes[name] = place
+    mesh.set("filename", name)
+
+
+def _find(file: Path, written: str) -> Path | None:
+    """Return the file that a mesh names: a path, or one in a package whose folder lies beside or above the URDF."""
+    here = file.resolve().parent
+    if not written.startswith(("package://", "model://")):
+        places = [here / written.removeprefix("file://"), here / PurePosixPath(written).name]
+    else:
+        path = PurePosixPath(written.split("://", 1)[1])
+        folders = [here, *here.parents][: ABOVE + 1]
+        inner = PurePosixPath(*path.parts[1:])
+        places = [folder / way for folder in folders for way in (path, inner)] + [here / path.name]
+    return next((place.resolve() for place in places if place.is_file()), None)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return 0.0
