@@ -21,6 +21,7 @@ class Check:
 
         from bench.cli.progress import progress_bar
         from bench.diagnose.plausibility.channels import doubts_of
+        from bench.diagnose.plausibility.hints import hints_of
         from bench.errors import CampaignError
         from bench.record.finding import Level
         from bench.report.campaigns import open_campaign
@@ -31,6 +32,7 @@ class Check:
             findings = report.findings
             if report.campaign and compiled:
                 findings += doubts_of(report.campaign, compiled, report.findings)
+                findings += hints_of(report.campaign, compiled, findings)
         for line in compiled.robot.figures.assumed if compiled else ():
             print(f"assumed {line}")
         for finding in findings:

@@ -19,8 +19,12 @@ class Identify:
 
     campaign: tyro.conf.Positional[tuple[Path, ...]]
     """Campaign folder (format: bench/record/README.md); for dynamics also several of one machine."""
-    method: Literal["current", "force", "force-pose", "joint", "all", "dynamics"] = "all"
+    method: Literal["current", "force", "force-pose", "force-paper", "joint", "all", "dynamics"] = "all"
     """Method of identification; `all` runs every one for stiffness that the campaign has the channels for."""
+    reference: Literal["unloaded", "first-load"] = "unloaded"
+    """Stiffness: what the readings of a visit are held against. Among loads that only rise, static friction cancels."""
+    weights: Literal["noise", "equal"] = "noise"
+    """Stiffness: `equal` is plain least squares, Eqs. (35) and (41); for the methods current and force."""
     level: float | None = None
     """Level of the intervals; by default 0.95 for stiffness, 0.9 for dynamics."""
     robot: str = ""
@@ -44,11 +48,17 @@ class Identify:
             raise InputError(f"--level {self.level:g}: must lie between 0 and 1.")
         if self.method == "dynamics":
             return self._dynamics(0.9 if self.level is None else self.level)
+        if self.weights == "equal" and self.method not in {"current", "force"}:
+            raise InputError("--weights equal needs --method current or --method force.")
         if len(self.campaign) > 1 or self.held_out or self.cutoff_hz is not None or self.out is not None:
             raise InputError("several campaigns, --held-out, --cutoff-hz and --out are for --method dynamics.")
+        from bench.identify.options import PLAIN, Options
         from bench.report.identification import identify_campaign, print_json, print_table
 
-        result = identify_campaign(self.campaign[0], None if self.method == "all" else [self.method], self.robot)
+        methods = None if self.method == "all" else [self.method]
+        options = PLAIN if self.weights == "equal" else Options()
+        among_loaded = self.reference == "first-load"
+        result = identify_campaign(self.campaign[0], methods, self.robot, options, among_loaded)
         (print_json if self.json else print_table)(result, 0.95 if self.level is None else self.level)
         return 0
 

@@ -15,6 +15,8 @@ class Paper:
     """Folder to write."""
     replace: bool = False
     """Replace a results folder that stands there already."""
+    in_time: bool = False
+    """Also run some protocols of the loading experiment in time, in each friction world: some minutes more."""
     cores: int = 0
     """Processes; 0: one for each core."""
 
@@ -27,7 +29,7 @@ class Paper:
 
         with new_folder(self.out, RESULTS, self.replace) as folder, progress_bar("the paper's experiments") as progress:
             executor = on_cores(self.cores, "spawn")  # recordings are written by threads, which are not forked
-            result = run_paper(folder, progress, executor)
+            result = run_paper(folder, progress, executor, self.in_time)
         print_paper(result)
         print(f"\nResults: {self.out.resolve()}")
         print(f"Look at an experiment with, for example: bench view {self.out / 'loading' / 'link-side'}")

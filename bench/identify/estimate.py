@@ -19,7 +19,7 @@ class StiffnessEstimate:
     of N.
 
     Attributes:
-        method: "current", "force", "force-pose" or "joint".
+        method: "current", "force", "force-pose", "force-paper" or "joint".
         joint_names: Length n.
         compliance: Shape (n,) [rad/Nm]; nan where these data cannot tell.
         covariance: Shape (n, n) [(rad/Nm)^2]; nan in rows and columns of joints that these data cannot tell.

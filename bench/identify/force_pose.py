@@ -87,7 +87,9 @@ def build_force_pose(
     moving = arm.jacobian(half_way, readings.reflector_names[0])
     keep = ~readings.is_reference & (np.linalg.cond(moving) < SINGULAR)
     if not keep.any():
-        raise InputError("method 'force-pose': every pose is singular (axes 4 and 6 in line); bend joint 5.")
+        raise InputError(
+            "methods 'force-pose' and 'force-paper': every pose is singular (axes 4 and 6 in line); bend joint 5."
+        )
     measured = pose_deflection(readings)
     change = measured.change - (moving @ (q - q[first])[..., None])[..., 0]
     stiffness = link_torque(arm, counterbalance, load_point, q, half_way, wrench, options.second_order).stiffness[keep]
@@ -169,10 +171,8 @@ def identify_force_pose(
         InputError: A channel is missing, the arm has not six joints, every pose is singular, or reflectors stand in
             line.
     """
-    readings = usable("force-pose", readings, "force", "reflectors")
-    if readings.n_joints != 6:
-        raise InputError(f"method 'force-pose' inverts J_m and needs six joints, not {readings.n_joints}; use 'force'.")
-    used = is_signal(*force_change(arm, counterbalance, readings, SecondOrder.NONE))
+    readings = six_joint_readings("force-pose", readings)
+    used = signal_of(arm, counterbalance, readings)
     compliance = np.zeros(6)
     stiffness: Array | None = None
     for _ in range(options.iterations):
@@ -182,11 +182,34 @@ def identify_force_pose(
         compliance[used] = 1 / found
         stiffness = np.full(6, np.median(found))  # a joint without signal needs some value for its noise
         stiffness[used] = found
-    slope = np.concatenate([-(compliance[used] ** 2), np.ones(3)])  # from stiffness to compliance
-    in_compliance = replace(
+    gain_covariance = readings.systematic.force_gain**2 * np.outer(compliance, compliance)
+    return estimate("force-pose", arm.joint_names, used, in_compliance(solution, int(used.sum())), gain_covariance)
+
+
+def six_joint_readings(method: str, readings: StaticReadings) -> StaticReadings:
+    """Return the states that have the load and three reflectors.
+
+    Raises:
+        InputError: There are none, or the arm has not six joints.
+    """
+    readings = usable(method, readings, "force", "reflectors")
+    if readings.n_joints != 6:
+        raise InputError(f"method {method!r} inverts J_m and needs six joints, not {readings.n_joints}; use 'force'.")
+    return readings
+
+
+def signal_of(arm: Arm, counterbalance: Counterbalance | None, readings: StaticReadings) -> NDArray[np.bool_]:
+    """Return which joints the load puts a torque on, shape (n,)."""
+    return is_signal(*force_change(arm, counterbalance, readings, SecondOrder.NONE))
+
+
+def in_compliance(solution: Solution, count: int) -> Solution:
+    """Return a solution whose first `count` parameters are stiffnesses with compliances in their place, first order."""
+    compliance = 1 / solution.parameters[:count]
+    others = solution.parameters[count:]
+    slope = np.concatenate([-(compliance**2), np.ones(len(others))])
+    return replace(
         solution,
-        parameters=np.concatenate([compliance[used], solution.parameters[-3:]]),
+        parameters=np.concatenate([compliance, others]),
         covariance=np.outer(slope, slope) * solution.covariance,
     )
-    gain_covariance = readings.systematic.force_gain**2 * np.outer(compliance, compliance)
-    return estimate("force-pose", arm.joint_names, used, in_compliance, gain_covariance)

@@ -143,6 +143,24 @@ class StaticReadings:
             approach=None if self.approach is None else self.approach[rows],
         )
 
+    def among_loaded(self) -> "StaticReadings":
+        """Return the loaded states, the first of each series in the place of the unloaded one.
+
+        While loads only rise, static friction that slid at the first load stands at the same level at the others, and
+        cancels between them. Series with fewer than two loaded states are dropped.
+
+        Raises:
+            InputError: No series has two loaded states.
+        """
+        loaded = {s: np.flatnonzero((self.series == s) & ~self.is_reference) for s in np.unique(self.series)}
+        kept = [rows for rows in loaded.values() if len(rows) > 1]
+        if not kept:
+            raise InputError("no pose was read under two loads, so loads cannot be held against each other.")
+        first = self.is_reference.copy()
+        first[[rows[0] for rows in kept]] = True
+        used = np.isin(np.arange(len(self.series)), np.concatenate(kept))
+        return replace(self, is_reference=first).take(used)
+
     def load(self, gravity: Array) -> Array:
         """Return the wrench on the load point, shape (m, 6) [N, Nm]; a load that hangs pulls along gravity alone.
 

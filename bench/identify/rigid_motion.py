@@ -38,7 +38,9 @@ def pose_deflection(readings: StaticReadings) -> PoseDeflection:
     arms = before - before[:, :1]
     spread = np.linalg.svd(arms, compute_uv=False)
     if np.any(spread[:, 1] < FLAT * spread[:, 0]):
-        raise InputError("method 'force-pose': the reflectors stand in one line; put one of them off it.")
+        raise InputError(
+            "methods 'force-pose' and 'force-paper': the reflectors stand in one line; put one of them off it."
+        )
     m, r, _ = points.shape
     design = np.zeros((m, r, 3, 6))
     design[..., :3] = np.eye(3)

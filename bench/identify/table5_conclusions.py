@@ -84,8 +84,25 @@ def _which_method(study: Table5Study) -> list[str]:
         f"{np.median(rms['current']):.1f} (current) times the nominal noise in the median. Force leaves less in "
         f"{np.mean(rms['force'] < rms['current']):.0%} of the reconstructions, but most were found by letting the load "
         "drive the deflection, so that this does not decide between the methods.",
+        _first_load(study),
         _sides(study),
     ]
+
+
+def _first_load(study: Table5Study) -> str:
+    """Return what becomes of the ratio when friction that stands at a constant level while loads rise cancels."""
+    without = study.ratio_from_first_load
+    told = np.isfinite(without) & np.isfinite(study.ratio)
+    seen: NDArray[np.bool_] = np.any(told, axis=0)
+    nearer = told & (np.abs(without - 1) < np.abs(study.ratio - 1))
+    closer = nearer.sum(axis=0)[seen] / told.sum(axis=0)[seen]
+    joints = _names(seen)
+    return (
+        f"With loads held against the first load instead of none, the ratio force / current of {joints} goes from "
+        f"{_ratios(study.ratio[:, seen])} to {_ratios(without[:, seen])} (medians over the reconstructions), nearer to "
+        f"1 in {_percent(closer)} of them. Friction in proportion to the load would leave it; friction at a constant "
+        "level that turns round before the first load is read takes it away."
+    )
 
 
 def _sides(study: Table5Study) -> str:
@@ -102,6 +119,10 @@ def _sides(study: Table5Study) -> str:
         f"By the joint method, most of the friction sits on the same side in nearly all reconstructions for "
         f"{'; '.join(sides)}; it is not decided for {_names(~decided)}."
     )
+
+
+def _ratios(values: Array) -> str:
+    return ", ".join(f"{value:.2f}" for value in np.nanmedian(values, axis=0))
 
 
 def _percent(values: Array) -> str:

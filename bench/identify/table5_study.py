@@ -21,9 +21,12 @@ from bench.identify.table5 import Reconstruction, Table5, read_reconstructions, 
 from bench.identify.table5_lines import Lines, fit_lines
 from bench.robot.bodies import Array
 
+FIRST_LOAD = ", from the first load"  # loads are held against the first one, not against none
 FITS = {
     "current, plain": (identify_current, PLAIN),
     "force, plain": (identify_force, PLAIN),
+    f"current, plain{FIRST_LOAD}": (identify_current, PLAIN),
+    f"force, plain{FIRST_LOAD}": (identify_force, PLAIN),
     "current": (identify_current, Options()),
     "force": (identify_force, Options()),
     "joint": (identify_joint, Options()),
@@ -77,6 +80,11 @@ class Table5Study:
         return self.stiffness("force, plain") / self.stiffness("current, plain")
 
     @property
+    def ratio_from_first_load(self) -> Array:
+        """Shape (r, n), the same with loads held against the first one; nan for joints that only one load moves."""
+        return self.stiffness(f"force, plain{FIRST_LOAD}") / self.stiffness(f"current, plain{FIRST_LOAD}")
+
+    @property
     def paper_ratio(self) -> Array:
         """Shape (n,), the same in Table 6."""
         return self.table6["force"] / self.table6["current"]
@@ -108,7 +116,10 @@ def study_table5(folder: Path, only: Collection[str] = ()) -> Table5Study:
         (reconstruction.arm(table.experiment), reconstruction.readings(table)) for reconstruction in reconstructions
     ]
     estimates = {
-        name: tuple(method(arm, None, readings, options) for arm, readings in setups)
+        name: tuple(
+            method(arm, None, readings.among_loaded() if name.endswith(FIRST_LOAD) else readings, options)
+            for arm, readings in setups
+        )
         for name, (method, options) in FITS.items()
     }
     loaded = ~table.is_reference

@@ -18,6 +18,7 @@ from bench.report.campaigns import open_campaign
 from bench.report.jsonable import to_jsonable
 from bench.robot.links import rigid_bodies
 
+DEFAULTS = Options()
 MNM = 1e6  # [Nm/rad] per 10^6 Nm/rad, the unit of Table 6
 
 
@@ -36,28 +37,38 @@ class Identification:
     refused: Mapping[str, str]
 
 
-def identify_campaign(folder: Path, methods: Iterable[str] | None = None, robot: str = "") -> Identification:
+def identify_campaign(
+    folder: Path,
+    methods: Iterable[str] | None = None,
+    robot: str = "",
+    options: Options = DEFAULTS,
+    among_loaded: bool = False,
+) -> Identification:
     """Identify the stiffness from the static runs of a campaign.
 
     Args:
         folder: Campaign folder.
         methods: Names of methods; None takes every one and notes which the campaign has not the channels for.
         robot: Name or folder of the robot to take; "": the one that the campaign names.
+        options: Of the methods.
+        among_loaded: Loaded readings of a visit are held against its first load, not against the unloaded reading.
 
     Raises:
         CampaignError: The folder is not a usable campaign; every fault is listed.
-        InputError: A method that was asked for by name lacks a channel.
+        InputError: A method that was asked for by name lacks a channel, or no pose was read under two loads.
     """
     report, compiled = open_campaign(folder, robot)
     campaign = report.usable()
     assert compiled is not None  # a usable campaign comes with its robot
     arm = Arm(rigid_bodies(compiled))
     readings = static_readings(campaign, compiled.robot.figures)
+    if among_loaded:
+        readings = readings.among_loaded()
     estimates, refused = {}, {}
     with threadpool_limits(1, "blas"):  # the matrices are small: threads cost five times what they give
         for name in METHODS if methods is None else methods:
             try:
-                estimates[name] = METHODS[name](arm, compiled.counterbalance, readings, Options())
+                estimates[name] = METHODS[name](arm, compiled.counterbalance, readings, options)
             except InputError as error:
                 if methods is not None:
                     raise

@@ -19,6 +19,13 @@ class LoadedPose(Strict):
     q_deg: tuple[float, ...]
     force_n: tuple[Positive, ...] = Field(min_length=1)
     direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    sides: tuple[ApproachDirection, ...] = Field(
+        (), description="for each joint, the side that it comes from where `approach` is 1; empty: all from below"
+    )
+
+    def side(self, approach: int) -> Array:
+        """Return where each joint comes from, 1: from below, -1: from above, shape (n,), as `approach` has it."""
+        return approach * np.array(self.sides or [1] * len(self.q_deg), dtype=np.float64)
 
 
 class LoadingPart(Strict):
@@ -55,12 +62,18 @@ class LoadingPart(Strict):
             if len(pose.q_deg) != robot.n_joints:
                 count = len(pose.q_deg)
                 problems.append(f"{place}.q_deg: {count} angles, but {robot.name} has {robot.n_joints} joints.")
+            if len(pose.sides) not in (0, robot.n_joints):
+                problems.append(
+                    f"{place}.sides: {len(pose.sides)} sides, but {robot.name} has {robot.n_joints} joints."
+                )
+                continue
+            starts = pose.q_deg - self.approach_deg * np.stack([pose.side(sign) for sign in self.approach])
             for j, (angle, (low, high)) in enumerate(zip(pose.q_deg, degrees, strict=False)):
                 reach = self.approach_deg
                 if not low <= angle <= high:
                     reached = f"joint {j + 1}'s {low:g} to {high:g} deg"
                     problems.append(f"{place}.q_deg[{j}]: {angle} deg is outside {reached}.")
-                elif any(not low <= angle - sign * reach <= high for sign in self.approach):
+                elif any(not low <= start <= high for start in starts[:, j]):
                     problems.append(
                         f"{place}.q_deg[{j}]: the approach over {reach} deg to {angle} deg leaves joint {j + 1}'s "
                         f"{low:g} to {high:g} deg; move the pose inwards or shorten approach_deg."

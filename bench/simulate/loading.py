@@ -9,10 +9,13 @@ from bench.scenario.loading import LoadedPose, LoadingPart
 from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.policy import Array, Mark, Script, Sitting, Step
 
+_SIDES = {False: {1: "below", -1: "above"}, True: {1: "own-sides", -1: "other-sides"}}
+
 
 def loading_sittings(scenario: LoadingPart, robot: Robot) -> tuple[Sitting, ...]:
     """Return the loading experiment: one sitting that begins at the start of the first approach."""
-    start = np.deg2rad(np.array(scenario.poses[0].q_deg) - scenario.approach[0] * scenario.approach_deg)
+    first = scenario.poses[0]
+    start = np.deg2rad(np.array(first.q_deg) - first.side(scenario.approach[0]) * scenario.approach_deg)
     return (Sitting(start, loading_policy(scenario, robot, start)),)
 
 
@@ -30,9 +33,9 @@ def loading_policy(scenario: LoadingPart, robot: Robot, start: Array) -> Iterato
     for i, pose in enumerate(scenario.poses, start=1):
         q = np.deg2rad(pose.q_deg)
         for sign in scenario.approach:
-            side = "below" if sign > 0 else "above"
+            side = _SIDES[bool(pose.sides)][sign]
             run = f"pose{i}-from-{side}"
-            yield from script.move(q - sign * np.deg2rad(scenario.approach_deg), top_speed, acceleration)
+            yield from script.move(q - pose.side(sign) * np.deg2rad(scenario.approach_deg), top_speed, acceleration)
             yield from script.move(q, np.deg2rad(scenario.approach_speed_deg_per_s), acceleration)
             yield from script.hold(scenario.settle_s)
             for k, wrench in enumerate(load_steps(pose, scenario.unload)):
@@ -40,7 +43,9 @@ def loading_policy(scenario: LoadingPart, robot: Robot, start: Array) -> Iterato
                 if k > 0:
                     yield from script.push(wrench, scenario.load_ramp_s)
                     yield from script.hold(scenario.settle_s)
-                labels = {"pose": float(i), "approach": float(sign), "load_step": float(k)}
+                labels = {"pose": float(i), "load_step": float(k)}
+                if not pose.sides:  # the label is one side for all joints
+                    labels["approach"] = float(sign)
                 for repeat in range(1, scenario.repeats + 1):
                     yield from script.hold(scenario.repeat_interval_s - CONTROL_PERIOD)
                     mark = Mark(run, labels | {"repeat": float(repeat)})

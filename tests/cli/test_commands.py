@@ -65,6 +65,20 @@ def test_identify_prints_json(results: Path, capsys: pytest.CaptureFixture[str],
             assert high is None or value < high
 
 
+def test_identify_by_plain_least_squares_and_from_the_first_load(
+    results: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def found(*options: str) -> list[float]:
+        assert main(["identify", str(results / "campaign"), "--method", "force", "--json", *options]) == 0
+        return list(json.loads(capsys.readouterr().out)["estimates"]["force"]["stiffness_nm_per_rad"])
+
+    usual = found()
+    assert found("--weights", "equal") != usual
+    assert found("--reference", "first-load") != usual
+    assert main(["identify", str(results / "campaign"), "--weights", "equal"]) == 2
+    assert "--weights equal needs --method current or --method force" in capsys.readouterr().err
+
+
 def test_identify_prints_a_table(results: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["identify", str(results / "campaign")]) == 0
     printed = capsys.readouterr().out

@@ -52,7 +52,7 @@ def error(method: str, world: World, options: Options | None = None) -> np.ndarr
 @pytest.mark.parametrize(
     ("method", "world"),
     [("current", LINK), ("force", MOTOR), ("force-pose", MOTOR), ("joint", LINK), ("joint", MOTOR)]
-    + [(method, FREE) for method in METHODS],
+    + [(method, FREE) for method in METHODS if method != "force-paper"],  # biased: test_force_paper.py
 )
 def test_right_method_recovers_the_truth_at_1500_newton(method: str, world: World) -> None:
     limit = RECOVERY if method != "joint" else 0.02  # the joint method is not told the world and pays for it

@@ -67,3 +67,14 @@ def test_noise_alone_is_no_signal(rng):
 def test_a_joint_is_observed_when_rigid_is_excluded():
     sigma = np.diag([0.4, 0.6]) ** 2
     np.testing.assert_array_equal(excludes_rigid(np.ones(2), sigma), [True, False])
+
+
+def test_among_loaded_states_the_first_load_is_what_others_are_held_against():
+    readings = bare_readings(7, 1, series=[0, 0, 0, 1, 1, 2, 2], q_motor=np.arange(7.0)[:, None])
+    reference = readings.is_reference.copy()
+    reference[6] = True  # series 2 was only read unloaded
+    found = replace(readings, is_reference=reference).among_loaded()
+    np.testing.assert_array_equal(found.q_motor[:, 0], [1, 2])
+    np.testing.assert_array_equal(found.is_reference, [True, False])
+    with pytest.raises(InputError, match="under two loads"):
+        readings.take(readings.series == 1).among_loaded()

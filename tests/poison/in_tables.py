@@ -258,6 +258,78 @@ def mistaken_channels(rng: np.random.Generator) -> Iterator[Variant]:
     yield Variant("mistaken channels", "encoders swapped", swap, "doubt", ("q_motor_1_rad",))
 
 
+def _without(*prefixes: str) -> Spoil:
+    """Return what takes columns out of every table."""
+
+    def spoil(folder: Path) -> None:
+        for file in tables(folder):
+            sheet = Sheet(file)
+            kept = [i for i, name in enumerate(sheet.names) if not name.startswith(prefixes)]
+            sheet.names = [sheet.names[i] for i in kept]
+            sheet.rows = [[row[i] for i in kept] for row in sheet.rows]
+            sheet.write()
+
+    return spoil
+
+
+def _both(*spoils: Spoil) -> Spoil:
+    def spoil(folder: Path) -> None:
+        for one in spoils:
+            one(folder)
+
+    return spoil
+
+
+def cross_checks(rng: np.random.Generator) -> Iterator[Variant]:
+    """Channels that contradict each other or the model; what a diagnosis weighs itself is said, and no fault."""
+
+    def smooth(values: np.ndarray) -> np.ndarray:
+        if len(values) < 50:  # readings at rest
+            return values
+        return np.convolve(np.pad(values, (8, 0), mode="edge"), np.full(9, 1 / 9), "valid")
+
+    def late(values: np.ndarray) -> np.ndarray:
+        return values if len(values) < 50 else np.concatenate([np.full(5, values[0]), values[:-5]])
+
+    def times(factor: float, *columns: str) -> Spoil:
+        return in_column(lambda v: factor * v, *columns)
+
+    loads, tracker = ("load_x_n", "load_y_n", "load_z_n"), tuple(f"reflector_1_{axis}_m" for axis in "xyz")
+    found: dict[str, tuple[Spoil, Answer, tuple[str, ...]]] = {
+        "a clock 10 % fast": (times(1.1, "time_s"), "doubt", ("time_s", "seconds for each second")),
+        "a clock twice as fast": (times(2, "time_s"), "doubt", ("time_s", "seconds for each second")),
+        "a clock half as fast": (times(0.5, "time_s"), "doubt", ("time_s", "seconds for each second")),
+        "a current smoothed": (in_column(smooth, "current_2_a"), "doubt", ("current_2_a", "smoothed?")),
+        "a tracker's axis smoothed": (in_column(smooth, tracker[0]), "doubt", (tracker[0], "smoothed?")),
+        "kN without a sensor": (_both(_without("force", "moment"), times(1e-3, *loads)), "doubt", ("load_mass_kg",)),
+        "kN without sensor and mass": (
+            _both(_without("force", "moment", "load_mass"), times(1e-3, *loads)),
+            "doubt",
+            ("load_z_n", "kilonewtons?"),
+        ),
+        "kg without sensor and mass": (
+            _both(_without("force", "moment", "load_mass"), times(1 / 9.80665, *loads)),
+            "doubt",
+            ("load_z_n", "kilograms?"),
+        ),
+        "masses twice": (times(2, "load_mass_kg"), "doubt", ("load_mass_kg", "10 kg weigh 98.07 N")),
+        "a mirrored joint with its torque": (
+            times(-1, "q_cmd_1_rad", "q_motor_1_rad", "current_1_a"),
+            "doubt",
+            ("current_1_a",),
+        ),
+        "a force sensor at 0.7": (times(0.7, "force_z_n"), "harmless", ("force_z_n", "0.70", "channel_scale")),
+        "loads twice": (times(2, *loads), "harmless", ("force_z_n", "0.50", "hung_load")),
+        "a current doubled": (times(2, "current_2_a"), "harmless", ("current_2_a", "looks doubled", "channel_scale")),
+        "a current halved": (times(0.5, "current_1_a"), "harmless", ("current_1_a", "looks halved", "channel_scale")),
+        "a current late": (in_column(late, "current_2_a"), "harmless", ("current_2_a", "looks late", "channel_delay")),
+        "a tracker late": (in_column(late, *tracker), "harmless", (tracker[0], "looks late", "channel_delay")),
+        "nothing": (_without("motor_temperature"), "harmless", (" 0 warnings",)),
+    }
+    for name, (spoil, answer, places) in found.items():
+        yield Variant("cross-checks", name, spoil, answer, places)
+
+
 def labels(rng: np.random.Generator) -> Iterator[Variant]:
     for column, cell in (
         *(("pose", "1.5"), ("pose", "-1"), ("approach", "0"), ("approach", "2"), ("load_step", "-1")),
@@ -271,5 +343,5 @@ def labels(rng: np.random.Generator) -> Iterator[Variant]:
 FAMILIES = (
     *(cells_without_a_value, cells_that_are_words, numbers_that_are_too_long, readings_that_cannot_be, encodings),
     *(separators, rows_of_a_wrong_length, truncated_tables, headers, units, lost_samples, clocks),
-    *(mistaken_channels, labels),
+    *(mistaken_channels, cross_checks, labels),
 )

@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.displaced import displaced
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
+from bench.diagnose.plausibility.first_look import DriveLook, clock_of, first_look, resting_torque
+from bench.diagnose.plausibility.loads import loads_too_small
 from bench.diagnose.plausibility.mistaken import doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
 from bench.diagnose.plausibility.physical_fit import misfit
+from bench.diagnose.plausibility.smoothed import smoothed
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, segments_of
@@ -30,6 +33,7 @@ BINS = 400  # of one run at most; enough to tell a sign
 BLOCKS = 6  # of the readings; what is said has to hold with any of them left out
 LEAST = 30  # readings of a drive in motion
 GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
+SURE_OF_CLOCK = 0.999  # level of the interval of a clock's rate: one healthy campaign in a thousand is doubted
 BEYOND = 2.0  # times the limits of a drive
 TURNED = 0.5  # part of the misfit that is left with the sign turned, before friction is believed to give energy
 FEEBLE = 0.1  # of the torque that the model needs; friction only adds to it, no counterbalance takes so much away
@@ -47,21 +51,23 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     """
     if any(finding.level == "doubt" and finding.column.startswith(("q_", "load_")) for finding in known):
         return ()
-    told = {finding.column for finding in known}
+    told = {finding.column for finding in known if finding.level != "warning"}
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
     try:
         segments = segments_of(campaign, compiled, every, BINS)
         drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
-        found = list(_of_drives(compiled, _readings_of(segments, every, drives), drives, told))
-        if readings := _readings_of(segments, every, others):
+        found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told))
+        if readings := readings_of(segments, every, others):
             found += displaced(Replay(compiled, readings, others))
     except ConvergenceError as error:
         return (doubt("", f"the nominal model cannot follow the motion ({error})", "look at angles and their units"),)
-    return tuple(finding for finding in found if finding.column not in told)
+    kept = tuple(finding for finding in found if finding.column not in told)
+    told |= {finding.column for finding in found}
+    return (*kept, *(finding for finding in smoothed(campaign, compiled, every) if finding.column not in told))
 
 
-def _readings_of(
+def readings_of(
     segments: tuple[Segment, ...], every: tuple[Quantity, ...], kept: tuple[Quantity, ...]
 ) -> tuple[Segment, ...]:
     """Return the segments that have readings of some of the quantities, with those alone."""
@@ -81,15 +87,20 @@ def _of_drives(
     if too_fast := tuple(_beyond_speed(picture, compiled)):
         yield from too_fast
         return
+    if wrong_clock := tuple(_of_clock(first_look(picture, resting_torque(compiled, segments, quantities)), compiled)):
+        yield from wrong_clock
+        return
     dead = tuple(_dead(picture))
     yield from dead
 
     recording = Recording(segments, quantities, compiled)
+    too_small = tuple(loads_too_small(picture, recording))
+    yield from too_small
     of_loads = mistaken_loads(picture, recording)
     mistaken = [
         finding
         for finding in mistakes_in(picture, of_loads, lambda: mistaken_joints(picture, recording))
-        if finding.column not in told
+        if finding.column not in told and not any(finding.column == before.column for before in too_small)
     ]
     yield from mistaken
     for j, name in enumerate(picture.names if not mistaken else ()):
@@ -98,6 +109,16 @@ def _of_drives(
         rows = np.isfinite(picture.observed[:, j]) & ~picture.standing[:, j]
         if rows.sum() >= LEAST:
             yield from list(_of_drive(picture, compiled, j, rows))[:1]
+
+
+def _of_clock(looks: Sequence[DriveLook], compiled: CompiledRobot) -> Iterator[Finding]:
+    clock = clock_of(looks, compiled, SURE_OF_CLOCK)
+    if clock and not clock.low <= 1 <= clock.high:
+        message = (
+            f"counts {clock.rate:.2f} seconds for each second ({clock.low:.2f} to {clock.high:.2f}), by the inertia "
+            f"that {clock.drives} drives paid for"
+        )
+        yield doubt("time_s", message, "look at the sampling rate that was stated")
 
 
 def _beyond_speed(picture: DrivePicture, compiled: CompiledRobot) -> Iterator[Finding]:

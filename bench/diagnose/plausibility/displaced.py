@@ -6,6 +6,7 @@ from itertools import permutations, product
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.plausibility.late_channels import as_if_in_time
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.replay.quantities import AXES
 from bench.diagnose.replay.replay import Replay
@@ -26,6 +27,7 @@ def displaced(replay: Replay) -> Iterator[Finding]:
     """Yield a doubt for each reflector and for the gauge that reads what the nominal model cannot make of it."""
     nominal = replay.predict(NOMINAL)
     observed = np.concatenate([segment.observed for segment in replay.segments])
+    in_time = as_if_in_time(replay, observed, nominal)
     stopped = _stopped(replay, observed, nominal)
     for name, run in stopped.items():
         yield doubt(name, f"does not change in run {run!r} while the model's does", "frozen? look at its recording")
@@ -35,7 +37,7 @@ def displaced(replay: Replay) -> Iterator[Finding]:
         rows = np.all(np.isfinite(observed[:, columns]), axis=1)
         if np.any(rows) and not stopped.keys() & set(names):
             throughout = list(_reflector(names[0], axes, observed[rows][:, columns], nominal[rows][:, columns]))
-            yield from throughout or _in_one_run(replay, names[0], rows, observed[:, columns], nominal[:, columns])
+            yield from throughout or _in_one_run(replay, names[0], rows, in_time[:, columns], nominal[:, columns])
     for c, quantity in enumerate(replay.quantities):
         rows = np.isfinite(observed[:, c])
         if quantity.kind == "gas_pressure" and np.any(rows) and quantity.column not in stopped:

@@ -128,3 +128,10 @@ def _again(recording: Recording, change: Change) -> DrivePicture | None:
 def _index_of(quantities: tuple[Quantity, ...], like: Quantity, drive: int) -> int | None:
     """Return the place of another drive's quantity of the same kind, None if there is none."""
     return next((c for c, q in enumerate(quantities) if q.kind == like.kind and q.index == drive), None)
+
+
+def without_loads(recording: Recording) -> DrivePicture | None:
+    """Return the picture without loads; None where there are none, or the model finds no balance."""
+    if not any(np.any(segment.motion.wrench) for segment in recording.segments):
+        return None
+    return _again(recording, replace(recording.plain, load=0.0))

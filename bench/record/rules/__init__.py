@@ -7,7 +7,20 @@ column in which one of them found an error is not shown to the next, so that one
 from collections.abc import Callable, Iterator
 
 from bench.record.finding import Finding
-from bench.record.rules import alignment, clock, copies, labels, names, pairing, scale, stuck, tracker, values, work
+from bench.record.rules import (
+    alignment,
+    clock,
+    copies,
+    labels,
+    names,
+    pairing,
+    scale,
+    stuck,
+    tracker,
+    values,
+    weights,
+    work,
+)
 from bench.record.rules.sheet import Sheet
 
 Rule = Callable[[Sheet], Iterator[Finding]]
@@ -30,6 +43,8 @@ READING_RULES: tuple[Rule, ...] = (
     copies.identical,
     pairing.encoders_follow,
     pairing.sensors_agree,
+    weights.masses_hang,
+    weights.loads_are_felt,
     alignment.leads,
     work.friction_takes,
 )

@@ -8,6 +8,20 @@ from bench.report.tables import Column, Measured, Row, print_table
 
 
 @dataclass(frozen=True)
+class ChapterTable:
+    """A table of our numbers alone.
+
+    Attributes:
+        title: Stands above.
+        columns, rows: As in `bench.report.tables`.
+    """
+
+    title: str
+    columns: Sequence[Column]
+    rows: Sequence[Row]
+
+
+@dataclass(frozen=True)
 class Chapter:
     """One experiment of the paper.
 
@@ -17,6 +31,7 @@ class Chapter:
         rows: Our numbers beside the paper's.
         sentences: What follows, computed from the numbers.
         data: Everything, as plain data for JSON.
+        tables: Further tables, which the paper has nothing beside.
     """
 
     name: str
@@ -24,6 +39,7 @@ class Chapter:
     rows: Sequence[PublishedRow]
     sentences: Sequence[str]
     data: Mapping[str, object]
+    tables: Sequence[ChapterTable] = ()
 
 
 def print_chapter(chapter: Chapter) -> None:
@@ -42,6 +58,8 @@ def print_chapter(chapter: Chapter) -> None:
         print(f"\n{chapter.title}")
         for sentence in chapter.sentences:
             print(sentence)
+    for table in chapter.tables:
+        print_table(f"\n{table.title}", table.columns, table.rows)
 
 
 def _rounded(value: float) -> float:

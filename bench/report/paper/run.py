@@ -1,18 +1,23 @@
 """The whole paper on the virtual robot, chapter by chapter, its published numbers beside ours."""
 
 import json
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from bench.executor.contract import Executor, Progress
 from bench.identify.table5 import read_table6
+from bench.report.jsonable import to_jsonable
 from bench.report.paper.chapter import Chapter, print_chapter
 from bench.report.paper.complementary.run import run_complementary
+from bench.report.paper.line.picture import left_over, picture
 from bench.report.paper.line.published import published_rows as line_rows
 from bench.report.paper.line.results import line_as_json, line_conclusions, write_line
 from bench.report.paper.line.run import run_line
 from bench.report.paper.loading.results import LoadingResult, loading_chapter, print_loading, write_loading
 from bench.report.paper.loading.worlds import run_worlds
+from bench.report.paper.methods.in_time import run_in_time
+from bench.report.paper.methods.survival import UnderProtocol
 from bench.report.paper.methods.trust import run_trust
 from bench.report.paper.rotation.results import as_json as rotation_as_json
 from bench.report.paper.rotation.results import published_rows as rotation_rows
@@ -43,13 +48,14 @@ class PaperResult:
     chapters: tuple[Chapter, ...]
 
 
-def run_paper(folder: Path, progress: Progress, executor: Executor) -> PaperResult:
+def run_paper(folder: Path, progress: Progress, executor: Executor, in_time: bool = False) -> PaperResult:
     """Run every experiment of the paper; campaigns, truth, recordings, numbers and figures go into an existing folder.
 
     Args:
         folder: Where to write.
         progress: Called with the share that is done.
         executor: Where to simulate.
+        in_time: Whether protocols are also run in time.
     """
     scenario = read_as(Loading, LOADING)
     robot = load_robot(scenario.robot)
@@ -69,10 +75,11 @@ def run_paper(folder: Path, progress: Progress, executor: Executor) -> PaperResu
     names = next(iter(worlds[0].estimates.values())).joint_names
     complementary = run_complementary(read_as(Complementary, "complementary"), _made(folder, "complementary"))
     part(COMPLEMENTARY_SHARE)(1.0)
-    trust = run_trust(scenario, names, table6, _made(folder, "methods"), part(TRUST_SHARE), executor)
+    trust, protocols = run_trust(scenario, names, table6, _made(folder, "methods"), part(TRUST_SHARE), executor)
     rotation = _rotation(_made(folder, "rotation"), part(ROTATION_SHARE), executor)
-    line = _line(_made(folder, "line"), loading, part(1 - done), executor)
-    result = PaperResult(loading, (complementary, rotation, line, trust))
+    line = _line(_made(folder, "line"), loading, protocols, part(1 - done), executor)
+    further = (run_in_time(scenario, part(0.0), executor),) if in_time else ()
+    result = PaperResult(loading, (complementary, rotation, line, trust, *further))
     content = {LOADING: loading.data} | {chapter.name: chapter.data for chapter in result.chapters}
     (folder / RESULTS).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     return result
@@ -107,14 +114,20 @@ def _rotation(folder: Path, progress: Progress, executor: Executor) -> Chapter:
     )
 
 
-def _line(folder: Path, loading: LoadingResult, progress: Progress, executor: Executor) -> Chapter:
+def _line(
+    folder: Path, loading: LoadingResult, protocols: Sequence[UnderProtocol], progress: Progress, executor: Executor
+) -> Chapter:
     """Run the line with what the methods found from the loading experiment in the same world, the robot as it is."""
     report = run_line(folder, loading.as_model, progress, executor=executor)
     write_line(report, folder)
+    here = {
+        axis: report.reduction("force", axis).achieved / report.reduction("current", axis).achieved for axis in "xz"
+    }
+    left = left_over(report.scenario, [result for each in protocols for result in each.ideal])
     return Chapter(
         name="line",
         title="UV trajectory, Table 8, Figs. 14 to 17",
         rows=line_rows(report),
-        sentences=(BOUNDS, *line_conclusions(report)),
-        data=line_as_json(report),
+        sentences=(BOUNDS, *line_conclusions(report), *picture(left, here)),
+        data=line_as_json(report) | {"fig_17_by_friction_and_protocol": to_jsonable([asdict(each) for each in left])},
     )

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.identify.complementary_map import ComplementaryMap, Grid
 from bench.identify.complementary_prediction import PredictionError
@@ -69,6 +70,29 @@ def figure_6(result: ComplementaryMap, joint_names: Sequence[str]) -> "Figure":
     figure, ((panel,),) = new_figure(title, 1, 1, 2 * ROW)
     _map(panel, result.grid, np.where(zone, 1.5, np.nan), (0, 1, 2, 3), joint_names)
     panel.set_title(f"{100 * zone.mean():.1f} % of the range")
+    return figure
+
+
+def figure_6_for_others(grid: Grid, zones: Sequence[NDArray[np.bool_]], joint_names: Sequence[str]) -> "Figure":
+    """Return in how many of several zones each pose is.
+
+    Args:
+        grid: The poses.
+        zones: One for each stiffness, shape (a, b) each.
+        joint_names: Length n.
+    """
+    count = np.sum(zones, axis=0)
+    figure, ((panel,),) = new_figure("Optimal zone for other values of the stiffness", 1, 1, 2 * ROW)
+    levels = np.arange(len(zones) + 2) - 0.5
+    mesh = _map(panel, grid, np.where(count > 0, count, np.nan), levels.tolist(), joint_names)
+    panel.set_title(f"in all {len(zones)}: {100 * np.mean(count == len(zones)):.1f} % of the range; white: in none")
+    figure.colorbar(
+        mesh,
+        ax=panel,
+        label=f"in the zone for so many of {len(zones)} stiffnesses",
+        shrink=0.8,
+        ticks=range(1, len(zones) + 1, 2),
+    )
     return figure
 
 

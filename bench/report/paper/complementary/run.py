@@ -1,6 +1,7 @@
 """The K_C analysis from its scenario to Figs. 4 to 6."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,20 @@ from bench.identify.complementary_prediction import prediction_error
 from bench.report.figures.style import save
 from bench.report.jsonable import to_jsonable
 from bench.report.paper.chapter import Chapter
-from bench.report.paper.complementary.figures import GOOD, figure_4, figure_5, figure_6, prediction_bounds
+from bench.report.paper.complementary.figures import (
+    GOOD,
+    figure_4,
+    figure_5,
+    figure_6,
+    figure_6_for_others,
+    prediction_bounds,
+)
+from bench.report.paper.complementary.other_stiffness import (
+    other_zones,
+    stiffness_values,
+    zones_sentence,
+    zones_table,
+)
 from bench.report.paper.published import as_json
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
@@ -19,6 +33,7 @@ from bench.robot.links import rigid_bodies
 from bench.scenario.complementary import Complementary
 
 NUMBERS = "complementary.json"
+OTHERS = "figure-6-other-stiffness.png"
 
 
 def run_complementary(scenario: Complementary, folder: Path) -> Chapter:
@@ -40,8 +55,14 @@ def run_complementary(scenario: Complementary, folder: Path) -> Chapter:
     save(figure_4(found, arm.joint_names), folder / "figure-4.png")
     save(figure_5(prediction, grid, arm.joint_names), folder / "figure-5.png")
     save(figure_6(found, arm.joint_names), folder / "figure-6.png")
+    tried = stiffness_values(found.stiffness, arm.joint_names)
+    others = other_zones(arm, found, tried, scenario.point, wrench)
+    optimal = found.zone(GOOD)
+    save(
+        figure_6_for_others(grid, [optimal, *(each.zone for each in others.values())], arm.joint_names), folder / OTHERS
+    )
     rows = prediction_bounds(prediction)
-    share, zone = found.fraction(GOOD), float(found.zone(GOOD).mean())
+    share, zone = found.fraction(GOOD), float(optimal.mean())
     data = {
         "share_of_poses_below_5_percent": to_jsonable(share),
         "share_of_poses_below_10_percent": to_jsonable(found.fraction(0.10)),
@@ -49,7 +70,12 @@ def run_complementary(scenario: Complementary, folder: Path) -> Chapter:
         "beside_the_paper": as_json(rows),
         "first_deg": to_jsonable(np.rad2deg(grid.first)),
         "second_deg": to_jsonable(np.rad2deg(grid.second)),
-        "optimal_zone": found.zone(GOOD).astype(int).tolist(),
+        "optimal_zone": optimal.astype(int).tolist(),
+        "other_stiffness": {
+            name: {key: value for key, value in asdict(each).items() if key != "zone"}
+            | {"share_in_the_optimal_zone": float(each.zone.mean())}
+            for name, each in others.items()
+        },
     }
     (folder / NUMBERS).write_text(json.dumps(data) + "\n", encoding="utf-8")
     listed = ", ".join(f"{100 * value:.0f}" for value in share)
@@ -57,4 +83,6 @@ def run_complementary(scenario: Complementary, folder: Path) -> Chapter:
         f"Without K_C the stiffness is within 5 % in {listed} % of the poses, joint by joint; of all joints at once in "
         f"{100 * zone:.0f} %. The rest are narrow bands where the load puts no torque on a joint."
     )
-    return Chapter("complementary", "K_C analysis, Tables 3 and 4, Figs. 4 to 6", rows, (sentence,), data)
+    sentences = (sentence, zones_sentence(optimal, others))
+    title = "K_C analysis, Tables 3 and 4, Figs. 4 to 6"
+    return Chapter("complementary", title, rows, sentences, data, (zones_table(optimal, others),))

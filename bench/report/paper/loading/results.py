@@ -138,9 +138,10 @@ def _verdict(found: WorldResult) -> str:
     errors = {name: found.median_error(name) for name in found.estimates}
     right = [name for name in errors if len(set(found.covered(name))) == 1]
     ranked = ", ".join(f"{name} {100 * error:.1f} %" for name, error in sorted(errors.items(), key=lambda e: e[1]))
+    title = found.world.title[0].upper() + found.world.title[1:]
     return (
-        f"{found.world.title[0].upper()}{found.world.title[1:]}: median error {ranked}; all intervals contain the "
-        f"truth for {', '.join(right) or 'no method'}."
+        f"{title} ({found.protocol}): median error {ranked}; all intervals contain the truth for "
+        f"{', '.join(right) or 'no method'}."
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from bench.executor.contract import Executor, Progress, in_order
 from bench.identify.estimate import StiffnessEstimate
 from bench.report.identification import identify_campaign
+from bench.report.paper.methods.protocols import in_words
 from bench.report.results import CAMPAIGN, TRUTH, run_and_forget
 from bench.report.scoring import Score, score_stiffness
 from bench.scenario.files import read_as
@@ -46,11 +47,13 @@ class WorldResult:
         world: Which.
         estimates: Method -> estimate.
         scores: Method -> one score per joint.
+        protocol: How the experiment was done, in words.
     """
 
     world: World
     estimates: dict[str, StiffnessEstimate]
     scores: dict[str, tuple[Score, ...]]
+    protocol: str
 
     def median_error(self, method: str) -> float:
         """Return the median over the observable joints of the absolute relative error."""
@@ -79,10 +82,10 @@ def run_worlds(scenario: str, folder: Path, progress: Progress, executor: Execut
     scenarios = [Loading.model_validate(base.model_dump() | change) for change in changes]
     jobs = [(job, folder / world.name) for job, world in zip(scenarios, WORLDS, strict=True)]
     in_order(executor, run_and_forget, jobs, progress)
-    return [_identified(world, folder / world.name) for world in WORLDS]
+    return [_identified(world, folder / world.name, in_words(base)) for world in WORLDS]
 
 
-def _identified(world: World, folder: Path) -> WorldResult:
+def _identified(world: World, folder: Path, protocol: str) -> WorldResult:
     estimates = dict(identify_campaign(folder / CAMPAIGN).estimates)
     scores = {name: score_stiffness(estimate, folder / TRUTH) for name, estimate in estimates.items()}
-    return WorldResult(world, estimates, scores)
+    return WorldResult(world, estimates, scores, protocol)

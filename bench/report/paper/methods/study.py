@@ -1,16 +1,21 @@
-"""Which method to trust where: current, force and joint method over friction, noise and the way of measuring."""
+"""Which method to trust where: every analysis over friction, noise, and the protocol of the experiment."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.executor.contract import Executor, Progress, in_order
+from bench.identify.advice import Method
 from bench.identify.arm import Arm
+from bench.identify.current import identify_current
+from bench.identify.force import identify_force
+from bench.identify.force_paper import identify_force_paper
 from bench.identify.from_campaign import static_readings
-from bench.identify.methods import METHODS
-from bench.identify.options import Options
+from bench.identify.joint import identify_joint
+from bench.identify.options import PLAIN, Options
+from bench.report.paper.methods.protocols import AS_PLANNED, Protocol
 from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.edits import proportional_servo, shared_friction
@@ -20,7 +25,36 @@ from bench.robot.links import rigid_bodies
 from bench.scenario.loading import Loading
 from bench.simulate.quasistatic import RestLog, rests_of
 
-STUDIED = ("current", "force", "joint")
+
+@dataclass(frozen=True)
+class Analysis:
+    """A method and how it is used.
+
+    Attributes:
+        method: The method.
+        options: Its options; plain least squares unless others are given.
+        among_loaded: Loaded states are held against the first loaded one, not against the unloaded one.
+    """
+
+    method: Method
+    options: Options = PLAIN
+    among_loaded: bool = False
+
+
+WEIGHTED = Options()
+METHODS = {
+    "current": Analysis(identify_current, WEIGHTED),
+    "force": Analysis(identify_force, WEIGHTED),
+    "joint": Analysis(identify_joint, WEIGHTED),
+}
+ANALYSES = METHODS | {
+    "current, plain Eq. (41)": Analysis(identify_current),
+    "force, plain Eq. (35)": Analysis(identify_force),
+    "force, plain Eq. (25)": Analysis(identify_force_paper),
+    "current, from the first load": Analysis(identify_current, WEIGHTED, among_loaded=True),
+    "force, from the first load": Analysis(identify_force, WEIGHTED, among_loaded=True),
+}
+AS_THE_PAPER = {name: ANALYSES[name] for name in ("current, plain Eq. (41)", "force, plain Eq. (35)")}
 
 
 @dataclass(frozen=True)
@@ -32,84 +66,97 @@ class Condition:
         link_share: Share of it on the link side, behind the elastic element.
         noise: Noise of tracker and force sensor, relative to their figures.
         direction_rad: Direction error of a load that does not hang [rad].
-        approach: Directions from which poses are approached.
-        unload: Whether loads are also taken off in steps.
+        protocol: Approach and loads.
         servo: "integral" or "proportional".
+        orientation: The reflector is carried round its nests at each load, as Eq. (25) needs.
     """
 
     friction: float = 1.0
     link_share: float = 1.0
     noise: float = 1.0
     direction_rad: float = 0.005
-    approach: tuple[int, ...] = (1, -1)
-    unload: bool = True
+    protocol: Protocol = AS_PLANNED
     servo: str = "proportional"
+    orientation: bool = False
 
 
 @dataclass(frozen=True)
 class ConditionResult:
-    """What the methods made of one condition, n joints.
+    """What the analyses made of one condition, n joints.
 
     Attributes:
         condition: Which.
-        error: Method -> shape (seeds, n), relative error of the stiffness; nan where the readings could not tell.
+        error: Analysis -> shape (seeds, n), relative error of the stiffness; nan where the readings could not tell.
     """
 
     condition: Condition
-    error: dict[str, Array]
+    error: Mapping[str, Array]
 
-    def bias(self, method: str) -> Array:
+    def bias(self, analysis: str) -> Array:
         """Shape (n,), mean relative error over the seeds; nan where no seed gave an estimate."""
-        return _over_seeds(np.nanmean, self.error[method])
+        return _over_seeds(np.nanmean, self.error[analysis])
 
-    def spread(self, method: str) -> Array:
+    def spread(self, analysis: str) -> Array:
         """Shape (n,), standard deviation of the relative error over the seeds."""
-        return _over_seeds(np.nanstd, self.error[method])
+        return _over_seeds(np.nanstd, self.error[analysis])
 
-    def ratio(self) -> Array:
+    def typical(self, analysis: str) -> float:
+        """Median over the joints of |bias|."""
+        return float(np.nanmedian(np.abs(self.bias(analysis))))
+
+    def ratio(self, force: str = "force", current: str = "current") -> Array:
         """Shape (n,), stiffness by the force method over that by the current method, as in Table 6."""
-        return _over_seeds(np.nanmean, (1 + self.error["force"]) / (1 + self.error["current"]))
+        return _over_seeds(np.nanmean, (1 + self.error[force]) / (1 + self.error[current]))
 
 
 def study_methods(
-    scenario: Loading, conditions: Sequence[Condition], seeds: int, progress: Progress, executor: Executor
+    scenario: Loading,
+    conditions: Sequence[Condition],
+    seeds: int,
+    progress: Progress,
+    executor: Executor,
+    analyses: Mapping[str, Analysis] = METHODS,
 ) -> list[ConditionResult]:
     """Run a loading scenario under every condition, from rest to rest, and identify it with noise of several seeds.
 
     Args:
-        scenario: Poses, loads and repeats; its friction, servo and way of approach are those of the conditions.
+        scenario: Poses, loads and repeats; friction, servo and protocol are those of the conditions.
         conditions: What to go through.
-        seeds: Campaigns per condition.
+        seeds: Campaigns per condition; 0: one, read by ideal instruments.
         progress: Called with the share that is done.
         executor: Where to simulate.
+        analyses: What is made of each campaign.
     """
-    return in_order(executor, _study, [(scenario, condition, seeds) for condition in conditions], progress)
+    jobs = [(scenario, condition, seeds, dict(analyses)) for condition in conditions]
+    return in_order(executor, _study, jobs, progress)
 
 
-def _study(job: tuple[Loading, Condition, int], progress: Progress) -> ConditionResult:
-    scenario, condition, seeds = job
+def _study(job: tuple[Loading, Condition, int, dict[str, Analysis]], progress: Progress) -> ConditionResult:
+    scenario, condition, seeds, analyses = job
     log = _rests(scenario, condition)
     arm, truth, figures = Arm(rigid_bodies(log.compiled)), log.compiled.stiffness, log.compiled.robot.figures
-    error = {name: np.empty((seeds, len(truth))) for name in STUDIED}
+    error = {name: np.empty((max(seeds, 1), len(truth))) for name in analyses}
     with threadpool_limits(1, "blas"):
-        for seed in range(seeds):
-            readings = static_readings(log.read(np.random.default_rng([scenario.seed, seed])), figures)
-            for name in STUDIED:
-                estimate = METHODS[name](arm, log.compiled.counterbalance, readings, Options())
+        for seed in range(max(seeds, 1)):
+            rng = np.random.default_rng([scenario.seed, seed]) if seeds else None
+            readings = static_readings(log.read(rng), figures)
+            for name, analysis in analyses.items():
+                used = readings.among_loaded() if analysis.among_loaded else readings
+                estimate = analysis.method(arm, log.compiled.counterbalance, used, analysis.options)
                 error[name][seed] = estimate.stiffness / truth - 1
-            progress((seed + 1) / seeds)
+            progress((seed + 1) / max(seeds, 1))
     return ConditionResult(condition, error)
 
 
 def _rests(scenario: Loading, condition: Condition) -> RestLog:
-    changes = {"approach": condition.approach, "unload": condition.unload, "orientation": False}
     edits = [shared_friction(condition.friction, condition.link_share)]
     if condition.servo == "proportional":
         edits.append(proportional_servo)
     robot = load_robot(scenario.robot)
     noisy = replace(robot, figures=robot.figures.model_copy(update={"instruments": _instruments(robot, condition)}))
     compiled: CompiledRobot = compile_robot(noisy, edits)
-    return rests_of(scenario.model_copy(update=changes), compiled)
+    done = condition.protocol.of(scenario, Arm(rigid_bodies(compiled)), robot.figures.load_point)
+    return rests_of(done.model_copy(update={"orientation": condition.orientation}), compiled)
 
 
 def _instruments(robot: Robot, condition: Condition) -> Instruments:

@@ -1,0 +1,87 @@
+"""What a fast look shows of errors that a diagnosis weighs itself, in numbers: channels that are scaled or late."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from bench.diagnose.plausibility.channels import BINS, readings_of
+from bench.diagnose.plausibility.drive_picture import drive_picture
+from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
+from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_reflectors
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import segments_of
+from bench.effects.recording_channel import LATEST_DRIVE_S, ChannelDelay
+from bench.errors import ConvergenceError
+from bench.record.campaign import Campaign
+from bench.record.carried import with_payloads
+from bench.record.finding import Finding
+from bench.robot.compiled import CompiledRobot
+
+SCALED = 0.2  # beyond it a channel's scale is likelier than a torque constant (normal, 10 %/sqrt(3) wide: 3.5 of them)
+
+
+def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = ()) -> tuple[Finding, ...]:
+    """Return a warning for each channel that looks scaled or late, as far as a linear look can tell.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot, nominal.
+        known: What was found before; with a doubt among it nothing is said.
+    """
+    if any(finding.level in ("doubt", "error") for finding in known):
+        return ()
+    campaign = with_payloads(campaign)
+    every = quantities_of(campaign.runs, compiled)
+    found: list[Finding] = []
+    try:
+        segments = segments_of(campaign, compiled, every, BINS)
+        drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
+        if paid := readings_of(segments, every, drives):
+            replay = Replay(compiled, paid, drives)
+            picture = drive_picture(replay)
+            at_rest = resting_torque(compiled, paid, drives)
+            found += _scaled(first_look(picture, at_rest), compiled)
+            found += _late(late_drives(replay, picture, at_rest), LATEST_DRIVE_S)
+        if seen := readings_of(segments, every, others):
+            found += _late(late_reflectors(Replay(compiled, seen, others)), ChannelDelay.parameters[0].low)
+    except ConvergenceError:
+        return ()
+    return tuple(found)
+
+
+def _scaled(looks: Sequence[DriveLook], compiled: CompiledRobot) -> Iterator[Finding]:
+    factors = {look.column: _factor(look, compiled) for look in looks if look.fits}
+    told = {column: factor for column, factor in factors.items() if np.isfinite(factor.relative)}
+    for column, factor in told.items():
+        others = [other.value for name, other in told.items() if name != column]
+        as_stated = [abs(value - 1) < SCALED for value in others]
+        off = abs(factor.value - 1)
+        if others and 2 * sum(as_stated) > len(others) and off > SCALED and off > SURE * factor.sigma:
+            word = "looks doubled" if abs(factor.value / 2 - 1) < SCALED / 2 else "looks scaled"
+            word = "looks halved" if abs(2 * factor.value - 1) < SCALED / 2 else word
+            message = f"{word}: {factor.value:.2f} ± {factor.sigma:.2f} times what the model needs, others as stated"
+            yield _hint(column, message, "channel_scale")
+
+
+def _factor(look: DriveLook, compiled: CompiledRobot) -> Factor:
+    """Return by how much a channel is scaled: by gravity where it is told, else by inertia, known less well."""
+    figures = compiled.robot.figures
+    inertia, gain = figures.uncertainty.rotor_inertia, figures.drives[look.index].torque_constant_error
+    by_gravity = look.gravity.relative < inertia
+    if not by_gravity and figures.uncertainty.payload_kg:  # a payload that nobody stated has inertia, too
+        return Factor(np.nan, np.inf)
+    value, own = (look.gravity, figures.uncertainty.mass) if by_gravity else (look.whole, inertia)
+    return Factor(value.value, value.value * float(np.hypot(value.relative, np.hypot(own, gain))))
+
+
+def _late(found: Iterator[Late], least: float) -> Iterator[Finding]:
+    for late in found:
+        delay = late.delay
+        if delay.value > least + SURE * delay.sigma:
+            message = f"looks late, by about {1e3 * delay.value:.0f} ms against the encoders"
+            yield _hint(late.column, message, "channel_delay")
+
+
+def _hint(column: str, message: str, effect: str) -> Finding:
+    return Finding("warning", "all runs", None, column, message, f"bench diagnose weighs it ({effect})")

@@ -1,0 +1,137 @@
+"""Channels with another clock than the encoders: what they show follows the model's motion, but late.
+
+To first order what a channel reads is late by d where it lacks d times its rate of change; the sign of an error of the
+model does not turn with the direction of the motion, that of a delay does.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from bench.diagnose.plausibility.drive_picture import DrivePicture
+from bench.diagnose.plausibility.first_look import LEAST, Factor, inflation
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.world import NOMINAL
+from bench.record.campaign import Array
+
+SURE = float(stats.norm.ppf(0.9995))  # standard errors, beyond which one channel in a thousand is by chance
+
+
+@dataclass(frozen=True)
+class Late:
+    """A channel that is late.
+
+    Attributes:
+        column: Its name.
+        delay: By how much [s].
+    """
+
+    column: str
+    delay: Factor
+
+
+def as_if_in_time(replay: Replay, observed: Array, nominal: Array) -> Array:
+    """Return readings, shape (T, c), with reflectors that are late as if they were not, to first order.
+
+    Args:
+        replay: Of segments with these readings.
+        observed: Shape (T, c).
+        nominal: Shape (T, c), what the nominal model has instead.
+    """
+    result = observed.copy()
+    rates = np.nan_to_num(_rates(replay, replay.trace(NOMINAL).time, nominal))
+    for late in late_reflectors(replay):
+        if late.delay.value > SURE * late.delay.sigma:
+            index = next(q.index for q in replay.quantities if q.column == late.column)
+            for c, quantity in enumerate(replay.quantities):
+                if quantity.kind == "reflector" and quantity.index == index:
+                    result[:, c] += late.delay.value * rates[:, c]
+    return result
+
+
+def late_reflectors(replay: Replay) -> Iterator[Late]:
+    """Yield by how much each reflector is late, all axes together.
+
+    Args:
+        replay: Of segments with readings of reflectors.
+    """
+    trace = replay.trace(NOMINAL)
+    nominal = replay.read(NOMINAL, trace)
+    observed = np.concatenate([segment.observed for segment in replay.segments])
+    moving = np.any(trace.q_velocity != 0, axis=1)
+    for k in sorted({q.index for q in replay.quantities if q.kind == "reflector"}):
+        columns = [c for c, q in enumerate(replay.quantities) if q.kind == "reflector" and q.index == k]
+        speed = _rates(replay, trace.time, nominal[:, columns])
+        missing = observed[:, columns] - nominal[:, columns]
+        rows = moving[:, None] & np.isfinite(missing) & np.isfinite(speed)
+        segment = _segments(replay)
+        for one in np.unique(segment):  # the frame, and what the model lacks throughout
+            for c in range(len(columns)):
+                here = rows[:, c] & (segment == one)
+                if np.any(here):
+                    missing[here, c] -= np.mean(missing[here, c])
+                    speed[here, c] -= np.mean(speed[here, c])
+        if rows.sum() >= LEAST:
+            yield Late(replay.quantities[columns[0]].column, _delay(missing[rows], speed[rows]))
+
+
+def late_drives(replay: Replay, picture: DrivePicture, at_rest: Array) -> Iterator[Late]:
+    """Yield by how much each drive's channel is late.
+
+    Args:
+        replay: Of segments with readings of drives.
+        picture: What they did.
+        at_rest: Shape (T, n) [Nm], what the model needs without motion: gravity and inertia have factors of their own.
+    """
+    trace = replay.trace(NOMINAL)
+    segment = _segments(replay)
+    for j, name in enumerate(picture.names):
+        rows = np.isfinite(picture.observed[:, j]) & ~picture.standing[:, j]
+        if not name or rows.sum() < LEAST:
+            continue
+        columns, y = np.column_stack([picture.columns(j), at_rest[:, j]]), picture.observed[:, j]
+        scale = np.maximum(np.linalg.norm(columns[rows], axis=0), 1e-12)
+        fitted = columns / scale @ np.linalg.lstsq(columns[rows] / scale, y[rows])[0]
+        rate = _rates(replay, trace.time, fitted[:, None])[:, 0]
+        # across a turn the friction jumps: no rate is told there
+        turned = np.sign(picture.velocity[:, j])
+        inner = np.zeros(len(y), dtype=np.bool_)
+        inner[1:-1] = (
+            (turned[1:-1] == turned[:-2])
+            & (turned[1:-1] == turned[2:])
+            & (segment[1:-1] == segment[:-2])
+            & (segment[1:-1] == segment[2:])
+        )
+        kept = rows & inner & np.isfinite(rate)
+        if kept.sum() >= LEAST:
+            others = columns[kept] / scale
+            own = rate[kept] - others @ np.linalg.lstsq(others, rate[kept])[0]
+            rest = y[kept] - others @ np.linalg.lstsq(others, y[kept])[0]
+            yield Late(name, _delay(rest, own))
+
+
+def _delay(missing: Array, rate: Array) -> Factor:
+    power = float(rate @ rate)
+    if power == 0:
+        return Factor(np.nan, np.inf)
+    delay = -float(missing @ rate) / power
+    rest = missing + delay * rate
+    return Factor(delay, float(np.sqrt(np.mean(rest**2) * inflation(rest) / power)))
+
+
+def _rates(replay: Replay, time: Array, values: Array) -> Array:
+    """Return rates of change, shape (T, c); nan in segments too short to have one."""
+    rates = np.full_like(values, np.nan)
+    first = 0
+    for segment in replay.segments:
+        rows = slice(first, first + len(segment))
+        first += len(segment)
+        if not segment.is_static and len(segment) > 2:
+            rates[rows] = np.gradient(values[rows], time[rows], axis=0)
+    return rates
+
+
+def _segments(replay: Replay) -> Array:
+    return np.repeat(np.arange(len(replay.segments)), [len(segment) for segment in replay.segments]).astype(float)

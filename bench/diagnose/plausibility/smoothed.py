@@ -1,0 +1,47 @@
+"""Channels that were smoothed: their samples scatter far less than their instrument does, and than others like them."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from bench.diagnose.plausibility.mistaken import doubt
+from bench.diagnose.replay.noise import Noise
+from bench.diagnose.replay.quantities import Quantity
+from bench.record.campaign import Campaign
+from bench.record.finding import Finding
+from bench.robot.compiled import CompiledRobot
+
+READ_ALIKE = ("current", "tau_motor", "reflector", "force", "moment")  # several channels by one kind of instrument
+LEAST = 50  # samples of a run in motion
+QUIET = 0.3  # of the stated noise; a running mean of three leaves 0.26 of third differences, a halved scale 0.5
+AS_STATED = 0.7  # of the stated noise, at least, in another channel of the instrument: else its figures are wrong
+
+
+def smoothed(campaign: Campaign, compiled: CompiledRobot, quantities: Sequence[Quantity]) -> Iterator[Finding]:
+    """Yield a doubt for each channel that is quieter than its instrument while others of its kind are not.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot.
+        quantities: That it has.
+    """
+    noise = Noise(campaign, compiled.robot.figures)
+    seen: dict[Quantity, list[tuple[float, float]]] = {}
+    for run in campaign.of_kind("motion"):
+        for quantity in quantities:
+            if quantity.kind not in READ_ALIKE or quantity.column not in run.columns or len(run) < LEAST:
+                continue
+            values = run.columns[quantity.column]
+            stated = float(np.median(noise.of(quantity, values, run)))
+            if stated > 0 and np.ptp(values) > 0:
+                seen.setdefault(quantity, []).append((float(noise.of_samples(values[:, None])[0]), stated))
+    share = {quantity: float(np.median([is_ / stated for is_, stated in pairs])) for quantity, pairs in seen.items()}
+    for quantity, own in share.items():
+        others = [value for other, value in share.items() if other.kind == quantity.kind and other != quantity]
+        if own < QUIET and any(value > AS_STATED for value in others):
+            scatter, stated = (float(np.median(part)) for part in zip(*seen[quantity], strict=True))
+            message = (
+                f"scatters by {scatter:.2g} from sample to sample, its instrument by {stated:.2g}, and other channels "
+                "of it do"
+            )
+            yield doubt(quantity.column, message, "smoothed? give what the instrument read, a filter makes it late")

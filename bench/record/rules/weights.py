@@ -1,0 +1,47 @@
+"""Loads, masses and the force sensor tell of one thing: what hangs on the load point."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from bench.record.finding import Finding
+from bench.record.rules.pairing import CORRELATED, FORCES, LOAD_N, MANY, NEAR
+from bench.record.rules.sheet import Sheet, rows_where
+from bench.record.units import STANDARD_GRAVITY
+
+APART = 0.05  # force sensors are good to 0.5 to 3 %, weights to 0.1 %; the least error of a load tried as a defect
+HEAVY_N = 10.0  # [N]; below, rounding of either may be what differs
+
+
+def masses_hang(sheet: Sheet) -> Iterator[Finding]:
+    """Each mass that moves with the load point pulls at least with its weight."""
+    mass, load = (sheet.run.columns.get(name) for name in ("load_mass_kg", "load_z_n"))
+    if mass is None or load is None:
+        return
+    weight = mass * STANDARD_GRAVITY
+    if rows := rows_where((weight > HEAVY_N) & (-load < (1 - APART) * weight)):
+        row = rows[0] - 1
+        message = f"{mass[row]:g} kg weigh {weight[row]:.4g} N, but load_z_n is {load[row]:.4g} N"
+        yield sheet.doubt(
+            "load_mass_kg", message, "the weight of the mass stands in load_z_n; correct one of them", rows
+        )
+
+
+def loads_are_felt(sheet: Sheet) -> Iterator[Finding]:
+    """At rest the force sensor reads the load, to a few per cent of its size; its direction is not looked at."""
+    columns = sheet.run.columns
+    axes = [axis for axis in "xyz" if {f"force_{axis}_n", f"load_{axis}_n"} <= set(columns)]
+    if sheet.run.kind != "static" or not axes or len(sheet.run) < MANY:
+        return
+    force, load = (np.stack([columns[f"{name}_{axis}_n"] for axis in axes]) for name in ("force", "load"))
+    if np.max(np.ptp(load, axis=1)) <= LOAD_N:
+        return
+    felt, hung = (values - values.mean(axis=1, keepdims=True) for values in (force, load))
+    along = float(np.sum(hung * felt))
+    if along <= CORRELATED * float(np.sqrt(np.sum(hung**2) * np.sum(felt**2))):
+        return
+    ratio = along / float(np.sum(hung**2))
+    if abs(ratio - 1) > APART and not any(abs(ratio / factor - 1) < NEAR for factor in FORCES):
+        axis = axes[int(np.argmax(np.ptp(load, axis=1)))]
+        remedy = "one of them is wrong; bench diagnose weighs both (hung_load, channel_scale)"
+        yield sheet.warning(f"force_{axis}_n", f"is {ratio:.3g} times load_{axis}_n", remedy)

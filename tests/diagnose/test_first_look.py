@@ -1,0 +1,156 @@
+"""A first look: factors of gravity and inertia, the rate of a clock, and hints at what a diagnosis weighs itself."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.diagnose.plausibility.channels import doubts_of
+from bench.diagnose.plausibility.drive_picture import DrivePicture
+from bench.diagnose.plausibility.first_look import DriveLook, Factor, clock_of, first_look
+from bench.diagnose.plausibility.hints import hints_of
+from bench.record.campaign import Campaign
+from bench.robot.compiled import CompiledRobot
+from bench.scenario.files import read_as
+from bench.scenario.session import SessionScenario
+from tests.diagnose.sweeps import Change, changed, made, nominal, scale
+
+DRAWS = 3000
+DECLARED = 0.01  # share of healthy clocks outside of an interval at 99 %
+MOST = 0.015  # 2.7 standard errors of 3000 draws above it
+LATE = 5  # samples
+
+
+@pytest.fixture(scope="module")
+def robot() -> CompiledRobot:
+    return nominal()
+
+
+@pytest.fixture(scope="module")
+def session() -> Campaign:
+    return made(read_as(SessionScenario, "session-short"), seed=3)
+
+
+def looks(motion: np.ndarray) -> list[DriveLook]:
+    one = Factor(1.0, 1e-3)
+    return [DriveLook(j, f"current_{j + 1}_a", one, one, Factor(m, 1e-3), fits=True) for j, m in enumerate(motion)]
+
+
+def test_gravity_and_motion_have_factors_of_their_own(rng: np.random.Generator) -> None:
+    t = np.linspace(0, 20, 400)
+    q, v = np.sin(t), np.cos(t)
+    gravity, motion = (np.stack([a, 0 * a], axis=1) for a in (100 * np.cos(q), -30 * np.sin(3 * t)))
+    observed = 2 * (gravity + 1.2 * motion) + 9 * np.sign(v)[:, None] + rng.normal(0, 0.1, (400, 2))
+    picture = DrivePicture(
+        observed,
+        gravity + motion,
+        np.stack([v, 0 * v], axis=1),
+        np.zeros((400, 2), bool) | [False, True],
+        np.ones(2),
+        np.ones(2),
+        np.zeros((400, 2, 0)),
+        ("current_1_a", ""),
+    )
+    (look,) = first_look(picture, gravity)
+    assert look.fits
+    assert abs(look.gravity.value - 2) < 5 * look.gravity.sigma < 0.01
+    assert abs(look.motion.value - 2.4) < 5 * look.motion.sigma < 0.01
+
+
+def test_a_clock_is_the_root_of_what_all_inertias_have_in_common(robot: CompiledRobot) -> None:
+    clock = clock_of(looks(np.full(6, 1.21)), robot, 0.999)
+    assert clock
+    assert clock.rate == pytest.approx(1.1)
+    assert clock.low > 1
+    one_inertia = clock_of(looks(np.array([1.21, 1, 1, 1, 1, 1])), robot, 0.999)
+    assert one_inertia
+    assert one_inertia.low < 1 < one_inertia.high
+    assert clock_of(looks(np.array([1.21])), robot, 0.999) is None, "one joint may have another inertia"
+
+
+def test_healthy_clocks_are_doubted_as_rarely_as_declared(robot: CompiledRobot, rng: np.random.Generator) -> None:
+    sigma = robot.robot.figures.uncertainty.rotor_inertia
+    outside = 0
+    for factors in np.exp(rng.normal(0, sigma, (DRAWS, 6))):
+        clock = clock_of(looks(factors), robot, 1 - DECLARED)
+        assert clock
+        outside += not clock.low <= 1 <= clock.high
+    assert outside <= MOST * DRAWS
+
+
+def in_motion(change: Change) -> Change:
+    return lambda columns: change(columns) if "pose" not in columns else None
+
+
+def late(*names: str) -> Change:
+    return in_motion(
+        lambda columns: columns.update(
+            {name: np.concatenate([np.full(LATE, columns[name][0]), columns[name][:-LATE]]) for name in names}
+        )
+    )
+
+
+def smooth(name: str) -> Change:
+    return in_motion(lambda columns: columns.update({name: np.convolve(columns[name], np.full(5, 0.2), "same")}))
+
+
+def test_a_healthy_session_gets_no_hint(session: Campaign, robot: CompiledRobot) -> None:
+    assert doubts_of(session, robot) == ()
+    assert hints_of(session, robot) == ()
+
+
+def test_a_clock_that_is_20_percent_fast_is_doubted(session: Campaign, robot: CompiledRobot) -> None:
+    (doubt,) = doubts_of(changed(session, in_motion(scale(1.2, "time_s"))), robot)
+    assert (doubt.level, doubt.column) == ("doubt", "time_s")
+    assert "seconds for each second" in doubt.message
+
+
+def test_a_smoothed_channel_is_doubted(session: Campaign, robot: CompiledRobot) -> None:
+    (doubt,) = doubts_of(changed(session, smooth("current_3_a")), robot)
+    assert (doubt.column, "smoothed?" in doubt.remedy) == ("current_3_a", True)
+
+
+@pytest.mark.parametrize(
+    ("change", "column", "words"),
+    [
+        (scale(2, "current_5_a"), "current_5_a", "looks doubled: "),
+        (scale(0.5, "current_3_a"), "current_3_a", "looks halved: "),
+        (late("current_3_a"), "current_3_a", "looks late, by about 1"),
+        (late("reflector_1_x_m", "reflector_1_y_m", "reflector_1_z_m"), "reflector_1_x_m", "looks late, by about 1"),
+    ],
+)
+def test_what_a_diagnosis_weighs_is_a_hint(
+    change: Change, column: str, words: str, session: Campaign, robot: CompiledRobot
+) -> None:
+    campaign = changed(session, change)
+    assert doubts_of(campaign, robot) == ()
+    (hint,) = hints_of(campaign, robot)
+    assert (hint.level, hint.column) == ("warning", column)
+    assert words in hint.message
+    assert "bench diagnose weighs it" in hint.remedy
+
+
+def test_nothing_is_hinted_where_something_is_doubted(session: Campaign, robot: CompiledRobot) -> None:
+    doubts = doubts_of(changed(session, in_motion(scale(1.2, "time_s"))), robot)
+    assert hints_of(changed(session, scale(2, "current_5_a")), robot, doubts) == ()
+
+
+def test_loads_in_kilonewtons_are_told_from_currents_alone(session: Campaign, robot: CompiledRobot) -> None:
+    def spoil(columns: dict[str, np.ndarray]) -> None:
+        for name in [*columns]:
+            if name.startswith(("force", "moment", "load_mass")):
+                del columns[name]
+            elif name.startswith("load_"):
+                columns[name] = columns[name] / 1000
+
+    doubts = doubts_of(changed(session, spoil), robot)
+    assert [doubt.column for doubt in doubts] == ["load_z_n"]
+    assert "kilonewtons?" in doubts[0].remedy
+
+
+def test_an_unstated_payload_leaves_the_clock_open(robot: CompiledRobot) -> None:
+    figures = robot.robot.figures
+    heavy = figures.model_copy(update={"uncertainty": figures.uncertainty.model_copy(update={"payload_kg": 300.0})})
+    untold = [replace(look, gravity=Factor(np.nan, np.inf)) for look in looks(np.full(6, 1.5))]
+    assert clock_of(untold, replace(robot, robot=replace(robot.robot, figures=heavy)), 0.999) is None
+    assert clock_of(untold, robot, 0.999)

@@ -1,0 +1,45 @@
+"""Loads, masses and the force sensor against each other."""
+
+import numpy as np
+import pytest
+
+from bench.record.campaign import Array
+from tests.record.build import examine, loading, motion, static, sweep
+
+
+def test_healthy_tables_say_nothing() -> None:
+    assert not examine(static(loading()))
+    columns = sweep() | {"load_mass_kg": np.full(2500, 20.0), "load_z_n": np.full(2500, -20 * 9.81)}
+    assert not [finding for finding in examine(motion(columns)) if finding.column.startswith("load")]
+
+
+@pytest.mark.parametrize(
+    ("mass", "load", "is_told"), [(40, 20, True), (20, 20, False), (20, 40, False), (0.5, 0, False)]
+)
+def test_a_mass_weighs_no_more_than_what_hangs(mass: float, load: float, is_told: bool) -> None:
+    columns = sweep() | {"load_mass_kg": np.full(2500, mass), "load_z_n": np.full(2500, -load * 9.81)}
+    found = [finding for finding in examine(motion(columns)) if finding.column == "load_mass_kg"]
+    assert bool(found) == is_told
+    if is_told:
+        assert found[0].level == "doubt"
+        assert "40 kg weigh 392.3 N, but load_z_n is -196.2 N" in found[0].message
+        assert found[0].row == 1
+
+
+@pytest.mark.parametrize(("factor", "is_told"), [(0.7, True), (1.5, True), (1.02, False)])
+def test_a_sensor_that_reads_another_load_is_a_warning(factor: float, is_told: bool) -> None:
+    columns: dict[str, Array] = loading()
+    columns["force_z_n"] = factor * columns["force_z_n"]
+    found = [finding for finding in examine(static(columns)) if finding.column == "force_z_n"]
+    assert bool(found) == is_told
+    if is_told:
+        assert found[0].level == "warning"
+        assert f"is {factor:.3g} times load_z_n" in found[0].message
+
+
+def test_a_sensor_that_is_a_little_askew_is_none() -> None:
+    """A slanting load read by a sensor that is turned by 15 mrad: 12 % off in its smaller part, not in its size."""
+    columns: dict[str, Array] = loading()
+    size = -columns["load_z_n"]
+    columns |= {"load_x_n": 0.14 * size, "force_x_n": 0.123 * size + columns["force_x_n"]}
+    assert not examine(static(columns))
