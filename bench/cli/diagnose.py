@@ -85,10 +85,6 @@ class Diagnose:
         for finding in (*joint.warnings, *(doubt for _, doubt in joint.doubts)):
             print(f"{finding.level:8}{finding}", file=sys.stderr)
         with ending_on_interrupt(stop), new_folder(self.out, VERDICT, replace=False) as folder, phases() as shown:
-            shown.phase("first pass by least squares")
-            look = first_look(campaign, compiled)
-            for line in first_lines(look):
-                print(line, flush=True)
             executor = Watched(on_cores(self.cores), shows=shown.share)
             during = "reading the campaign"
             moved: tuple[str, ...] = ()
@@ -100,6 +96,11 @@ class Diagnose:
                 shown.phase(words)
 
             try:
+                phase("first pass by least squares")
+                stop.check()
+                look = first_look(campaign, compiled)
+                for line in first_lines(look):
+                    print(line, flush=True)
                 store = None if self.no_store else open_store()
                 found = diagnose(
                     campaign,

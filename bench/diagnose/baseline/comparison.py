@@ -31,8 +31,9 @@ class DriveErrors:
         plain_least_squares: Of what least squares of base parameters and friction leaves, without prior.
         first_pass: Of what the first pass leaves.
         diagnosed: Of what the diagnosed model leaves.
-        chance: Probability that the first pass seems so much better by chance, over what was held out at a time.
-        is_missed: Whether the first pass is better by more than chance brings about on any drive at the declared rate,
+        chance: Probability that least squares, the better of the two, seems so much better than the diagnosed model by
+            chance, over what was held out at a time.
+        is_missed: Whether least squares is better by more than chance brings about on any drive at the declared rate,
             and by more than counts as the same.
     """
 
@@ -47,6 +48,11 @@ class DriveErrors:
     diagnosed: float
     chance: float
     is_missed: bool
+
+    @property
+    def least_squares(self) -> float:
+        """What the better of the two least squares leaves."""
+        return min(self.plain_least_squares, self.first_pass)
 
 
 @dataclass(frozen=True)
@@ -67,14 +73,14 @@ class Baseline:
     def missed(self) -> tuple[DriveErrors, ...]:
         """Drives that least squares predicts better for sure, the one with the largest ratio first."""
         found = [drive for drive in self.drives if drive.is_missed]
-        return tuple(sorted(found, key=lambda drive: drive.first_pass / drive.diagnosed))
+        return tuple(sorted(found, key=lambda drive: drive.least_squares / drive.diagnosed))
 
 
 def baseline_of(linear: LinearisedModel, fit: Fit, first: FirstPass, rate: float) -> Baseline | None:
-    """Return the diagnosed model beside the first pass; None where they have no reading in common.
+    """Return the diagnosed model beside least squares; None where they have no reading in common.
 
-    Both are fitted without the same recording, run or block of the only run, and compared at the bins of motion in
-    which a drive moves and was read. What belongs to one recording is fitted to it by the diagnosis; the first pass
+    All are fitted without the same recording, run or block of the only run, and compared at the bins of motion in
+    which a drive moves and was read. What belongs to one recording is fitted to it by the diagnosis; least squares
     knows no such thing.
 
     Args:
@@ -111,7 +117,8 @@ def baseline_of(linear: LinearisedModel, fit: Fit, first: FirstPass, rate: float
 def _drive(first: FirstPass, drive: int, count: int, squares: dict[str, Array], rate: float) -> DriveErrors:
     """Return the errors of a drive from sums of squares per fold, shape (K,) each."""
     rms = {name: float(np.sqrt(square.sum() / count)) for name, square in squares.items()}
-    chance = _chance(squares["first_pass"], squares["diagnosed"])
+    better = min(("plain_least_squares", "first_pass"), key=lambda name: rms[name])
+    chance = min(1.0, 2 * chance_of(squares[better], squares["diagnosed"]))  # the better of two: Bonferroni
     return DriveErrors(
         drive=drive + 1,
         joint=first.joints[drive],
@@ -123,18 +130,18 @@ def _drive(first: FirstPass, drive: int, count: int, squares: dict[str, Array], 
         first_pass=rms["first_pass"],
         diagnosed=rms["diagnosed"],
         chance=chance,
-        is_missed=chance < rate and rms["diagnosed"] > SAME * rms["first_pass"],
+        is_missed=chance < rate and rms["diagnosed"] > SAME * rms[better],
     )
 
 
-def _chance(first: Array, diagnosed: Array) -> float:
-    """Return how likely chance makes the first pass so much better, of squared errors per fold, shape (K,) each.
+def chance_of(least: Array, diagnosed: Array) -> float:
+    """Return how likely chance makes least squares so much better, of squared errors per fold, shape (K,) each.
 
     Student's t of the logarithms of the ratio, one-sided: ratios, for a drive errs more in one run than in another;
     1 with less than two folds.
     """
-    there = (first > 0) & (diagnosed > 0)
-    gain = np.log(diagnosed[there] / first[there])
+    there = (least > 0) & (diagnosed > 0)
+    gain = np.log(diagnosed[there] / least[there])
     if len(gain) < 2:
         return 1.0
     error = float(gain.std(ddof=1)) / np.sqrt(len(gain))

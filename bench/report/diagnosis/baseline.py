@@ -74,7 +74,7 @@ def missed_sentence(verdict: Verdict) -> str:
     if not missed:
         return ""
     worst = missed[0]
-    least, ours = number(worst.first_pass), number(worst.diagnosed)
+    least, ours = number(worst.least_squares), number(worst.diagnosed)
     model = "the named causes" if verdict.explanations or verdict.unlisted else "the model"
     more = f" (and {len(missed) - 1} more)" if len(missed) > 1 else ""
     errors = f"least squares predicts {least} {worst.unit}, {model} {ours}"
