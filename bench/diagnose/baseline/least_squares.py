@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from bench.diagnose.cross_validation.folds import Folds
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.replay.segment_input import centre_weights
 from bench.identify.dynamics import folds as dynamics
 from bench.identify.dynamics.averages import Averages, averages_of
 from bench.identify.dynamics.first_pass import FirstPass
@@ -49,8 +48,7 @@ def _bins(linear: LinearisedModel, first: FirstPass) -> Iterator[tuple[Index, Av
         begin += len(segment)
         if segment.path is None or segment.is_static:
             continue
-        time, groups = segment.path.time, segment.path.groups
-        averaged = [(time[group], centre_weights(len(group))) for group in groups]
+        averaged = [(segment.path.time[rows], weights) for rows, weights in segment.path.of_torque]
         for averages in averages_of(first, segment.run, averaged):
             yield instants[averages.which], averages
 
