@@ -178,7 +178,6 @@ def _means(
     weights = [np.full(len(group), 1 / len(group)) if is_static else centre_weights(len(group)) for group in groups]
     averaging = np.array([np.linalg.norm(w) for w in weights])
     of_torque = segment_input.path.of_torque if segment_input.path else ()
-    torque_averaging = np.array([np.linalg.norm(w) for _, w in of_torque]) if of_torque else averaging
     any_turning = np.any(segment_input.turning, axis=1)
     present = [c for c, quantity in enumerate(quantities) if quantity.column in run.columns]
     if not present:
@@ -193,7 +192,7 @@ def _means(
         one = np.maximum(noise.of(quantity, mean[:, c], run), least)
         if of_torque and quantity.is_drive:
             mean[:, c] = [w @ values[rows] for rows, w in of_torque]
-        error = one * (torque_averaging if quantity.is_drive else averaging)
+        error = one * averaging  # averaged torques share samples with their neighbours: they are known no better
         if is_static:
             error = np.maximum(error, _swayed(values, groups, np.hypot(one, noise.rounding(quantity))))
         sigma[:, c] = np.hypot(error, noise.lasting(quantity))
