@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.segment_input import centre_weights
 from bench.diagnose.replay.segments import Segment, segments_of
 from bench.diagnose.replay.smooth_derivative import averaging_kernel, smooth_derivative
 from bench.record.campaign import Array, Campaign
@@ -51,11 +52,11 @@ def test_sudden_accelerations_tell_inertia_exactly() -> None:
     segment = segment_of(speed, INERTIA * np.roll(acceleration, -1))
     own = segment.motion.acceleration[segment.motion.read][:, DRIVE]
     observed = segment.observed[:, 0]
-    inside = np.isfinite(observed)
+    assert segment.path
+    inside = np.isfinite(observed) & segment.path.averaged
     inside[:2] = inside[-2:] = False  # at the ends of a run derivatives have other weights
     assert np.ptp(observed[inside]) > 1.5 * INERTIA * 0.6
     np.testing.assert_allclose(observed[inside], INERTIA * own[inside], atol=1e-9)
-    assert segment.path
     plain = np.array([(INERTIA * np.roll(acceleration, -1))[group].mean() for group in segment.path.groups])
     assert np.abs(plain - INERTIA * own)[inside].max() > 0.1
 
@@ -64,8 +65,12 @@ def test_rotors_are_not_scatter_while_they_accelerate() -> None:
     speed, acceleration = ramps()
     segment = segment_of(speed, np.roll(acceleration, -1))
     assert segment.drive_error is not None
-    links, rotors = segment.drive_error[:, 2:-2, DRIVE]
-    worst = segment.acceleration_error[2:-2, DRIVE]
+    assert segment.path
+    averaged = segment.path.averaged.copy()
+    averaged[:2] = averaged[-2:] = False
+    links, rotors = segment.drive_error[:, averaged, DRIVE]
+    worst = segment.acceleration_error[averaged, DRIVE]
+    assert np.max(segment.acceleration_error[2:-2, DRIVE]) == np.max(worst)
     assert np.max(worst) > 0.05  # of 0.6 rad/s^2, beside the jerks
     assert np.max(rotors) < 0.01 * np.max(worst)
     assert np.all(rotors <= links)
@@ -75,9 +80,20 @@ def test_rotors_are_not_scatter_while_they_accelerate() -> None:
 def test_without_even_samples_nothing_is_averaged_alike() -> None:
     speed, acceleration = ramps()
     segment = segment_of(speed, np.roll(acceleration, -1), lost=True)
-    assert segment.drive_error is None
     assert segment.path
     assert len(segment.path.kernel) == 1
+    assert segment.drive_error is not None
+    np.testing.assert_allclose(segment.drive_error[1, 2:-2], segment.acceleration_error[2:-2])
+
+
+def test_steady_motion_is_not_blurred() -> None:
+    """A ripple that is as long as a bin is read as without averages."""
+    time = np.arange(0, 8.0, SAMPLE)
+    segment = segment_of(np.full(len(time), 0.1), np.sin(2 * np.pi * time / 0.3))
+    assert segment.path
+    assert not np.any(segment.path.averaged[2:-2])
+    own = [centre_weights(len(group)) @ np.sin(2 * np.pi * time / 0.3)[group] for group in segment.path.groups]
+    np.testing.assert_allclose(segment.observed[2:-2, 0], own[2:-2], atol=1e-12)
 
 
 def test_a_turn_is_followed_though_nothing_is_read_there() -> None:
