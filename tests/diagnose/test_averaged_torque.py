@@ -53,7 +53,7 @@ def test_sudden_accelerations_tell_inertia_exactly() -> None:
     own = segment.motion.acceleration[segment.motion.read][:, DRIVE]
     observed = segment.observed[:, 0]
     assert segment.path
-    inside = np.isfinite(observed) & segment.path.averaged
+    inside = np.isfinite(observed)
     inside[:2] = inside[-2:] = False  # at the ends of a run derivatives have other weights
     assert np.ptp(observed[inside]) > 1.5 * INERTIA * 0.6
     np.testing.assert_allclose(observed[inside], INERTIA * own[inside], atol=1e-9)
@@ -66,8 +66,7 @@ def test_rotors_are_not_scatter_while_they_accelerate() -> None:
     segment = segment_of(speed, np.roll(acceleration, -1))
     assert segment.drive_error is not None
     assert segment.path
-    averaged = segment.path.averaged.copy()
-    averaged[:2] = averaged[-2:] = False
+    averaged = slice(2, -2)
     links, rotors = segment.drive_error[:, averaged, DRIVE]
     worst = segment.acceleration_error[averaged, DRIVE]
     assert np.max(segment.acceleration_error[2:-2, DRIVE]) == np.max(worst)
@@ -86,14 +85,15 @@ def test_without_even_samples_nothing_is_averaged_alike() -> None:
     np.testing.assert_allclose(segment.drive_error[1, 2:-2], segment.acceleration_error[2:-2])
 
 
-def test_steady_motion_is_not_blurred() -> None:
-    """A ripple that is as long as a bin is read as without averages."""
-    time = np.arange(0, 8.0, SAMPLE)
-    segment = segment_of(np.full(len(time), 0.1), np.sin(2 * np.pi * time / 0.3))
-    assert segment.path
-    assert not np.any(segment.path.averaged[2:-2])
-    own = [centre_weights(len(group)) @ np.sin(2 * np.pi * time / 0.3)[group] for group in segment.path.groups]
-    np.testing.assert_allclose(segment.observed[2:-2, 0], own[2:-2], atol=1e-12)
+def test_coarse_samples_are_not_averaged_beyond_a_bin() -> None:
+    """Else a fine ripple would be blurred: five samples of 40 ms are two bins and more."""
+    campaign, compiled = made(SWEEP, seed=3), nominal()
+    for segment in segments_of(campaign, compiled, quantities_of(campaign.runs, compiled)):
+        assert segment.path
+        assert len(segment.path.kernel) == 1
+        for group, (rows, weights) in zip(segment.path.groups, segment.path.of_torque, strict=True):
+            np.testing.assert_array_equal(rows, group)
+            np.testing.assert_array_equal(weights, centre_weights(len(group)))
 
 
 def test_a_turn_is_followed_though_nothing_is_read_there() -> None:
@@ -118,13 +118,3 @@ def test_a_bin_beside_a_turn_is_not_read() -> None:
     values = segment.observed[np.isfinite(segment.observed[:, 0]), 0]
     np.testing.assert_allclose(np.abs(values), 1.0, atol=1e-9)
     assert {-1.0, 1.0} == set(np.sign(values))
-
-
-def test_made_campaigns_keep_their_readings() -> None:
-    campaign: Campaign = made(SWEEP, seed=3)
-    compiled = nominal()
-    for segment in segments_of(campaign, compiled, quantities_of(campaign.runs, compiled)):
-        if not segment.is_static:
-            assert segment.path
-            assert len(segment.path.of_torque) == len(segment)
-            assert all(weights.sum() == pytest.approx(1.0) for _, weights in segment.path.of_torque)

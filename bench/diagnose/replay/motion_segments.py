@@ -19,7 +19,7 @@ LEAST_WINDOW = 5  # samples
 TURNING = 0.08  # of a joint's top speed in a run; below it, it starts, stops or turns round
 UNRESOLVED = 0.5  # of the difference between accelerations over one window and over two, that may be error
 RINGS = 0.2  # [s], for which a jerk is felt before and after
-JERKY = 0.01  # of a joint's top speed, by which that changes unsteadily within a period of the lowest mode, or a bin
+JERKY = 0.01  # of a joint's top speed, by which that changes unsteadily within a period of the arm's lowest mode
 SETTLES = 5.0  # periods of that mode, after which an arm rings no more: a fifth is left with a damping ratio of 0.05
 STANDS = 1e-4  # [rad/s] or [m/s]; below it a joint counts as standing
 TRAVELS = 0.005  # [rad] or [m]; a joint that goes less far in a run only gives: its friction does not slide
@@ -50,6 +50,7 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     unresolved = _unresolved(angles, acceleration, window, time)
     error = _kept_up(unresolved, window, time)
     kernel = averaging_kernel(window) if is_even(time) else np.ones(1)
+    kernel = kernel if len(kernel) <= samples else np.ones(1)  # no longer than a bin: else it would blur what is fine
     edges = np.arange(0, len(run), samples)
     if len(edges) > 1 and len(run) - edges[-1] < samples:
         edges = edges[:-1]
@@ -63,10 +64,8 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     kept = tuple(group for group, is_useful in zip(groups, useful, strict=True) if is_useful)
     shapes = maximum_filter1d(useful.astype(np.int8), 3) > 0  # the bins beside them tell where friction turned round
     followed = tuple(group for group, shapes_friction in zip(groups, shapes, strict=True) if shapes_friction)
-    unsteady = np.any(error[:, moves] * samples * dt > JERKY * top[moves], axis=1)
-    averaged = np.array([1 < len(kernel) <= samples and bool(np.any(unsteady[group])) for group in kept])
-    reach = np.where(averaged, len(kernel) // 2, 0)  # averaged torques feel a turn so many samples away
-    near = [np.abs(velocity[max(g[0] - r, 0) : g[-1] + r + 1]) for g, r in zip(kept, reach, strict=True)]
+    half = len(kernel) // 2  # averaged torques feel a turn so many samples away
+    near = [np.abs(velocity[max(group[0] - half, 0) : group[-1] + half + 1]) for group in kept]
     turning = moves & (np.stack([speeds.min(axis=0) for speeds in near]) < TURNING * top)
 
     def mean(values: Array) -> Array:
@@ -91,7 +90,7 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     jerky = np.any(error[:, moves] * period > JERKY * top[moves], axis=1)
     after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
     rings = np.array([np.any(after[group] < SETTLES * period) for group in kept])
-    path = Path(time, angles, kept, kernel, averaged)
+    path = Path(time, angles, kept, kernel)
     felt = _drive_error(path, worst, np.where(still, 0.0, np.median(unresolved, axis=0)), period)
     yield SegmentInput(run.name, kept, motion, worst, turning, rings, path, felt)
 
@@ -112,7 +111,7 @@ def _drive_error(path: Path, worst: Array, usual: Array, period: float) -> Array
     """
     half, last = len(path.kernel) // 2, len(path.time) - 1
     inside = np.array([group[0] >= 2 * half and group[-1] <= last - 2 * half for group in path.groups])
-    alike = (inside & path.averaged)[:, None]
+    alike = (inside & (half > 0))[:, None]
     phase = [np.exp(2j * np.pi * path.time[rows] / period) for rows, _ in path.of_torque]
     through = np.abs([weights @ turned for (_, weights), turned in zip(path.of_torque, phase, strict=True)])[:, None]
     rotors = np.minimum(usual, worst)

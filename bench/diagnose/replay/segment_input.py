@@ -23,30 +23,26 @@ class Path:
         time: Shape (rows,) [s].
         angles: Shape (rows, n) [rad] or [m].
         groups: T arrays of rows.
-        kernel: Of odd length; with its weights torques are averaged beside each group's own, as accelerations are.
-        averaged: Shape (T,) bool, where that is done: where acceleration changes within a bin, and by a kernel that
-            is no longer than a bin. Elsewhere it would blur what is fine.
+        kernel: Of odd length; with its weights torques are averaged beside each group's own, as accelerations are;
+            just 1 where they are not.
     """
 
     time: Array
     angles: Array
     groups: tuple[NDArray[np.int64], ...]
     kernel: Array
-    averaged: NDArray[np.bool_]
 
     @cached_property
     def of_torque(self) -> tuple[tuple[NDArray[np.int64], Array], ...]:
         """Rows and weights that make each reading of a torque; beyond the ends the last sample stands for all."""
         half, last = len(self.kernel) // 2, len(self.time) - 1
-        found = []
-        for group, is_averaged in zip(self.groups, self.averaged, strict=True):
-            own = centre_weights(len(group))
-            if is_averaged:
-                rows = np.clip(np.arange(group[0] - half, group[-1] + half + 1), 0, last)
-                found.append((rows, np.convolve(own, self.kernel)))
-            else:
-                found.append((group, own))
-        return tuple(found)
+        return tuple(
+            (
+                np.clip(np.arange(group[0] - half, group[-1] + half + 1), 0, last),
+                np.convolve(centre_weights(len(group)), self.kernel),
+            )
+            for group in self.groups
+        )
 
     def earlier(self, seconds: float) -> Array:
         """Return how much further the motors were some time before each instant, shape (T, n) [rad] or [m].
