@@ -56,7 +56,7 @@ MAY_IMPORT = {
     },
 }
 # Steps of a diagnosis, each may import those before it
-STEPS_OF_DIAGNOSIS = ("replay", "linearise", "extend", "cross_validation", "name", "experiment_design")
+STEPS_OF_DIAGNOSIS = ("replay", "linearise", "extend", "cross_validation", "name", "baseline", "experiment_design")
 ENGINES_OF = {
     "identify": {"mujoco", "gymnasium"},
     "second": {"mujoco", "gymnasium"},

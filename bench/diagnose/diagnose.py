@@ -5,8 +5,10 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
+from bench.diagnose.baseline.comparison import Baseline, baseline_of
 from bench.diagnose.conclude import unfinished_of, verdict_of
 from bench.diagnose.cross_validation.held_out import HeldOut, PredictedError, held_out, predicted_error
 from bench.diagnose.experiment_design.propose import propose
@@ -34,6 +36,7 @@ from bench.errors import BenchError, InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Check, Stopped, Watched, never
+from bench.identify.dynamics.first_pass import FirstPass
 from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
@@ -83,6 +86,7 @@ def diagnose(
     check: Check = never,
     store: Store | None = None,
     given: Posterior | None = None,
+    first: FirstPass | None = None,
 ) -> Diagnosis:
     """Say what the nominal model gets wrong about a campaign.
 
@@ -100,6 +104,7 @@ def diagnose(
             has found so far.
         store: Where signatures are kept between processes; None: nowhere. Not used with `signatures`.
         given: What the diagnosis knew that handed this robot over.
+        first: The first pass over the campaign, which the diagnosed model is held against; from `first_look`.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
@@ -117,7 +122,8 @@ def diagnose(
             raise ValueError(
                 "these signatures are of other channels or other causes than this campaign and catalogue have"
             )
-        return _diagnose(campaign, compiled, catalogue, rate, phases, signatures or own, most_bins, proposes, watched)
+        known = (signatures or own, most_bins, proposes, watched, first)
+        return _diagnose(campaign, compiled, catalogue, rate, phases, *known)
 
 
 class _Phases:
@@ -143,6 +149,7 @@ def _diagnose(
     most_bins: int,
     proposes: bool,
     executor: Executor,
+    first: FirstPass | None,
 ) -> Diagnosis:
     quantities = signatures.quantities
     segments = segments_of(campaign, compiled, quantities, most_bins)
@@ -167,6 +174,7 @@ def _diagnose(
     proposals: tuple[Proposal, ...] = ()
     predicted: tuple[PredictedError, ...] = ()
     blind: tuple[UndetectableEffect, ...] = ()
+    baseline: Baseline | None = None
     unfinished: Unfinished | None = None
     about = naming.linear
     try:
@@ -181,6 +189,10 @@ def _diagnose(
             progress("gain on what was held out")
             null = naming.null if about is naming.linear else refit(about, (), {})
             gain = held_out(about, null, extension)
+        if first:
+            progress("least squares beside it")
+            with suppress(np.linalg.LinAlgError):  # without a part of the data, its equations may be singular
+                baseline = baseline_of(about, extension or naming.null, first, rate)
         if proposes:
             predicted = predicted_error(about, extension or naming.null)
             if naming.models:
@@ -194,7 +206,7 @@ def _diagnose(
         unfinished = unfinished_of(naming, str(stopped), progress.now)
     missing = unseen_of(catalogue.values(), around.measured)
     verdict = verdict_of(naming, rate, missing, signatures.unbalanced, gain, proposals, discrepancy)
-    verdict = replace(verdict, blind=blind, predicted=predicted, unfinished=unfinished)
+    verdict = replace(verdict, blind=blind, predicted=predicted, unfinished=unfinished, baseline=baseline)
     return Diagnosis(about, naming, verdict, discrepancy)
 
 

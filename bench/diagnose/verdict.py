@@ -7,7 +7,8 @@ behind it and their probabilities; `rivals` the ones that were fitted and fell b
 dependence of what no listed effect explains; `missing` the channels that were not there; `blind` what the campaign
 could not have shown, and what would. `unfinished` is null, or says why the diagnosis ended before it was done, and
 during what; then what stands there is what had been found so far, and `kind` may also be "nothing found so far" or
-"nothing weighed" (the session's signatures were not finished).
+"nothing weighed" (the session's signatures were not finished). `baseline` holds the errors of each drive's torque
+beside those of least squares, or null where there is no moving data to make a first pass of.
 """
 
 from collections.abc import Mapping
@@ -15,6 +16,8 @@ from dataclasses import asdict, dataclass
 from math import isfinite
 from typing import Any
 
+from bench.diagnose.baseline.comparison import Baseline as Baseline  # part of the verdict
+from bench.diagnose.baseline.comparison import DriveErrors as DriveErrors  # part of the verdict
 from bench.diagnose.cross_validation.held_out import ChannelGain as ChannelGain  # part of the verdict
 from bench.diagnose.cross_validation.held_out import PredictedError as PredictedError  # part of the verdict
 from bench.diagnose.cross_validation.held_out import RecordingGain as RecordingGain  # part of the verdict
@@ -238,6 +241,7 @@ class Verdict:
         blind: What would not have been found at any plausible size, and what would show it.
         noisy: Channels that scatter far more than their instruments, the worst first; causes hide in them.
         unfinished: Why it ended before it was done; None: it is done.
+        baseline: Held-out errors of each drive's torque beside those of least squares; None: there is no first pass.
     """
 
     kind: str
@@ -259,6 +263,7 @@ class Verdict:
     blind: tuple[UndetectableEffect, ...] = ()
     noisy: tuple[NoisyChannel, ...] = ()
     unfinished: Unfinished | None = None
+    baseline: Baseline | None = None
 
     @property
     def other_explanations(self) -> tuple[Explanation, ...]:

@@ -239,9 +239,24 @@ def test_the_first_ctrl_c_ends_with_what_was_found_so_far(healthy: Path, tmp_pat
     assert "Traceback" not in said
     verdict = json.loads((out / VERDICT).read_text())
     assert verdict["unfinished"]["why"] == "interrupted"
-    assert printed.startswith("Unfinished (interrupted, during: ")
+    assert re.search("^Unfinished \\(interrupted, during: ", printed, re.MULTILINE)
     assert "Unfinished (interrupted" in (out / REPORT).read_text()
     assert members(process.pid) == []
+
+
+def test_moving_data_begin_with_a_first_pass(healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Whatever becomes of the diagnosis."""
+    code = main(["diagnose", str(healthy), "-o", str(tmp_path / "out"), "--at-most", "10"])
+    assert code in (0, UNFINISHED)
+    first, head, *rows = capsys.readouterr().out.splitlines()
+    assert first.startswith("First pass: least squares of the rigid dynamics over 35 s of motion. Torque, ")
+    assert first.endswith(" [Nm] on 4 whole runs, each predicted without it:")
+    assert head.split() == [word for drive in range(1, 7) for word in ("drive", str(drive))]
+    names = ["torque itself", "nominal model", "plain least squares", "first pass"]
+    for name, row in zip(names, rows[:4], strict=True):
+        assert row.strip().startswith(name)
+        errors = row.removeprefix(f"  {name}").split()
+        assert [error == "-" for error in errors] == [True, False, True, True, True, True]  # joint 2 alone moves
 
 
 def test_time_that_is_over_at_once_gives_a_verdict_all_the_same(

@@ -106,6 +106,7 @@ def whitening_of(
     """
     length, c = segment.observed.shape
     measured = np.isfinite(segment.observed) & np.isfinite(segment.sigma)
+    is_drive = np.array([quantity.is_drive for quantity in quantities])
     if not segment.is_static:  # what a motor pays that stands says nothing about its load
         is_gain = np.array([quantity.is_drive and bool(segment.standing[quantity.index]) for quantity in quantities])
         measured &= ~is_gain
@@ -131,10 +132,12 @@ def whitening_of(
     noise = np.where(measured, segment.sigma, 1.0)
     covariance = (spread * once**2) @ spread.transpose(0, 2, 1)
     covariance += stirred @ stirred.transpose(0, 2, 1)
-    error = segment.acceleration_error[:, None, :]
+    error = segment.acceleration_error
+    of_links, of_rotors = (error, error) if segment.drive_error is None else segment.drive_error
+    links = np.where(is_drive[:, None], of_links[:, None, :], error[:, None, :])
     for inertial in (
-        response.link * response.link_inertia[:, None] * error,
-        response.motor * response.rotor_inertia * error,
+        response.link * response.link_inertia[:, None] * links,
+        response.motor * response.rotor_inertia * of_rotors[:, None, :],
     ):
         seen = np.where(measured[:, :, None], inertial, 0.0)
         covariance += seen @ seen.transpose(0, 2, 1)

@@ -7,8 +7,9 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from bench.diagnose.replay.segment_input import Path, SegmentInput, angles_of, centre_weights, wrench_of
+from bench.diagnose.replay.smooth_derivative import averaging_kernel
 from bench.diagnose.replay.static_segments import APPROACH
-from bench.diagnose.replay.uneven_derivative import derivative_over
+from bench.diagnose.replay.uneven_derivative import derivative_over, is_even
 from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
@@ -46,7 +47,10 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     window = 2 * round(min(LONGEST_WINDOW, samples * dt) / dt / 2) + 1
     window = int(np.clip(window, LEAST_WINDOW, 2 * ((len(run) - 1) // 2) - 1))
     velocity, acceleration = (derivative_over(angles, time, window, order) for order in (1, 2))
-    error = _acceleration_error(angles, acceleration, window, time)
+    unresolved = _unresolved(angles, acceleration, window, time)
+    error = _kept_up(unresolved, window, time)
+    kernel = averaging_kernel(window) if is_even(time) else np.ones(1)
+    kernel = kernel if len(kernel) <= samples else np.ones(1)  # no longer than a bin: else it would blur what is fine
     edges = np.arange(0, len(run), samples)
     if len(edges) > 1 and len(run) - edges[-1] < samples:
         edges = edges[:-1]
@@ -54,14 +58,18 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     top = np.max(np.abs(velocity), axis=0)
     moves = (top > STANDS) & (np.ptp(angles, axis=0) > TRAVELS)
     slowest = np.stack([np.min(np.abs(velocity[group]), axis=0) for group in groups])
-    turning = moves & (slowest < TURNING * top)
-    useful = np.any(moves & ~turning, axis=1) | ~np.any(moves)  # some joint slides on
+    useful = np.any(moves & (slowest >= TURNING * top), axis=1) | ~np.any(moves)  # some joint slides on
     if not np.any(useful):
         return
     kept = tuple(group for group, is_useful in zip(groups, useful, strict=True) if is_useful)
+    shapes = maximum_filter1d(useful.astype(np.int8), 3) > 0  # the bins beside them tell where friction turned round
+    followed = tuple(group for group, shapes_friction in zip(groups, shapes, strict=True) if shapes_friction)
+    half = len(kernel) // 2  # averaged torques feel a turn so many samples away
+    near = [np.abs(velocity[max(group[0] - half, 0) : group[-1] + half + 1]) for group in kept]
+    turning = moves & (np.stack([speeds.min(axis=0) for speeds in near]) < TURNING * top)
 
     def mean(values: Array) -> Array:
-        centred: Array = np.stack([centre_weights(len(group)) @ values[group] for group in kept])
+        centred: Array = np.stack([centre_weights(len(group)) @ values[group] for group in followed])
         return centred
 
     q, v, a = mean(angles), mean(velocity), mean(acceleration)
@@ -70,19 +78,45 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     q[:, still] = q[:, still].mean(axis=0)
     first = v[0]
     motion = Motion(
-        time=run.start_s + np.concatenate([[time[kept[0][0]] - 1.0], mean(time)]),
+        time=run.start_s + np.concatenate([[time[followed[0][0]] - 1.0], mean(time)]),
         q=np.concatenate([q[:1] - np.sign(first) * APPROACH, q]),
         velocity=np.concatenate([v[:1], v]),
         acceleration=np.concatenate([np.zeros_like(a[:1]), a]),
         wrench=np.concatenate([mean(wrenches)[:1], mean(wrenches)]),
-        read=np.concatenate([[False], np.ones(len(kept), dtype=bool)]),
+        read=np.concatenate([[False], useful[shapes]]),
     )
     worst = np.stack([error[group].max(axis=0) for group in kept])
     worst[:, still] = 0.0
     jerky = np.any(error[:, moves] * period > JERKY * top[moves], axis=1)
     after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
     rings = np.array([np.any(after[group] < SETTLES * period) for group in kept])
-    yield SegmentInput(run.name, kept, motion, worst, turning[useful], rings, Path(time, angles, kept))
+    path = Path(time, angles, kept, kernel)
+    felt = _drive_error(path, worst, np.where(still, 0.0, np.median(unresolved, axis=0)), period)
+    yield SegmentInput(run.name, kept, motion, worst, turning, rings, path, felt)
+
+
+def _drive_error(path: Path, worst: Array, usual: Array, period: float) -> Array:
+    """Return the standard deviation of accelerations as averaged torques have them, shape (2, T, n): links, rotors.
+
+    Where torques are averaged with the weights with which accelerations are, what changes within a bin changes both
+    alike. Rotors go as the motors do; what is left of their error is what steady motion has. Links ring after a jerk,
+    as far as the average lets their lowest mode through. At the ends of a run accelerations have other
+    weights.
+
+    Args:
+        path: Of the motion.
+        worst: Shape (T, n), errors of accelerations that were not averaged alike.
+        usual: Shape (n,), their median.
+        period: Of the arm's lowest mode [s].
+    """
+    half, last = len(path.kernel) // 2, len(path.time) - 1
+    inside = np.array([group[0] >= 2 * half and group[-1] <= last - 2 * half for group in path.groups])
+    alike = (inside & (half > 0))[:, None]
+    phase = [np.exp(2j * np.pi * path.time[rows] / period) for rows, _ in path.of_torque]
+    through = np.abs([weights @ turned for (_, weights), turned in zip(path.of_torque, phase, strict=True)])[:, None]
+    rotors = np.minimum(usual, worst)
+    links = np.maximum(np.minimum(through, 1.0) * worst, rotors)
+    return np.where(alike, np.stack([links, rotors]), worst)
 
 
 def lowest_period(compiled: CompiledRobot, q: Array) -> float:
@@ -99,15 +133,21 @@ def lowest_period(compiled: CompiledRobot, q: Array) -> float:
     return float(2 * np.pi * np.sqrt(np.linalg.eigvalsh(root[:, None] * inertia * root)[-1]))
 
 
-def _acceleration_error(angles: Array, acceleration: Array, window: int, time: Array) -> Array:
-    """Return how far an acceleration may be off where it changes fast, shape (rows, n): what half the resolution adds.
-
-    Where motion jerks, links ring for a while after it; the error is therefore kept up over a few windows.
-    """
-    longer = min(2 * window + 1, 2 * ((len(angles) - 1) // 2) - 1)
+def _unresolved(angles: Array, acceleration: Array, window: int, time: Array) -> Array:
+    """Return how far an acceleration may be off, shape (rows, n): what half the resolution adds."""
+    longer = _twice(window, len(angles))
     if longer <= window:
         return np.zeros_like(angles)
-    coarse = derivative_over(angles, time, longer, 2)
+    return np.asarray(UNRESOLVED * np.abs(acceleration - derivative_over(angles, time, longer, 2)))
+
+
+def _kept_up(unresolved: Array, window: int, time: Array) -> Array:
+    """Return it kept up over a few windows, for where motion jerks, links ring for a while after it."""
+    longer = _twice(window, len(unresolved))
     reach = max(longer, 2 * round(RINGS / float(np.median(np.diff(time))) / 2) + 1)
-    error: Array = UNRESOLVED * maximum_filter1d(np.abs(acceleration - coarse), reach, axis=0)
+    error: Array = maximum_filter1d(unresolved, reach, axis=0)
     return error
+
+
+def _twice(window: int, rows: int) -> int:
+    return min(2 * window + 1, 2 * ((rows - 1) // 2) - 1)

@@ -23,11 +23,26 @@ class Path:
         time: Shape (rows,) [s].
         angles: Shape (rows, n) [rad] or [m].
         groups: T arrays of rows.
+        kernel: Of odd length; with its weights torques are averaged beside each group's own, as accelerations are;
+            just 1 where they are not.
     """
 
     time: Array
     angles: Array
     groups: tuple[NDArray[np.int64], ...]
+    kernel: Array
+
+    @cached_property
+    def of_torque(self) -> tuple[tuple[NDArray[np.int64], Array], ...]:
+        """Rows and weights that make each reading of a torque; beyond the ends the last sample stands for all."""
+        half, last = len(self.kernel) // 2, len(self.time) - 1
+        return tuple(
+            (
+                np.clip(np.arange(group[0] - half, group[-1] + half + 1), 0, last),
+                np.convolve(centre_weights(len(group)), self.kernel),
+            )
+            for group in self.groups
+        )
 
     def earlier(self, seconds: float) -> Array:
         """Return how much further the motors were some time before each instant, shape (T, n) [rad] or [m].
@@ -64,6 +79,8 @@ class SegmentInput:
         groups: T arrays, the rows of the run that make each instant.
         motion: What the motors did, with the instants before that shape friction.
         acceleration_error: Shape (T, n), standard deviation of the motors' accelerations, as differentiated.
+        drive_error: Shape (2, T, n), the same of links and of rotors as averaged torques have them; None: no torque is
+            averaged as accelerations are.
         turning: Shape (T, n) bool, drives that start, stop or turn round: their friction is between its levels.
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest.
@@ -76,6 +93,7 @@ class SegmentInput:
     turning: NDArray[np.bool_]
     rings: NDArray[np.bool_]
     path: Path | None = None
+    drive_error: Array | None = None
 
     @property
     def rows(self) -> NDArray[np.int64]:

@@ -48,6 +48,7 @@ class Segment:
         sigma: Shape (T, c), standard error by the instruments' noise, or by the scatter of repeats where an arm swayed.
         standing: Shape (n,) bool, drives that did not move.
         acceleration_error: Shape (T, n), standard deviation of the motors' accelerations, as differentiated.
+        drive_error: Shape (2, T, n), the same of links and of rotors as torques of drives have them; None: the same.
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest, and for a motion that nobody measured.
         recording: Name of the recording that the run belongs to.
@@ -65,6 +66,7 @@ class Segment:
     rings: NDArray[np.bool_]
     path: Path | None = None
     recording: str = ""
+    drive_error: Array | None = None
 
     def __len__(self) -> int:
         return len(self.observed)
@@ -112,6 +114,7 @@ def segments_of(
                     segment_input.rings,
                     segment_input.path,
                     run.recording,
+                    segment_input.drive_error,
                 )
             )
     runs = {run.name: run for run in campaign.runs}
@@ -174,6 +177,7 @@ def _means(
     mean, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
     weights = [np.full(len(group), 1 / len(group)) if is_static else centre_weights(len(group)) for group in groups]
     averaging = np.array([np.linalg.norm(w) for w in weights])
+    of_torque = segment_input.path.of_torque if segment_input.path else ()
     any_turning = np.any(segment_input.turning, axis=1)
     present = [c for c, quantity in enumerate(quantities) if quantity.column in run.columns]
     if not present:
@@ -186,7 +190,9 @@ def _means(
     for c, values, least in zip(present, readings.T, scatter, strict=True):
         quantity = quantities[c]
         one = np.maximum(noise.of(quantity, mean[:, c], run), least)
-        error = one * averaging
+        if of_torque and quantity.is_drive:
+            mean[:, c] = [w @ values[rows] for rows, w in of_torque]
+        error = one * averaging  # averaged torques share samples with their neighbours: they are known no better
         if is_static:
             error = np.maximum(error, _swayed(values, groups, np.hypot(one, noise.rounding(quantity))))
         sigma[:, c] = np.hypot(error, noise.lasting(quantity))

@@ -30,6 +30,18 @@ def smooth_derivative(values: Array, window: int, order: int, dt: float) -> Arra
     return found / dt**order
 
 
+def averaging_kernel(window: int) -> Array:
+    """Return the weights with which a second derivative averages the acceleration, shape (window - 2,); their sum is 1.
+
+    A second derivative is a weighted sum of second differences. What is linear in acceleration, such as a torque,
+    averaged with the same weights goes with it exactly, however fast both change.
+
+    Args:
+        window: Number of samples that one cubic goes through.
+    """
+    return np.asarray(np.cumsum(np.cumsum(_weights(window, 2)[window // 2]))[:-2])
+
+
 @lru_cache(maxsize=256)
 def _weights(window: int, order: int) -> Array:
     """Return what makes the derivative at each sample of a window out of its samples, shape (window, window)."""

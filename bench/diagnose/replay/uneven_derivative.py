@@ -25,10 +25,9 @@ def derivative_over(values: Array, time: Array, window: int, order: int) -> Arra
         window: Number of samples that one cubic is fitted to; odd, at most n_rows.
         order: Of the derivative, 1 or 2.
     """
-    step = np.diff(time)
-    dt = float(np.median(step))
-    if not np.any(np.abs(step - dt) > UNEVEN * dt):
-        return smooth_derivative(values, window, order, dt)
+    if is_even(time):
+        return smooth_derivative(values, window, order, float(np.median(np.diff(time))))
+    dt = float(np.median(np.diff(time)))
     first = _windows(time, window, window * dt)
     found = np.empty(values.shape)
     for begin in range(0, len(time), ROWS):
@@ -40,6 +39,13 @@ def derivative_over(values: Array, time: Array, window: int, order: int) -> Arra
         weights = np.linalg.pinv(powers)[:, order, :] * (factorial(order) / reach**order)[:, None]
         found[rows] = np.einsum("rw,rwn->rn", weights, values[inside])
     return found
+
+
+def is_even(time: Array) -> bool:
+    """Return whether samples at times, shape (n_rows,), are evenly spaced; time stamps may round."""
+    step = np.diff(time)
+    dt = float(np.median(step))
+    return not np.any(np.abs(step - dt) > UNEVEN * dt)
 
 
 def _windows(time: Array, window: int, longest: float) -> NDArray[np.int64]:

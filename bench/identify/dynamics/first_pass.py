@@ -13,7 +13,7 @@ from bench.identify.dynamics.base_parameters import BaseParameters, base_paramet
 from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
 from bench.identify.dynamics.equations import Equations, equations_of
 from bench.identify.dynamics.folds import Folds, folds_of
-from bench.identify.dynamics.held_out import HeldOut, Missed, hold_out, missed
+from bench.identify.dynamics.held_out import HeldOut, Missed, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.prior import NARROWEST, Prior, prior_of
@@ -66,11 +66,8 @@ class FirstPass:
         base: Its base parameters.
         band: The filter that model and data passed.
         stretches: The thinned equations.
-        prior: Of the parameters.
-        solution: Their posterior, as if any number would do.
-        bodies: What makes bodies that can exist of the parameters.
+        problems: What was solved: prior, posterior, constraints, and plain least squares.
         parameters: Shape (p,), the posterior's most probable point among bodies that can exist: the result.
-        rival_problem: Plain least squares.
         rival_parameters: Shape (p,), its solution.
         folds: What was held out at a time.
         held_out: Errors on what was held out.
@@ -83,15 +80,27 @@ class FirstPass:
     base: BaseParameters
     band: Band
     stretches: tuple[Equations, ...]
-    prior: Prior
-    solution: Solution
-    bodies: Bodies
+    problems: Problems
     parameters: Array
-    rival_problem: Rival
     rival_parameters: Array
     folds: Folds
     held_out: HeldOut
     top_speed: Array
+
+    @property
+    def prior(self) -> Prior:
+        """Of the parameters."""
+        return self.problems.prior
+
+    @property
+    def solution(self) -> Solution:
+        """The posterior, as if any number would do."""
+        return self.problems.solution
+
+    @property
+    def bodies(self) -> Bodies:
+        """What makes bodies that can exist of the parameters."""
+        return self.problems.bodies
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -102,9 +111,9 @@ class FirstPass:
         """Return half the width of an interval in standard errors; Student's t with the independent readings left."""
         return float(stats.t.ppf(0.5 + level / 2, self.solution.freedom))
 
-    def rows(self, stretches: Sequence[Equations]) -> tuple[DriveRows, ...]:
-        """Return the equations of each drive."""
-        given = self.layout, self.band, self.arm, self.nominal
+    def rows(self, stretches: Sequence[Equations], band: Band | None = None) -> tuple[DriveRows, ...]:
+        """Return the equations of each drive, from stretches that passed `band`, by default that of the fit."""
+        given = self.layout, band or self.band, self.arm, self.nominal
         return tuple(drive_rows(stretches, j, *given) for j in range(self.layout.n))
 
     def predict(self, campaign: Campaign) -> Torques:
@@ -172,6 +181,7 @@ def first_pass(
     factor = prior.factor(solution.widths)
     rival = rival_of(layout, base)
     plain = _plain_weights(rows, rival, solution, prior)
+    problems = Problems(solution, plain, prior, bodies, rival)
     return FirstPass(
         nominal=nominal,
         arm=arm,
@@ -179,14 +189,11 @@ def first_pass(
         base=base,
         band=band,
         stretches=stretches,
-        prior=prior,
-        solution=solution,
-        bodies=bodies,
+        problems=problems,
         parameters=nearest(bodies, solution.parameters, prior.mean, factor, solution.normal.gram),
-        rival_problem=rival,
         rival_parameters=rival.fit(normal_of(plain, solution.delay, layout.size)),
         folds=folds,
-        held_out=hold_out(solution, plain, prior, bodies, rival, folds),
+        held_out=hold_out(problems, folds),
         top_speed=top,
     )
 

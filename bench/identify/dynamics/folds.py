@@ -22,14 +22,14 @@ class Folds:
     """K folds over the instants of all stretches.
 
     Attributes:
-        by: What they are made of: runs, or blocks of the only run.
-        names: Length K, names of runs, or times of blocks.
-        of: For each stretch shape (T,), the fold of its instants.
+        by: What they are made of: recordings, runs, or blocks of the only run.
+        names: Length K, names of recordings or runs, or times of blocks.
+        of: For each stretch shape (T,), the fold of its instants; -1: it is never held out.
         near: For each stretch shape (T, K) bool, instants that are neither fitted nor predicted beside a fold.
         repeats: Whether all goes over one path again and again, so that no fold shows other angles than the rest.
     """
 
-    by: Literal["run", "block"]
+    by: Literal["recording", "run", "block"]
     names: tuple[str, ...]
     of: tuple[NDArray[np.int64], ...]
     near: tuple[NDArray[np.bool_], ...]

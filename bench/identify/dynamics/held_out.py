@@ -1,6 +1,6 @@
 """How well the first pass, its rival and the nominal model predict what was held out of the fit."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,30 +96,53 @@ def missed(solution: Solution, prior: Prior, folds: Folds) -> Missed:
     return Missed(squares, expected, readings)
 
 
-def hold_out(
-    solution: Solution, plain: Sequence[Weighed], prior: Prior, bodies: Bodies, rival: Rival, folds: Folds
-) -> HeldOut:
-    """Return the errors on each fold of models that were fitted to all others.
+@dataclass(frozen=True)
+class Problems:
+    """What first pass and plain least squares solve, with all readings in.
 
-    Delay, noise and linearisation are those of the whole campaign; the widths of the prior are found anew.
+    Attributes:
+        solution: Posterior of the first pass.
+        plain: Rows as plain least squares takes them.
+        prior: Of the parameters.
+        bodies: Constraints of the first pass.
+        rival: Plain least squares.
     """
-    n, size, late = len(plain), len(prior.mean), solution.delay
+
+    solution: Solution
+    plain: tuple[Weighed, ...]
+    prior: Prior
+    bodies: Bodies
+    rival: Rival
+
+    def without(self, folds: Folds) -> Iterator[dict[str, Array]]:
+        """Yield the parameters of each model, shape (p,), fitted without one fold after the other.
+
+        Delay, noise and linearisation are those of the whole campaign; the widths of the prior are found anew.
+        """
+        size, late, solution, prior = len(self.prior.mean), self.solution.delay, self.solution, self.prior
+        plain_normal = normal_of(self.plain, late, size)
+        responses = [one.rows.response(late) for one in self.plain]
+        for fold in range(len(folds)):
+            out = [_rows_of(one, folds, fold, near=True) for one in self.plain]
+            without = solution.normal - _normal_of_rows(solution.drives, responses, out, size)
+            widths = likeliest_widths(without, prior, solution.widths)
+            free, factor = posterior(without, prior, widths)[0], prior.factor(widths)
+            yield {
+                "nominal": prior.mean,
+                "rival": self.rival.fit(plain_normal - _normal_of_rows(self.plain, responses, out, size)),
+                "first_pass": nearest(self.bodies, free, prior.mean, factor, without.gram),
+            }
+
+
+def hold_out(problems: Problems, folds: Folds) -> HeldOut:
+    """Return the errors on each fold of models that were fitted to all others."""
+    plain, n = problems.plain, len(problems.plain)
     count = np.zeros((len(folds), n))
     squares = {name: np.zeros((len(folds), n)) for name in ("measured", "nominal", "rival", "first_pass")}
-    plain_normal = normal_of(plain, late, size)
-    responses = [one.rows.response(late) for one in plain]
-    for fold in range(len(folds)):
-        held = [_rows_of(one, folds, fold, near=False) for one in plain]
-        out = [_rows_of(one, folds, fold, near=True) for one in plain]
-        without = solution.normal - _normal_of_rows(solution.drives, responses, out, size)
-        widths = likeliest_widths(without, prior, solution.widths)
-        free, factor = posterior(without, prior, widths)[0], prior.factor(widths)
-        models = {
-            "nominal": prior.mean,
-            "rival": rival.fit(plain_normal - _normal_of_rows(plain, responses, out, size)),
-            "first_pass": nearest(bodies, free, prior.mean, factor, without.gram),
-        }
-        for j, (one, mine) in enumerate(zip(plain, held, strict=True)):
+    responses = [one.rows.response(problems.solution.delay) for one in plain]
+    for fold, models in enumerate(problems.without(folds)):
+        for j, one in enumerate(plain):
+            mine = _rows_of(one, folds, fold, near=False)
             count[fold, j] = mine.sum()
             squares["measured"][fold, j] = np.sum((responses[j] + one.rows.known)[mine] ** 2)
             for name, parameters in models.items():

@@ -12,6 +12,10 @@ from bench.robot.nominal_dynamics import NominalDynamics
 UNEVEN = 0.05  # of the median step, as in `rigid_motion_fit`: time stamps may round, a lost sample may not pass for one
 FEWEST = 60  # samples of a stretch without gaps; below that, filters see little but its ends (assumed)
 
+LONGEST = (
+    25_000  # samples of a stretch: its equations of six axes take 72 MB, and as much again while they are filtered
+)
+
 
 @dataclass(frozen=True)
 class MotionSamples:
@@ -44,7 +48,7 @@ class MotionSamples:
 
 
 def motion_samples(campaign: Campaign, nominal: NominalDynamics) -> tuple[MotionSamples, ...]:
-    """Return the moving data of a campaign; a run with lost samples is cut where they are lost.
+    """Return the moving data of a campaign; a run with lost samples is cut where they are lost, a long one anywhere.
 
     Where a drive reports torque that is taken, else its current times the torque constant.
 
@@ -73,9 +77,8 @@ def _stretches(run: Run, nominal: NominalDynamics) -> Iterator[MotionSamples]:
     step = np.diff(time)
     median = float(np.median(step))
     cuts = np.flatnonzero(np.abs(step - median) > UNEVEN * median) + 1
-    for rows in np.split(np.arange(len(time)), cuts):
-        if len(rows) < FEWEST:
-            continue
+    whole = (rows for rows in np.split(np.arange(len(time)), cuts) if len(rows) >= FEWEST)
+    for rows in (part for piece in whole for part in np.array_split(piece, -(-len(piece) // LONGEST))):
         yield MotionSamples(
             run=run.name,
             recording=run.recording,

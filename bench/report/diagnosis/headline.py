@@ -1,8 +1,9 @@
-"""The headline of a verdict: large findings, the surest first, in two lines at most."""
+"""The headline of a verdict: large findings, the surest first, in two lines; two more where something is missing."""
 
 from collections.abc import Sequence
 
 from bench.diagnose.verdict import AmbiguityGroup, NamedCause, Verdict
+from bench.report.diagnosis.baseline import missed_sentence
 from bench.report.diagnosis.names import (
     capital,
     cause_name,
@@ -23,10 +24,11 @@ UNDECIDED = ", which these data cannot tell apart"
 def headline(verdict: Verdict) -> str:
     """Return the verdict in one sentence of `MOST` characters; of one that is unfinished, that first.
 
-    Large findings stand in it, the surest first; small ones only where there is no other, as such.
+    Large findings stand in it, the surest first; small ones only where there is no other, as such. Where least squares
+    predicts better for sure, a second sentence says so.
     """
     if not verdict.unfinished:
-        return _headline(verdict, MOST)
+        return f"{_headline(verdict, MOST)} {missed_sentence(verdict)}".strip()
     ended = f"Unfinished ({verdict.unfinished.why}, during: {verdict.unfinished.during})"
     if verdict.kind == "nothing weighed":
         return f"{ended}: nothing was weighed yet, so nothing is known of any cause."
@@ -61,6 +63,8 @@ def _headline(verdict: Verdict, room: int) -> str:
     if verdict.noisy:
         worst = channel_name(verdict.noisy[0].column)
         return f"Nothing found, but {worst} scatters {verdict.noisy[0].times:.3g} times as much as its instrument."
+    if missed_sentence(verdict):
+        return "Nothing found, but the nominal model does not explain this campaign."
     return "Nothing found: the nominal model explains this campaign."
 
 

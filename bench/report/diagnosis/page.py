@@ -9,6 +9,7 @@ import numpy as np
 
 from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.diagnose.verdict import ChannelGain, Verdict
+from bench.report.diagnosis.baseline import MODELS, baseline_words, drive_rows
 from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.facts import Facts
 from bench.report.diagnosis.headline import headline
@@ -166,6 +167,9 @@ def page_of(
         has_after=any(channel.after is not None for channel in facts.channels),
         channels=_channels(facts.channels),
         gains=[_gain_row(gain) for gain in verdict.gain],
+        baseline_words=baseline_words(verdict),
+        baseline_models=list(MODELS.values()),
+        baseline_rows=drive_rows(verdict),
         expected=[one for one in verdict.predicted if one.kind == "motion"],
         files=made,
         moved=moved,

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.diagnose.verdict import AmbiguityGroup, Verdict
+from bench.report.diagnosis.baseline import baseline_lines
 from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, RECORDING, REPORT, ROBOT, VERDICT
 from bench.report.diagnosis.headline import headline
@@ -62,6 +63,7 @@ def words_of(verdict: Verdict) -> Iterator[str]:
         yield f"Fitted, and ruled out: {ruled_out}."
     yield from _selection(verdict)
     yield from _gain(verdict)
+    yield from baseline_lines(verdict)
     yield from _predicted(verdict)
     for step in verdict.steps:
         if not step.accepted:

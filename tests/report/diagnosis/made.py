@@ -5,8 +5,10 @@ from dataclasses import replace
 from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.diagnose.verdict import (
     AmbiguityGroup,
+    Baseline,
     ChannelGain,
     DetectionLimit,
+    DriveErrors,
     Explanation,
     NamedCause,
     ParameterValue,
@@ -148,6 +150,10 @@ MESSY = replace(
     explanations=(Explanation((LITTLE, LARGE, SURE), 1.0, 120.4),),
     findings=(finding(SURE), finding(LARGE), finding(LITTLE)),
 )
+ENOUGH = DriveErrors(2, "joint2", "Nm", 368, 1316.4, 65.53, 4.217, 8.604, 3.712, 1.0, is_missed=False)
+TOO_LITTLE = DriveErrors(4, "joint4", "Nm", 120, 88.13, 13.42, 1.218, 0.9014, 3.927, 2e-5, is_missed=True)
+MISSING = replace(CAUSE, baseline=Baseline("run", 4, (ENOUGH, TOO_LITTLE)))
+NOT_MISSING = replace(NOTHING, baseline=Baseline("block", 8, (ENOUGH,)))
 VERDICTS = {
     "nothing": NOTHING,
     "cause": CAUSE,
@@ -159,6 +165,8 @@ VERDICTS = {
     "a remainder": REMAINDER,
     "small": SMALL,
     "messy": MESSY,
+    "missing": MISSING,
+    "as good as least squares": NOT_MISSING,
 }
 CURVE = LearnedCurve(
     "", "angle", "rad", "Nm", (-0.5, 0.0, 0.5), (12.0, -3.0, 20.0), (9.0, -6.0, 16.0), (15.0, 0.0, 24.0)

@@ -148,6 +148,8 @@ def test_sections_are_those_with_something_to_say(page: Page, verdict: Verdict) 
         ("What would have been found", verdict.detectable),
         ("Evidence and competing explanations", verdict.explanations),
         ("The learned shape", has_shape(verdict)),
+        ("Beside least squares", verdict.baseline),
+        ("Drive 4: least squares predicts 0.901 Nm", verdict.baseline and verdict.baseline.missed),
     ):
         assert (words in page.text) == bool(content), words
 

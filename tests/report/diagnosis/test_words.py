@@ -58,11 +58,38 @@ OIL = replace(MASS, place="forearm")
         ),
         ("a remainder", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
         ("small", "Only small findings: loss of gas."),
+        (
+            "missing",
+            "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152). "
+            "Drive 4: least squares predicts 0.901 Nm, the named causes 3.93: something is missing here.",
+        ),
+        ("as good as least squares", "Nothing found: the nominal model explains this campaign."),
         ("messy", "2 causes act together: mass of a link (upper arm) and zero of a joint (joint 2)."),
     ],
 )
 def test_the_first_line_is_the_verdict(kind: str, first: str) -> None:
     assert next(words_of(VERDICTS[kind])) == first
+
+
+def test_least_squares_stands_beside_the_diagnosed_model() -> None:
+    text = "\n".join(words_of(VERDICTS["missing"]))
+    table = text.partition("each run predicted by fits without it:\n")[2]
+    rows = [line.split() for line in table.splitlines()[:6]]
+    assert rows == [
+        ["drive", "2", "drive", "4"],
+        ["torque", "itself", "1316", "88.1"],
+        ["nominal", "model", "65.5", "13.4"],
+        ["plain", "least", "squares", "4.22", "1.22"],
+        ["first", "pass", "8.60", "0.901"],
+        ["diagnosed", "model", "3.71", "3.93"],
+    ]
+
+
+def test_where_least_squares_is_better_nothing_is_not_explained() -> None:
+    missed = replace(NOTHING, baseline=VERDICTS["missing"].baseline)
+    words = headline(missed)
+    assert words.startswith("Nothing found, but the nominal model does not explain this campaign. Drive 4: ")
+    assert "the model 3.93" in words
 
 
 @pytest.mark.parametrize("count", [1, 3, 20])

@@ -1,0 +1,109 @@
+"""Least squares beside a diagnosis, in words: its first lines, and the table of held-out torque errors."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from bench.diagnose.baseline.first_look import FirstLook
+from bench.diagnose.verdict import DriveErrors, Verdict
+from bench.identify.dynamics.first_pass import FirstPass
+
+# Fields of `DriveErrors` -> what they are called; the same models have other names in a first pass
+MODELS = {
+    "measured": "torque itself",
+    "nominal": "nominal model",
+    "plain_least_squares": "plain least squares",
+    "first_pass": "first pass",
+    "diagnosed": "diagnosed model",
+}
+OF_FIRST_PASS = {
+    "measured": "measured",
+    "nominal": "nominal",
+    "plain_least_squares": "rival",
+    "first_pass": "first_pass",
+}
+HELD_OUT = {"recording": "recordings", "run": "whole runs", "block": "blocks of time"}
+DIGITS = 3
+
+
+def first_lines(look: FirstLook) -> Iterator[str]:
+    """Yield what the first pass says before anything is diagnosed; nothing where nothing moves."""
+    found = look.found
+    if found is None:
+        if look.why:
+            yield f"No first pass by least squares: {look.why}"
+        return
+    seconds = sum(len(part.samples) / part.samples.rate for part in found.stretches)
+    part = f" (the first {look.share:.0%} of each run)" if look.share < 1 else ""
+    held_out = f"{len(found.folds)} {HELD_OUT[found.folds.by]}, each predicted without it"
+    yield (
+        f"First pass: least squares of the rigid dynamics over {seconds:.0f} s of motion{part}. Torque, root mean "
+        f"square of the error [{_unit(found)}] on {held_out}:"
+    )
+    rows = {
+        words: found.held_out.rms(OF_FIRST_PASS[name]).tolist() for name, words in MODELS.items() if name != "diagnosed"
+    }
+    yield from table_lines([f"drive {j + 1}" for j in range(len(found.joints))], rows)
+
+
+def baseline_lines(verdict: Verdict) -> Iterator[str]:
+    """Yield the held-out errors of all models, and what they mean; nothing without a first pass."""
+    baseline = verdict.baseline
+    if baseline is None:
+        return
+    unit = " or ".join(dict.fromkeys(drive.unit for drive in baseline.drives))
+    yield f"Torque in motion beside least squares, root mean square [{unit}], {baseline_words(verdict)}"
+    rows = {words: [getattr(drive, name) for drive in baseline.drives] for name, words in MODELS.items()}
+    yield from table_lines([f"drive {drive.drive}" for drive in baseline.drives], rows)
+    if words := missed_sentence(verdict):
+        yield words
+
+
+def baseline_words(verdict: Verdict) -> str:
+    """Return how the errors beside least squares were made; "" without any."""
+    baseline = verdict.baseline
+    if baseline is None:
+        return ""
+    held = {"recording": "recording", "run": "run", "block": "block of time"}[baseline.by]
+    return f"at bins in which the drive moves, each {held} predicted by fits without it:"
+
+
+def missed_sentence(verdict: Verdict) -> str:
+    """Return where least squares predicts better for sure, "" where it does not; it fits into a headline."""
+    missed = verdict.baseline.missed if verdict.baseline else ()
+    if not missed:
+        return ""
+    worst = missed[0]
+    least, ours = number(worst.least_squares), number(worst.diagnosed)
+    model = "the named causes" if verdict.explanations or verdict.unlisted else "the model"
+    more = f" (and {len(missed) - 1} more)" if len(missed) > 1 else ""
+    errors = f"least squares predicts {least} {worst.unit}, {model} {ours}"
+    return f"Drive {worst.drive}{more}: {errors}: something is missing here."
+
+
+def number(value: float) -> str:
+    """Return an error with three digits, without an exponent."""
+    if not np.isfinite(value):
+        return "-"
+    decimals = DIGITS - 1 - int(np.floor(np.log10(value))) if value > 0 else 0
+    return f"{value:.{max(decimals, 0)}f}"
+
+
+def table_lines(heads: Sequence[str], rows: Mapping[str, Sequence[float]]) -> Iterator[str]:
+    """Yield a table of errors for the terminal."""
+    first = max(map(len, rows))
+    cells = {name: [number(value) for value in values] for name, values in rows.items()}
+    widths = [max(len(head), *(len(row[i]) for row in cells.values())) for i, head in enumerate(heads)]
+    for name, row in {"": list(heads), **cells}.items():
+        yield "  " + "  ".join([name.ljust(first), *(cell.rjust(w) for cell, w in zip(row, widths, strict=True))])
+
+
+def drive_rows(verdict: Verdict) -> tuple[tuple[DriveErrors, tuple[str, ...]], ...]:
+    """Return each drive with its errors as they are shown, in the order of `MODELS`."""
+    drives = verdict.baseline.drives if verdict.baseline else ()
+    return tuple((drive, tuple(number(getattr(drive, name)) for name in MODELS)) for drive in drives)
+
+
+def _unit(found: FirstPass) -> str:
+    hinge = found.nominal.bodies.is_hinge
+    return "Nm" if hinge.all() else "Nm or N" if hinge.any() else "N"
