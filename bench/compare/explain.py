@@ -5,6 +5,7 @@ import numpy as np
 from bench.compare.background import Background
 from bench.compare.comparison import NORMAL_90, Change, ChangedSize, Explanation, Interval
 from bench.compare.search_changes import Found, Possible
+from bench.compare.shared import undo_segments
 from bench.diagnose.linearise.candidates import Candidate
 from bench.diagnose.linearise.marginal import JITTER
 from bench.diagnose.replay.world import NOMINAL, World
@@ -94,7 +95,9 @@ def _nonlinearity(background: Background, possible: Possible, mean: Array) -> fl
     except NOT_SIMULATED:
         return float("nan")
     rows = weights[background.joint.of_row]
-    simulated = rows * linear.whiten(change[:, :, None])[:, 0]
+    white = linear.whiten(change[:, :, None])
+    undo_segments(linear, white)
+    simulated = rows * white[:, 0]
     expected = rows * (background.columns[:, possible.entry.columns] @ sizes)
     length = float(np.linalg.norm(simulated))
     return float(np.linalg.norm(simulated - expected)) / length if length > 0 else float("nan")
