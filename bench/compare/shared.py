@@ -64,7 +64,7 @@ class SharedWhitening:
 
 
 def undo_segments(linear: LinearisedModel, white: Array) -> None:
-    """Put back what segments have in common into whitened values, shape (m, k), in place: whitened by instants alone."""
+    """Put what segments have in common back into whitened values, shape (m, k), in place."""
     for rows, whitening in _segments(linear):
         if len(whitening.shrink):
             stretch = whitening.shrink / (1 - whitening.shrink)
