@@ -12,7 +12,7 @@ from bench.diagnose.linearise.marginal import Columns, Marginal
 from bench.diagnose.linearise.screening import Entry
 from bench.diagnose.linearise.threshold import LEAST, family_threshold
 from bench.diagnose.name.groups import IN_SET
-from bench.diagnose.name.search import Alternative, SubsetPosterior, Term, alternatives_of, search
+from bench.diagnose.name.search import Alternative, SubsetPosterior, Term, alternatives_of, exchanges, search
 from bench.record.campaign import Array
 
 MOST_TERMS = 1000  # that a search is given, the best by evidence: memory stays small with many recordings
@@ -127,8 +127,9 @@ def find_changes(background: Background, profiles: Sequence[Profile], rate: floa
     possible.sort(key=lambda one: -one[0])
     chosen = tuple(one for _, one in possible[:MOST_TERMS])
     model = _model(background, chosen) if len(profiles) > 1 else _model_of(marginal, chosen)
-    subsets = search(model)
-    alternatives = tuple(alternatives_of(model, subsets))
+    visited = search(model)
+    subsets = {subset.terms: subset for subset in (*visited, *exchanges(model, visited[0]))}
+    alternatives = tuple(alternatives_of(model, subsets.values()))
     return Found(
         model, chosen, alternatives, _probabilities(alternatives), _shape(model, alternatives), tuple(screened)
     )
