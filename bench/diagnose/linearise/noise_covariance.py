@@ -119,11 +119,11 @@ def whitening_of(
     if segment.is_static:
         stands = np.ones(n, dtype=bool)
         once, lasting = np.repeat([LINK_REST, MOTOR_REST], n), np.repeat([LINK_VISIT, MOTOR_VISIT], n)
-        slow = np.asarray(np.ones((length, 1)), dtype=np.float64)
+        slowly = np.asarray(np.ones((length, 1)), dtype=np.float64)
     else:
         stands = segment.standing
         once, lasting = shaken * np.tile(stands, 2), STANDING * np.tile(stands, 2)
-        slow = _slow(length)
+        slowly = slow(length)
     spread = np.concatenate([response.link, response.motor], axis=2) * levels  # (T, c, 2n), a whole level
     spread = np.where(measured[:, :, None], spread, 0.0)
     loose = is_loose(compiled, response.link_load) & stands & (play > 0)
@@ -147,12 +147,12 @@ def whitening_of(
     factors = np.linalg.inv(np.linalg.cholesky(covariance))
     rows = measured.reshape(-1)
     part = (spread * lasting)[:, :, lasting * levels > 0]
-    shared = [part * slow[:, m, None, None] for m in range(slow.shape[1])]
+    shared = [part * slowly[:, m, None, None] for m in range(slowly.shape[1])]
     for j in np.flatnonzero(loose.any(axis=0)):
         gap = gaps[:, :, [j]] * loose[:, j, None, None]
         spell = np.cumsum(np.diff(loose[:, j], prepend=False))  # odd while loose: until it is pushed, a link stays
         shared.append(PLACED * gap * (spell[:, None] == np.unique(spell[loose[:, j]]))[:, None])
-        shared += [CREEPS * gap * slow[:, m, None, None] for m in range(1, min(SLOWNESS, slow.shape[1]))]
+        shared += [CREEPS * gap * slowly[:, m, None, None] for m in range(1, min(SLOWNESS, slowly.shape[1]))]
     common = np.concatenate([factors @ mode for mode in shared], axis=2)
     common = common.reshape(length * c, -1)[rows]
     if common.shape[1] == 0 or not np.any(common):
@@ -162,7 +162,7 @@ def whitening_of(
     return Whitening(rows, factors, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2))
 
 
-def _slow(length: int) -> Array:
+def slow(length: int) -> Array:
     """Return how friction of a standing joint may change over a motion, shape (T, k), each with a deviation of one."""
     polynomials = legendre.legvander(np.linspace(-1, 1, length), SLOWNESS - 1)
     k = np.arange(SLOWNESS, min(SLOWNESS + WALKS, length))  # no more than there are instants
