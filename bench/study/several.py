@@ -193,14 +193,23 @@ def run_several(
     executor: Executor = SERIAL,
     progress: Progress = ignore,
     say: Callable[[str], None] = lambda words: None,
+    work: Machines | None = None,
 ) -> tuple[SeveralOutcome, ...]:
     """Make every machine of a study; those that stand in the folder already are not made again.
+
+    Args:
+        settings: Of the study.
+        folder: Where to write; exists.
+        executor: Where machines are made.
+        progress: Called with the share that is done.
+        say: Called with a warning.
+        work: Makes a machine and asks of it; None: as the settings say.
 
     Raises:
         InputError: The folder holds another study, or one that other code began.
     """
     known = folder / ROWS, asdict(settings), SeveralOutcome.from_json
-    return carried_out(settings.trials, Machines(settings), *known, executor, progress, say)
+    return carried_out(settings.trials, work or Machines(settings), *known, executor, progress, say)
 
 
 def answered(trial: MachineTrial, setup: Setup, seed: int) -> SeveralOutcome:
