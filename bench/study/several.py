@@ -12,7 +12,7 @@ from scipy.linalg import LinAlgError
 from threadpoolctl import threadpool_limits
 
 from bench.diagnose.cross_validation.floor import floor_variance, measured
-from bench.diagnose.cross_validation.held_out import predicted_error
+from bench.diagnose.cross_validation.next_recording import predicted_error
 from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.linearise.linearised_model import linearised_model_of
 from bench.diagnose.replay.levels import as_of

@@ -18,9 +18,6 @@ from bench.effects.gas import amount_scaled
 from bench.effects.levels import acts_in
 from bench.robot.compiled import CompiledRobot, SpecEdit
 
-# Of the variance of a channel's zero as stated, the part that is another one in each recording: data sheets state the
-# zero of a sensor and its drift with temperature and time of the same order. The halves are assumed.
-DRIFTING = 0.5
 GAS_DAY_K = 5.0  # [K], standard deviation of the gas from recording to recording: unheated air of a workshop, assumed
 
 
@@ -74,8 +71,8 @@ def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nu
         return
     sigma = nuisance.sigma
     if nuisance.between == "drifts":
-        yield replace(nuisance, sigma=float(np.sqrt(1 - DRIFTING)) * sigma)
-        sigma = float(np.sqrt(DRIFTING)) * sigma
+        sigma = nuisance.drift
+        yield replace(nuisance, sigma=float(np.sqrt(nuisance.sigma**2 - sigma**2)))
     for name in recordings:
         yield replace(nuisance, sigma=sigma, recording=name)
 
