@@ -1,9 +1,9 @@
 """What belongs to a machine, and what to one of its recordings: background errors of each, and worlds as each has them.
 
-Geometry, masses, gears, friction laws and the law of the gas are the machine's; so are torque constants, the gain of
-the force sensor, nests that are glued on, and the weights of the lab. Link encoders are zeroed, a tracker is set up and
-a payload bolted on anew in each recording. The zero of a current or torque channel is the machine's with a drift. The
-gas is as warm as the air of the day.
+Geometry, masses, gears, friction laws and the law of the gas are the machine's; so are the gain of the force sensor,
+nests that are glued on, and the weights of the lab. Link encoders are zeroed, a tracker is set up and a payload bolted
+on anew in each recording. Torque constants and the zero of a current or torque channel are the machine's with a drift.
+The gas is as warm as the air of the day.
 """
 
 from collections.abc import Iterator, Sequence
@@ -71,8 +71,8 @@ def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nu
         return
     sigma = nuisance.sigma
     if nuisance.between == "drifts":
+        yield replace(nuisance, sigma=float(np.sqrt(nuisance.sigma**2 - nuisance.drift**2)))
         sigma = nuisance.drift
-        yield replace(nuisance, sigma=float(np.sqrt(nuisance.sigma**2 - sigma**2)))
     for name in recordings:
         yield replace(nuisance, sigma=sigma, recording=name)
 

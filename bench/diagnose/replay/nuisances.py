@@ -18,7 +18,8 @@ from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_
 # [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold; assumed
 THERMOMETER_K = 2.0
 # Of the variance of a channel's zero as stated, the part that is another one in each recording: data sheets state the
-# zero of a sensor and its drift with temperature and time of the same order. The halves are assumed.
+# zero of a sensor and its drift with temperature and time of the same order. The halves are assumed. What is known to
+# drift by less, as torque constants do, does so.
 DRIFTING = 0.5
 UNKNOWN_ZERO = 1e-3  # [rad] or [m], how well secondary encoders are zeroed where the figures do not say, assumed
 
@@ -95,25 +96,24 @@ def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
     figures = compiled.robot.figures
     found = []
     current, torque = figures.instruments.current, figures.instruments.torque
-    drift = REMANENCE * DAY_K
     for j, drive in enumerate(figures.drives):
         if "current" in kinds:
             gain = float(np.hypot(drive.torque_constant_error, current.gain_sigma if current else 0.0))
             offset = current.offset_sigma_a if current else 0.0
-            found.append(
-                Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_current_gain(j), drift=drift)
-            )
-            zero = Nuisance(f"current offset of {drive.joint}", "A", offset, on_reading=_current_offset(j))
-            found.append(replace(zero, between="drifts", drift=float(np.sqrt(DRIFTING)) * offset))
+            found.append(_drifting(f"torque constant of {drive.joint}", "", gain, _current_gain(j), REMANENCE * DAY_K))
+            found.append(_drifting(f"current offset of {drive.joint}", "A", offset, _current_offset(j)))
         if "tau_motor" in kinds:
             gain = torque.gain_sigma if torque else drive.torque_constant_error
-            found.append(
-                Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_torque_gain(j), drift=drift)
-            )
+            found.append(_drifting(f"torque constant of {drive.joint}", "", gain, _torque_gain(j), REMANENCE * DAY_K))
             offset = torque.offset_sigma_nm if torque else 0.0
-            zero = Nuisance(f"torque offset of {drive.joint}", "Nm", offset, on_reading=_torque_offset(j))
-            found.append(replace(zero, between="drifts", drift=float(np.sqrt(DRIFTING)) * offset))
+            found.append(_drifting(f"torque offset of {drive.joint}", "Nm", offset, _torque_offset(j)))
     return found
+
+
+def _drifting(name: str, unit: str, sigma: float, on_reading: OnReading, drift: float = np.inf) -> Nuisance:
+    """Return an error of a channel that drifts by so much, or by as much of what is stated as may be drift."""
+    most = float(np.sqrt(DRIFTING)) * sigma
+    return Nuisance(name, unit, sigma, on_reading=on_reading, between="drifts", drift=min(drift, most))
 
 
 def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[Nuisance]:
