@@ -55,6 +55,17 @@ def test_what_drifts_is_in_the_interval() -> None:
     np.testing.assert_allclose(drifts_of(linear)["torque constant"], 30 * SIGMA)
 
 
+def test_what_is_set_up_anew_is_in_the_interval_unless_it_is_fitted(rng: np.random.Generator) -> None:
+    """An offset that is another one each time, stated within 1 where the noise is 0.2."""
+    runs = 6
+    linear = design_with(noise(rng, runs), np.ones((runs * LENGTH, 1)), runs)
+    linear = replace(linear, nuisances=(Nuisance("zero", "rad", 1.0, between="anew"),))
+    (found,) = predicted_error(linear, fit_of(linear))
+    assert found.fitted_high < 2 * SIGMA
+    assert found.high == pytest.approx(1.96, rel=0.1), "of a normal offset: 5 % lie beyond, either way"
+    assert found.low < found.high / 5
+
+
 def there_and_back(linear: LinearisedModel, back: bool) -> LinearisedModel:
     """Return a campaign of one run whose joint goes there, and back if so."""
     (segment,) = linear.replay.segments

@@ -237,7 +237,9 @@ class PredictedError:
         kind: Of recording.
         runs: Runs it rests on.
         rms: Plain root mean square over the held-out readings of all these runs.
-        low, high: 90 % prediction interval of the root mean square of one more run; nan if there are less than two.
+        low, high: 90 % prediction interval of the root mean square of one more recording, set up anew; nan if there are
+            less than two runs.
+        fitted_low, fitted_high: The same of a recording to which what is set up anew is fitted; nan as well.
     """
 
     channel: str
@@ -247,3 +249,5 @@ class PredictedError:
     rms: float
     low: float
     high: float
+    fitted_low: float = float("nan")
+    fitted_high: float = float("nan")

@@ -14,6 +14,7 @@ from bench.diagnose.cross_validation.held_out import HIGH, LOW, SEED, PredictedE
 from bench.diagnose.cross_validation.leave_out import errors_of_folds, tangent_of
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.segments import recordings_of
 from bench.record.campaign import Array
 
 DRAWS = 4000  # of recordings to come: ends of an interval are right to a few percent of its width
@@ -35,7 +36,7 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
 
     How far two recordings differ, one recording cannot tell. Then what drifts from one to the next (`Nuisance.drift`)
     comes on top of the squares: torque constants and viscous friction by the temperature of the day, zeros by the part
-    of them that drifts. What is set up anew (a tracker, the zero of a link encoder) is not in it.
+    of them that drifts. So does what is set up anew (a tracker, the zero of a link encoder), unless it will be fitted.
 
     Args:
         linear: The campaign.
@@ -44,6 +45,7 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     folds = apart(linear, folds_of(linear))
     error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds)
     drifts = {} if folds.recordings else drifts_of(linear)
+    set_up = set_up_anew(linear, fit)
     is_static = np.repeat([s.is_static for s in linear.segments], [len(s) for s in linear.segments])
     kinds: tuple[tuple[Literal["static", "motion"], Array], ...] = (("static", is_static), ("motion", ~is_static))
     found = []
@@ -58,9 +60,13 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
             if not np.any(there):
                 continue
             rms = float(np.sqrt(square.sum() / count.sum()))
-            drifting = np.array([np.sqrt(np.mean(drift[seen, c] ** 2)) for drift in drifts.values()])
-            low, high = _one_more(np.sqrt(square[there] / count[there]), drifting)
-            found.append(PredictedError(quantity.column, quantity.unit, kind, int(there.sum()), rms, low, high))
+            left = np.sqrt(square[there] / count[there])
+            drifting, anew = (
+                np.array([np.sqrt(np.mean(change[seen, c] ** 2)) for change in changes.values()])
+                for changes in (drifts, set_up)
+            )
+            ends = (*_one_more(left, np.concatenate([drifting, anew])), *_one_more(left, drifting))
+            found.append(PredictedError(quantity.column, quantity.unit, kind, int(there.sum()), rms, *ends))
     return tuple(found)
 
 
@@ -71,6 +77,25 @@ def drifts_of(linear: LinearisedModel) -> Mapping[str, Array]:
         for i, nuisance in enumerate(linear.nuisances)
         if nuisance.drift > 0
     }
+
+
+def set_up_anew(linear: LinearisedModel, fit: Fit) -> Mapping[str, Array]:
+    """Return what each thing that is set up anew changes in the readings, shape (T, c) each.
+
+    In the next recording it is off by as much as is stated, and no more by what it was off in this one; of several
+    recordings the model has that of the last.
+
+    Args:
+        linear: The campaign.
+        fit: The model.
+    """
+    last = recordings_of(linear.segments)[-1]
+    found = {}
+    for i, nuisance in enumerate(linear.nuisances):
+        if nuisance.between == "anew" and nuisance.recording in (None, last):
+            change = linear.sensitivities[:, :, i] * np.sqrt(1 + fit.nuisances[i] ** 2)
+            found[nuisance.name] = change
+    return found
 
 
 def apart(linear: LinearisedModel, folds: Folds) -> Folds:
