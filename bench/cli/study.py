@@ -34,6 +34,10 @@ class Study:
     world: tuple[Literal["plain", "messy", "presliding", "servo", "second", "resting"], ...] = ("plain",)
     """In which all of this is hidden: plain, messy (10 to 60 other small effects), presliding, servo (that gives),
     second (another plant), resting (there, links rest anywhere that friction holds them); several: a study of each."""
+    recordings: int = 0
+    """Instead of this: so many recordings of each of `seeds` messy machines. They are diagnosed together, the last is
+    predicted by the others, and two of them are compared, with and without a change. Of what is above, `effects`,
+    `seeds` and `small` count."""
     vary: str | None = None
     """Instead of a study: halve and double each named number of the diagnosis that matches, such as "name.*" or
     "*.PROMISING", and print what that moves in a handful of campaigns. Of what is above, nothing counts but `out`."""
@@ -73,6 +77,8 @@ class Study:
             raise InputError(f"{self.out}: cannot be made ({error.strerror}); choose another folder") from error
         if self.vary is not None:
             return self._vary(self.vary)
+        if self.recordings:
+            return self._several()
         where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
         with where as executor, progress_bar("campaigns") as progress:
             outcomes = run_study(settings, self.out, executor, progress, warn)
@@ -81,6 +87,34 @@ class Study:
         for goal in scores.goals:
             print(f"{met_words(goal):13}{goal.name}: {measured_words(goal.measured)} (goal {goal.goal})")
         print(f"\nStudy: {self.out.resolve() / PAGE}")
+        return 0
+
+    def _several(self) -> int:
+        """Run the study of several recordings, print its numbers and write them down."""
+        import sys
+        from contextlib import nullcontext
+
+        from bench.cli.progress import progress_bar
+        from bench.errors import InputError
+        from bench.executor.cluster import Cluster
+        from bench.executor.local import on_cores
+        from bench.report.study.several import lines_of, write_several
+        from bench.study.several import SeveralSettings, run_several
+        from bench.study.several_scores import several_goals
+
+        if self.recordings < 2:
+            raise InputError("--recordings: a machine has to be recorded twice at least")
+        machines = 1 if self.small else self.seeds
+        settings = SeveralSettings(self.recordings, machines, self.seed, self.effects)
+        where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
+        with where as executor, progress_bar("machines") as progress:
+            outcomes = run_several(
+                settings, self.out, executor, progress, lambda words: print(f"bench: {words}", file=sys.stderr)
+            )
+        goals = several_goals(outcomes)
+        for line in lines_of(goals):
+            print(line)
+        print(f"\nStudy: {write_several(goals, outcomes, settings, self.out).resolve()}")
         return 0
 
     def _vary(self, pattern: str) -> int:

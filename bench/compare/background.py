@@ -9,10 +9,10 @@ from bench.compare.coincidence import cells_of, is_one_program
 from bench.compare.joint import Joint
 from bench.compare.levels import by_level
 from bench.compare.noise import Repeatability, repeatability_of, row_facts
-from bench.compare.shared import SharedWhitening, shared_whitening
+from bench.compare.shared import SharedWhitening, shared_whitening, undo_segments
 from bench.diagnose.linearise.linearised_model import raised, with_held
 from bench.diagnose.linearise.marginal import Nuisances
-from bench.diagnose.linearise.screening import Entry, tried_of
+from bench.diagnose.linearise.screening import Entry, Tried, tried_of
 from bench.errors import InputError
 from bench.record.campaign import Array
 
@@ -30,10 +30,11 @@ class Background:
     Attributes:
         joint: The recordings, with standard errors raised by what is new in each.
         white: Shape (m,), residual of the nominal model.
+        plain: Shape (m,), the same whitened instant by instant.
         entries: Every cause and every free shape, each with its columns.
-        columns: Shape (m, q), what they change if they act in all recordings alike, before `whitening`.
+        columns: Shape (m, q), what they change if they act in all recordings alike, whitened instant by instant.
         prior: Shape (q,), standard deviations of their sizes.
-        slopes: Shape (m, p), of what may be off, the machine's and each recording's, before `whitening`.
+        slopes: Shape (m, p), of what may be off, the machine's and each recording's, whitened instant by instant.
         whitening: In which what repeats is no news.
         nuisances: What may be off, the machine's and each recording's, and the discrepancy.
         repeatability: How well readings repeat.
@@ -42,6 +43,7 @@ class Background:
 
     joint: Joint
     white: Array
+    plain: Array
     entries: tuple[Entry, ...]
     columns: Array
     prior: Array
@@ -53,7 +55,7 @@ class Background:
 
     def acting(self, columns: Array | NDArray[np.signedinteger], weights: Array) -> Array:
         """Return what some columns change, shape (m, k), with a share, shape (K,), of their size in each recording."""
-        return self.whitening(self.columns[:, columns] * weights[self.joint.of_row][:, None])
+        return self.whitening.of_instants(self.columns[:, columns] * weights[self.joint.of_row][:, None])
 
     @property
     def coinciding(self) -> Array:
@@ -88,14 +90,15 @@ def _first(joint: Joint, cells: NDArray[np.intp]) -> Background:
     Each recording is fitted by itself with all that could be added to its model, so no change counts as noise.
     """
     known = Repeatability.of_instruments(len(joint.linear.quantities))
-    draft = _assembled(joint, known, cells)
     linear, of_row = joint.linear, joint.of_row
-    every = np.concatenate([draft.slopes, draft.columns * draft.prior], axis=1)
+    tried = _tried(joint)
+    slopes = by_level(linear.jacobian, linear.nuisances, of_row, linear.held)
     left = np.empty(len(linear.white))
     for k in range(len(joint.recordings)):
         rows = of_row == k
-        left[rows] = _residual(every[rows], linear.white[rows])
-    left = draft.whitening.instant_by_instant(left[:, None])[:, 0]
+        every = np.concatenate([slopes[rows], tried.columns.matrix[rows] * tried.prior], axis=1)
+        left[rows] = linear.white[rows] - every @ Nuisances(every).most_probable(linear.white[rows])
+    undo_segments(linear, left[:, None])
     known = repeatability_of(linear, left, cells, known)
     return _assembled(replace(joint, linear=raised(linear, np.sqrt(known.own))), known, cells)
 
@@ -105,7 +108,7 @@ def settled_background(background: Background, changes: Array) -> Background:
 
     Args:
         background: So far.
-        changes: Shape (m, k), what they change before `whitening`, each with a prior of one.
+        changes: Shape (m, k), what they change, whitened instant by instant, each with a prior of one.
     """
     for _ in range(ROUNDS):
         before = background.repeatability
@@ -131,40 +134,46 @@ def _places(background: Background) -> tuple[NDArray[np.intp], NDArray[np.intp]]
 
 def _left(background: Background, changes: Array) -> Array:
     """Return what the model leaves of the readings, shape (m,), whitened instant by instant."""
-    linear = background.joint.linear
-    plain = np.concatenate([background.slopes, background.columns * background.prior, changes], axis=1)
-    sizes = _sizes(background.whitening(plain), background.white)
-    left = linear.white - plain @ sizes
-    return np.asarray(background.whitening.instant_by_instant(left[:, None])[:, 0], dtype=np.float64)
+    known = background.nuisances
+    white = background.whitening.of_instants(changes)
+    found, k = known.products(background.white, white), white.shape[1]
+    sizes = np.linalg.solve(found.information + np.eye(k), found.scores)
+    rest = known.most_probable(background.white - white @ sizes)
+    p = background.slopes.shape[1]
+    explained = background.slopes @ rest[:p] + background.columns @ (background.prior * rest[p:])
+    return np.asarray(background.plain - explained - changes @ sizes, dtype=np.float64)
 
 
-def _residual(slopes: Array, white: Array) -> Array:
-    return white - slopes @ _sizes(slopes, white)
+def _tried(joint: Joint) -> Tried:
+    """Return everything that may act.
 
-
-def _sizes(slopes: Array, white: Array) -> Array:
-    """Return the most probable sizes of slopes with a prior of one, shape (p,)."""
-    normal = slopes.T @ slopes
-    normal[np.diag_indices_from(normal)] += 1.0
-    return np.asarray(np.linalg.solve(normal, slopes.T @ white), dtype=np.float64)
-
-
-def _assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.intp]) -> Background:
-    """Return all recordings with standard errors that count what is new in each of them."""
+    Raises:
+        InputError: There is nothing.
+    """
     what = joint.tried()
     if not what:
         raise InputError(
             "nothing of the catalogue would leave a trace in these recordings: log motor currents or torques, a "
             "reflector, a link encoder, or the gas pressure, beside the motor angles."
         )
-    linear, tried = joint.linear, tried_of(what)
+    return tried_of(what)
+
+
+def _assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.intp]) -> Background:
+    """Return all recordings with standard errors that count what is new in each of them."""
+    linear, tried = joint.linear, _tried(joint)
     whitening = shared_whitening(linear, repeatability, cells)
     slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row, linear.held)
-    columns, prior = tried.columns.matrix, tried.prior
-    every = whitening(np.concatenate([slopes, columns * prior, linear.white[:, None]], axis=1))
-    nuisances = Nuisances(every[:, : slopes.shape[1]], every[:, slopes.shape[1] : -1])
-    known = (tried.entries, columns, prior, slopes, whitening, nuisances, repeatability, cells)
-    return Background(joint, every[:, -1], *known)
+    columns, plain = tried.columns.matrix, linear.white[:, None].copy()
+    for values in (slopes, columns, plain):
+        undo_segments(linear, values)
+    p = slopes.shape[1]
+    every = np.empty((len(slopes), p + columns.shape[1]))  # of hundreds of megabytes each: few copies
+    every[:, :p] = slopes
+    np.multiply(columns, tried.prior, out=every[:, p:])
+    every, white = whitening.of_instants(every), whitening.of_instants(plain)[:, 0]
+    known = (tried.entries, columns, tried.prior, slopes, whitening, Nuisances(every), repeatability, cells)
+    return Background(joint, white, plain[:, 0], *known)
 
 
 def _log_evidence(background: Background) -> float:

@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_limits
 from bench.compare.background import Background, background_of
 from bench.compare.comparison import ChannelNoise, Compared, Comparison, UnlistedChange
 from bench.compare.components import components_of
-from bench.compare.explain import explanations_of
+from bench.compare.explain import explanations_of, findings_of
 from bench.compare.joint import joint_of
 from bench.compare.profiles import profiles_of
 from bench.compare.recordings import Recording, days_of
@@ -67,6 +67,7 @@ def compare(
             threshold=found.screened[0].threshold,
             probability_unchanged=found.probability_unchanged,
             explanations=explanations,
+            findings=findings_of(found),
             unlisted=_unlisted(background, found),
             components=components_of(background, found, n_before),
             noise=_noise(background),

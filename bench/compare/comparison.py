@@ -81,6 +81,34 @@ class Explanation:
 
 
 @dataclass(frozen=True)
+class PossibleName:
+    """One of the causes that may be behind a finding.
+
+    Attributes:
+        effect, title, place: Of the cause, as of a `Change`.
+        probability: That it changed, everything else that changed being what it is.
+    """
+
+    effect: str
+    title: str
+    place: str
+    probability: float
+
+
+@dataclass(frozen=True)
+class ChangedFinding:
+    """One change of the likeliest explanation, with what could stand in its place, everything else as it is.
+
+    Attributes:
+        names: The likeliest first; together they hold 99 %.
+        probability: That any of them changed.
+    """
+
+    names: tuple[PossibleName, ...]
+    probability: float
+
+
+@dataclass(frozen=True)
 class UnlistedChange:
     """A change that no effect of the catalogue explains: where it acts, and on what it depends.
 
@@ -176,6 +204,7 @@ class Comparison:
         threshold: Log evidence that chance exceeds at that rate, of a change that comes with the first one after.
         probability_unchanged: That nothing changed, among everything that was weighed.
         explanations: That the data cannot tell apart, the likeliest first; empty where nothing listed changed.
+        findings: The likeliest explanation finding by finding, each with all names that it may have.
         unlisted: What changed and is not listed.
         components: Every parameter of every cause of the machine.
         noise: How well channels repeat.
@@ -186,6 +215,7 @@ class Comparison:
     threshold: float
     probability_unchanged: float
     explanations: tuple[Explanation, ...]
+    findings: tuple[ChangedFinding, ...]
     unlisted: UnlistedChange | None
     components: tuple[Component, ...]
     noise: tuple[ChannelNoise, ...]
@@ -194,6 +224,16 @@ class Comparison:
     def has_changed(self) -> bool:
         """Whether anything is said to have changed."""
         return bool(self.explanations) or self.unlisted is not None
+
+    @property
+    def has_other_explanations(self) -> bool:
+        """Whether an explanation is more than the likeliest one with other names for its findings."""
+        names = [{(one.effect, one.place) for one in finding.names} for finding in self.findings]
+        for explanation in self.explanations:
+            keys = {(change.effect, change.place) for change in explanation.changes}
+            if len(keys) != len(names) or not all(keys & own for own in names) or not keys <= set().union(*names):
+                return True
+        return False
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of `compare.json`."""

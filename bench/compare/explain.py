@@ -3,10 +3,20 @@
 import numpy as np
 
 from bench.compare.background import Background
-from bench.compare.comparison import NORMAL_90, Change, ChangedSize, Explanation, Interval
+from bench.compare.comparison import (
+    NORMAL_90,
+    Change,
+    ChangedFinding,
+    ChangedSize,
+    Explanation,
+    Interval,
+    PossibleName,
+)
 from bench.compare.search_changes import Found, Possible
+from bench.compare.shared import undo_segments
 from bench.diagnose.linearise.candidates import Candidate
 from bench.diagnose.linearise.marginal import JITTER
+from bench.diagnose.name.groups import groups_of
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
@@ -33,6 +43,28 @@ def explanations_of(background: Background, found: Found) -> tuple[Explanation, 
             start = stop
         explanations.append(Explanation(tuple(changes), found.probability[i], alternative.log_posterior))
     return tuple(explanations)
+
+
+def findings_of(found: Found) -> tuple[ChangedFinding, ...]:
+    """Return the changes of the likeliest explanation, each with all that could stand in its place."""
+    best = found.alternatives[0]
+    if not best.keys or found.shape is not None:
+        return ()
+    model = found.model
+    alone = {model.terms[i].key: model.log_posterior((i,)) for i in best.best.terms}
+    posterior = {one.keys: one.log_posterior for one in found.alternatives}
+    causes = {one.key: one.entry.cause for one in found.possible if one.entry.cause}
+    groups = groups_of(sorted(best.keys, key=lambda key: -alone[key]), posterior, causes)
+    return tuple(
+        ChangedFinding(
+            tuple(
+                PossibleName(one.cause.effect.name, str(one.cause), str(one.cause.place), one.probability)
+                for one in group.members
+            ),
+            group.probability,
+        )
+        for group in groups
+    )
 
 
 def sizes_of(found: Found, terms: tuple[int, ...]) -> tuple[Array, Array]:
@@ -94,7 +126,9 @@ def _nonlinearity(background: Background, possible: Possible, mean: Array) -> fl
     except NOT_SIMULATED:
         return float("nan")
     rows = weights[background.joint.of_row]
-    simulated = rows * linear.whiten(change[:, :, None])[:, 0]
+    white = linear.whiten(change[:, :, None])
+    undo_segments(linear, white)
+    simulated = rows * white[:, 0]
     expected = rows * (background.columns[:, possible.entry.columns] @ sizes)
     length = float(np.linalg.norm(simulated))
     return float(np.linalg.norm(simulated - expected)) / length if length > 0 else float("nan")

@@ -12,7 +12,7 @@ from bench.diagnose.linearise.marginal import Columns, Marginal
 from bench.diagnose.linearise.screening import Entry
 from bench.diagnose.linearise.threshold import LEAST, family_threshold
 from bench.diagnose.name.groups import IN_SET
-from bench.diagnose.name.search import Alternative, SubsetPosterior, Term, alternatives_of, search
+from bench.diagnose.name.search import Alternative, SubsetPosterior, Term, alternatives_of, exchanges, search
 from bench.record.campaign import Array
 
 MOST_TERMS = 1000  # that a search is given, the best by evidence: memory stays small with many recordings
@@ -126,9 +126,10 @@ def find_changes(background: Background, profiles: Sequence[Profile], rate: floa
                 possible.append((evidence, Possible(entry, profile, prior, odds)))
     possible.sort(key=lambda one: -one[0])
     chosen = tuple(one for _, one in possible[:MOST_TERMS])
-    model = _model(background, chosen)
-    subsets = search(model)
-    alternatives = tuple(alternatives_of(model, subsets))
+    model = _model(background, chosen) if len(profiles) > 1 else _model_of(marginal, chosen)
+    visited = search(model)
+    subsets = {subset.terms: subset for subset in (*visited, *exchanges(model, visited[0]))}
+    alternatives = tuple(alternatives_of(model, subsets.values()))
     return Found(
         model, chosen, alternatives, _probabilities(alternatives), _shape(model, alternatives), tuple(screened)
     )
@@ -139,24 +140,32 @@ def _products(background: Background, columns: Array) -> Marginal:
 
 
 def _model(background: Background, possible: Sequence[Possible]) -> SubsetPosterior:
-    """Return the linearised model of what may have changed; a change may go either way, whatever the cause."""
+    """Return the linearised model of what may have changed on any of several courses."""
     profiles = list({id(one.profile): one.profile for one in possible}.values())
-    place = np.full((len(profiles), background.columns.shape[1]), -1)
+    place = {}
     parts: list[Array] = []
     start = 0
-    row = {id(profile): i for i, profile in enumerate(profiles)}
-    for i, profile in enumerate(profiles):
+    for profile in profiles:
         which = np.unique(np.concatenate([one.entry.columns for one in possible if one.profile is profile]))
-        place[i, which] = start + np.arange(len(which))
+        place[id(profile)] = np.full(background.columns.shape[1], -1)
+        place[id(profile)][which] = start + np.arange(len(which))
         parts.append(background.acting(which, profile.weights))
         start += len(which)
-    terms = []
-    for one in possible:
-        columns = place[row[id(one.profile)], one.entry.columns]
-        listed = one.entry.cause is not None
-        terms.append(Term(one.key, columns, one.prior, one.log_odds, np.zeros(len(columns)), listed))
     marginal = _products(background, np.concatenate(parts, axis=1) if parts else np.empty((len(background.white), 0)))
+    terms = [_term(one, place[id(one.profile)][one.entry.columns]) for one in possible]
     return SubsetPosterior(marginal.information, marginal.scores, terms)
+
+
+def _model_of(marginal: Marginal, possible: Sequence[Possible]) -> SubsetPosterior:
+    """Return the linearised model of what may have changed on the only course, for the products of all columns."""
+    terms = [_term(one, one.entry.columns) for one in possible]
+    return SubsetPosterior(marginal.information, marginal.scores, terms)
+
+
+def _term(possible: Possible, columns: Array) -> Term:
+    """Return a term of a search; a change may go either way, whatever the cause."""
+    listed = possible.entry.cause is not None
+    return Term(possible.key, columns, possible.prior, possible.log_odds, np.zeros(len(columns)), listed)
 
 
 def _probabilities(alternatives: Sequence[Alternative]) -> tuple[float, ...]:

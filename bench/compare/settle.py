@@ -9,6 +9,7 @@ from bench.compare.profiles import Profile
 from bench.compare.search_changes import Found, find_changes
 
 ROUNDS = 3
+SETTLED = 0.5  # log odds; noise that moves what is named by less is settled: a twelfth of what tells explanations apart
 
 
 def settled_changes(background: Background, profiles: Sequence[Profile], rate: float) -> tuple[Background, Found]:
@@ -35,5 +36,8 @@ def settled_changes(background: Background, profiles: Sequence[Profile], rate: f
         settled = settled_background(background, np.concatenate(changes, axis=1))
         if settled is background:
             break
-        background, found = settled, find_changes(settled, profiles, rate)
+        before, background, found = found, settled, find_changes(settled, profiles, rate)
+        moved = abs(found.alternatives[0].log_posterior - before.alternatives[0].log_posterior)
+        if found.alternatives[0].keys == before.alternatives[0].keys and moved < SETTLED:
+            break
     return background, found

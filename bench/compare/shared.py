@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.csgraph import connected_components
 
 from bench.compare.noise import Repeatability, row_facts
@@ -30,32 +30,29 @@ class SharedWhitening:
 
     Attributes:
         linear: The model.
-        along: Shape (g, m), unit vectors of the cells that repeat.
-        back: Shape (g,), by how much each is taken back.
+        cells: Shape (m, m), takes back what the readings of a cell have in common.
+        back: Shape (g,), by how much each of the cells is taken back.
         tied: Of each set of tied segments, its rows, orthonormal modes, and by how much these are taken back.
     """
 
     linear: LinearisedModel
-    along: csr_array
+    cells: csr_array
     back: Array
     tied: tuple[tuple[NDArray[np.intp], Array, Array], ...]
 
     def __call__(self, white: Array) -> Array:
         """Return values, shape (m, k), of whitened ones, shape (m, k)."""
-        found = self.instant_by_instant(white)
-        self._settle(found)
+        plain = white.copy()
+        undo_segments(self.linear, plain)
+        return self.of_instants(plain)
+
+    def of_instants(self, values: Array) -> Array:
+        """Return values, shape (m, k), of those that were whitened instant by instant, shape (m, k)."""
+        found = np.asarray(self.cells @ values, dtype=np.float64)
         for mine, modes, back in self.tied:
             some = found[mine]
-            found[mine] = some - modes @ (back[:, None] * (modes.T @ some))
-        return found
-
-    def instant_by_instant(self, white: Array) -> Array:
-        """Return values, shape (m, k), as they are before what segments have in common is taken out of them."""
-        found = white.copy()
-        for rows, whitening in _segments(self.linear):
-            if len(whitening.shrink):
-                stretch = whitening.shrink / (1 - whitening.shrink)
-                found[rows] += whitening.modes @ (stretch[:, None] * (whitening.modes.T @ found[rows]))
+            some -= modes @ (back[:, None] * (modes.T @ some))
+            found[mine] = some
         return found
 
     @property
@@ -65,9 +62,14 @@ class SharedWhitening:
         tied = sum(float(np.sum(np.log(1 - back))) for _, _, back in self.tied)
         return float(np.sum(self.linear.log_determinants)) - common + tied + float(np.sum(np.log(1 - self.back)))
 
-    def _settle(self, values: Array) -> None:
-        """Take back what the readings of a cell have in common, in place."""
-        values -= self.along.T @ (self.back[:, None] * (self.along @ values))
+
+def undo_segments(linear: LinearisedModel, white: Array) -> None:
+    """Put what segments have in common back into whitened values, shape (m, k), in place."""
+    for rows, whitening in _segments(linear):
+        if len(whitening.shrink):
+            stretch = whitening.shrink / (1 - whitening.shrink)
+            some = white[rows[0] : rows[-1] + 1]
+            some += whitening.modes @ (stretch[:, None] * (whitening.modes.T @ some))
 
 
 def shared_whitening(linear: LinearisedModel, repeatability: Repeatability, cells: NDArray[np.intp]) -> SharedWhitening:
@@ -89,13 +91,15 @@ def shared_whitening(linear: LinearisedModel, repeatability: Repeatability, cell
     m = len(sigma)
     weights = np.divide(misses, np.sqrt(square[group]), out=np.zeros(m), where=misses > 0)
     along = csr_array((weights, (group, np.arange(m))), shape=(len(square), m))
-    draft = SharedWhitening(linear, along, 1 - 1 / np.sqrt(1 + square), ())
-    return SharedWhitening(linear, along, draft.back, tuple(_tied(draft, cells)))
+    back = 1 - 1 / np.sqrt(1 + square)
+    settled = csr_array(eye_array(m) - along.T @ (diags_array(back) @ along))  # one pass over many columns
+    return SharedWhitening(linear, settled, back, tuple(_tied(linear, settled, cells)))
 
 
-def _tied(draft: SharedWhitening, cells: NDArray[np.intp]) -> list[tuple[NDArray[np.intp], Array, Array]]:
+def _tied(
+    linear: LinearisedModel, settled: csr_array, cells: NDArray[np.intp]
+) -> list[tuple[NDArray[np.intp], Array, Array]]:
     """Return rows, modes and shrinkage of every set of segments that cells tie together."""
-    linear = draft.linear
     segments = _segments(linear)
     of_instant = np.repeat(np.arange(len(segments)), [len(segment) for segment in linear.segments])
     first = of_instant[cells]  # a cell is named by an instant of it
@@ -114,8 +118,7 @@ def _tied(draft: SharedWhitening, cells: NDArray[np.intp]) -> list[tuple[NDArray
             start += len(size)
         if not start:
             continue
-        draft._settle(common)
-        modes, size, _ = np.linalg.svd(common[rows], full_matrices=False)
+        modes, size, _ = np.linalg.svd((settled @ common)[rows], full_matrices=False)
         kept = size > TINY * size[0]
         found.append((rows, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2)))
     return found

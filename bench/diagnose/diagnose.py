@@ -10,7 +10,8 @@ from threadpoolctl import threadpool_limits
 
 from bench.diagnose.baseline.comparison import Baseline, baseline_of
 from bench.diagnose.conclude import unfinished_of, verdict_of
-from bench.diagnose.cross_validation.held_out import HeldOut, PredictedError, held_out, predicted_error
+from bench.diagnose.cross_validation.held_out import HeldOut, PredictedError, held_out
+from bench.diagnose.cross_validation.next_recording import predicted_error
 from bench.diagnose.experiment_design.propose import propose
 from bench.diagnose.experiment_design.undetectable import undetectable_effects
 from bench.diagnose.extend.fit import Fit

@@ -27,12 +27,14 @@ class NominalParameter:
         unit: "" for a relative deviation.
         sigma: Its standard deviation as stated in the robot's figures.
         edit: From a deviation to the change of the model.
+        is_viscous: It is viscous friction, which follows the temperature of its oil.
     """
 
     name: str
     unit: str
     sigma: float
     edit: Callable[[float], SpecEdit]
+    is_viscous: bool = False
 
 
 def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
@@ -51,7 +53,11 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
                 f"rotor inertia of {drive.joint}", "", known.rotor_inertia, _joint_scaled(drive.rotor, "armature")
             ),
             NominalParameter(
-                f"viscous friction of {drive.joint}", "", known.friction, _joint_scaled(drive.rotor, "damping")
+                f"viscous friction of {drive.joint}",
+                "",
+                known.friction,
+                _joint_scaled(drive.rotor, "damping"),
+                is_viscous=True,
             ),
             NominalParameter(f"stiffness of {drive.joint}", "", known.stiffness, _stiffness(drive.element)),
         ]

@@ -14,7 +14,13 @@ from bench.record.campaign import Array
 
 
 def channel_errors(
-    linear: LinearisedModel, error: Array, nominal: Array, noise: Array, promises: Sequence[PredictedError]
+    linear: LinearisedModel,
+    error: Array,
+    nominal: Array,
+    noise: Array,
+    promises: Sequence[PredictedError],
+    *,
+    is_fitted: bool = False,
 ) -> tuple[ChannelError, ...]:
     """Return what a model leaves of every channel, at rest and in motion, beside what was promised.
 
@@ -26,6 +32,7 @@ def channel_errors(
         nominal: Shape (T, c), the same of the nominal robot.
         noise: Shape (T, c), standard deviation of what no model can predict.
         promises: Of the model.
+        is_fitted: Whether what is set up anew was fitted to the recording.
     """
     promised = {(one.channel, one.kind): one for one in promises}
     observed = np.concatenate([segment.observed for segment in linear.segments])
@@ -36,6 +43,9 @@ def channel_errors(
             if not np.any(rows):
                 continue
             promise = promised.get((quantity.column, kind))
+            low = high = np.nan
+            if promise:
+                low, high = (promise.fitted_low, promise.fitted_high) if is_fitted else (promise.low, promise.high)
             found.append(
                 ChannelError(
                     channel=quantity.column,
@@ -46,8 +56,8 @@ def channel_errors(
                     nominal=rms(nominal[rows, c]),
                     floor=rms(noise[rows, c]),
                     measured=float(np.std(observed[rows, c])),
-                    low=promise.low if promise else np.nan,
-                    high=promise.high if promise else np.nan,
+                    low=low,
+                    high=high,
                 )
             )
     return tuple(found)

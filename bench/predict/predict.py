@@ -94,7 +94,7 @@ def _recording(
         nominal_error=nominal_error,
         noise=noise,
         freed=freed,
-        channels=channel_errors(linear, error, nominal_error, noise, promises),
+        channels=channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free)),
         stretches=worst_stretches(linear, error, noise),
     )
 

@@ -16,6 +16,7 @@ from bench.robot.folder import problems_of
 from bench.robot.strict import Strict
 
 PROMISES = "promises.json"
+ENDS = ("low", "high", "fitted_low", "fitted_high")
 
 
 class _Promise(Strict):
@@ -26,6 +27,8 @@ class _Promise(Strict):
     rms: float
     low: float | None
     high: float | None
+    fitted_low: float | None = None
+    fitted_high: float | None = None
 
 
 class _Promises(Strict):
@@ -42,7 +45,7 @@ def write_promises(folder: Path, promises: Iterable[PredictedError]) -> None:
     """
     entries = [asdict(promise) for promise in promises]
     for entry in entries:
-        entry |= {end: entry[end] if np.isfinite(entry[end]) else None for end in ("low", "high")}
+        entry |= {end: entry[end] if np.isfinite(entry[end]) else None for end in ENDS}
     text = json.dumps({"format": 1, "promises": entries}, indent=2)
     (folder / PROMISES).write_text(text + "\n", encoding="utf-8")
 
@@ -68,8 +71,7 @@ def read_promises(folder: Path) -> tuple[PredictedError, ...]:
             kind=one.kind,
             runs=one.runs,
             rms=one.rms,
-            low=np.nan if one.low is None else one.low,
-            high=np.nan if one.high is None else one.high,
+            **{end: np.nan if (value := getattr(one, end)) is None else value for end in ENDS},
         )
         for one in content.promises
     )

@@ -1,6 +1,7 @@
 """Pairs of recordings of one messy machine, with and without a change between them, and what a comparison says."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,17 +12,20 @@ from bench.compare.recordings import recordings_of
 from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.effects.effect import Acting, Effect
 from bench.errors import BenchError, ConvergenceError
-from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
 from bench.study.blind import BINS
 from bench.study.labs import Lab, Setup, machine_components
 from bench.study.limits import Way, detection_limit
+from bench.study.machines import recorded
 from bench.study.make import Sized
 from bench.study.worlds import surroundings_of
 
 QUARTER = 0.25  # of its absolute detection limit, at which a change is to be found (DESIGN 6.8)
 # Instruments that are set up anew for each recording: what they do otherwise than before is no change of the machine
 ANEW = ("tracker_frame", "tracker_drift", "tracker_scale", "force_gain", "force_tilt", "current_offset")
+STRIDE = (
+    17  # effects from one that cannot be hidden to the next try: any that does not share a factor with their number
+)
 TRIES = 60  # effects and places that are drawn until the absolute limit is plausible
 
 
@@ -64,39 +68,38 @@ class Outcome:
     is_in_set: bool
 
 
-def pairs(
-    setup: Setup, count: int, seed: int, *, with_change: bool, later: Lab | None = None, size: float = QUARTER
-) -> Iterator[Pair]:
-    """Yield pairs of recordings, each of another machine in a messy world.
+def pair_of(
+    setup: Setup, number: int, seed: int, *, with_change: bool, later: Lab | None = None, size: float = QUARTER
+) -> Pair:
+    """Return two recordings of a machine in a messy world.
 
-    Effects take turns; the order, places, shapes and signs are drawn.
+    Effects take turns; the order, places, shapes and signs are drawn. What has no plausible absolute limit gives its
+    turn to the next.
 
     Args:
         setup: Of the lab that records; its null campaign gives absolute detection limits.
-        count: How many.
+        number: Of the pair, from 0; each is of another machine.
         seed: Of everything that is drawn.
         with_change: Whether something comes between the two.
         later: Lab of the second recording, if it does something else.
         size: Of the change, as a share of its absolute detection limit.
+
+    Raises:
+        ConvergenceError: None of the machines that were drawn finds a rest.
     """
-    order = np.random.default_rng([seed, count]).permutation(_listed(setup))
-    turn = 0
-    for number in range(count):
-        for _ in range(TRIES):
-            rng = np.random.default_rng([seed, number, turn, int(with_change)])
-            change = None
-            if with_change:
-                effect = setup.catalogue[str(order[turn % len(order)])]
-                turn += 1
-                change = _sized(effect, setup, rng, size)
-                if change is None:
-                    continue
-            try:
-                yield _made(setup, later or setup.lab, change, rng)
-            except ConvergenceError:  # this machine finds no rest: another one
-                turn += not with_change
+    listed = _listed(setup)
+    order = np.random.default_rng([seed, len(listed)]).permutation(listed)
+    for turn in range(TRIES):
+        rng = np.random.default_rng([seed, number, turn, int(with_change)])
+        change = None
+        if with_change:
+            effect = setup.catalogue[str(order[(number + turn * STRIDE) % len(order)])]
+            change = _sized(effect, setup, rng, size)
+            if change is None:
                 continue
-            break
+        with suppress(ConvergenceError):  # a machine that finds no rest: another one
+            return _made(setup, later or setup.lab, change, rng)
+    raise ConvergenceError(f"pair {number}: none of {TRIES} machines that were drawn finds a rest")
 
 
 def outcome_of(pair: Pair, setup: Setup, rate: float = FALSE_ALARM_RATE) -> Outcome:
@@ -135,7 +138,7 @@ def _key(acting: Acting) -> tuple[str, str]:
     return acting.effect.name, str(acting.place)
 
 
-def counts_of(outcomes: list[Outcome]) -> str:
+def counts_of(outcomes: Sequence[Outcome]) -> str:
     """Return the counts in one line."""
     n, named = len(outcomes), sum(one.is_named for one in outcomes)
     if not any(one.hidden for one in outcomes):
@@ -172,14 +175,6 @@ def _made(setup: Setup, later: Lab, change: Sized | None, rng: np.random.Generat
     known = tuple(machine_components(setup.catalogue, setup.lab, setup.compiled))
     stays = tuple(one for one, _ in surroundings_of("messy", new, known, setup.compiled, rng))
     machine = int(rng.integers(2**31))
-    before = _recorded(setup.lab, stays, rng, machine)
-    after = _recorded(later, (*stays, *new), rng, machine)
+    before = recorded(setup.lab, stays, rng, machine)
+    after = recorded(later, (*stays, *new), rng, machine)
     return Pair(before, after, change)
-
-
-def _recorded(lab: Lab, acting: tuple[Acting, ...], rng: np.random.Generator, machine: int) -> Campaign:
-    """Return a recording of the machine with a seed."""
-    own = np.random.default_rng(machine)
-    robot, session = lab.robot(), lab.scenario()
-    known = hide_campaign(robot, session, acting, rng, without=lab.without, channels=lab.channels, machine=own)
-    return known.campaign

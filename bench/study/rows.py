@@ -6,22 +6,35 @@ that is whole counts, and no campaign counts twice. Each line names its study, s
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, Generic, Protocol, TextIO, TypeVar
 
 from bench.errors import InputError
-from bench.study.outcome import Outcome
 
 ROWS = "campaigns.jsonl"
 STUDY = "study"  # key of a line that names its study
 LENGTH = 8  # hexadecimal digits of that name
 
 
+class Row(Protocol):
+    """What came of one campaign, or of one machine."""
+
+    @property
+    def name(self) -> str:
+        """Unique in its study."""
+
+    def as_json(self) -> str:
+        """Return it as one line."""
+
+
+R = TypeVar("R", bound=Row)
+
+
 @dataclass(frozen=True)
-class Rows:
+class Rows(Generic[R]):
     """What a file holds.
 
     Attributes:
@@ -29,16 +42,17 @@ class Rows:
         damaged: Lines that could not be read, and are no longer there.
     """
 
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[R, ...]
     damaged: int
 
 
-def read_rows(file: Path, settings: Mapping[str, Any]) -> Rows:
+def read_rows(file: Path, settings: Mapping[str, Any], parse: Callable[[str], R]) -> Rows[R]:
     """Return the campaigns that are done, and leave a file in which nothing is damaged or doubled; makes a new one.
 
     Args:
         file: In a folder that exists.
         settings: Of the study, as plain data; "code" is its fingerprint.
+        parse: Reads a row from its line; ValueError where that is not whole.
 
     Raises:
         InputError: The file is of another study, or was made by other code.
@@ -51,11 +65,11 @@ def read_rows(file: Path, settings: Mapping[str, Any]) -> Rows:
     name = study_of(settings)
     parsed = [(line, _parsed(line)) for line in lines if line.strip()]
     _expect_same(file, _dictionary(first), settings, any(row.get(STUDY) == name for _, row in parsed))
-    outcomes: dict[str, Outcome] = {}
+    outcomes: dict[str, R] = {}
     whole = 0
     for line, row in parsed:
         try:
-            outcome = Outcome.from_json(line.decode())
+            outcome = parse(line.decode())
         except (ValueError, RecursionError):
             continue
         if row.get(STUDY, name) == name:
@@ -66,14 +80,14 @@ def read_rows(file: Path, settings: Mapping[str, Any]) -> Rows:
     return Rows(tuple(outcomes.values()), len(parsed) - whole)
 
 
-def append(stream: TextIO, outcome: Outcome, study: str) -> None:
+def append(stream: TextIO, outcome: Row, study: str) -> None:
     """Write a campaign that is done, so that it is there even if the process is killed next."""
     stream.write(line_of(outcome, study) + "\n")
     stream.flush()
     os.fsync(stream.fileno())
 
 
-def line_of(outcome: Outcome, study: str) -> str:
+def line_of(outcome: Row, study: str) -> str:
     """Return a campaign as a line."""
     return json.dumps({STUDY: study} | json.loads(outcome.as_json()))
 

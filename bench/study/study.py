@@ -1,7 +1,6 @@
 """Run a study: campaigns are made, diagnosed blind and written down one by one, wherever an executor works."""
 
 from collections.abc import Callable
-from contextlib import closing
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from time import process_time
@@ -15,12 +14,13 @@ from bench.errors import BenchError, InputError
 from bench.executor.contract import Executor, Progress, ignore
 from bench.executor.serial import SERIAL
 from bench.study.blind import diagnose_with, signatures_of
+from bench.study.carried_out import carried_out
 from bench.study.code import code_of
 from bench.study.labs import Lab, Setup, prepare
 from bench.study.make import lab_of, make
 from bench.study.outcome import Answer, Outcome, answer_of, outcome_of
 from bench.study.plan import Counts, Trial, plan
-from bench.study.rows import ROWS, append, read_rows, study_of
+from bench.study.rows import ROWS
 
 NULL_STREAM = 1  # of the campaign that signatures come from; no trial has it
 
@@ -93,28 +93,11 @@ def run_study(
     Raises:
         InputError: The folder holds another study, or one that other code began.
     """
-    file, plain = folder / ROWS, asdict(settings)
-    rows = read_rows(file, plain)
-    if rows.damaged:
-        lines = "line was" if rows.damaged == 1 else "lines were"
-        say(f"{file}: {rows.damaged} damaged {lines} dropped; what stood there is done again.")
-    done = {outcome.name: outcome for outcome in rows.outcomes}
     lab = Lab(settings.session)
     trials = plan(settings.counts, lab.compiled(), settings.seed, lab)
-    missing = [trial for trial in trials if trial.name not in done]
     work = work or Campaigns(settings)
-    if missing and executor.shares_memory:
-        work.prepare(executor)
-    before = 1 - len(missing) / len(trials)
-
-    def told(share: float) -> None:
-        progress(before + share * (1 - before))
-
-    with file.open("a", encoding="utf-8") as stream, closing(executor.map(work, missing, told)) as results:
-        for result in results:
-            append(stream, result.value, study_of(plain))
-            done[result.value.name] = result.value
-    return tuple(done[trial.name] for trial in trials)
+    known = folder / ROWS, asdict(settings), Outcome.from_json
+    return carried_out(trials, work, *known, executor, progress, say)
 
 
 def run_trial(trial: Trial, setup: Setup, seed: int) -> Outcome:

@@ -43,6 +43,9 @@ def test_gas_that_is_lost_between_two_recordings_is_found() -> None:
     assert "gas_loss" in named
     assert named <= {"gas_loss", "gas_temperature", "gas_step"}, "nothing that stayed is blamed"
     one = next(e.changes[0] for e in found.explanations if e.changes[0].effect == "gas_loss")
+    names = [{(name.effect, name.place) for name in finding.names} for finding in found.findings]
+    assert len(names) == 1
+    assert ("gas_loss", "robot") in names[0], "what cannot be told from it stands beside it in one finding"
     size = one.sizes[0].change
     assert size.low < LOST < size.high
     assert size.high - size.low < LOST

@@ -6,7 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bench.diagnose.diagnose import diagnose
+from bench.diagnose.linearise.noise_covariance import SLOWNESS, slow
 from bench.diagnose.linearise.standing_joints import ANYWHERE, shaken_share
+from bench.effects.catalogue import catalogue
+from tests.compare.pairs import recorded
+from tests.diagnose.sweeps import SWEEPS, nominal
 
 LEVELS = np.array([40.0, 100.0])  # [Nm], of two joints on the link side
 NOISE = 1e-5
@@ -48,3 +53,17 @@ def test_noise_and_misfit_are_no_jumps(rng: np.random.Generator) -> None:
 
 def test_without_motion_enough_a_joint_may_be_anywhere(rng: np.random.Generator) -> None:
     assert shares(0.1, rng, instants=20) == pytest.approx(2 * ANYWHERE)
+
+
+def test_friction_that_walks_over_a_level_is_followed_to_a_tenth(rng: np.random.Generator) -> None:
+    walk = np.cumsum(rng.standard_normal((INSTANTS, 200)), axis=0) / np.sqrt(INSTANTS)
+    for columns, left in ((slow(INSTANTS), 0.1), (slow(INSTANTS)[:, :SLOWNESS], 0.2)):
+        sizes = np.linalg.lstsq(columns, walk, rcond=None)[0]
+        assert np.sqrt(np.mean((walk - columns @ sizes) ** 2)) == pytest.approx(left, rel=0.3)
+    assert slow(3).shape[0] == 3
+
+
+def test_corners_of_friction_at_the_wrist_are_no_hysteresis() -> None:
+    campaign = recorded(SWEEPS, 3000, 3_000_002)  # 37 nats for hysteresis of joint 5, with polynomials alone
+    effects = {name: catalogue()[name] for name in ("hysteresis", "friction_side", "softening", "gas_loss")}
+    assert diagnose(campaign, nominal(), effects, proposes=False).verdict.kind == "nothing found"

@@ -22,7 +22,7 @@ from bench.report.prediction.sentences import rows_of
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 
-PROMISE = PredictedError("tau_motor_1_nm", "Nm", "motion", 8, 0.8, 0.1, 10.0)
+PROMISE = PredictedError("tau_motor_1_nm", "Nm", "motion", 8, 0.8, 0.1, 10.0, 0.1, 10.0)
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +135,7 @@ def test_broken_promises_are_named(tmp_path: Path, text: str) -> None:
 
 
 def test_promises_read_back(tmp_path: Path) -> None:
-    promises = (PROMISE, replace(PROMISE, kind="static", runs=1, low=np.nan, high=np.nan))
+    promises = (PROMISE, replace(PROMISE, kind="static", runs=1, low=np.nan, high=np.nan, fitted_low=np.nan))
     write_promises(tmp_path, promises)
     first, second = read_promises(tmp_path)
     assert first == PROMISE

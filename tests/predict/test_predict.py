@@ -52,8 +52,15 @@ def test_a_folder_predicts_what_its_fit_did(
     assert np.max((np.abs(expected - stated) / scale)[there]) > 1e3 * AGREES
 
 
+def test_what_is_fitted_anew_is_held_against_the_narrower_promise(campaign: Campaign, nominal: CompiledRobot) -> None:
+    promised = PredictedError("tau_motor_1_nm", "Nm", "motion", 8, 1.0, 0.5, 2.0, 0.7, 1.5)
+    (found,) = predict(campaign, nominal, nominal, [promised], ("torque_offset",)).recordings
+    (channel,) = [one for one in found.channels if one.channel == promised.channel and one.kind == "motion"]
+    assert (channel.low, channel.high) == (0.7, 1.5)
+
+
 def test_errors_are_plain_root_mean_squares_beside_the_promise(campaign: Campaign, nominal: CompiledRobot) -> None:
-    promised = PredictedError("tau_motor_1_nm", "Nm", "motion", 8, 1.0, 0.5, 2.0)
+    promised = PredictedError("tau_motor_1_nm", "Nm", "motion", 8, 1.0, 0.5, 2.0, 0.7, 1.5)
     (found,) = predict(campaign, nominal, nominal, [promised, replace(promised, kind="static")]).recordings
     assert promised.channel in [channel.channel for channel in found.channels]
     for channel in found.channels:

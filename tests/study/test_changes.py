@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.effects.catalogue import catalogue
-from bench.study.changes import Outcome, counts_of, outcome_of, pairs
+from bench.study.changes import Outcome, counts_of, outcome_of, pair_of
 from bench.study.labs import Lab, Setup, prepare
 
 RIGHT = Outcome("gas_loss: lost 0.01", 0.25, 3.0, "loss of gas", True, True, True, True)
@@ -30,14 +30,19 @@ def setup() -> Setup:
     return prepare(Lab(), catalogue(), np.random.default_rng(UNSEEN_SEED))
 
 
+def outcomes_of(with_change: bool) -> list[Outcome]:
+    every = (pair_of(setup(), i, UNSEEN_SEED, with_change=with_change) for i in range(PAIRS))
+    return [outcome_of(pair, setup()) for pair in every]
+
+
 @pytest.mark.study
 def test_messy_machines_that_stay_as_they_are_have_not_changed() -> None:
-    outcomes = [outcome_of(pair, setup()) for pair in pairs(setup(), PAIRS, UNSEEN_SEED, with_change=False)]
+    outcomes = outcomes_of(with_change=False)
     assert sum(one.is_named for one in outcomes) <= FALSE_ALARMS, counts_of(outcomes)
 
 
 @pytest.mark.study
 def test_most_changes_that_stand_out_of_the_limits_of_a_comparison_are_found() -> None:
-    outcomes = [outcome_of(pair, setup()) for pair in pairs(setup(), PAIRS, UNSEEN_SEED, with_change=True)]
+    outcomes = outcomes_of(with_change=True)
     clear = [one for one in outcomes if one.times > 1.5]
     assert sum(one.is_in_set for one in clear) > len(clear) / 2, counts_of(clear)

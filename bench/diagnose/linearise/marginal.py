@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg import cho_solve, solve_triangular
 from scipy.special import log_ndtr
 
 from bench.record.campaign import Array
@@ -193,6 +193,10 @@ class Nuisances:
     def log_determinant(self) -> float:
         """Half of the logarithm of the determinant of M, the covariance of whitened readings."""
         return float(np.sum(np.log(np.diag(self._factor))))
+
+    def most_probable(self, white: Array) -> Array:
+        """Return the most probable sizes of all nuisances, shape (p + k,), for whitened residuals of shape (m,)."""
+        return np.asarray(cho_solve((self._factor, True), self._every.T @ white), dtype=np.float64)
 
     def regression(self, known: Array, columns: Array) -> Array:
         """Return the coefficients of columns, shape (m, k), on known ones, shape (m, n): shape (n, k)."""

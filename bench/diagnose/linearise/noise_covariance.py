@@ -26,6 +26,11 @@ MOTOR_REST, LINK_REST = 0.8, 0.15  # anew at every rest
 MOTOR_VISIT, LINK_VISIT = 2.0, 0.6  # the same for a visit; a motor may have let go of all it held
 STANDING = 1.0  # a joint that stands while others move: anywhere between its two levels, changing slowly
 SLOWNESS = 5  # polynomials over the run that describe the slow change
+# Cosines beyond these. A joint that stands holds its friction until a load moves it, so what is not known of it walks
+# over its levels in steps. Cosine k of a random walk that crosses one level in a run has a standard deviation of
+# sqrt(2) / (pi k) levels (Karhunen and Loeve); what lies beyond K of them is 1 / (pi sqrt(K)), here a tenth of a level.
+# Without them corners of friction at the wrist were taken for hysteresis (37 and 45 nats on two sound machines).
+WALKS = 10
 PLACED = 12**-0.5  # of a gap: where a loose link rests, it may be anywhere within it
 BOUNCES = 0.7  # of a gap, anew at every instant, when a link bounces at a flank that hardly any torque holds it to
 LIGHT = 0.3  # of the torque that twists a gear by its gap; more holds links to the flank
@@ -115,11 +120,11 @@ def whitening_of(
     if segment.is_static:
         stands = np.ones(n, dtype=bool)
         once, lasting = np.repeat([LINK_REST, MOTOR_REST], n), np.repeat([LINK_VISIT, MOTOR_VISIT], n)
-        slow = np.asarray(np.ones((length, 1)), dtype=np.float64)
+        slowly = np.asarray(np.ones((length, 1)), dtype=np.float64)
     else:
         stands = segment.standing
         once, lasting = shaken * np.tile(stands, 2), STANDING * np.tile(stands, 2)
-        slow = np.asarray(legendre.legvander(np.linspace(-1, 1, length), SLOWNESS - 1), dtype=np.float64)
+        slowly = slow(length)
     spread = np.concatenate([response.link, response.motor], axis=2) * levels  # (T, c, 2n), a whole level
     spread = np.where(measured[:, :, None], spread, 0.0)
     loose = is_loose(compiled, response.link_load) & stands & (play > 0)
@@ -145,12 +150,12 @@ def whitening_of(
     factors = np.linalg.inv(np.linalg.cholesky(covariance))
     rows = measured.reshape(-1)
     part = (spread * lasting)[:, :, lasting * levels > 0]
-    shared = [part * slow[:, m, None, None] for m in range(slow.shape[1])]
+    shared = [part * slowly[:, m, None, None] for m in range(slowly.shape[1])]
     for j in np.flatnonzero(loose.any(axis=0)):
         gap = gaps[:, :, [j]] * loose[:, j, None, None]
         spell = np.cumsum(np.diff(loose[:, j], prepend=False))  # odd while loose: until it is pushed, a link stays
         shared.append(PLACED * gap * (spell[:, None] == np.unique(spell[loose[:, j]]))[:, None])
-        shared += [CREEPS * gap * slow[:, m, None, None] for m in range(1, slow.shape[1])]
+        shared += [CREEPS * gap * slowly[:, m, None, None] for m in range(1, min(SLOWNESS, slowly.shape[1]))]
     common = np.concatenate([factors @ mode for mode in shared], axis=2)
     common = common.reshape(length * c, -1)[rows]
     if common.shape[1] == 0 or not np.any(common):
@@ -158,6 +163,14 @@ def whitening_of(
     modes, size, _ = np.linalg.svd(common, full_matrices=False)
     kept = size > 1e-9 * size[0]
     return Whitening(rows, factors, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2))
+
+
+def slow(length: int) -> Array:
+    """Return how friction of a standing joint may change over a motion, shape (T, k), each with a deviation of one."""
+    polynomials = legendre.legvander(np.linspace(-1, 1, length), SLOWNESS - 1)
+    k = np.arange(SLOWNESS, min(SLOWNESS + WALKS, length))  # no more than there are instants
+    walk = np.sqrt(2) / (np.pi * k) * np.cos(np.pi * k * (np.arange(length)[:, None] + 0.5) / length)
+    return np.concatenate([polynomials, walk], axis=1, dtype=np.float64)
 
 
 def _rattles(compiled: CompiledRobot, segment: Segment, response: TorqueResponse, play: Array) -> Array:

@@ -1,9 +1,9 @@
 """What belongs to a machine, and what to one of its recordings: background errors of each, and worlds as each has them.
 
-Geometry, masses, gears, friction laws and the law of the gas are the machine's; so are torque constants, the gain of
-the force sensor, nests that are glued on, and the weights of the lab. Link encoders are zeroed, a tracker is set up and
-a payload bolted on anew in each recording. The zero of a current or torque channel is the machine's with a drift. The
-gas is as warm as the air of the day.
+Geometry, masses, gears, friction laws and the law of the gas are the machine's; so are the gain of the force sensor,
+nests that are glued on, and the weights of the lab. Link encoders are zeroed, a tracker is set up and a payload bolted
+on anew in each recording. Torque constants and the zero of a current or torque channel are the machine's with a drift.
+The gas is as warm as the air of the day.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,9 +18,6 @@ from bench.effects.gas import amount_scaled
 from bench.effects.levels import acts_in
 from bench.robot.compiled import CompiledRobot, SpecEdit
 
-# Of the variance of a channel's zero as stated, the part that is another one in each recording: data sheets state the
-# zero of a sensor and its drift with temperature and time of the same order. The halves are assumed.
-DRIFTING = 0.5
 GAS_DAY_K = 5.0  # [K], standard deviation of the gas from recording to recording: unheated air of a workshop, assumed
 
 
@@ -74,8 +71,8 @@ def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nu
         return
     sigma = nuisance.sigma
     if nuisance.between == "drifts":
-        yield replace(nuisance, sigma=float(np.sqrt(1 - DRIFTING)) * sigma)
-        sigma = float(np.sqrt(DRIFTING)) * sigma
+        yield replace(nuisance, sigma=float(np.sqrt(nuisance.sigma**2 - nuisance.drift**2)))
+        sigma = nuisance.drift
     for name in recordings:
         yield replace(nuisance, sigma=sigma, recording=name)
 

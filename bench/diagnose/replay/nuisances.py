@@ -17,7 +17,18 @@ from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_
 
 # [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold; assumed
 THERMOMETER_K = 2.0
+# Of the variance of a channel's zero as stated, the part that is another one in each recording: data sheets state the
+# zero of a sensor and its drift with temperature and time of the same order. The halves are assumed. What is known to
+# drift by less, as torque constants do, does so.
+DRIFTING = 0.5
 UNKNOWN_ZERO = 1e-3  # [rad] or [m], how well secondary encoders are zeroed where the figures do not say, assumed
+
+# From one recording to another. Drives that are cold in one and warmed up in another differ by some 20 K, and the air
+# of a workshop adds to it: 10 K as a standard deviation, assumed. Both rates lie in the ranges of the effects that look
+# for them (`torque_constant_temperature`, `friction_temperature`, with their sources).
+DAY_K = 10.0  # [K]
+REMANENCE = 0.001  # [1/K], by which a torque constant falls with the remanence of NdFeB magnets
+VISCOUS = 0.015  # [1/K], by which viscous friction falls: 30 % over 20 K
 
 OnReading = Callable[[float, Reading], Reading]
 
@@ -35,6 +46,7 @@ class Nuisance:
         scales_wrench: It is the relative error of what hangs at the load point.
         scales_payload: It is the relative error of what is bolted to it.
         between: What becomes of it between two recordings, as of an effect (`effects/effect.py`).
+        drift: Standard deviation of what comes to it in each recording anew, in its unit; 0: nothing, or not known.
         recording: Name of the only recording in which it acts; None: in all.
         said_before: What each reading of an earlier diagnosis changes by with one unit of it (`given.py`).
     """
@@ -53,12 +65,16 @@ class Nuisance:
         return self.name if self.recording is None else f"{self.name}{IN_RECORDING}{self.recording}"
 
     said_before: tuple[float, ...] = ()
+    drift: float = 0.0
 
 
 def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[Nuisance, ...]:
     """Return everything that may be off in a robot and in the instruments that were there."""
     kinds = {quantity.kind for quantity in quantities}
-    found = [Nuisance(p.name, p.unit, p.sigma, edit=p.edit) for p in nominal_parameters(compiled)]
+    found = [
+        Nuisance(p.name, p.unit, p.sigma, edit=p.edit, drift=VISCOUS * DAY_K if p.is_viscous else 0.0)
+        for p in nominal_parameters(compiled)
+    ]
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))
     found.append(Nuisance("weights bolted on", "", load, scales_payload=True, between="anew"))
@@ -84,16 +100,20 @@ def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
         if "current" in kinds:
             gain = float(np.hypot(drive.torque_constant_error, current.gain_sigma if current else 0.0))
             offset = current.offset_sigma_a if current else 0.0
-            found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_current_gain(j)))
-            zero = Nuisance(f"current offset of {drive.joint}", "A", offset, on_reading=_current_offset(j))
-            found.append(replace(zero, between="drifts"))
+            found.append(_drifting(f"torque constant of {drive.joint}", "", gain, _current_gain(j), REMANENCE * DAY_K))
+            found.append(_drifting(f"current offset of {drive.joint}", "A", offset, _current_offset(j)))
         if "tau_motor" in kinds:
             gain = torque.gain_sigma if torque else drive.torque_constant_error
-            found.append(Nuisance(f"torque constant of {drive.joint}", "", gain, on_reading=_torque_gain(j)))
+            found.append(_drifting(f"torque constant of {drive.joint}", "", gain, _torque_gain(j), REMANENCE * DAY_K))
             offset = torque.offset_sigma_nm if torque else 0.0
-            zero = Nuisance(f"torque offset of {drive.joint}", "Nm", offset, on_reading=_torque_offset(j))
-            found.append(replace(zero, between="drifts"))
+            found.append(_drifting(f"torque offset of {drive.joint}", "Nm", offset, _torque_offset(j)))
     return found
+
+
+def _drifting(name: str, unit: str, sigma: float, on_reading: OnReading, drift: float = np.inf) -> Nuisance:
+    """Return an error of a channel that drifts by so much, or by as much of what is stated as may be drift."""
+    most = float(np.sqrt(DRIFTING)) * sigma
+    return Nuisance(name, unit, sigma, on_reading=on_reading, between="drifts", drift=min(drift, most))
 
 
 def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[Nuisance]:

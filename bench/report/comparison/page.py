@@ -16,7 +16,7 @@ from bench.report.comparison.names import (
     title_of,
     unit_words,
 )
-from bench.report.comparison.words import NONLINEAR, basis_sentence, headline
+from bench.report.comparison.words import NONLINEAR, basis_sentence, findings_sentences, headline
 from bench.report.diagnosis.names import capital, channel_name, percent
 
 TEMPLATE = "page.html.j2"
@@ -83,6 +83,7 @@ def page_of(comparison: Comparison, robot: str, command: str) -> str:
         command=command,
         headline=headline(comparison),
         basis=basis_sentence(comparison),
+        findings=tuple(findings_sentences(comparison)),
         course=lambda change: course_words(change, comparison),
         nonlinear=NONLINEAR,
         seen=[line for line in lines if line.is_seen or line.is_named],

@@ -1,6 +1,6 @@
 """A comparison in words for the terminal."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -11,10 +11,12 @@ from bench.report.comparison.names import (
     interval_text,
     limit_words,
     size_text,
+    title_of,
     unlisted_words,
 )
 from bench.report.diagnosis.names import capital, listed, percent
 
+UNDECIDED = ", which these data cannot tell apart"
 MOST = 120  # characters of two lines of the page's title, as in `report.diagnosis.headline`
 BEST_LIMITS = 8
 LEAST = 1e-12  # of a probability that is said: none is nothing
@@ -37,24 +39,36 @@ def headline(comparison: Comparison) -> str:
         when = course_words(change, comparison) if not first.per_week else ""
         said = (f"Changed: {change_name(change)} {amount}", when, f"probability {percent(best.probability)}")
         return ", ".join(part for part in said if part) + "."
-    shared = set.intersection(*({_key(c) for c in one.changes} for one in comparison.explanations))
-    common = [change_name(change) for change in best.changes if _key(change) in shared]
-    rests = [
-        " with ".join(change_name(change) for change in one.changes if _key(change) not in shared) or "nothing else"
-        for one in comparison.explanations
-    ]
-    parts = [listed(common, "and")] if common else []
-    if len(rests) > 1:
-        either = f"either {listed(rests, 'or')}"
-        parts.append(either if len(either) < MOST else f"one of {len(rests)} sets of causes")
-        parts[-1] += ", which these data cannot tell apart"
-    return f"Changed: {', and '.join(parts)}."
+    return f"Changed: {_findings(comparison, MOST - len('Changed: .'))}."
+
+
+def _findings(comparison: Comparison, room: int) -> str:
+    """Return all findings with their names, in short where there is no room, as many as there is room for."""
+    names = [[title_of(one.title, one.place) for one in finding.names] for finding in comparison.findings]
+    is_open = comparison.has_other_explanations
+    undecided = ", or another explanation" * is_open + UNDECIDED * (is_open or any(len(own) > 1 for own in names))
+    whole = [f"either {listed(own, 'or')}" if len(own) > 1 else own[0] for own in names]
+    short = [_in_short(own) for own in names]
+    for text in (listed(whole, ", and") + undecided, listed(short, "and") + undecided):
+        if len(text) <= room:
+            return text
+    for count in range(len(short) - 1, 0, -1):
+        text = listed([*short[:count], "others"], "and") + undecided
+        if len(text) <= room:
+            return text
+    return short[0] if len(short) == 1 else f"{short[0]} and others"
+
+
+def _in_short(names: Sequence[str]) -> str:
+    others = len(names) - 1
+    return names[0] if not others else f"{names[0]} or {others} other{'s' * (others > 1)}"
 
 
 def words_of(comparison: Comparison) -> Iterator[str]:
     """Yield the lines of a comparison for the terminal."""
     yield headline(comparison)
     yield basis_sentence(comparison)
+    yield from findings_sentences(comparison)
     for explanation in comparison.explanations:
         names = " with ".join(change_name(change) for change in explanation.changes)
         yield f"{capital(names)}: probability {percent(explanation.probability)}"
@@ -63,6 +77,14 @@ def words_of(comparison: Comparison) -> Iterator[str]:
     if comparison.has_changed:
         yield f"That nothing changed has a probability of {percent(max(comparison.probability_unchanged, LEAST))}."
     yield from limits_sentences(comparison)
+
+
+def findings_sentences(comparison: Comparison) -> Iterator[str]:
+    """Yield each of several changes with the causes that may be behind it; nothing where there is one."""
+    if len(comparison.findings) > 1:
+        for i, finding in enumerate(comparison.findings, 1):
+            names = [f"{title_of(one.title, one.place)} ({percent(one.probability)})" for one in finding.names]
+            yield f"Change {i}: {listed(names, 'or')}"
 
 
 def basis_sentence(comparison: Comparison) -> str:
@@ -110,7 +132,3 @@ def _change(change: Change, comparison: Comparison) -> Iterator[str]:
 
 def _component(one: Component) -> str:
     return f"{one.title}, {one.parameter.replace('_', ' ')}" if one.parameter != "change" else one.title
-
-
-def _key(change: Change) -> tuple[str, str]:
-    return change.effect, change.place

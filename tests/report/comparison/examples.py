@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from bench.compare.comparison import (
     Change,
+    ChangedFinding,
     ChangedSize,
     ChannelNoise,
     Compared,
@@ -11,6 +12,7 @@ from bench.compare.comparison import (
     Component,
     Explanation,
     Interval,
+    PossibleName,
     UnlistedChange,
 )
 
@@ -45,6 +47,7 @@ NOTHING = Comparison(
     threshold=5.2,
     probability_unchanged=0.9,
     explanations=(),
+    findings=(),
     unlisted=None,
     components=(
         Component(
@@ -56,8 +59,31 @@ NOTHING = Comparison(
     ),
     noise=(ChannelNoise("current_2_a", True, 1.0, 0.4, 64),),
 )
-ONE = replace(NOTHING, explanations=(Explanation((GAS,), 0.993, 40.0),), probability_unchanged=1e-9)
-SET = replace(NOTHING, explanations=(Explanation((GAS,), 0.6, 40.0), Explanation((COLD,), 0.39, 39.5)))
+
+
+def finding(*changes: Change) -> ChangedFinding:
+    names = tuple(PossibleName(one.effect, one.title, one.place, 0.9 / len(changes)) for one in changes)
+    return ChangedFinding(names, 0.9)
+
+
+ONE = replace(
+    NOTHING, explanations=(Explanation((GAS,), 0.993, 40.0),), findings=(finding(GAS),), probability_unchanged=1e-9
+)
+SET = replace(
+    NOTHING,
+    explanations=(Explanation((GAS,), 0.6, 40.0), Explanation((COLD,), 0.39, 39.5)),
+    findings=(finding(GAS, COLD),),
+)
+FRICTION = tuple(
+    replace(GAS, effect=f"friction_{k}", title=f"friction of joint {k}, long name {k}", place=f"joint {k}")
+    for k in range(5)
+)
+TWO = replace(
+    NOTHING,
+    explanations=tuple(Explanation((gas, friction), 0.1, 40.0) for gas in (GAS, COLD) for friction in FRICTION),
+    findings=(finding(*FRICTION), finding(GAS, COLD)),
+)
+OTHER = replace(SET, explanations=(*SET.explanations, Explanation(FRICTION[:2], 0.01, 36.0)))
 UNLISTED = replace(NOTHING, unlisted=UnlistedChange("", "joint 2", "link torque", "angle", "step", "june", 31.0))
 THREE = replace(
     ONE,

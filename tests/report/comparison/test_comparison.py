@@ -10,7 +10,7 @@ from bench.compare.comparison import Comparison
 from bench.report.comparison.page import lines_of, page_of
 from bench.report.comparison.words import headline, words_of
 from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
-from tests.report.comparison.examples import NOTHING, ONE, SET, THREE, UNLISTED
+from tests.report.comparison.examples import NOTHING, ONE, OTHER, SET, THREE, TWO, UNLISTED
 
 
 @pytest.mark.parametrize(
@@ -21,6 +21,15 @@ from tests.report.comparison.examples import NOTHING, ONE, SET, THREE, UNLISTED
         (
             SET,
             "Changed: either loss of gas or gas warmer or colder than nominal, which these data cannot tell apart.",
+        ),
+        (
+            TWO,
+            "Changed: friction of joint 0, long name 0 or 4 others and loss of gas or 1 other, which these data cannot "
+            "tell apart.",
+        ),
+        (
+            OTHER,
+            "Changed: loss of gas or 1 other, or another explanation, which these data cannot tell apart.",
         ),
         (UNLISTED, "Changed, not listed: a torque on the link of joint 2 that depends on angle."),
         (THREE, "Changed: loss of gas +0.600 % (90 % interval 0.550 to 0.650) a week, probability 95 %."),
@@ -40,6 +49,13 @@ def test_terminal_gives_every_explanation_with_its_size() -> None:
     words = "\n".join(words_of(SET))
     assert "lost +1.24 % (90 % interval 1.12 to 1.36)" in words
     assert "offset -3.60 K (90 % interval -4.00 to -3.20)" in words
+
+
+def test_several_changes_are_told_one_by_one() -> None:
+    words = "\n".join(words_of(TWO))
+    assert "Change 2: loss of gas (45 %) or gas warmer or colder than nominal (45 %)" in words
+    assert "Change 1: friction of joint 0" in page_of(TWO, "HH-150", "")
+    assert "Change 1:" not in page_of(SET, "HH-150", ""), "one change: its explanations say the same"
 
 
 def test_page_has_a_line_for_each_component() -> None:

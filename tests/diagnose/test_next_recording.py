@@ -1,0 +1,92 @@
+"""What a diagnosis promises of a recording to come: it covers one more, with what drifts and what was seen twice."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.diagnose.cross_validation.folds import BLOCKS, folds_of
+from bench.diagnose.cross_validation.next_recording import apart, drifts_of, predicted_error
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.nuisances import Nuisance
+from tests.diagnose.test_held_out import LENGTH, SIGMA, design_with, fit_of, noise, sensitivities
+
+SEEDS = 40
+FEWEST = 31  # of 40 at 90 %: binomial, three standard deviations down
+
+
+def test_predicted_error_covers_one_more_run() -> None:
+    covered = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        runs = 9
+        jacobian = sensitivities(rng, runs, p=1)
+        sizes = np.repeat(np.exp(0.5 * rng.standard_normal(runs)), LENGTH)
+        linear = design_with(sizes * noise(rng, runs), jacobian, runs)
+        (found,) = predicted_error(linear, fit_of(linear))
+        assert (found.channel, found.kind, found.runs) == ("current_1_a", "motion", runs)
+        assert found.low < found.high
+        fresh = np.exp(0.5 * rng.standard_normal()) * SIGMA * rng.standard_normal(LENGTH)
+        covered += found.low < np.sqrt(np.mean(fresh**2)) < found.high
+    assert 31 <= covered <= 40  # binomial of 40 at 90 %, three standard deviations down
+
+
+def drifting(linear: LinearisedModel, drift: float) -> LinearisedModel:
+    """Return a campaign whose first nuisance drifts."""
+    return replace(linear, nuisances=(Nuisance("torque constant", "", 1.0, drift=drift), *linear.nuisances[1:]))
+
+
+def test_what_drifts_is_in_the_interval() -> None:
+    """A gain of 1 that drifts by 30 times the noise: nearly all of the error of one more recording."""
+    covered, without = 0, 0
+    for seed in range(SEEDS):
+        rng = np.random.default_rng(seed)
+        runs = 6
+        jacobian = np.ones((runs * LENGTH, 1))
+        linear = drifting(design_with(noise(rng, runs), jacobian, runs), 30 * SIGMA)
+        (found,) = predicted_error(linear, fit_of(linear))
+        (plain,) = predicted_error(drifting(linear, 0.0), fit_of(linear))
+        fresh = SIGMA * rng.standard_normal(LENGTH) + 30 * SIGMA * rng.standard_normal()
+        rms = np.sqrt(np.mean(fresh**2))
+        covered += found.low < rms < found.high
+        without += plain.low < rms < plain.high
+    assert FEWEST <= covered <= SEEDS
+    assert without < SEEDS / 4, "else the test says nothing"
+    np.testing.assert_allclose(drifts_of(linear)["torque constant"], 30 * SIGMA)
+
+
+def test_what_is_set_up_anew_is_in_the_interval_unless_it_is_fitted(rng: np.random.Generator) -> None:
+    """An offset that is another one each time, stated within 1 where the noise is 0.2."""
+    runs = 6
+    linear = design_with(noise(rng, runs), np.ones((runs * LENGTH, 1)), runs)
+    linear = replace(linear, nuisances=(Nuisance("zero", "rad", 1.0, between="anew"),))
+    (found,) = predicted_error(linear, fit_of(linear))
+    assert found.fitted_high < 2 * SIGMA
+    assert found.high == pytest.approx(1.96, rel=0.1), "of a normal offset: 5 % lie beyond, either way"
+    assert found.low < found.high / 5
+
+
+def there_and_back(linear: LinearisedModel, back: bool) -> LinearisedModel:
+    """Return a campaign of one run whose joint goes there, and back if so."""
+    (segment,) = linear.replay.segments
+    t = np.linspace(0, 1, len(segment))
+    q = np.where(t < 0.5, t, 1 - t) if back else t
+    motion = replace(segment.motion, q=q[:, None])
+    segments = (replace(segment, motion=motion),)
+    replay = type(linear.replay)(segments=segments, quantities=linear.replay.quantities)  # type: ignore[call-arg]
+    return replace(linear, replay=replay)
+
+
+@pytest.mark.parametrize("back", [True, False])
+def test_blocks_there_and_back_are_held_out_together(back: bool, rng: np.random.Generator) -> None:
+    n = 40 * BLOCKS
+    linear = there_and_back(design_with(SIGMA * rng.standard_normal(n), rng.standard_normal((n, 1)), 1), back)
+    before = folds_of(linear)
+    after = apart(linear, before)
+    assert len(after) == (BLOCKS // 2 if back else BLOCKS)
+    block = np.arange(n) * BLOCKS // n
+    for f in range(len(after)):
+        mine = np.unique(block[after.of_instants == f])
+        assert mine.sum() == (BLOCKS - 1 if back else mine[0]), "one and its mirror image"
+        assert not np.any(after.gap[:, f] & (after.of_instants == f))
+        assert np.any(after.gap[:, f])

@@ -1,0 +1,126 @@
+"""Several recordings of one machine: what is drawn, what counts as right, and a small study from end to end."""
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from bench.effects.catalogue import catalogue
+from bench.report.study.several import NUMBERS, lines_of, write_several
+from bench.study.changes import Outcome as ChangeOutcome
+from bench.study.labs import Lab, Setup, prepare
+from bench.study.machines import MachineTrial, machine_of
+from bench.study.several import (
+    ROWS,
+    JointAnswer,
+    JointFinding,
+    SeveralOutcome,
+    SeveralSettings,
+    answered,
+    run_several,
+)
+from bench.study.several_scores import several_goals
+from tests.study.stub_several import Instant
+
+SMALL = Lab(without=("loading", "repeat_at_end", "line", "dwell", "tracker", "pressure"), is_brief=True)
+FEW = {name: catalogue()[name] for name in ("coulomb_level", "viscous_level", "payload_mass", "current_offset")}
+GAS = ("gas_loss", "robot")
+FOUND = JointFinding((GAS, ("gas_temperature", "robot")), True, 2, True)
+RIGHT = JointAnswer("gas_loss", GAS, "", (FOUND,), False, 10, 1, 0)
+
+
+@cache
+def setup() -> Setup:
+    return prepare(SMALL, FEW, np.random.default_rng(1))
+
+
+def outcome(
+    name: str, kind: str, joint: JointAnswer | None = None, change: ChangeOutcome | None = None
+) -> SeveralOutcome:
+    return SeveralOutcome(name, kind, joint, change, "", 1.0, 1.0)  # type: ignore[arg-type]
+
+
+def test_what_acts_in_one_recording_acts_in_no_other() -> None:
+    machine = machine_of(MachineTrial("one", 0, 3, ("coulomb_level",)), setup(), 5)
+    assert machine.hidden
+    assert machine.only in machine.recordings
+    assert [name for name, own in machine.own.items() if machine.hidden.acting in own] == [machine.only]
+    assert machine.hidden.acting not in machine.everywhere
+    place = str(machine.hidden.acting.place)
+    assert ("coulomb_level", place) not in machine.truth, "it is not the machine's"
+    assert ("coulomb_level", f"{place.replace('joint', 'drive')} in recording {machine.only}") in machine.truth
+
+
+def test_what_is_set_up_anew_is_another_one_in_each_recording() -> None:
+    machine = machine_of(MachineTrial("machine", 0, 2, ("coulomb_level",)), setup(), 5)
+    payloads = [
+        one.values["change"] for own in machine.own.values() for one in own if one.effect.name == "payload_mass"
+    ]
+    assert len(payloads) == len(set(payloads)) == 2
+    assert machine.campaign.recordings == ("day1", "day2")
+    assert machine.hidden
+    assert machine.hidden.acting in machine.everywhere
+
+
+def test_a_cause_of_one_recording_is_right_there_and_wrong_as_the_machines() -> None:
+    assert RIGHT.is_right
+    one = replace(RIGHT, only="day2")
+    assert not one.is_right
+    assert one.is_called_machines
+    there = replace(FOUND, names=(("gas_loss", "robot in recording day2"),), is_machine=False)
+    assert replace(one, findings=(there,)).is_right
+    assert not replace(one, findings=(there,)).is_called_machines
+
+
+def test_goals_count_what_they_say() -> None:
+    quiet = ChangeOutcome("", 0.0, 0.0, "", False, False, False, False)
+    seen = ChangeOutcome("gas", 0.25, 2.0, "gas", True, True, True, True)
+    outcomes = [
+        outcome("machine 1", "machine", RIGHT),
+        outcome("one 1", "one", replace(RIGHT, only="day2", promised=0, more=0)),
+        outcome("unchanged 1", "unchanged", change=quiet),
+        outcome("changed 1", "changed", change=seen),
+        outcome("changed 2", "changed", change=replace(quiet, hidden="small", times=0.5)),
+    ]
+    found = {goal.name: (goal.share.hits, goal.share.of, goal.is_met) for goal in several_goals(outcomes)}
+    assert found["causes of the machine named as the machine's"] == (1, 1, True)
+    assert found["causes of one recording called the machine's"] == (1, 1, False)
+    assert found["promised 90 % intervals of the last recording that hold"] == (9, 10, True)
+    assert found["unchanged machines with a change named"] == (0, 1, True)
+    assert found["changes at a quarter of the absolute limit: right first"] == (1, 2, False)
+    assert found["of these, those that the comparison says it would find: right first"] == (1, 1, True)
+
+
+def test_a_row_comes_back_as_it_was_written() -> None:
+    one = outcome("machine 1", "machine", RIGHT)
+    assert SeveralOutcome.from_json(one.as_json()) == one
+
+
+def test_a_study_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
+    settings = SeveralSettings(machines=2, code="test")
+    done: list[str] = []
+    first = run_several(settings, tmp_path, work=Instant(settings, done))
+    assert [one.name for one in first] == [trial.name for trial in settings.trials]
+    lines = (tmp_path / ROWS).read_text().splitlines()
+    (tmp_path / ROWS).write_text("\n".join(lines[:4]) + "\n")
+    done.clear()
+    assert run_several(settings, tmp_path, work=Instant(settings, done)) == first
+    assert len(done) == len(settings.trials) - 3
+    goals = several_goals(first)
+    assert any(line.startswith("met") for line in lines_of(goals))
+    content = json.loads(write_several(goals, first, settings, tmp_path).read_text())
+    assert (tmp_path / NUMBERS).exists()
+    assert len(content["machines"]) == len(settings.trials)
+
+
+def test_a_machine_is_recorded_diagnosed_and_predicted() -> None:
+    joint = answered(MachineTrial("machine", 0, 2, ("coulomb_level",)), setup(), 5).joint
+    assert joint
+    assert joint.cause
+    assert joint.promised > 0
+    assert joint.more + joint.less <= joint.promised
+    change = answered(MachineTrial("changed", 0, 2), setup(), 5).change
+    assert change
+    assert change.hidden
