@@ -102,8 +102,8 @@ def test_a_cause_of_several_sizes_is_weighed_with_priors_of_several_widths(rng: 
 
 def test_a_model_is_as_probable_when_it_is_found_as_when_it_is_known(found: Diagnosis, about: SearchSpace) -> None:
     candidate = about.candidate_of(about.present)
-    linear, model = found.naming.linear, found.naming.models[0]
-    fitter = Fitter(linear, refit(linear, (), {}), SERIAL)
+    model = found.naming.models[0]
+    fitter = Fitter(found.naming.linear, found.naming.null, SERIAL)
     assert fitter.fitted([candidate])[0].log_posterior == pytest.approx(model.log_posterior, abs=0.5)
 
 

@@ -48,7 +48,8 @@ def _bins(linear: LinearisedModel, first: FirstPass) -> Iterator[tuple[Index, Av
         begin += len(segment)
         if segment.path is None or segment.is_static:
             continue
-        averaged = [(segment.path.time[rows], weights) for rows, weights in segment.path.of_torque]
+        path = segment.path
+        averaged = [(path.time[group], own) for group, own in zip(path.groups, path.of_torque, strict=True)]
         for averages in averages_of(first, segment.run, averaged):
             yield instants[averages.which], averages
 

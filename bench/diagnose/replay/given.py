@@ -89,8 +89,7 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         nuisances: Of the robot, as stated.
         compiled: It.
     """
-    # what is another one in each recording, or drifts, is not given: nothing was learned of the one to come
-    own = {(one.name, one.unit): i for i, one in enumerate(nuisances) if one.between == "same"}
+    own = {(one.name, one.unit): i for i, one in enumerate(nuisances) if one.between != "anew"}
     found, which, at, held = list(nuisances), [], [], []
     for i, one in enumerate(posterior.parameters):
         if not one.effect:
@@ -107,13 +106,19 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         found.append(nuisance)
     if not which:
         return Given(tuple(nuisances), (), (), tuple(held))
-    rows = _rows(posterior.covariance[np.ix_(which, which)])
+    kept = np.array([_kept(nuisances[i]) if i < len(nuisances) else 1.0 for i in at])
+    rows = _rows(np.outer(kept, kept) * posterior.covariance[np.ix_(which, which)] + np.diag(1 - kept**2))
     for column, i in enumerate(at):
         sigma = _sigma_about(posterior.parameters[which[column]])
         found[i] = replace(found[i], sigma=sigma, said_before=tuple((rows[:, column] / sigma).tolist()))
     names = [found[i].name for i in at]
     n = sum(i < len(nuisances) for i in at)
     return Given(tuple(found), tuple(names[:n]), tuple(names[n:]), tuple(held))
+
+
+def _kept(nuisance: Nuisance) -> float:
+    """Return the correlation of something that may be off with itself in another recording."""
+    return 1 - (nuisance.drift / nuisance.sigma) ** 2 if nuisance.between == "drifts" else 1.0
 
 
 def with_earlier(

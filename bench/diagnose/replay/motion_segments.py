@@ -1,9 +1,10 @@
 """Motions, cut into bins that are short against everything that changes and long against everything that rings."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from bench.diagnose.replay.segment_input import Path, SegmentInput, angles_of, centre_weights, wrench_of
@@ -64,15 +65,14 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     kept = tuple(group for group, is_useful in zip(groups, useful, strict=True) if is_useful)
     shapes = maximum_filter1d(useful.astype(np.int8), 3) > 0  # the bins beside them tell where friction turned round
     followed = tuple(group for group, shapes_friction in zip(groups, shapes, strict=True) if shapes_friction)
-    half = len(kernel) // 2  # averaged torques feel a turn so many samples away
-    near = [np.abs(velocity[max(group[0] - half, 0) : group[-1] + half + 1]) for group in kept]
-    turning = moves & (np.stack([speeds.min(axis=0) for speeds in near]) < TURNING * top)
+    turning = moves & (slowest[useful] < TURNING * top)
+    path = Path(time, angles, kept, kernel)
 
-    def mean(values: Array) -> Array:
-        centred: Array = np.stack([centre_weights(len(group)) @ values[group] for group in followed])
+    def mean(values: Array, groups: Sequence[NDArray[np.int64]] = followed) -> Array:
+        centred: Array = np.stack([centre_weights(len(group)) @ values[group] for group in groups])
         return centred
 
-    q, v, a = mean(angles), mean(velocity), mean(acceleration)
+    q, v, a = mean(angles), mean(velocity), mean(acceleration, [path.inner(group) for group in followed])
     still = ~moves
     v[:, still] = a[:, still] = 0.0
     q[:, still] = q[:, still].mean(axis=0)
@@ -90,7 +90,6 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     jerky = np.any(error[:, moves] * period > JERKY * top[moves], axis=1)
     after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
     rings = np.array([np.any(after[group] < SETTLES * period) for group in kept])
-    path = Path(time, angles, kept, kernel)
     felt = _drive_error(path, worst, np.where(still, 0.0, np.median(unresolved, axis=0)), period)
     yield SegmentInput(run.name, kept, motion, worst, turning, rings, path, felt)
 
@@ -100,8 +99,7 @@ def _drive_error(path: Path, worst: Array, usual: Array, period: float) -> Array
 
     Where torques are averaged with the weights with which accelerations are, what changes within a bin changes both
     alike. Rotors go as the motors do; what is left of their error is what steady motion has. Links ring after a jerk,
-    as far as the average lets their lowest mode through. At the ends of a run accelerations have other
-    weights.
+    as far as the average lets their lowest mode through. At the ends of a run accelerations have other weights.
 
     Args:
         path: Of the motion.
@@ -109,11 +107,11 @@ def _drive_error(path: Path, worst: Array, usual: Array, period: float) -> Array
         usual: Shape (n,), their median.
         period: Of the arm's lowest mode [s].
     """
-    half, last = len(path.kernel) // 2, len(path.time) - 1
-    inside = np.array([group[0] >= 2 * half and group[-1] <= last - 2 * half for group in path.groups])
-    alike = (inside & (half > 0))[:, None]
-    phase = [np.exp(2j * np.pi * path.time[rows] / period) for rows, _ in path.of_torque]
-    through = np.abs([weights @ turned for (_, weights), turned in zip(path.of_torque, phase, strict=True)])[:, None]
+    last = len(path.time) - 1
+    inside = np.array([group[0] > 0 and group[-1] < last for group in path.groups])
+    alike = (inside & (len(path.kernel) > 1))[:, None]
+    phase = [np.exp(2j * np.pi * path.time[group] / period) for group in path.groups]
+    through = np.abs([weights @ turned for weights, turned in zip(path.of_torque, phase, strict=True)])[:, None]
     rotors = np.minimum(usual, worst)
     links = np.maximum(np.minimum(through, 1.0) * worst, rotors)
     return np.where(alike, np.stack([links, rotors]), worst)

@@ -23,8 +23,8 @@ class Path:
         time: Shape (rows,) [s].
         angles: Shape (rows, n) [rad] or [m].
         groups: T arrays of rows.
-        kernel: Of odd length; with its weights torques are averaged beside each group's own, as accelerations are;
-            just 1 where they are not.
+        kernel: Of odd length, no longer than a group; with its weights torques are averaged as accelerations are; just 1
+            where they are not.
     """
 
     time: Array
@@ -33,16 +33,18 @@ class Path:
     kernel: Array
 
     @cached_property
-    def of_torque(self) -> tuple[tuple[NDArray[np.int64], Array], ...]:
-        """Rows and weights that make each reading of a torque; beyond the ends the last sample stands for all."""
-        half, last = len(self.kernel) // 2, len(self.time) - 1
-        return tuple(
-            (
-                np.clip(np.arange(group[0] - half, group[-1] + half + 1), 0, last),
-                np.convolve(centre_weights(len(group)), self.kernel),
-            )
-            for group in self.groups
-        )
+    def of_torque(self) -> tuple[Array, ...]:
+        """Weights of each group's rows that make a reading of a torque of them.
+
+        They are those of `inner`, spread by the kernel: no row beyond the group counts, so what a torque shows over the
+        angle is not blurred.
+        """
+        return tuple(np.convolve(centre_weights(len(self.inner(group))), self.kernel) for group in self.groups)
+
+    def inner(self, group: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the rows of a group whose accelerations, each an average itself, are of the group's rows alone."""
+        half = len(self.kernel) // 2
+        return group[half : len(group) - half]
 
     def earlier(self, seconds: float) -> Array:
         """Return how much further the motors were some time before each instant, shape (T, n) [rad] or [m].

@@ -176,8 +176,7 @@ def _means(
     shape = (len(groups), len(quantities))
     mean, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
     weights = [np.full(len(group), 1 / len(group)) if is_static else centre_weights(len(group)) for group in groups]
-    averaging = np.array([np.linalg.norm(w) for w in weights])
-    of_torque = segment_input.path.of_torque if segment_input.path else ()
+    of_torque = segment_input.path.of_torque if segment_input.path else weights
     any_turning = np.any(segment_input.turning, axis=1)
     present = [c for c, quantity in enumerate(quantities) if quantity.column in run.columns]
     if not present:
@@ -190,9 +189,9 @@ def _means(
     for c, values, least in zip(present, readings.T, scatter, strict=True):
         quantity = quantities[c]
         one = np.maximum(noise.of(quantity, mean[:, c], run), least)
-        if of_torque and quantity.is_drive:
-            mean[:, c] = [w @ values[rows] for rows, w in of_torque]
-        error = one * averaging  # averaged torques share samples with their neighbours: they are known no better
+        own = of_torque if quantity.is_drive else weights
+        mean[:, c] = [w @ values[group] for w, group in zip(own, groups, strict=True)]
+        error = one * np.array([np.linalg.norm(w) for w in own])
         if is_static:
             error = np.maximum(error, _swayed(values, groups, np.hypot(one, noise.rounding(quantity))))
         sigma[:, c] = np.hypot(error, noise.lasting(quantity))
