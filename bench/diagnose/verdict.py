@@ -101,7 +101,7 @@ class AmbiguityGroup:
     Attributes:
         names: The likeliest first; the fewest that together hold 99 %.
         probability: That any of them acts.
-        may_be_unlisted: Whether it is at the joint of what is unlisted, and as likely a part of that.
+        may_be_unlisted: Whether it is as likely a part of what is unlisted at its joint, which could hold most of it.
     """
 
     names: tuple[PossibleCause, ...]

@@ -12,6 +12,7 @@ from bench.diagnose.extend.fit import BEYOND, Fit, fit_without, unknowns_of
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import causes_of
 from bench.diagnose.linearise.generic import Block, blocks_of
+from bench.diagnose.linearise.lack_of_fit import as_simulated
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry, tried_of, widths_of
 from bench.diagnose.name.models import CandidateModel, Fitter, log_of_widths
@@ -105,6 +106,20 @@ def test_a_model_is_as_probable_when_it_is_found_as_when_it_is_known(found: Diag
     model = found.naming.models[0]
     fitter = Fitter(found.naming.linear, found.naming.null, SERIAL)
     assert fitter.fitted([candidate])[0].log_posterior == pytest.approx(model.log_posterior, abs=0.5)
+
+
+def test_what_is_simulated_wrong_by_a_share_is_known_no_better(found: Diagnosis, rng: np.random.Generator) -> None:
+    """A payload of 2.5 kg was refused, for absurd figures explained it as well to a share that nobody simulates to."""
+    linear = found.naming.linear
+    rough = 50.0 * rng.standard_normal(len(linear.white))
+    np.testing.assert_allclose(as_simulated(linear, np.zeros_like(rough), 0.02), 1.0, atol=1e-3)
+    wrong = as_simulated(linear, rough, 0.02)[1]
+    seen = wrong > 1.1
+    assert np.count_nonzero(seen) > 3
+    np.testing.assert_allclose(
+        wrong[seen], np.hypot(1, 50.0 * 0.02), rtol=0.25
+    )  # of some hundred neighbours that differ
+    assert np.all(as_simulated(linear, np.full_like(rough, 50.0), 0.02)[1, seen] > 2 * wrong[seen])  # alike: fewer
 
 
 def toy(signal: Array, *columns: Array) -> SearchSpace:

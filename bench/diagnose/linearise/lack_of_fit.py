@@ -68,6 +68,19 @@ def missed(linear: LinearisedModel, white: Array, *, is_last: bool = False) -> A
     return SHARE_OF_MISSES * np.sqrt(_by_quantity(linear, left, np.ones(len(left)), counts_alike=False))
 
 
+def as_simulated(linear: LinearisedModel, explained: Array, share: float) -> Array:
+    """Return by how much standard errors are too small where what a model explains is simulated wrong, shape (2, c).
+
+    Such errors change as slowly as what is explained: neighbours that are alike in that count once.
+
+    Args:
+        linear: The campaign.
+        explained: Shape (m,), what the model changes, whitened.
+        share: Of it, to which it is simulated.
+    """
+    return np.sqrt(1 + share**2 * _by_quantity(linear, explained, np.ones(len(explained))))
+
+
 def _by_quantity(linear: LinearisedModel, left: Array, freedom: Array, *, counts_alike: bool = True) -> Array:
     """Return the variance of residuals, shape (m,), of every quantity at rest and in motion, shape (2, c)."""
     still = np.array([segment.is_static for segment in linear.segments])

@@ -33,7 +33,7 @@ class AmbiguityGroup:
     Attributes:
         members: The likeliest first; the fewest that hold `LEVEL` of what all of them together do.
         probability: That any of them acts.
-        may_be_unlisted: Whether it is at the joint of what is unlisted, of which it may be a part.
+        may_be_unlisted: Whether it may be a part of what is unlisted at its joint, for that could hold most of it.
     """
 
     members: tuple[Member, ...]
@@ -47,10 +47,9 @@ class AmbiguityGroup:
 
 
 def part_of_unlisted(group: AmbiguityGroup) -> AmbiguityGroup:
-    """Return a group at the joint of something unlisted, of which nobody knows the form: it may be a part of that.
+    """Return a group as it is where something unlisted at its joint, whose form nobody knows, could hold most of it.
 
-    A free shape depends on one thing; what is unlisted may depend on two, and the listed cause is what the shape cannot
-    hold. Nothing tells the two apart, so they share the probability.
+    Nothing tells the two apart, so they share the probability.
     """
     members = tuple(replace(member, probability=member.probability / 2) for member in group.members)
     return AmbiguityGroup(members, group.probability / 2, True)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from bench.diagnose.extend.fit import Fit, Key, unknowns_of
-from bench.diagnose.extend.refit import refit
+from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, anew
 from bench.diagnose.linearise.linearised_model import LinearisedModel
@@ -209,6 +209,17 @@ def with_shape(linear: LinearisedModel, shape: Block) -> LinearisedModel:
         sensitivities=np.concatenate([linear.sensitivities, linear.unwhiten(jacobian)], axis=2),
         jacobian=np.concatenate([linear.jacobian, jacobian], axis=1),
     )
+
+
+def reweighed(model: Model, before: LinearisedModel, linear: LinearisedModel) -> Model:
+    """Return a model fitted again to a design that weighs its readings otherwise.
+
+    Raises:
+        ConvergenceError, RobotError: As `refitted`.
+    """
+    if old := model.shape:  # as it is whitened now
+        model = replace(model, shape=replace(old, columns=linear.whiten(before.unwhiten(old.columns))))
+    return replace(model, fit=refitted(model.linear(linear), model.fit))
 
 
 def without_shape(linear: LinearisedModel, count: int) -> LinearisedModel:

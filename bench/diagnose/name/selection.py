@@ -15,19 +15,20 @@ import numpy as np
 
 from bench.diagnose.cross_validation.held_out import held_out
 from bench.diagnose.extend.fit import Fit
-from bench.diagnose.extend.refit import refit, refitted
+from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.lack_of_fit import as_simulated
+from bench.diagnose.linearise.linearised_model import LinearisedModel, raised
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of, part_of_unlisted
 from bench.diagnose.name.leaders import grown, leaders_of, scattering
-from bench.diagnose.name.models import Fitter, Model, log_of_priors, without_shape
+from bench.diagnose.name.models import Fitter, Model, log_of_priors, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
-from bench.diagnose.name.search_space import search_space
+from bench.diagnose.name.search_space import GREATER_PART, SearchSpace, search_space
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -88,11 +89,13 @@ class _Selection:
     models: tuple[Model, ...] = ()
     findings: dict[Hashable, Finding] = field(default_factory=dict)
     refused: dict[Hashable, Finding] = field(default_factory=dict)
+    beside: dict[Hashable, frozenset[Hashable]] = field(default_factory=dict)
     refused_shapes: set[str] = field(default_factory=set)
     plays: set[frozenset[Hashable]] = field(default_factory=set)
     promising: tuple[Cause, ...] = ()
     causes: dict[Hashable, Cause] = field(default_factory=dict)
     posterior: dict[frozenset[Hashable], float] = field(default_factory=dict)
+    space: SearchSpace | None = None
 
     def __post_init__(self) -> None:
         self.nominal, self.tried = self.linear, self.screening.tried
@@ -115,7 +118,7 @@ class _Selection:
             models=() if is_null else models,
             null=self.null,
             screening=self.screening,
-            findings=(*ranked, *self.refused.values()),
+            findings=(*ranked, *(one for key, one in self.refused.items() if key not in self.best.keys)),
             linear=self.nominal if is_null else self.linear,
             groups=self._groups(ranked),
             promising=self.promising if stopped else (),
@@ -129,11 +132,11 @@ class _Selection:
         first = [finding.cause.key for finding in ranked]
         every = [*first, *(key for key in self.best.keys if key not in first)]
         groups = groups_of(every, self.posterior, self.causes)
-        where = self.best.shape.drive if self.best.shape else -1
-        drives = [{member.cause.drive for member in group.members} - {-1} for group in groups]
-        return tuple(
-            part_of_unlisted(group) if where in mine else group for group, mine in zip(groups, drives, strict=True)
-        )
+        if self.space is None or self.space.about.keys != self.best.keys:
+            return groups
+        held: dict[Hashable, float] = {cause.key: self.space.held_by_shape(cause) for cause in self.space.about.causes}
+        may_be = [any(held.get(key, 0.0) > GREATER_PART for key in group.keys) for group in groups]
+        return tuple(part_of_unlisted(group) if is_so else group for group, is_so in zip(groups, may_be, strict=True))
 
     def run(self) -> None:
         """Search until the best model repeats, then with honest errors, and keep what pays on what was held out.
@@ -163,14 +166,14 @@ class _Selection:
             is_last: Everything that cannot be told from the best is to be known, not only the best.
         """
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
-        threshold, refused = self.screening.threshold, frozenset(self.refused) | self.refused_shapes
-        about = search_space(self.linear, self.tried, threshold, self.best, refused)
+        threshold = self.screening.threshold
+        about = search_space(self.linear, self.tried, threshold, self.best, self._barred() | self.refused_shapes)
         shape = about.present[-1:] if self.best.shape else ()
         visited = search(about.model, [about.present], shape)
         every = {one.terms: one for one in (*visited, *exchanges(about.model, visited[0], shape))}
         found = alternatives_of(about.model, every.values())
         causes = [about.cause(i) for i in found[0].best.terms]
-        self.promising = tuple(cause for cause in causes if cause)
+        self.space, self.promising = about, tuple(cause for cause in causes if cause)
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
         count = LEADERS if is_last else LEADERS // 2
         leading = leaders_of(found, count)
@@ -210,10 +213,7 @@ class _Selection:
         self.linear, self.tried = self.renew(linear, model, is_last=is_last)
         if self.linear is not before:
             self.null = refit(self.linear, (), {})
-        if old := model.shape:  # as it is whitened now
-            columns = self.linear.whiten(before.unwhiten(old.columns))
-            model = replace(model, shape=replace(old, columns=columns))
-        self.best = replace(model, fit=refitted(model.linear(self.linear), model.fit))
+        self.best = reweighed(model, before, self.linear)
 
     def _refuse(self) -> bool:
         """Hold each finding against what was held out; refuse those that do not pay, and say whether there were any.
@@ -227,20 +227,31 @@ class _Selection:
             self.best = Model(self._without_shape(), log_posterior=self.best.log_posterior)
             return True
         held: dict[Hashable, Finding] = {one.cause.key: one for one in map(self._held, self.best.causes) if one}
-        count = len(self.refused)
+        count = 0
         while (failed := [one for one in held.values() if not one.is_taken]) and len(self.refused) < MOST_REFUSED:
             worst = min(failed, key=lambda one: one.held_out.low)
-            self.refused[worst.cause.key] = held.pop(worst.cause.key)
+            key = worst.cause.key
             self.best = replace(self.best, fit=self._without(worst.cause))
+            self.beside[key] = frozenset() if key in self.refused else self.best.keys  # twice is for good
+            self.refused[key] = held.pop(key)
+            count += 1
             again = map(self._held, [one.cause for one in failed if one is not worst])
             held |= {one.cause.key: one for one in again if one}
         self.findings = held
-        return len(self.refused) > count
+        return count > 0
+
+    def _barred(self) -> frozenset[Hashable]:
+        """Return the keys of what is not tried again: it did not pay beside findings that are all still there.
+
+        Of several findings that do without each other, the one that is refused first may be the one that is needed,
+        once the others are refused as well. It gets one more chance.
+        """
+        return frozenset(key for key, others in self.beside.items() if others <= self.best.keys)
 
     def _repeat(self) -> None:
         """Search again without each part of the runs, and note what is found again."""
         self.progress("searching without parts of the runs")
-        about = search_space(self.linear, self.tried, self.screening.threshold, self.best, frozenset(self.refused))
+        about = search_space(self.linear, self.tried, self.screening.threshold, self.best, self._barred())
         shares = repeats(self.linear, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
 
@@ -282,8 +293,20 @@ class _Selection:
         except NOT_SIMULATED:
             return None
         gain = held_out(self.best.linear(self.linear), without, best)
-        rise = best.log_evidence - without.log_evidence + log_of_priors(best) - log_of_priors(without)
-        return Finding(cause, best, rise, gain, gain.is_gain and rise > self._least(without))
+        rise = _rise(best, without)
+        return Finding(cause, best, rise, gain, gain.is_gain and self._is_needed(without, rise))
+
+    def _is_needed(self, without: Fit, rise: float) -> bool:
+        """Whether evidence for a finding is more than chance, and than what the others are simulated wrong by.
+
+        Where it is less than the most that such errors could imitate, they are taken for noise, and it is weighed anew.
+        """
+        if rise > self._least(without) or rise <= self.screening.threshold:
+            return rise > self.screening.threshold
+        before, explained = self.best, self.linear.whiten(self.null.residual - self.best.fit.residual)
+        linear = raised(self.linear, as_simulated(self.linear, explained, SIMULATED))
+        with_it, other = (reweighed(one, self.linear, linear) for one in (before, replace(before, fit=without)))
+        return _rise(with_it.fit, other.fit) > self.screening.threshold
 
     def _without(self, cause: Cause) -> Fit:
         """Return the best model fitted without one of its causes."""
@@ -291,3 +314,8 @@ class _Selection:
         others = tuple(other for other in best.causes if other.key != cause.key)
         start = {key: value for key, value in best.start.items() if key[:2] != cause.key}
         return refit(self.best.linear(self.linear), others, start, best.nuisances, best)
+
+
+def _rise(fit: Fit, without: Fit) -> float:
+    """Return by how much the logarithm of the evidence falls from one fit to another."""
+    return fit.log_evidence - without.log_evidence + log_of_priors(fit) - log_of_priors(without)

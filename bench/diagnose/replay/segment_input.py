@@ -23,8 +23,8 @@ class Path:
         time: Shape (rows,) [s].
         angles: Shape (rows, n) [rad] or [m].
         groups: T arrays of rows.
-        kernel: Of odd length, no longer than a group; with its weights torques are averaged as accelerations are; just 1
-            where they are not.
+        kernel: Of odd length, no longer than a group; with its weights torques are averaged as accelerations are, with
+            1 where that is not possible.
     """
 
     time: Array

@@ -40,9 +40,7 @@ ACTS = {
     "gear angle": "an error of the gear of {place}",
     "reading": "an error of the readings of {place}",
 }
-PART_OF_UNLISTED = (
-    "a part of what is unlisted at its joint, with the same probability: no data tell a form that nobody knows"
-)
+PART_OF_UNLISTED = "a part of what is unlisted at its joint, as likely: that could hold most of it"
 SLIDES = {"torque": "force", "angle": "position"}  # what a turning drive has -> what a sliding one has
 
 
