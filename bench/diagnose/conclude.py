@@ -30,8 +30,8 @@ from bench.diagnose.verdict import (
     Verdict,
 )
 
-PROMISING = 3  # causes that an unfinished diagnosis names
-NOISY = 3.0  # times its instrument's standard error
+PROMISING = 3  # effort: causes that an unfinished diagnosis names
+NOISY = 3.0  # declared: times its instrument's standard error
 
 
 def verdict_of(

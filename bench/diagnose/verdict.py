@@ -28,9 +28,10 @@ from bench.diagnose.experiment_design.undetectable import (
 from bench.diagnose.extend.size import NORMAL_95 as NORMAL_95  # of the intervals of a verdict
 from bench.diagnose.linearise.limits import DetectionLimit as DetectionLimit  # part of the verdict
 
-CONFIRMED = 0.5  # of searches without a part of the runs, that find a cause again: the majority
-UNLIKELY = 0.01  # what is left out of the names of a finding and beside them: names hold 99 % (DESIGN 6.2)
-SMALL = 0.2  # of the plausible range (DESIGN 6.1: of 16 large effects hidden in messes the smallest came out at 0.196)
+CONFIRMED = 0.5  # declared: of searches without a part of the runs, that find a cause again: the majority
+UNLIKELY = 0.01  # declared: what is left out of the names of a finding and beside them: names hold 99 % (DESIGN 6.2)
+# declared: of the plausible range (DESIGN 6.1: of 16 large effects hidden in messes the smallest came out at 0.196)
+SMALL = 0.2
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
 from bench.robot.nominal_dynamics import nominal_dynamics
 
-MOST_SAMPLES = 250_000  # of all runs together: ten runs of 50 s at 500 Hz, 11 s of processor time on six axes
+MOST_SAMPLES = 250_000  # effort: of all runs together: ten runs of 50 s at 500 Hz, 11 s of processor time on six axes
 
 
 @dataclass(frozen=True)

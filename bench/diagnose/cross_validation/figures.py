@@ -11,9 +11,9 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import torque_constant_of
 from bench.diagnose.replay.nuisances import Nuisance
 
-MOVED = 2.0  # DESIGN 6.5: whatever moved beyond two standard deviations is named
-# Of two estimates, from where on one is said to trade against the other: half of the variance of the one is then gone
-# when the other is known (rho^2 = 1/2).
+MOVED = 2.0  # declared: DESIGN 6.5: whatever moved beyond two standard deviations is named
+# exact: Of two estimates, from where on one is said to trade against the other: half of the variance of the one is
+# then gone when the other is known (rho^2 = 1/2).
 TRADES = float(np.sqrt(0.5))
 
 

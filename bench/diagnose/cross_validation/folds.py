@@ -10,10 +10,10 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.segments import recordings_of
 from bench.record.campaign import Array
 
-MOST_RUNS = 40  # folds; beyond that, runs far apart in the campaign share one
-ALONE = 0.9  # of all that an extension changes; what shows more than that cannot be checked with the others
-BLOCKS = 8  # of the only run, or of one that has to be checked with itself
-GAP = 0.25  # of a block, on both sides of it
+MOST_RUNS = 40  # effort: folds; beyond that, runs far apart in the campaign share one
+ALONE = 0.9  # assumed: of all that an extension changes; what shows more than that cannot be checked with the others
+BLOCKS = 8  # effort: of the only run, or of one that has to be checked with itself
+GAP = 0.25  # assumed: of a block, on both sides of it
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,10 +30,10 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
 from bench.diagnose.replay.segments import recordings_of
 from bench.record.campaign import Array
 
-DRAWS = 2000  # of the Bayesian bootstrap
-SEED = 0  # any: the same campaign gives the same interval
+DRAWS = 2000  # effort: of the Bayesian bootstrap
+SEED = 0  # exact: any: the same campaign gives the same interval
 LOW, HIGH = 0.05, 0.95  # quantiles of a 90 % interval
-NOTICEABLE = 0.1  # [nats]; what changes nothing rises by rounding
+NOTICEABLE = 0.1  # rounding: [nats]; what changes nothing rises by rounding
 
 
 @dataclass(frozen=True)

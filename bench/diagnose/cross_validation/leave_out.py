@@ -21,11 +21,10 @@ from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
 from bench.record.campaign import Array
 
-REACH = 4.0  # standard deviations by which a figure may be off before it makes another model; one in 16000 is
-ABSURD = 20.0  # standard deviations, beyond which it does not matter by how much a stated figure is wrong
-UNTOLD = (
-    1e-3  # relative fall of a variance; below, data know a figure thirty times worse than it is stated, or not at all
-)
+REACH = 4.0  # declared: standard deviations by which a figure may be off before it makes another model; one in 16000 is
+ABSURD = 20.0  # assumed: standard deviations, beyond which it does not matter by how much a stated figure is wrong
+# assumed: relative fall of a variance; below, data know a figure thirty times worse than it is stated, or not at all
+UNTOLD = 1e-3
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,12 +17,13 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.segments import recordings_of
 from bench.record.campaign import Array
 
-DRAWS = 4000  # of recordings to come: ends of an interval are right to a few percent of its width
-# Of the range that a joint passes, within which two instants are in the same place. Assumed, as in
+DRAWS = 4000  # effort: of recordings to come: ends of an interval are right to a few percent of its width
+# assumed: of the range that a joint passes, within which two instants are in the same place, as in
 # `compare/coincidence.py`: wider, and more of a run is held out with a block of it.
 ALIKE = 0.02
-MOST_LOG = 300.0  # of a root mean square that is drawn, so that its square is a number: far beyond the quantiles
-GREATER_PART = 0.5  # of a block, that meets another one's places
+# rounding: of a root mean square that is drawn, so that its square is a number: far beyond the quantiles
+MOST_LOG = 300.0
+GREATER_PART = 0.5  # exact: of a block, that meets another one's places
 
 
 def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, ...]:

@@ -11,14 +11,15 @@ from bench.diagnose.replay.world import World
 from bench.effects.effect import Parameter
 from bench.record.campaign import Array
 
-STEP = 0.05  # of a parameter's plausible size, for its derivative
-# Of the distance to the next shape that is tried, for a shape that may lie anywhere over decades. Balances are found
-# within a tolerance: with a hundredth of a softening's knee, that noise made its interval three times too narrow.
+STEP = 0.05  # rounding: of a parameter's plausible size, for its derivative
+# rounding: Of the distance to the next shape that is tried, for a shape that may lie anywhere over decades. Balances
+# are found within a tolerance: with a hundredth of a softening's knee, that noise made its interval three times too
+# narrow.
 SHAPE_STEP = 0.125
-BEYOND = (
-    1.5  # times its largest plausible size, up to where a parameter is fitted; ranges of literature are rough, assumed
-)
-AT_BOUND = 1e-3  # of the way to a bound, from where a fit has run into it
+# assumed: times its largest plausible size, up to where a parameter is fitted; ranges of literature are rough,
+# assumed
+BEYOND = 1.5
+AT_BOUND = 1e-3  # rounding: of the way to a bound, from where a fit has run into it
 
 Key = tuple[str, str, str]  # effect, place, parameter
 

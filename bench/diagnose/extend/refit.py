@@ -13,12 +13,12 @@ from bench.diagnose.replay.world import World
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
-MOST_ITERATIONS = 6  # steps of a fit
-ENOUGH = 0.2  # fall of the objective, promised or found, below which a fit has converged
-HALVINGS = 5  # lengths of a step that are tried
-DAMPINGS = (0.1, 1.0, 10.0)  # of the curvature of each parameter alone
-MOST_PLAYS = 4  # fits in turn, each with the scatter that the play of the one before makes
-FAITHFUL = 0.7  # of the promised fall; derivatives that keep less are taken anew
+MOST_ITERATIONS = 6  # effort: steps of a fit
+ENOUGH = 0.2  # effort: fall of the objective, promised or found, below which a fit has converged
+HALVINGS = 5  # effort: lengths of a step that are tried
+DAMPINGS = (0.1, 1.0, 10.0)  # effort: of the curvature of each parameter alone
+MOST_PLAYS = 4  # effort: fits in turn, each with the scatter that the play of the one before makes
+FAITHFUL = 0.7  # effort: of the promised fall; derivatives that keep less are taken anew
 
 
 @dataclass(frozen=True, eq=False)

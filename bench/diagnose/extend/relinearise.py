@@ -8,10 +8,10 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel, relineari
 from bench.diagnose.replay.world import World
 from bench.errors import NOT_SIMULATED
 
-TINY = 1e-300  # for a column of zeros, so that nothing is divided by zero
-STEP_OF_NUISANCE = 0.5  # of its standard deviation, for its derivative about an extension
-MOST_AKIN = 5  # nuisances for each cause whose derivatives are taken anew
-AKIN = 0.3  # cosine of their slopes
+TINY = 1e-300  # rounding: for a column of zeros, so that nothing is divided by zero
+STEP_OF_NUISANCE = 0.5  # rounding: of its standard deviation, for its derivative about an extension
+MOST_AKIN = 5  # effort: nuisances for each cause whose derivatives are taken anew
+AKIN = 0.3  # effort: cosine of their slopes
 
 
 def relinearised_fit(linear: LinearisedModel, fit: Fit) -> tuple[LinearisedModel, Fit]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.candidates import Cause
 
-NORMAL_95 = 1.959964  # standard errors on either side of a 95 % interval of a normal distribution
+NORMAL_95 = 1.959964  # exact: standard errors on either side of a 95 % interval of a normal distribution
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from bench.record.campaign import Array
 
-MOST_LAGS = 50  # over which the correlation of neighbours is summed
-FEW = 10  # pairs that say nothing of a correlation
+MOST_LAGS = 50  # effort: over which the correlation of neighbours is summed
+FEW = 10  # declared: pairs that say nothing of a correlation
 
 
 def alike(sequences: Sequence[Array]) -> float:

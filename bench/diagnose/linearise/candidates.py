@@ -14,8 +14,9 @@ from bench.effects.recorded import NOTHING_RECORDED, Recorded
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-FEWEST_SHAPES = 3  # values of a shape parameter that are tried at first
-INVISIBLE = 1e-3  # norm of a whitened signature at its largest plausible size, below which nobody can see an effect
+FEWEST_SHAPES = 3  # effort: values of a shape parameter that are tried at first
+# rounding: norm of a whitened signature at its largest plausible size, below which nobody can see an effect
+INVISIBLE = 1e-3
 
 
 @dataclass(frozen=True)

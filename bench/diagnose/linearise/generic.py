@@ -17,14 +17,15 @@ from bench.record.campaign import Array
 from bench.simulate.instruments import HOUR
 from bench.simulate.plant import Trace
 
-ANGLE_NODES = 9
-SPEED_NODES = 4
-TORQUE_SHARE = 0.03  # plausible size of an unlisted torque, of the largest that the motor pays
-READING_SHARE = 0.05  # plausible size of an unlisted error of a reading, of the largest reading
-GEAR_ANGLE = 3e-4  # [rad], plausible size of an unlisted error of a gear
-TRACKER_ERROR = 3e-4  # [m], plausible size of an unlisted error of the tracker over its room, in an hour, under force
-LEAST_FORCE = 1.0  # [N]; below, nothing pulls at the load point
-LEAST_RANGE = 0.02  # [rad]; a joint that moves less shows no dependence on its angle
+ANGLE_NODES = 9  # effort: of a free shape over an angle, in a search
+SPEED_NODES = 4  # effort: of one over speed
+TORQUE_SHARE = 0.03  # assumed: plausible size of an unlisted torque, of the largest that the motor pays
+READING_SHARE = 0.05  # assumed: plausible size of an unlisted error of a reading, of the largest reading
+GEAR_ANGLE = 3e-4  # assumed: [rad], plausible size of an unlisted error of a gear
+# assumed: [m], plausible size of an unlisted error of the tracker over its room, in an hour, under force
+TRACKER_ERROR = 3e-4
+LEAST_FORCE = 1.0  # rounding: [N]; below, nothing pulls at the load point
+LEAST_RANGE = 0.02  # rounding: [rad]; a joint that moves less shows no dependence on its angle
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,10 +15,10 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Columns
 from bench.record.campaign import Array
 
-RIDGE = 1.0  # the richest model keeps the priors of its columns
-SHARE_OF_MISSES = 0.5  # of what the present model misses, below which no standard error goes
-AT_A_TIME = 1024  # readings whose leverage is found together: memory stays small
-FEW = 10  # readings that say nothing of their own scatter
+RIDGE = 1.0  # exact: the richest model keeps the priors of its columns
+SHARE_OF_MISSES = 0.5  # assumed: of what the present model misses, below which no standard error goes
+AT_A_TIME = 1024  # effort: readings whose leverage is found together: memory stays small
+FEW = 10  # declared: readings that say nothing of their own scatter
 
 
 def unexplained(linear: LinearisedModel, white: Array, columns: Columns, prior: Array) -> Array:

@@ -27,10 +27,10 @@ from bench.errors import BenchError
 from bench.record.campaign import Array
 from bench.simulate.plant import Trace
 
-ROUGHNESS_WINDOW = 9  # bins, over which the roughness of a residual is averaged
-ROUGH = 2.0  # times the variance that instruments explain, from where on the data's own word counts
-SAME_PLAY = 0.1  # relative; a change of play that changes hardly any scatter
-WHITENED_TOGETHER = 64  # columns at a time, where there are hundreds: memory stays small
+ROUGHNESS_WINDOW = 9  # assumed: bins, over which the roughness of a residual is averaged
+ROUGH = 2.0  # assumed: times the variance that instruments explain, from where on the data's own word counts
+SAME_PLAY = 0.1  # rounding: relative; a change of play that changes hardly any scatter
+WHITENED_TOGETHER = 64  # effort: columns at a time, where there are hundreds: memory stays small
 HELD_MOTOR, HELD_LINK = 0.7, 0.5  # standard deviations of the part of its friction that a joint lets go of at rest
 
 

@@ -15,7 +15,7 @@ from scipy.special import log_ndtr
 
 from bench.record.campaign import Array
 
-JITTER = 1e-9
+JITTER = 1e-9  # rounding: of a diagonal, added to it
 
 
 class Columns:

@@ -24,22 +24,24 @@ from bench.robot.compiled import CompiledRobot
 # path of commands and loads alone would leave.
 MOTOR_REST, LINK_REST = 0.8, 0.15  # anew at every rest
 MOTOR_VISIT, LINK_VISIT = 2.0, 0.6  # the same for a visit; a motor may have let go of all it held
-STANDING = 1.0  # a joint that stands while others move: anywhere between its two levels, changing slowly
-SLOWNESS = 5  # polynomials over the run that describe the slow change
-# Cosines beyond these. A joint that stands holds its friction until a load moves it, so what is not known of it walks
-# over its levels in steps. Cosine k of a random walk that crosses one level in a run has a standard deviation of
-# sqrt(2) / (pi k) levels (Karhunen and Loeve); what lies beyond K of them is 1 / (pi sqrt(K)), here a tenth of a level.
-# Without them corners of friction at the wrist were taken for hysteresis (37 and 45 nats on two sound machines).
+STANDING = 1.0  # assumed: a joint that stands while others move: anywhere between its two levels, changing slowly
+SLOWNESS = 5  # assumed: polynomials over the run that describe the slow change
+# derived: cosines beyond these. A joint that stands holds its friction until a load moves it, so what is not known of
+# it walks over its levels in steps. Cosine k of a random walk that crosses one level in a run has a standard
+# deviation of sqrt(2) / (pi k) levels (Karhunen and Loeve); what lies beyond K of them is 1 / (pi sqrt(K)), here a
+# tenth of a level. Without them corners of friction at the wrist were taken for hysteresis (37 and 45 nats on two
+# sound machines).
 WALKS = 10
-PLACED = 12**-0.5  # of a gap: where a loose link rests, it may be anywhere within it
-BOUNCES = 0.7  # of a gap, anew at every instant, when a link bounces at a flank that hardly any torque holds it to
-LIGHT = 0.3  # of the torque that twists a gear by its gap; more holds links to the flank
-RATTLES = 3.0  # periods of a joint's own oscillation, in which bounces fade to 1/e
-CROSSING = 0.3  # of a gap, at the instant nearest to a crossing, which may come earlier or later
-NEAR = 0.6  # of the change of torque in which the crossing lies
-CREEPS = 0.05  # of a gap, slowly, while other joints move
-STIRS = 0.02  # of a gap, anew at every instant
-TINY = 1e-300
+PLACED = 12**-0.5  # exact: of a gap: where a loose link rests, it may be anywhere within it
+# assumed: of a gap, anew at every instant, when a link bounces at a flank that hardly any torque holds it to
+BOUNCES = 0.7
+LIGHT = 0.3  # assumed: of the torque that twists a gear by its gap; more holds links to the flank
+RATTLES = 3.0  # assumed: periods of a joint's own oscillation, in which bounces fade to 1/e
+CROSSING = 0.3  # assumed: of a gap, at the instant nearest to a crossing, which may come earlier or later
+NEAR = 0.6  # assumed: of the change of torque in which the crossing lies
+CREEPS = 0.05  # assumed: of a gap, slowly, while other joints move
+STIRS = 0.02  # assumed: of a gap, anew at every instant
+TINY = 1e-300  # rounding: so that nothing is divided by zero
 
 
 @dataclass(frozen=True, eq=False)

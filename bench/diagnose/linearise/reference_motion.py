@@ -20,13 +20,14 @@ from bench.simulate.prescribed import Motion
 from bench.store.digest import digest
 from bench.store.store import Store
 
-SAME_INSTANT = 1e-6  # [s]; instants come from control periods, so they agree or they do not
-SAME_ANGLE = 1e-4  # [rad] or [m]
-SAME_VELOCITY = 1e-3  # of a joint's top speed in the campaign
-SAME_ACCELERATION = 0.02  # of a joint's largest acceleration in the campaign
-SAME_LOAD = 1e-3  # of the largest force, moment or payload in the campaign: as well as weights are usually known
+SAME_INSTANT = 1e-6  # rounding: [s]; instants come from control periods, so they agree or they do not
+SAME_ANGLE = 1e-4  # rounding: [rad] or [m]
+SAME_VELOCITY = 1e-3  # rounding: of a joint's top speed in the campaign
+SAME_ACCELERATION = 0.02  # rounding: of a joint's largest acceleration in the campaign
+# rounding: of the largest force, moment or payload in the campaign: as well as weights are usually known
+SAME_LOAD = 1e-3
 COMPARED = ("time", "q", "velocity", "acceleration", "wrench")  # of a motion; its other fields have to be equal
-MOST_MOTIONS = 8  # of sessions with the same runs that are looked at, those used last
+MOST_MOTIONS = 8  # effort: of sessions with the same runs that are looked at, those used last
 
 
 @dataclass(frozen=True)

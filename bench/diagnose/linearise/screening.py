@@ -13,10 +13,12 @@ from bench.diagnose.linearise.marginal import Columns, Marginal, Nuisances
 from bench.diagnose.linearise.threshold import family_threshold
 from bench.record.campaign import Array
 
-# times the prior of a free shape: nobody knows how large what is not listed may be; beside a listed cause it is small
+# effort: times the prior of a free shape: nobody knows how large what is not listed may be; beside a listed cause it
+# is small
 WIDTHS = (0.1, 0.3, 1.0, 3.0, 10.0)
-# times the prior of a cause with several sizes, the plausible one first: as small as one of them is, all of them are. A
-# tracker that was pushed by a tenth of what is plausible in all six ways would lose 14 nats to a joint that slipped.
+# effort: times the prior of a cause with several sizes, the plausible one first: as small as one of them is, all of
+# them are. A tracker that was pushed by a tenth of what is plausible in all six ways would lose 14 nats to a joint
+# that slipped.
 SEVERAL_SIZES = (1.0, 0.3, 0.1)
 
 

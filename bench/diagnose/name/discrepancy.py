@@ -15,6 +15,7 @@ from bench.diagnose.linearise.marginal import Columns, Nuisances
 from bench.diagnose.linearise.screening import WIDTHS
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.naming import Naming
+from bench.diagnose.name.search_space import GREATER_PART
 from bench.effects.effect import WHOLE, Effect, Place
 from bench.effects.friction_elements import Side
 from bench.effects.learned import Learned, values_at, values_of
@@ -42,10 +43,9 @@ from bench.record.campaign import Array
 OVER = {"angle": "rad", "angle and direction": "rad", "speed": "rad/s", "load": "Nm"}
 
 
-ANGLE_NODES = (9, 17, 33)  # tried over an angle; each has those of the one before
-ROUNDS = 3  # fits in turn, each with the standard errors that the one before asks for
-SETTLED = 1.2  # times; standard errors that change by less are settled
-KEPT = 0.5  # of the evidence in the linearised model, which the simulated model has to keep
+ANGLE_NODES = (9, 17, 33)  # effort: tried over an angle; each has those of the one before
+ROUNDS = 3  # effort: fits in turn, each with the standard errors that the one before asks for
+SETTLED = 1.2  # effort: times; standard errors that change by less are settled
 NOT_THERE = "nothing in the simulator can act so: the shape is known, but no model runs with it"
 NO_BALANCE = "a model with it finds no balance along the measured motion"
 FALLS_SHORT = "a model with it runs, but cannot do what the data ask for (friction never drives), and is not written"
@@ -112,7 +112,7 @@ def learn(linear: LinearisedModel, block: Block, beside: Fit) -> Discrepancy:
         gained = fit.log_evidence - without.log_evidence
         if estimate.log_evidence < LEAST:
             return Discrepancy(linear, fit, False, ROUGH)
-        if gained < KEPT * estimate.log_evidence:
+        if gained < GREATER_PART * estimate.log_evidence:
             return Discrepancy(linear, fit, False, FALLS_SHORT)
         factors = _factors(linear, block, fit)
         if not left or np.all((factors < SETTLED) & (factors > 1 / SETTLED)):

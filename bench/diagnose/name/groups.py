@@ -12,8 +12,9 @@ import numpy as np
 
 from bench.diagnose.linearise.candidates import Cause
 
-IN_SET = 6.0  # log posterior odds behind the best, up to where a model is not told apart from it (odds of 400)
-LEVEL = 0.99  # of a set, declared (DESIGN 6.2)
+# declared: log posterior odds behind the best, up to where a model is not told apart from it (odds of 400)
+IN_SET = 6.0
+LEVEL = 0.99  # declared: of a set, declared (DESIGN 6.2)
 
 Keys = frozenset[Hashable]
 

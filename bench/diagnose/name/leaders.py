@@ -6,8 +6,8 @@ from bench.diagnose.name.models import CandidateModel
 from bench.diagnose.name.search import WINDOW, Alternative, search
 from bench.diagnose.name.search_space import SearchSpace
 
-GROWING = 12  # subsets that are expanded to find what is missing beside all of a model
-MOST_PLAYS = 12  # models with a play that are tried; one of 20 findings would be tried for minutes
+GROWING = 12  # effort: subsets that are expanded to find what is missing beside all of a model
+MOST_PLAYS = 12  # effort: models with a play that are tried; one of 20 findings would be tried for minutes
 
 
 def leaders_of(found: Sequence[Alternative], count: int) -> list[Alternative]:

@@ -25,7 +25,7 @@ from bench.effects.learned_readings import (
 )
 from bench.record.campaign import Array
 
-POINTS = 41  # of a curve that is no table
+POINTS = 41  # effort: of a curve that is no table
 FUNCTIONS = {"load": OF_READING, "place": IN_ROOM, "time": IN_TIME, "force": UNDER_FORCE}
 
 

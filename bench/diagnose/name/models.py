@@ -20,8 +20,9 @@ from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor, Progress, in_order
 from bench.record.campaign import Array
 
-NARROW = 1.5  # ratio of neighbouring shapes below which an effect is lost between two of them: more starts are tried
-TINY = 1e-300
+# effort: ratio of neighbouring shapes below which an effect is lost between two of them: more starts are tried
+NARROW = 1.5
+TINY = 1e-300  # rounding: so that nothing is divided by zero
 
 
 @dataclass(frozen=True, eq=False)

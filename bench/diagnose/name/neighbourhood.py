@@ -21,8 +21,8 @@ from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-ENOUGH = 1.2  # times; standard errors that have to be raised by less are settled
-ROUNDS = 6
+ENOUGH = 1.2  # effort: times; standard errors that have to be raised by less are settled
+ROUNDS = 6  # effort: of weighing anew with other standard errors
 
 
 class Neighbourhood:

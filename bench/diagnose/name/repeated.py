@@ -17,8 +17,8 @@ from bench.diagnose.name.models import Model
 from bench.diagnose.name.search import SubsetPosterior, alternatives_of, search
 from bench.diagnose.name.search_space import SearchSpace
 
-PARTS = 8  # of the folds, each left out in turn; of 40 runs a part has five
-EXPANDED = 8  # subsets that are expanded in each search, which begins with what was found
+PARTS = 8  # effort: of the folds, each left out in turn; of 40 runs a part has five
+EXPANDED = 8  # effort: subsets that are expanded in each search, which begins with what was found
 
 
 def repeats(

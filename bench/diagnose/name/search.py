@@ -21,10 +21,10 @@ from scipy.special import logsumexp
 from bench.diagnose.linearise.marginal import JITTER, log_evidences_of, log_half_normal
 from bench.record.campaign import Array
 
-WINDOW = 10.0  # log posterior odds behind the best, beyond which a subset is not expanded (odds of 22 000)
-MOST_EXPANDED = 40  # subsets that are expanded
-ADDITIONS = 12  # best additions to each subset that are looked at
-EXCHANGES = 5  # best additions after each deletion
+WINDOW = 10.0  # effort: log posterior odds behind the best, beyond which a subset is not expanded (odds of 22 000)
+MOST_EXPANDED = 40  # effort: subsets that are expanded
+ADDITIONS = 12  # effort: best additions to each subset that are looked at
+EXCHANGES = 5  # effort: best additions after each deletion
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,24 +11,22 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-import numpy as np
-
 from bench.diagnose.cross_validation.held_out import held_out
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.lack_of_fit import as_simulated
-from bench.diagnose.linearise.linearised_model import LinearisedModel, raised
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of, part_of_unlisted
 from bench.diagnose.name.leaders import grown, leaders_of, scattering
-from bench.diagnose.name.models import Fitter, Model, log_of_priors, reweighed, without_shape
+from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import GREATER_PART, SearchSpace, search_space
+from bench.diagnose.name.simulation_error import imitated, is_needed, rise_of
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -44,13 +42,9 @@ class Renew(Protocol):
         """Return the design and what can be tried; `is_last`: nothing will be added, what is missed now is noise."""
 
 
-MOST_ROUNDS = 12  # of linearising and searching; the KR300 takes 6
-LEADERS = 6  # alternatives of a search that are simulated; half of them while the best model still changes
-# Share of what an effect changes, to which it is simulated: bins, time steps and how friction starts to slide; assumed,
-# from what signatures miss of simulations (0.5 to 3.5 %, tests/diagnose/test_first_order.py).
-SIMULATED = 0.02
-TINY = 1e-300  # for what changes nothing, so that nothing is divided by zero
-MOST_REFUSED = 20  # findings that do not predict better, before they are no more replaced
+MOST_ROUNDS = 12  # effort: of linearising and searching; the KR300 takes 6
+LEADERS = 6  # effort: alternatives of a search that are simulated; half of them while the best model still changes
+MOST_REFUSED = 20  # effort: findings that do not predict better, before they are no more replaced
 
 
 def name_cause(
@@ -255,24 +249,6 @@ class _Selection:
         shares = repeats(self.linear, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
 
-    def _least(self, without: Fit) -> float:
-        """Return the evidence up to which a finding is chance, and what the others are simulated wrong by.
-
-        That is counted in the channels that the finding changes: who simulates a delay of encoders wrong has not
-        simulated a torque wrong. Evidence goes with the square of what is explained: an error of a share e leaves e^2.
-
-        Args:
-            without: The best model fitted without the finding.
-        """
-        linear, best = self.linear, self.best.fit
-        columns, count = linear.column_of, len(linear.quantities)
-        own, every = (
-            np.bincount(columns, linear.whiten(fit.residual - best.residual) ** 2, count)
-            for fit in (without, self.null)
-        )
-        touched = float(own @ every) / max(float(own.sum()), TINY)
-        return self.screening.threshold + 0.5 * SIMULATED**2 * touched
-
     def _without_shape(self) -> Fit:
         """Return the best model fitted without what is not listed."""
         best = self.best.fit
@@ -281,7 +257,8 @@ class _Selection:
     def _shape_pays(self) -> bool:
         """Whether what is not listed predicts what was held out better, beside the causes."""
         best, without = self.best.fit, self._without_shape()
-        if best.log_evidence - without.log_evidence < self._least(without) + LEAST:
+        least = self.screening.threshold + LEAST + imitated(self.linear, self.null, best, without)
+        if best.log_evidence - without.log_evidence < least:
             return False
         return held_out(self.best.linear(self.linear), without, best, self.linear).is_gain
 
@@ -293,20 +270,8 @@ class _Selection:
         except NOT_SIMULATED:
             return None
         gain = held_out(self.best.linear(self.linear), without, best)
-        rise = _rise(best, without)
-        return Finding(cause, best, rise, gain, gain.is_gain and self._is_needed(without, rise))
-
-    def _is_needed(self, without: Fit, rise: float) -> bool:
-        """Whether evidence for a finding is more than chance, and than what the others are simulated wrong by.
-
-        Where it is less than the most that such errors could imitate, they are taken for noise, and it is weighed anew.
-        """
-        if rise > self._least(without) or rise <= self.screening.threshold:
-            return rise > self.screening.threshold
-        before, explained = self.best, self.linear.whiten(self.null.residual - self.best.fit.residual)
-        linear = raised(self.linear, as_simulated(self.linear, explained, SIMULATED))
-        with_it, other = (reweighed(one, self.linear, linear) for one in (before, replace(before, fit=without)))
-        return _rise(with_it.fit, other.fit) > self.screening.threshold
+        pays = gain.is_gain and is_needed(self.linear, self.null, self.best, without, self.screening.threshold)
+        return Finding(cause, best, rise_of(best, without), gain, pays)
 
     def _without(self, cause: Cause) -> Fit:
         """Return the best model fitted without one of its causes."""
@@ -314,8 +279,3 @@ class _Selection:
         others = tuple(other for other in best.causes if other.key != cause.key)
         start = {key: value for key, value in best.start.items() if key[:2] != cause.key}
         return refit(self.best.linear(self.linear), others, start, best.nuisances, best)
-
-
-def _rise(fit: Fit, without: Fit) -> float:
-    """Return by how much the logarithm of the evidence falls from one fit to another."""
-    return fit.log_evidence - without.log_evidence + log_of_priors(fit) - log_of_priors(without)

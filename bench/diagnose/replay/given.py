@@ -24,8 +24,9 @@ from bench.robot.fitted import FittedEffect
 
 EARLIER = Quantity("known_earlier_1", "known_earlier", "1")
 LABEL = "earlier diagnosis"
-REACH = 2.0  # standard deviations of a finding, as far as which it has to make a model
-UNTOLD = 1e-6  # of the information that is stated; what the earlier campaign says less about, it says nothing of
+REACH = 2.0  # declared: standard deviations of a finding, as far as which it has to make a model
+# rounding: of the information that is stated; what the earlier campaign says less about, it says nothing of
+UNTOLD = 1e-6
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,9 @@ KINDS = {
     "gas_pressure_pa": "known_gas_pressure",
     "gas_temperature_k": "known_gas_temperature",
 }
-# Times the error of a reading, the prior of what it reads: the estimate then keeps 1 / (1 + FLAT^2) of the prior, and
-# derivatives are taken over no more than that, for friction and play of a robot with a much heavier payload are others.
+# declared: Times the error of a reading, the prior of what it reads: the estimate then keeps 1 / (1 + FLAT^2) of the
+# prior, and derivatives are taken over no more than that, for friction and play of a robot with a much heavier
+# payload are others.
 FLAT = 10.0
 OF_GAS = ("gas_pressure_pa", "gas_temperature_k")
 

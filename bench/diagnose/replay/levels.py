@@ -18,7 +18,8 @@ from bench.effects.gas import amount_scaled
 from bench.effects.levels import acts_in
 from bench.robot.compiled import CompiledRobot, SpecEdit
 
-GAS_DAY_K = 5.0  # [K], standard deviation of the gas from recording to recording: unheated air of a workshop, assumed
+# assumed: [K], standard deviation of the gas from recording to recording: unheated air of a workshop
+GAS_DAY_K = 5.0
 
 
 def with_recordings(

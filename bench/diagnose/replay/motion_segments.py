@@ -15,15 +15,17 @@ from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
-LONGEST_WINDOW = 0.06  # [s], over which motion is differentiated; less where bins are shorter
-LEAST_WINDOW = 5  # samples
-TURNING = 0.08  # of a joint's top speed in a run; below it, it starts, stops or turns round
-UNRESOLVED = 0.5  # of the difference between accelerations over one window and over two, that may be error
-RINGS = 0.2  # [s], for which a jerk is felt before and after
-JERKY = 0.01  # of a joint's top speed, by which that changes unsteadily within a period of the arm's lowest mode
-SETTLES = 5.0  # periods of that mode, after which an arm rings no more: a fifth is left with a damping ratio of 0.05
-STANDS = 1e-4  # [rad/s] or [m/s]; below it a joint counts as standing
-TRAVELS = 0.005  # [rad] or [m]; a joint that goes less far in a run only gives: its friction does not slide
+LONGEST_WINDOW = 0.06  # assumed: [s], over which motion is differentiated; less where bins are shorter
+LEAST_WINDOW = 5  # exact: samples
+TURNING = 0.08  # assumed: of a joint's top speed in a run; below it, it starts, stops or turns round
+UNRESOLVED = 0.5  # assumed: of the difference between accelerations over one window and over two, that may be error
+RINGS = 0.2  # assumed: [s], for which a jerk is felt before and after
+# assumed: of a joint's top speed, by which that changes unsteadily within a period of the arm's lowest mode
+JERKY = 0.01
+# derived: periods of that mode, after which an arm rings no more: a fifth is left with a damping ratio of 0.05
+SETTLES = 5.0
+STANDS = 1e-4  # rounding: [rad/s] or [m/s]; below it a joint counts as standing
+TRAVELS = 0.005  # assumed: [rad] or [m]; a joint that goes less far in a run only gives: its friction does not slide
 
 
 def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[SegmentInput]:

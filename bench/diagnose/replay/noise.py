@@ -10,11 +10,12 @@ from bench.diagnose.replay.quantities import Quantity
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.figures import Figures, TorqueSensor, Tracker
 
-NORMAL_MAD = 1.4826  # standard deviation of a normal distribution by its median absolute deviation
-FEWEST = 8  # samples in a group, in which a scatter about a parabola can be seen
-MOST_ALIKE = 0.8  # correlation of neighbours that is believed; beyond it samples are a slow signal, not noise
-GAS_DRIFT_K = 1.0  # [K]; by which gas and the wall around it drift with the air of a workshop over hours, assumed
-UNIFORM = 1 / np.sqrt(12)  # standard deviation of rounding to 1
+NORMAL_MAD = 1.4826  # exact: standard deviation of a normal distribution by its median absolute deviation
+FEWEST = 8  # declared: samples in a group, in which a scatter about a parabola can be seen
+MOST_ALIKE = 0.8  # assumed: correlation of neighbours that is believed; beyond it samples are a slow signal, not noise
+# assumed: [K]; by which gas and the wall around it drift with the air of a workshop over hours
+GAS_DRIFT_K = 1.0
+UNIFORM = 1 / np.sqrt(12)  # exact: standard deviation of rounding to 1
 
 
 class Noise:

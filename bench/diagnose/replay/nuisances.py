@@ -15,20 +15,21 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
 
-# [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold; assumed
+# assumed: [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold
 THERMOMETER_K = 2.0
-# Of the variance of a channel's zero as stated, the part that is another one in each recording: data sheets state the
-# zero of a sensor and its drift with temperature and time of the same order. The halves are assumed. What is known to
-# drift by less, as torque constants do, does so.
+# assumed: of the variance of a channel's zero as stated, the part that is another one in each recording: data sheets
+# state the zero of a sensor and its drift with temperature and time of the same order. The halves are assumed. What
+# is known to drift by less, as torque constants do, does so.
 DRIFTING = 0.5
-UNKNOWN_ZERO = 1e-3  # [rad] or [m], how well secondary encoders are zeroed where the figures do not say, assumed
+# assumed: [rad] or [m], how well secondary encoders are zeroed where the figures do not say
+UNKNOWN_ZERO = 1e-3
 
-# From one recording to another. Drives that are cold in one and warmed up in another differ by some 20 K, and the air
-# of a workshop adds to it: 10 K as a standard deviation, assumed. Both rates lie in the ranges of the effects that look
-# for them (`torque_constant_temperature`, `friction_temperature`, with their sources).
+# assumed: from one recording to another. Drives that are cold in one and warmed up in another differ by some 20 K,
+# and the air of a workshop adds to it: 10 K as a standard deviation, assumed. Both rates lie in the ranges of the
+# effects that look for them (`torque_constant_temperature`, `friction_temperature`, with their sources).
 DAY_K = 10.0  # [K]
-REMANENCE = 0.001  # [1/K], by which a torque constant falls with the remanence of NdFeB magnets
-VISCOUS = 0.015  # [1/K], by which viscous friction falls: 30 % over 20 K
+REMANENCE = 0.001  # derived: [1/K], by which a torque constant falls with the remanence of NdFeB magnets
+VISCOUS = 0.015  # derived: [1/K], by which viscous friction falls: 30 % over 20 K
 
 OnReading = Callable[[float, Reading], Reading]
 

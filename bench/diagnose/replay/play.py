@@ -11,10 +11,10 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.plant import Trace
 
-LOOSE = 1.5  # of its Coulomb level; a link with less load than that is not surely at a flank
-UNLOADED = 1e-3  # of the largest load on a link; less than that is none
-APART = 1.5  # times the usual distance of instants; beyond, something was left out between them
-TINY = 1e-300
+LOOSE = 1.5  # assumed: of its Coulomb level; a link with less load than that is not surely at a flank
+UNLOADED = 1e-3  # rounding: of the largest load on a link; less than that is none
+APART = 1.5  # rounding: times the usual distance of instants; beyond, something was left out between them
+TINY = 1e-300  # rounding: so that nothing is divided by zero
 
 
 def transmitted(compiled: CompiledRobot, trace: Trace) -> Array:

@@ -43,8 +43,8 @@ from bench.simulate.bare import bare_spec
 from bench.simulate.plant import Trace
 from bench.simulate.prescribed import TOLERANCE, Prescribed
 
-MOST_KNOWN = 4  # motions kept, for worlds that only read differently
-MOST_PLANS = 64  # ways kept in which worlds share models, 0.1 MB each for 700 instants of six joints
+MOST_KNOWN = 4  # effort: motions kept, for worlds that only read differently
+MOST_PLANS = 64  # effort: ways kept in which worlds share models, 0.1 MB each for 700 instants of six joints
 
 
 class Replay:

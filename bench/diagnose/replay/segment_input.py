@@ -11,8 +11,8 @@ from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
-SAMPLES_OF_SPEED = 5  # as many as motion is differentiated over at least
-SAMPLES_OF_PARABOLA = 4  # fewer samples have no curvature to speak of
+SAMPLES_OF_SPEED = 5  # exact: as many as motion is differentiated over at least
+SAMPLES_OF_PARABOLA = 4  # exact: fewer samples have no curvature to speak of
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,11 +22,11 @@ from bench.record.campaign import Array, Campaign, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
-BY_CHANCE = 1e-4  # probability up to which the scatter of repeats is taken for their instrument's
-MOST_BINS = 700  # of one run; a replay of so many takes some milliseconds
-# Bins times channels of all runs together, for memory: a diagnosis of the HH-150 with all causes takes 29 kB for each
-# (0.86 GB with 620 bins of 15 channels, 1.48 GB with 2030). Ten recordings of a KR300 have a third of it. Only beyond
-# does the resolution of a run depend on the others.
+BY_CHANCE = 1e-4  # declared: probability up to which the scatter of repeats is taken for their instrument's
+MOST_BINS = 700  # effort: of one run; a replay of so many takes some milliseconds
+# effort: Bins times channels of all runs together, for memory: a diagnosis of the HH-150 with all causes takes 29 kB
+# for each (0.86 GB with 620 bins of 15 channels, 1.48 GB with 2030). Ten recordings of a KR300 have a third of it.
+# Only beyond does the resolution of a run depend on the others.
 MOST_READINGS = 40_000
 
 

@@ -9,7 +9,8 @@ from bench.executor.contract import Executor, Progress, ignore, in_order
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 
-PORTION = 20  # worlds handed to a process at once: a tenth of a second, against which handing over counts little
+# effort: worlds handed to a process at once: a tenth of a second, against which handing over counts little
+PORTION = 20
 
 
 def simulate_all(

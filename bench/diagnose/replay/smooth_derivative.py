@@ -11,7 +11,7 @@ from scipy.ndimage import correlate1d
 
 from bench.record.campaign import Array
 
-DEGREE = 3
+DEGREE = 3  # exact: of the polynomials, which follow a curvature that changes
 
 
 def smooth_derivative(values: Array, window: int, order: int, dt: float) -> Array:

@@ -9,7 +9,7 @@ from bench.diagnose.replay.smooth_derivative import DEGREE, smooth_derivative
 from bench.record.campaign import Array
 from bench.record.rules.clock import UNEVEN
 
-ROWS = 4096  # at a time; bounds the memory of their windows
+ROWS = 4096  # effort: at a time; bounds the memory of their windows
 
 
 def derivative_over(values: Array, time: Array, window: int, order: int) -> Array:

@@ -1,0 +1,68 @@
+"""Every number between the data and a verdict says where it comes from."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import bench.diagnose
+
+ORIGINS = {
+    "exact": "mathematics",
+    "declared": "what the verdict promises, and says",
+    "derived": "follows from a figure that is cited beside it",
+    "rounding": "a step or a tolerance, far below what data resolve",
+    "effort": "how much is tried; more of it costs time and finds no less",
+    "assumed": "nobody has derived it: `bench study --vary` shows what a factor of two does",
+}
+MOST_ASSUMED = 40  # issue 15
+FOLDER = Path(bench.diagnose.__file__).parent
+APART = ("plausibility", "experiment_design")  # what is asked before a verdict, and proposed after it
+
+
+def numbers(text: str) -> Iterator[tuple[str, str]]:
+    """Yield the names of constants that are numbers in the text of a module, each with its comment."""
+    lines = text.splitlines()
+    for node in ast.parse(text).body:
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        )
+        names = [one.id for one in targets if isinstance(one, ast.Name) and one.id.isupper()]
+        value = getattr(node, "value", None)
+        leaves = [leaf.value for leaf in ast.walk(value) if isinstance(leaf, ast.Constant)] if value else []
+        kinds = {type(leaf) for leaf in leaves}
+        if not names or not kinds & {int, float} or str in kinds or isinstance(value, ast.Subscript):
+            continue
+        first = node.lineno - 1
+        while lines[first - 1].startswith("#"):
+            first -= 1
+        comment = " ".join(line.partition("#")[2].strip() for line in lines[first : node.end_lineno])
+        yield names[0], comment.strip()
+
+
+def constants() -> list[tuple[str, str, str]]:
+    """Return module, name and comment of every number in the chain from data to verdict."""
+    paths = [path for path in sorted(FOLDER.rglob("*.py")) if path.relative_to(FOLDER).parts[0] not in APART]
+    return [(str(path.relative_to(FOLDER)), *one) for path in paths for one in numbers(path.read_text())]
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "comment"), [pytest.param(*one, id=f"{one[0]}:{one[1]}") for one in constants()]
+)
+def test_it_says_its_origin(module: str, name: str, comment: str) -> None:
+    origin = comment.partition(":")[0]
+    assert origin in ORIGINS, f"{module}: {name} begins its comment with none of {', '.join(ORIGINS)}"
+    assert len(comment) > len(origin) + 3, f"{module}: {name} does not say what it is"
+
+
+def test_few_are_assumed() -> None:
+    assumed = [f"{module}: {name}" for module, name, comment in constants() if comment.startswith("assumed:")]
+    assert len(assumed) < MOST_ASSUMED, "\n".join(assumed)
+
+
+def test_a_number_without_origin_is_seen() -> None:
+    text = (
+        'HALF = 0.5\n# assumed: what is\n# below\nTHIRD = 1 / 3\nNAMES = ("a", "b")\nWIDE: float = 2.0  # exact: two\n'
+    )
+    assert list(numbers(text)) == [("HALF", ""), ("THIRD", "assumed: what is below"), ("WIDE", "exact: two")]
