@@ -91,7 +91,8 @@ def test_coarse_samples_are_not_averaged_beyond_a_bin() -> None:
     for segment in segments_of(campaign, compiled, quantities_of(campaign.runs, compiled)):
         assert segment.path
         assert len(segment.path.kernel) == 1
-        for group, weights in zip(segment.path.groups, segment.path.of_torque, strict=True):
+        for group, (rows, weights) in zip(segment.path.groups, segment.path.of_torque, strict=True):
+            np.testing.assert_array_equal(rows, group)
             np.testing.assert_array_equal(weights, centre_weights(len(group)))
 
 

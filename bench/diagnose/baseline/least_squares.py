@@ -49,7 +49,7 @@ def _bins(linear: LinearisedModel, first: FirstPass) -> Iterator[tuple[Index, Av
         if segment.path is None or segment.is_static:
             continue
         path = segment.path
-        averaged = [(path.time[group], own) for group, own in zip(path.groups, path.of_torque, strict=True)]
+        averaged = [(path.time[rows], weights) for rows, weights in path.of_torque]
         for averages in averages_of(first, segment.run, averaged):
             yield instants[averages.which], averages
 

@@ -67,8 +67,9 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     kept = tuple(group for group, is_useful in zip(groups, useful, strict=True) if is_useful)
     shapes = maximum_filter1d(useful.astype(np.int8), 3) > 0  # the bins beside them tell where friction turned round
     followed = tuple(group for group, shapes_friction in zip(groups, shapes, strict=True) if shapes_friction)
-    turning = moves & (slowest[useful] < TURNING * top)
-    path = Path(time, angles, kept, kernel)
+    path = Path(time, angles, kept, kernel, round(LONGEST_WINDOW / dt))
+    near = np.stack([np.min(np.abs(velocity[rows]), axis=0) for rows, _ in path.of_torque])  # torques feel a turn there
+    turning = moves & (np.minimum(slowest[useful], near) < TURNING * top)
 
     def mean(values: Array, groups: Sequence[NDArray[np.int64]] = followed) -> Array:
         centred: Array = np.stack([centre_weights(len(group)) @ values[group] for group in groups])
@@ -110,10 +111,10 @@ def _drive_error(path: Path, worst: Array, usual: Array, period: float) -> Array
         period: Of the arm's lowest mode [s].
     """
     last = len(path.time) - 1
-    inside = np.array([group[0] > 0 and group[-1] < last for group in path.groups])
+    inside = np.array([0 < rows[0] < rows[1] and rows[-2] < rows[-1] < last for rows, _ in path.of_torque])
     alike = (inside & (len(path.kernel) > 1))[:, None]
-    phase = [np.exp(2j * np.pi * path.time[group] / period) for group in path.groups]
-    through = np.abs([weights @ turned for weights, turned in zip(path.of_torque, phase, strict=True)])[:, None]
+    phase = [np.exp(2j * np.pi * path.time[rows] / period) for rows, _ in path.of_torque]
+    through = np.abs([weights @ turned for (_, weights), turned in zip(path.of_torque, phase, strict=True)])[:, None]
     rotors = np.minimum(usual, worst)
     links = np.maximum(np.minimum(through, 1.0) * worst, rotors)
     return np.where(alike, np.stack([links, rotors]), worst)

@@ -23,28 +23,41 @@ class Path:
         time: Shape (rows,) [s].
         angles: Shape (rows, n) [rad] or [m].
         groups: T arrays of rows.
-        kernel: Of odd length, no longer than a group; with its weights torques are averaged as accelerations are, with
-            1 where that is not possible.
+        kernel: Of odd length; with its weights torques are averaged as accelerations are, with 1 where that is not
+            possible.
+        reach: Samples that a torque may be averaged over, if its group has fewer.
     """
 
     time: Array
     angles: Array
     groups: tuple[NDArray[np.int64], ...]
     kernel: Array
+    reach: int = 1
 
     @cached_property
-    def of_torque(self) -> tuple[Array, ...]:
-        """Weights of each group's rows that make a reading of a torque of them.
+    def of_torque(self) -> tuple[tuple[NDArray[np.int64], Array], ...]:
+        """Rows and weights that make each reading of a torque: those of `inner`, spread by the kernel.
 
-        They are those of `inner`, spread by the kernel: no row beyond the group counts, so what a torque shows over the
-        angle is not blurred.
+        Beyond the ends of the run the last sample stands for all.
         """
-        return tuple(np.convolve(centre_weights(len(self.inner(group))), self.kernel) for group in self.groups)
+        half, last = len(self.kernel) // 2, len(self.time) - 1
+        return tuple(
+            (
+                np.clip(np.arange(inner[0] - half, inner[-1] + half + 1), 0, last),
+                np.convolve(centre_weights(len(inner)), self.kernel),
+            )
+            for inner in map(self.inner, self.groups)
+        )
 
     def inner(self, group: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the rows of a group whose accelerations, each an average itself, are of the group's rows alone."""
-        half = len(self.kernel) // 2
-        return group[half : len(group) - half]
+        """Return the rows of a group whose accelerations make its own, each of which is an average itself.
+
+        So many are left out on both sides that no reading is averaged over more than its group, or `reach`: what a
+        torque shows over the angle would be blurred.
+        """
+        most = max(len(group), self.reach)
+        trim = max(0, (len(group) + len(self.kernel) - most) // 2)
+        return group[trim : len(group) - trim]
 
     def earlier(self, seconds: float) -> Array:
         """Return how much further the motors were some time before each instant, shape (T, n) [rad] or [m].

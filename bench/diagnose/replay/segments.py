@@ -176,7 +176,8 @@ def _means(
     shape = (len(groups), len(quantities))
     mean, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
     weights = [np.full(len(group), 1 / len(group)) if is_static else centre_weights(len(group)) for group in groups]
-    of_torque = segment_input.path.of_torque if segment_input.path else weights
+    plain = tuple(zip(groups, weights, strict=True))
+    of_torque = segment_input.path.of_torque if segment_input.path else plain
     any_turning = np.any(segment_input.turning, axis=1)
     present = [c for c, quantity in enumerate(quantities) if quantity.column in run.columns]
     if not present:
@@ -189,9 +190,11 @@ def _means(
     for c, values, least in zip(present, readings.T, scatter, strict=True):
         quantity = quantities[c]
         one = np.maximum(noise.of(quantity, mean[:, c], run), least)
-        own = of_torque if quantity.is_drive else weights
-        mean[:, c] = [w @ values[group] for w, group in zip(own, groups, strict=True)]
-        error = one * np.array([np.linalg.norm(w) for w in own])
+        own = of_torque if quantity.is_drive else plain
+        mean[:, c] = [w @ values[rows] for rows, w in own]
+        # a torque that shares samples with its neighbours is known no better than without them
+        alone = [v if len(w) > len(v) else w for (_, w), v in zip(own, weights, strict=True)]
+        error = one * np.array([np.linalg.norm(w) for w in alone])
         if is_static:
             error = np.maximum(error, _swayed(values, groups, np.hypot(one, noise.rounding(quantity))))
         sigma[:, c] = np.hypot(error, noise.lasting(quantity))
