@@ -110,8 +110,8 @@ def _drive_error(path: Path, worst: Array, usual: Array, period: float) -> Array
         usual: Shape (n,), their median.
         period: Of the arm's lowest mode [s].
     """
-    last = len(path.time) - 1
-    inside = np.array([0 < rows[0] < rows[1] and rows[-2] < rows[-1] < last for rows, _ in path.of_torque])
+    half, last = len(path.kernel) // 2, len(path.time) - 1
+    inside = np.array([inner[0] > half and inner[-1] < last - half for inner in map(path.inner, path.groups)])
     alike = (inside & (len(path.kernel) > 1))[:, None]
     phase = [np.exp(2j * np.pi * path.time[rows] / period) for rows, _ in path.of_torque]
     through = np.abs([weights @ turned for (_, weights), turned in zip(path.of_torque, phase, strict=True)])[:, None]
