@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 
 from bench.effects.effect import Conditions, Parameter, Place, Values
-from bench.effects.followed import Followed, Torques
 from bench.effects.gas import OfGas, amount_scaled
 from bench.effects.places import drive_of, drives
 from bench.effects.recorded import Recorded, RecordedRun
@@ -84,7 +83,6 @@ class JointSlip(_SetsIn):
     )
     source = "range: 0.005 to 0.3 deg, as of joint_zero and beyond; assumed"
     advice = "look at bolts and encoder of this joint, and master it anew"
-    is_additive = True
     parameters = (Parameter("slip", "rad", 0.0, 8.7e-5, 5e-3, "x, encoder less link", signed=True),)
 
     def places_in(self, compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:
@@ -94,11 +92,6 @@ class JointSlip(_SetsIn):
             for drive in drives(compiled)
             for run in recorded.setting_in(_sees_links)
         )
-
-    def torques(self, place: Place, values: Values, followed: Followed) -> Torques:
-        after = np.where(followed.trace.time >= place.since_s, 1.0, 0.0)
-        turned = followed.compiled.stiffness[place.index] * values["slip"] * after
-        return Torques(motor=turned, link=-turned)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         slip = values["slip"]

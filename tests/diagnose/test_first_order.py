@@ -21,9 +21,8 @@ from bench.robot.folder import load_robot
 from bench.scenario.files import read_scenario
 
 # Of the length of a signature in standard errors. Evidence goes with the square of the cosine between signatures: a
-# twentieth of the length, at right angles, costs 1/400 of it, and a sixth 1/40. The largest is that of a joint that
-# slips: weight pulls otherwise then, which first order leaves out (15 % where currents are known to 0.01 A).
-USUAL, WORST = 0.05, 1 / 6
+# twentieth of the length, at right angles, costs 1/400 of it.
+USUAL, WORST = 0.05, 0.12
 VISIBLE = 1.0  # standard errors; what is shorter cannot be seen in any case
 MOST = 8  # places and shapes of each effect
 TORQUES = [name for name, effect in catalogue().items() if type(effect).torques is not Effect.torques]

@@ -32,7 +32,7 @@ from bench.record.campaign import Array
 
 DRAWS = 2000  # effort: of the Bayesian bootstrap
 SEED = 0  # exact: any: the same campaign gives the same interval
-LOW, HIGH = 0.05, 0.95  # quantiles of a 90 % interval
+LOW, HIGH = 0.05, 0.95  # declared: quantiles of a 90 % interval
 NOTICEABLE = 0.1  # rounding: [nats]; what changes nothing rises by rounding
 
 

@@ -25,7 +25,7 @@ GEAR_ANGLE = 3e-4  # assumed: [rad], plausible size of an unlisted error of a ge
 # assumed: [m], plausible size of an unlisted error of the tracker over its room, in an hour, under force
 TRACKER_ERROR = 3e-4
 LEAST_FORCE = 1.0  # rounding: [N]; below, nothing pulls at the load point
-LEAST_RANGE = 0.02  # rounding: [rad]; a joint that moves less shows no dependence on its angle
+LEAST_RANGE = 0.02  # assumed: [rad]; a joint that moves less shows no dependence on its angle
 
 
 @dataclass(frozen=True, eq=False)

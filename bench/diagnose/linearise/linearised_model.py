@@ -31,7 +31,10 @@ ROUGHNESS_WINDOW = 9  # assumed: bins, over which the roughness of a residual is
 ROUGH = 2.0  # assumed: times the variance that instruments explain, from where on the data's own word counts
 SAME_PLAY = 0.1  # rounding: relative; a change of play that changes hardly any scatter
 WHITENED_TOGETHER = 64  # effort: columns at a time, where there are hundreds: memory stays small
-HELD_MOTOR, HELD_LINK = 0.7, 0.5  # standard deviations of the part of its friction that a joint lets go of at rest
+HELD_MOTOR, HELD_LINK = (
+    0.7,
+    0.5,
+)  # assumed: standard deviations of the part of its friction that a joint lets go of at rest
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,13 +20,13 @@ from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-# Shares of the Coulomb level, from the virtual robot in time (README.md): how far friction at rest lies from what the
-# path of commands and loads alone would leave.
-MOTOR_REST, LINK_REST = 0.8, 0.15  # anew at every rest
-MOTOR_VISIT, LINK_VISIT = 2.0, 0.6  # the same for a visit; a motor may have let go of all it held
+# assumed: shares of the Coulomb level, from the virtual robot in time (README.md): how far friction lies, anew at
+# every rest, from what the path of commands and loads alone would leave.
+MOTOR_REST, LINK_REST = 0.8, 0.15
+MOTOR_VISIT, LINK_VISIT = 2.0, 0.6  # assumed: the same for a visit; a motor may have let go of all it held
 STANDING = 1.0  # assumed: a joint that stands while others move: anywhere between its two levels, changing slowly
 SLOWNESS = 5  # assumed: polynomials over the run that describe the slow change
-# derived: cosines beyond these. A joint that stands holds its friction until a load moves it, so what is not known of
+# assumed: cosines beyond these. A joint that stands holds its friction until a load moves it, so what is not known of
 # it walks over its levels in steps. Cosine k of a random walk that crosses one level in a run has a standard
 # deviation of sqrt(2) / (pi k) levels (Karhunen and Loeve); what lies beyond K of them is 1 / (pi sqrt(K)), here a
 # tenth of a level. Without them corners of friction at the wrist were taken for hysteresis (37 and 45 nats on two

@@ -15,12 +15,10 @@ from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-ANYWHERE = (
-    12**-0.5
-)  # exact: of the friction that a joint may hold, both ways: its share where it could be anywhere each time
-SHARES = np.append(
-    0.0, np.geomspace(1e-3, 2 * ANYWHERE, 40)
-)  # effort: that are tried; two levels are all that it may hold
+# exact: of the friction that a joint may hold, both ways: its share where it could be anywhere each time
+ANYWHERE = 12**-0.5
+# effort: that are tried; two levels are all that it may hold
+SHARES = np.append(0.0, np.geomspace(1e-3, 2 * ANYWHERE, 40))
 WEIGHTS = np.array([1.0, 4.0, 1.0])  # exact: squares of a second difference's coefficients
 FEW = 30  # declared: second differences, which tell their own size to a seventh
 
