@@ -7,7 +7,7 @@
 Every finding then has to pay on what was held out, or it is refused and the search goes on without it.
 """
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -26,7 +26,7 @@ from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import GREATER_PART, SearchSpace, search_space
-from bench.diagnose.name.simulation_error import imitated, is_needed, rise_of
+from bench.diagnose.name.simulation_error import SimulationError, imitated, rise_of
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -220,7 +220,7 @@ class _Selection:
             self.refused_shapes.add(str(self.best.shape))
             self.best = Model(self._without_shape(), log_posterior=self.best.log_posterior)
             return True
-        held: dict[Hashable, Finding] = {one.cause.key: one for one in map(self._held, self.best.causes) if one}
+        held = self._held(self.best.causes)
         count = 0
         while (failed := [one for one in held.values() if not one.is_taken]) and len(self.refused) < MOST_REFUSED:
             worst = min(failed, key=lambda one: one.held_out.low)
@@ -229,8 +229,7 @@ class _Selection:
             self.beside[key] = frozenset() if key in self.refused else self.best.keys  # twice is for good
             self.refused[key] = held.pop(key)
             count += 1
-            again = map(self._held, [one.cause for one in failed if one is not worst])
-            held |= {one.cause.key: one for one in again if one}
+            held |= self._held([one.cause for one in failed if one is not worst])
         self.findings = held
         return count > 0
 
@@ -262,16 +261,19 @@ class _Selection:
             return False
         return held_out(self.best.linear(self.linear), without, best, self.linear).is_gain
 
-    def _held(self, cause: Cause) -> Finding | None:
-        """Return what a cause of the best model is worth beside the others; None where nothing balances without it."""
-        best = self.best.fit
-        try:
-            without = self._without(cause)
-        except NOT_SIMULATED:
-            return None
-        gain = held_out(self.best.linear(self.linear), without, best)
-        pays = gain.is_gain and is_needed(self.linear, self.null, self.best, without, self.screening.threshold)
-        return Finding(cause, best, rise_of(best, without), gain, pays)
+    def _held(self, causes: Iterable[Cause]) -> dict[Hashable, Finding]:
+        """Return what causes of the best model are worth beside the others, if there is a balance without them."""
+        best, found = self.best.fit, dict[Hashable, Finding]()
+        error = SimulationError(self.linear, self.null, self.best)
+        for cause in causes:
+            try:
+                without = self._without(cause)
+            except NOT_SIMULATED:
+                continue
+            gain = held_out(self.best.linear(self.linear), without, best)
+            pays = gain.is_gain and error.is_needed(without, self.screening.threshold)
+            found[cause.key] = Finding(cause, best, rise_of(best, without), gain, pays)
+        return found
 
     def _without(self, cause: Cause) -> Fit:
         """Return the best model fitted without one of its causes."""

@@ -1,6 +1,7 @@
 """What a finding is worth beside others that are not simulated exactly."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -41,25 +42,43 @@ def imitated(linear: LinearisedModel, null: Fit, best: Fit, without: Fit) -> flo
     return 0.5 * SIMULATED**2 * touched
 
 
-def is_needed(linear: LinearisedModel, null: Fit, best: Model, without: Fit, threshold: float) -> bool:
-    """Return whether evidence for a finding is more than chance, and than what the others are simulated wrong by.
+@dataclass(frozen=True)
+class SimulationError:
+    """What findings of a model are worth beside each other, where each is simulated wrong by a share `SIMULATED`.
 
-    Where it is less than the most that such errors could imitate, they are taken for noise, and it is weighed anew.
-
-    Args:
+    Attributes:
         linear: The campaign.
         null: Nominal model.
-        best: Model with the finding.
-        without: The same fitted without it.
-        threshold: Log evidence that chance exceeds at the declared rate.
+        best: Model with the findings.
     """
-    rise = rise_of(best.fit, without)
-    if rise <= threshold or rise > threshold + imitated(linear, null, best.fit, without):
-        return rise > threshold
-    explained = linear.whiten(null.residual - best.fit.residual)
-    noisy = raised(linear, as_simulated(linear, explained, SIMULATED))
-    try:
-        with_it, other = (reweighed(one, linear, noisy) for one in (best, replace(best, fit=without)))
-    except NOT_SIMULATED:
-        return False
-    return rise_of(with_it.fit, other.fit) > threshold
+
+    linear: LinearisedModel
+    null: Fit
+    best: Model
+
+    def is_needed(self, without: Fit, threshold: float) -> bool:
+        """Return whether evidence for a finding is more than chance, and than what the others are simulated wrong by.
+
+        Where it is less than the most that such errors could imitate, they are taken for noise, and it is weighed anew.
+
+        Args:
+            without: The model fitted without the finding.
+            threshold: Log evidence that chance exceeds at the declared rate.
+        """
+        rise = rise_of(self.best.fit, without)
+        if rise <= threshold or rise > threshold + imitated(self.linear, self.null, self.best.fit, without):
+            return rise > threshold
+        try:
+            other = reweighed(replace(self.best, fit=without), self.linear, self._noisy)
+            return rise_of(self._with_noise.fit, other.fit) > threshold
+        except NOT_SIMULATED:
+            return False
+
+    @cached_property
+    def _noisy(self) -> LinearisedModel:
+        explained = self.linear.whiten(self.null.residual - self.best.fit.residual)
+        return raised(self.linear, as_simulated(self.linear, explained, SIMULATED))
+
+    @cached_property
+    def _with_noise(self) -> Model:
+        return reweighed(self.best, self.linear, self._noisy)
