@@ -10,7 +10,7 @@ from bench.compare.joint import Joint
 from bench.compare.levels import by_level
 from bench.compare.noise import Repeatability, repeatability_of, row_facts
 from bench.compare.shared import SharedWhitening, shared_whitening, undo_segments
-from bench.diagnose.linearise.linearised_model import raised, with_held
+from bench.diagnose.linearise.linearised_model import raised, with_scatter
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry, Tried, tried_of
 from bench.errors import InputError
@@ -80,7 +80,7 @@ def background_of(joint: Joint) -> Background:
     found = _first(joint, cells)
     if not is_one_program(joint.linear.segments, joint.of_segment):
         return found
-    other = _first(replace(joint, linear=with_held(joint.linear, HELD)), cells)
+    other = _first(replace(joint, linear=with_scatter(joint.linear, replace(joint.linear.scatter, new=HELD))), cells)
     return max(found, other, key=_log_evidence)
 
 
@@ -92,7 +92,7 @@ def _first(joint: Joint, cells: NDArray[np.intp]) -> Background:
     known = Repeatability.of_instruments(len(joint.linear.quantities))
     linear, of_row = joint.linear, joint.of_row
     tried = _tried(joint)
-    slopes = by_level(linear.jacobian, linear.nuisances, of_row, linear.held)
+    slopes = by_level(linear.jacobian, linear.nuisances, of_row, linear.scatter.new)
     left = np.empty(len(linear.white))
     for k in range(len(joint.recordings)):
         rows = of_row == k
@@ -163,7 +163,7 @@ def _assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.int
     """Return all recordings with standard errors that count what is new in each of them."""
     linear, tried = joint.linear, _tried(joint)
     whitening = shared_whitening(linear, repeatability, cells)
-    slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row, linear.held)
+    slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row, linear.scatter.new)
     columns, plain = tried.columns.matrix, linear.white[:, None].copy()
     for values in (slopes, columns, plain):
         undo_segments(linear, values)

@@ -19,7 +19,7 @@ from bench.diagnose.cross_validation.leave_out import (
 from bench.diagnose.extend.fit import Fit, Unknown
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.linearise.noise_covariance import Whitening
+from bench.diagnose.linearise.noise_covariance import Scatter, Whitening
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
@@ -62,10 +62,9 @@ def design_with(
         nuisances=tuple(Nuisance(f"n{i}", "", 1.0) for i in range(sensitivities.shape[1])),
         responses=(),
         whitenings=tuple(whitenings),
-        play=np.zeros(1),
+        scatter=Scatter(np.zeros(1), np.zeros((2, 1)), 0.0),
         weighed=tuple(segments),
         inflation=np.ones((2, 1)),
-        shaken=0.0,
         unexplained=np.ones((2, 1)),
         sensitivities=sensitivities[:, None, :],
         residual=residual[:, None],

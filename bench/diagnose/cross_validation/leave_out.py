@@ -68,7 +68,7 @@ def log_probability_of_folds(linear: LinearisedModel, tangent: Tangent, folds: F
     found = np.empty(len(folds))
     for f in range(len(folds)):
         mine = row_fold == f
-        step, rest = _step(tangent, tangent.white, mine | row_gap[:, f], free)
+        step, rest = step_without(tangent, tangent.white, mine | row_gap[:, f], free)
         own = tangent.jacobian[mine]
         volume = float(np.sum(tangent.log_determinants[mine]))
         found[f] = volume + _log_density(tangent.white[mine] - own @ step, own, rest)
@@ -113,7 +113,7 @@ def errors_of_folds(linear: LinearisedModel, fit: Fit, tangent: Tangent, folds: 
     row_fold, row_gap = folds.of_rows(linear)
     error = np.where(measured(linear), fit.residual, np.nan)
     for f in range(len(folds)):
-        step, _ = _step(tangent, white, (row_fold == f) | row_gap[:, f], free)
+        step, _ = step_without(tangent, white, (row_fold == f) | row_gap[:, f], free)
         moved = clamp.copy()
         moved[free] += step
         if folds.recordings:
@@ -122,6 +122,23 @@ def errors_of_folds(linear: LinearisedModel, fit: Fit, tangent: Tangent, folds: 
         at = folds.of_instants == f
         error[at] -= linear.sensitivities[at] @ moved[:p] + fit.jacobian[at] @ moved[p:]
     return error
+
+
+def step_without(
+    tangent: Tangent, white: Array, absent: NDArray[np.bool_], free: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Return the step of free parameters without some readings, shape (q,), and the precision that is left, (q, q).
+
+    Args:
+        tangent: The fit.
+        white: Shape (m,), residual at its optimum.
+        absent: Shape (m,), readings that are left out.
+        free: Shape (q,), parameters that may move.
+    """
+    gone = tangent.jacobian[absent][:, free]
+    rest = tangent.precision[np.ix_(free, free)] - gone.T @ gone
+    step = -cho_solve(cho_factor(rest), gone.T @ white[absent])
+    return step, rest
 
 
 def _of_recording(linear: LinearisedModel, fit: Fit, recording: str) -> NDArray[np.int64]:
@@ -148,21 +165,6 @@ def _fitted_to(tangent: Tangent, fit: Fit, rows: NDArray[np.bool_], moved: Array
     own = tangent.jacobian[rows][:, which]
     pull = own.T @ (tangent.white[rows] - tangent.jacobian[rows] @ others) - prior * stated[which]
     return np.asarray(np.linalg.solve(own.T @ own + np.diag(prior), pull), dtype=np.float64)
-
-
-def _step(tangent: Tangent, white: Array, absent: NDArray[np.bool_], free: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Return the step of the free parameters without some readings, and the precision that is left of them.
-
-    Args:
-        tangent: The fit.
-        white: Shape (m,), residual at its optimum.
-        absent: Shape (m,), readings that are left out.
-        free: Shape (q,), parameters that may move.
-    """
-    gone = tangent.jacobian[absent][:, free]
-    rest = tangent.precision[np.ix_(free, free)] - gone.T @ gone
-    step = -cho_solve(cho_factor(rest), gone.T @ white[absent])
-    return step, rest
 
 
 def _clamped(fit: Fit, tangent: Tangent, reach: float) -> tuple[Array, NDArray[np.int64]]:

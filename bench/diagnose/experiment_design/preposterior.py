@@ -13,7 +13,8 @@ from scipy.linalg import solve_triangular
 from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.experiment_design.experiments import Experiment
 from bench.diagnose.extend.fit import Fit, world_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, held_friction
+from bench.diagnose.linearise.held_friction import held_friction
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import whitening_of
 from bench.diagnose.linearise.torque_response import torque_response
 from bench.diagnose.replay.levels import with_recordings
@@ -106,7 +107,7 @@ class Preposterior:
         executor: Executor = SERIAL,
     ) -> None:
         self.fits = fits
-        self._shaken = linear.shaken
+        self._scatter = linear.scatter
         self._index: dict[int, int] = {}
         unique: list[Segment] = []
         for segment in (s for experiment in experiments for s in experiment.segments):
@@ -153,7 +154,7 @@ class Preposterior:
         compiled, quantities = self._replay.compiled, self._replay.quantities
         where = [self._index[id(segment.motion)] for segment in experiment.segments]
         maps = [
-            whitening_of(compiled, segment, self._responses[i], quantities, compiled.play, self._shaken)
+            whitening_of(compiled, segment, self._responses[i], quantities, self._scatter)
             for segment, i in zip(experiment.segments, where, strict=True)
         ]
         found = []

@@ -177,7 +177,7 @@ def _fitted(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -
     _, determinant = np.linalg.slogdet(curvature)
     evidence = -0.5 * best - 0.5 * float(determinant) - float(np.sum(np.log(sigma)))
     evidence += float(np.sum(linear.log_determinants))
-    return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, jacobian, linear.play)
+    return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, jacobian, linear.scatter.play)
 
 
 def _ever_shorter(step: Array, curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Iterator[Array]:

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from bench.diagnose.linearise.noise_covariance import Whitening, whitening_of
+from bench.diagnose.linearise.held_friction import held_friction, levels_of
+from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, whitening_of
 from bench.diagnose.linearise.standing_joints import shaken_share
 from bench.diagnose.linearise.torque_response import TorqueResponse, torque_response
 from bench.diagnose.replay.nuisances import Nuisance
@@ -25,16 +26,11 @@ from bench.diagnose.replay.simulations import simulate_all
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError
 from bench.record.campaign import Array
-from bench.simulate.plant import Trace
 
 ROUGHNESS_WINDOW = 9  # assumed: bins, over which the roughness of a residual is averaged
 ROUGH = 2.0  # assumed: times the variance that instruments explain, from where on the data's own word counts
 SAME_PLAY = 0.1  # rounding: relative; a change of play that changes hardly any scatter
 WHITENED_TOGETHER = 64  # effort: columns at a time, where there are hundreds: memory stays small
-HELD_MOTOR, HELD_LINK = (
-    0.7,
-    0.5,
-)  # assumed: standard deviations of the part of its friction that a joint lets go of at rest
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +43,7 @@ class LinearisedModel:
             `sensitivities` alone.
         responses: Of every segment to torques.
         whitenings: Of every segment.
-        play: Shape (n,) [rad] or [m], of the gears, which the whitenings know.
-        shaken: Share of its friction that a standing joint takes anew at every instant.
+        scatter: Of friction and play, which the whitenings know.
         weighed: The segments with the standard errors that count here.
         inflation: Shape (2, c), by what the standard errors were raised for lack of fit, at rest and in motion.
         unexplained: Shape (2, c), by what they had to be raised in any case: not even everything together explains it.
@@ -59,15 +54,13 @@ class LinearisedModel:
         run_of: Shape (m,), index into `runs`.
         runs: Names of the runs.
         column_of: Shape (m,), index into the quantities; whitening mixes the quantities of an instant a little.
-        held: Share of the scatter of friction at rest that the whitenings count.
     """
 
     replay: Replay
     nuisances: tuple[Nuisance, ...]
     responses: tuple[TorqueResponse, ...]
     whitenings: tuple[Whitening, ...]
-    play: Array
-    shaken: float
+    scatter: Scatter
     weighed: tuple[Segment, ...]
     inflation: Array
     unexplained: Array
@@ -78,7 +71,6 @@ class LinearisedModel:
     run_of: Array
     runs: tuple[str, ...]
     column_of: Array
-    held: float = 1.0
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -150,8 +142,8 @@ def linearised_model_of(
     nuisances, sensitivities = (*nuisances, *held), np.concatenate([sensitivities, held_changes], axis=2)
     parts = np.split(residual, np.cumsum([len(segment) for segment in replay.segments])[:-1])
     shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
-    noise = (replay.compiled.play, shaken, 1.0)
-    plain = _assemble(replay, nuisances, responses, noise, replay.segments, sensitivities, residual)
+    scatter = Scatter(replay.compiled.play, levels_of(replay.compiled), shaken)
+    plain = _assemble(replay, nuisances, responses, scatter, replay.segments, sensitivities, residual)
     # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
     return roughened(plain, residual - plain.sensitivities @ fit(plain), [segment.rings for segment in replay.segments])
 
@@ -181,17 +173,18 @@ def raised(linear: LinearisedModel, factors: Array) -> LinearisedModel:
     segments = tuple(
         replace(segment, sigma=segment.sigma * factors[0 if segment.is_static else 1]) for segment in linear.weighed
     )
-    return replace(_reassembled(linear, segments, linear.play), inflation=linear.inflation * factors)
+    return replace(_reassembled(linear, segments, linear.scatter), inflation=linear.inflation * factors)
 
 
 def with_play(linear: LinearisedModel, play: Array) -> LinearisedModel:
     """Return the design with gears that have play, shape (n,) [rad] or [m]: links may rest anywhere within it."""
-    return linear if is_same_play(play, linear.play) else _reassembled(linear, linear.weighed, play)
+    same = is_same_play(play, linear.scatter.play)
+    return linear if same else with_scatter(linear, replace(linear.scatter, play=play))
 
 
-def with_held(linear: LinearisedModel, held: float) -> LinearisedModel:
-    """Return the design with another share of the scatter of friction at rest."""
-    return linear if held == linear.held else _reassembled(linear, linear.weighed, linear.play, held)
+def with_scatter(linear: LinearisedModel, scatter: Scatter) -> LinearisedModel:
+    """Return the design with another scatter of friction and play."""
+    return _reassembled(linear, linear.weighed, scatter)
 
 
 def is_same_play(one: Array, other: Array) -> bool:
@@ -216,33 +209,28 @@ def roughened(
         else replace(segment, sigma=np.where(rows[:, None], _roughened(part, segment.sigma), segment.sigma))
         for segment, part, rows in zip(linear.weighed, linear.split(left), chosen, strict=True)
     )
-    return _reassembled(linear, segments, linear.play)
+    return _reassembled(linear, segments, linear.scatter)
 
 
-def held_friction(
-    replay: Replay, traces: list[Trace], responses: tuple[TorqueResponse, ...]
-) -> tuple[tuple[Nuisance, ...], Array]:
-    """Return nuisances for how much of its friction a joint still holds at rest, and their changes, shape (T, c, q).
+def about(linear: LinearisedModel, world: World, play: Array) -> LinearisedModel:
+    """Return the design with the friction and the play of a world: what it holds at rest, and how that scatters.
 
-    Settling and shaking let go of part of it, on each side of the gear, and more in one joint than in another.
+    Args:
+        linear: The campaign.
+        world: In which the sensitivities to friction held at rest are taken.
+        play: Shape (n,) [rad] or [m], of the gears.
+
+    Raises:
+        ConvergenceError, RobotError: The world cannot be simulated.
     """
-    found, sensitivities = [], []
-    for j, drive in enumerate(replay.compiled.robot.figures.drives):
-        for side, sigma in (("motor", HELD_MOTOR), ("link", HELD_LINK)):
-            change = np.concatenate(
-                [
-                    (segment.is_static or segment.standing[j])
-                    * getattr(response, side)[:, :, j]
-                    * getattr(trace, f"{side}_friction")[:, [j]]
-                    for segment, trace, response in zip(replay.segments, traces, responses, strict=True)
-                ]
-            )
-            if np.any(change):
-                found.append(Nuisance(f"{side}-side friction held at rest by {drive.joint}", "", sigma))
-                sensitivities.append(sigma * change)
-    if not found:
-        return (), np.zeros((*replay.shape, 0))
-    return tuple(found), np.stack(sensitivities, axis=2)
+    traces = linear.replay.traces(world)
+    held, changes = held_friction(linear.replay, traces, linear.responses)
+    names = [str(nuisance) for nuisance in linear.nuisances]
+    new = relinearised(linear, [names.index(str(nuisance)) for nuisance in held], changes)
+    levels = levels_of(linear.replay.robot(world), traces)
+    if is_same_play(play, linear.scatter.play) and is_same_play(levels, linear.scatter.levels):
+        return new
+    return with_scatter(new, replace(linear.scatter, play=play, levels=levels))
 
 
 def fit(linear: LinearisedModel) -> Array:
@@ -257,12 +245,9 @@ def _sound(found: Array | BenchError) -> Array:
     return found
 
 
-def _reassembled(
-    linear: LinearisedModel, segments: tuple[Segment, ...], play: Array, held: float | None = None
-) -> LinearisedModel:
+def _reassembled(linear: LinearisedModel, segments: tuple[Segment, ...], scatter: Scatter) -> LinearisedModel:
     known = (linear.replay, linear.nuisances, linear.responses)
-    noise = (play, linear.shaken, linear.held if held is None else held)
-    new = _assemble(*known, noise, segments, linear.sensitivities, linear.residual)
+    new = _assemble(*known, scatter, segments, linear.sensitivities, linear.residual)
     return replace(new, inflation=linear.inflation, unexplained=linear.unexplained)
 
 
@@ -270,13 +255,13 @@ def _assemble(
     replay: Replay,
     nuisances: tuple[Nuisance, ...],
     responses: tuple[TorqueResponse, ...],
-    noise: tuple[Array, float, float],
+    scatter: Scatter,
     segments: tuple[Segment, ...],
     sensitivities: Array,
     residual: Array,
 ) -> LinearisedModel:
     whitenings = tuple(
-        whitening_of(replay.compiled, segment, response, replay.quantities, *noise)
+        whitening_of(replay.compiled, segment, response, replay.quantities, scatter)
         for segment, response in zip(segments, responses, strict=True)
     )
     runs = tuple(dict.fromkeys(segment.run for segment in segments))
@@ -289,9 +274,8 @@ def _assemble(
     )
     empty = np.empty(0)
     ones = np.ones((2, c))
-    play, shaken, held = noise
-    known = (replay, nuisances, responses, whitenings, play, shaken, segments, ones, ones, sensitivities, residual)
-    draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of, held)
+    known = (replay, nuisances, responses, whitenings, scatter, segments, ones, ones, sensitivities, residual)
+    draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of)
     both = draft.whiten(np.concatenate([sensitivities, residual[:, :, None]], axis=2))
     return replace(draft, jacobian=both[:, :-1], white=both[:, -1])
 

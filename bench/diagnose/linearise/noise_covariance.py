@@ -45,6 +45,23 @@ TINY = 1e-300  # rounding: so that nothing is divided by zero
 
 
 @dataclass(frozen=True, eq=False)
+class Scatter:
+    """How friction and play scatter in a model; n joints, their links before their motors.
+
+    Attributes:
+        play: Shape (n,) [rad] or [m], of the gears.
+        levels: Shape (2, n) [Nm] or [N], up to which friction holds.
+        shaken: Share of its friction that a standing joint takes anew at every instant (`standing_joints.py`).
+        new: Share of the scatter at rest that counts: less than all of it where rests repeat.
+    """
+
+    play: Array
+    levels: Array
+    shaken: float
+    new: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
 class Whitening:
     """A linear map after which what cannot be predicted is standard normal, for one segment.
 
@@ -96,9 +113,7 @@ def whitening_of(
     segment: Segment,
     response: TorqueResponse,
     quantities: tuple[Quantity, ...],
-    play: Array,
-    shaken: float,
-    held: float = 1.0,
+    scatter: Scatter,
 ) -> Whitening:
     """Return how a segment is whitened.
 
@@ -107,9 +122,7 @@ def whitening_of(
         segment: To whiten.
         response: Of its readings to torques.
         quantities: What is compared.
-        play: Shape (n,) [rad] or [m], of the gears.
-        shaken: Share of its friction that a standing joint takes anew at every instant (`standing_joints.py`).
-        held: Share of the scatter of friction at rest that counts: less than all of it where rests repeat.
+        scatter: Of friction and play.
     """
     length, c = segment.observed.shape
     measured = np.isfinite(segment.observed) & np.isfinite(segment.sigma)
@@ -118,14 +131,14 @@ def whitening_of(
         is_gain = np.array([quantity.is_drive and bool(segment.standing[quantity.index]) for quantity in quantities])
         measured &= ~is_gain
     n = compiled.n_joints
-    levels = held * np.concatenate([compiled.link_coulomb, compiled.motor_coulomb])
+    play, levels = scatter.play, scatter.new * scatter.levels.ravel()
     if segment.is_static:
         stands = np.ones(n, dtype=bool)
         once, lasting = np.repeat([LINK_REST, MOTOR_REST], n), np.repeat([LINK_VISIT, MOTOR_VISIT], n)
         slowly = np.asarray(np.ones((length, 1)), dtype=np.float64)
     else:
         stands = segment.standing
-        once, lasting = shaken * np.tile(stands, 2), STANDING * np.tile(stands, 2)
+        once, lasting = scatter.shaken * np.tile(stands, 2), STANDING * np.tile(stands, 2)
         slowly = slow(length)
     spread = np.concatenate([response.link, response.motor], axis=2) * levels  # (T, c, 2n), a whole level
     spread = np.where(measured[:, :, None], spread, 0.0)

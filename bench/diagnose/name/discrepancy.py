@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.diagnose.cross_validation.held_out import held_out
+from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.extend.fit import Fit, Key, pseudo_residual
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
@@ -124,7 +125,7 @@ def learn(linear: LinearisedModel, block: Block, beside: Fit) -> Discrepancy:
     if gained <= 0 or not gain.is_gain or not is_better:
         return Discrepancy(linear, fit, False, REFUSED)
     is_in_model = type(fit.causes[-1].effect).edit is not Effect.edit
-    return Discrepancy(linear, fit, True, IN_MODEL if is_in_model else IN_READINGS)
+    return Discrepancy(linear, with_jackknife(linear, fit), True, IN_MODEL if is_in_model else IN_READINGS)
 
 
 def _factors(linear: LinearisedModel, block: Block, fit: Fit) -> Array:

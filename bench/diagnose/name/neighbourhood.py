@@ -9,7 +9,8 @@ from bench.diagnose.extend.fit import is_simulated, pseudo_residual
 from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import blocks_of
 from bench.diagnose.linearise.lack_of_fit import missed, unexplained
-from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, relinearised, with_play
+from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, relinearised
+from bench.diagnose.linearise.linearised_model import about as linearised_about
 from bench.diagnose.linearise.screening import Screening, Tried, screen, tried_of
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
 from bench.diagnose.name.models import Model, without_shape
@@ -84,8 +85,8 @@ class Neighbourhood:
         """
         fit, count = model.fit, len(linear.nuisances)
         nominal = model.linear(linear)
-        own = with_play(nominal, fit.play)
-        world = fit.world(own)
+        world = fit.world(nominal)
+        own, before = linearised_about(nominal, world, fit.play), self._changes
         causes = causes_of(self.catalogue.values(), own.replay.robot(world), self.measured, self.recorded)
         taken = {cause.key for cause in fit.causes}
         if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
@@ -96,7 +97,7 @@ class Neighbourhood:
             signatures = Signatures(self.compiled, own.quantities, nuisances, self._causes, world)
             self._changes = signatures.sensitivities(own.segments, self.executor)
             own = relinearised(own, which, self._changes.nuisances)
-        if own is not nominal:
+        if own.whitenings is not nominal.whitenings or self._changes is not before:
             own = self._looked_around(own, lambda other: pseudo_residual(other, fit))
         own = _settled(own, lambda other: pseudo_residual(other, fit), is_last=is_last)
         linear = without_shape(own, count)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from bench.diagnose.cross_validation.held_out import held_out
+from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
@@ -98,7 +99,7 @@ class _Selection:
 
     def naming(self, stopped: str = "") -> Naming:
         """Return what was found."""
-        models = tuple(model for model in self.models if model.keys)
+        models = tuple(self._with_scatter(model) for model in self.models if model.keys)
         is_null = not self.best.keys
         kind: Kind = "cause" if len(self.best.causes) == 1 else "several causes"
         if self.best.shape:
@@ -118,6 +119,10 @@ class _Selection:
             promising=self.promising if stopped else (),
             stopped=stopped,
         )
+
+    def _with_scatter(self, model: Model) -> Model:
+        """Return a model with standard errors that count the scatter of its sizes between runs."""
+        return replace(model, fit=with_jackknife(model.linear(self.linear), model.fit))
 
     def _groups(self, ranked: Sequence[Finding]) -> tuple[AmbiguityGroup, ...]:
         """Return what could stand in the place of each listed finding of the best model, the surest finding first."""

@@ -111,7 +111,16 @@ def fit_of(linear: LinearisedModel, case: Case, rng: np.random.Generator) -> Fit
     residual = np.zeros(linear.replay.shape)
     jacobian = np.zeros((*residual.shape, k))
     return Fit(
-        tuple(causes), unknowns, np.array(values), np.eye(k), nuisances, 0.0, 0.0, residual, jacobian, linear.play
+        tuple(causes),
+        unknowns,
+        np.array(values),
+        np.eye(k),
+        nuisances,
+        0.0,
+        0.0,
+        residual,
+        jacobian,
+        linear.scatter.play,
     )
 
 

@@ -1,0 +1,54 @@
+"""Standard errors by leaving out groups: against closed forms, and against estimates from many samples."""
+
+import numpy as np
+import pytest
+
+from bench.diagnose.cross_validation.jackknife import jackknife_variance
+from bench.diagnose.cross_validation.leave_out import Tangent
+
+GROUPS, EACH = 12, 20
+
+
+def at_optimum(jacobian: np.ndarray, white: np.ndarray, prior: np.ndarray) -> Tangent:
+    """Return a linear fit at its optimum, all parameters at their priors' centres before it."""
+    precision = jacobian.T @ jacobian + np.diag(prior)
+    value = np.linalg.solve(precision, jacobian.T @ white)
+    return Tangent(jacobian, white - jacobian @ value, precision, np.zeros(len(white)))
+
+
+def folds() -> tuple[np.ndarray, np.ndarray]:
+    return np.repeat(np.arange(GROUPS), EACH), np.zeros((GROUPS * EACH, GROUPS), dtype=bool)
+
+
+def test_of_a_mean_it_is_the_variance_of_means_of_groups() -> None:
+    white = np.random.default_rng(0).standard_normal(GROUPS * EACH)
+    tangent = at_optimum(np.ones((GROUPS * EACH, 1)), white, np.zeros(1))
+    means = white.reshape(GROUPS, EACH).mean(axis=1)
+    assert jackknife_variance(tangent, *folds())[0] == pytest.approx(np.var(means, ddof=1) / GROUPS)
+
+
+def test_errors_that_groups_share_count_where_least_squares_does_not_see_them() -> None:
+    rng, found, values = np.random.default_rng(1), [], []
+    slope = rng.standard_normal((GROUPS * EACH, 1))
+    slope += np.repeat(rng.standard_normal((GROUPS, 1)), EACH, axis=0)
+    for _ in range(400):
+        white = rng.standard_normal(GROUPS * EACH) + np.repeat(2 * rng.standard_normal(GROUPS), EACH)
+        tangent = at_optimum(slope, white, np.zeros(1))
+        found.append(jackknife_variance(tangent, *folds())[0])
+        values.append((white - tangent.white) @ slope[:, 0] / (slope[:, 0] @ slope[:, 0]))
+    true, stated = np.var(values), 1 / float(slope[:, 0] @ slope[:, 0])
+    assert true > 10 * stated
+    assert np.median(found) == pytest.approx(true, rel=0.5)
+
+
+def test_what_a_prior_holds_back_keeps_the_variance_of_the_prior() -> None:
+    jacobian = np.column_stack([np.ones(GROUPS * EACH), np.zeros(GROUPS * EACH)])
+    tangent = at_optimum(jacobian, np.random.default_rng(2).standard_normal(GROUPS * EACH), np.array([0.0, 4.0]))
+    assert jackknife_variance(tangent, *folds())[1] == pytest.approx(1 / 4)
+
+
+def test_what_one_group_shows_alone_is_not_told_by_the_others() -> None:
+    slope = np.zeros((GROUPS * EACH, 1))
+    slope[:EACH] = 1.0
+    tangent = at_optimum(slope, np.random.default_rng(3).standard_normal(GROUPS * EACH), np.ones(1))
+    assert jackknife_variance(tangent, *folds())[0] == 0
