@@ -67,6 +67,10 @@ class Study:
         def warn(words: str) -> None:
             print(f"bench: {words}", file=sys.stderr)
 
+        if self.recordings and self.recordings < 2:
+            raise InputError(
+                f"--recordings {self.recordings}: a machine has to be recorded twice at least; give 2 or more."
+            )
         counts = Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins, self.effects, self.world)
         if self.small:
             counts = replace(SMALL, worlds=self.world)
@@ -95,15 +99,12 @@ class Study:
         from contextlib import nullcontext
 
         from bench.cli.progress import progress_bar
-        from bench.errors import InputError
         from bench.executor.cluster import Cluster
         from bench.executor.local import on_cores
         from bench.report.study.several import lines_of, write_several
         from bench.study.several import SeveralSettings, run_several
         from bench.study.several_scores import several_goals
 
-        if self.recordings < 2:
-            raise InputError("--recordings: a machine has to be recorded twice at least")
         machines = 1 if self.small else self.seeds
         settings = SeveralSettings(self.seed, recordings=self.recordings, machines=machines, effects=self.effects)
         where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))

@@ -67,7 +67,7 @@ def broken_sentence(prediction: Prediction) -> str:
         return ""
     return (
         "Where more fail than that: --free lets instruments be set up anew, `bench diagnose CAMPAIGN --given MODEL` "
-        "says what the model gets wrong about these data, `bench compare` what changed since those that it was fitted to."
+        "says what the model gets wrong about these data, `bench compare` what changed since those that it was made of."
     )
 
 
