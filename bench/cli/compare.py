@@ -2,13 +2,9 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import tyro
-
-if TYPE_CHECKING:
-    from bench.record.campaign import Campaign
-    from bench.robot.compiled import CompiledRobot
 
 CHANGED = 9  # exit code
 
@@ -45,6 +41,7 @@ class Compare:
         from contextlib import nullcontext
         from dataclasses import replace
 
+        from bench.cli.doubts import heed
         from bench.cli.progress import phases
         from bench.compare.compare import compare
         from bench.compare.recordings import recordings_of
@@ -54,25 +51,27 @@ class Compare:
         from bench.executor.local import on_cores
         from bench.executor.watched import Watched
         from bench.record.folder import new_folder
+        from bench.record.joined import names_of
         from bench.report.comparison.words import words_of
         from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
+        from bench.report.joint_campaign import open_doubted
         from bench.store.place import open_store
 
         if not self.after:
             raise InputError("give the campaign of the machine as it was, and at least one made later.")
         known = catalogue()
         effects = catalogue(self.file)
-        opened = [self._opened(folder) for folder in (self.before, *self.after)]
-        compiled = opened[0][1]
+        folders = (self.before, *self.after)
+        names = names_of(folders)
+        opened = [open_doubted(folder, self.robot) for folder in folders]
+        read = list(zip(folders, opened, strict=True))
+        warnings = [(place, finding) for place, one in read for finding in one.warnings]
+        doubts = [(place, finding) for place, one in read for finding in one.doubts]
+        heed(warnings, doubts, despite_doubts=self.despite_doubts)
+        compiled = opened[0].compiled
         try_out([effect for name, effect in effects.items() if name not in known], compiled)
-        names = [folder.resolve().name for folder in (self.before, *self.after)]
-        if len(set(names)) < len(names):
-            names = [str(folder) for folder in (self.before, *self.after)]
-        campaigns = [replace(campaign, robot=self.robot) if self.robot else campaign for campaign, _ in opened]
-        after = dict(zip(names[1:], campaigns[1:], strict=True))
-        if len(after) < len(self.after):
-            raise InputError("a campaign was given twice.")
-        recordings = recordings_of({names[0]: campaigns[0]}, after)
+        campaigns = [replace(one.campaign, robot=self.robot or one.campaign.robot) for one in opened]
+        recordings = recordings_of({names[0]: campaigns[0]}, dict(zip(names[1:], campaigns[1:], strict=True)))
         out = new_folder(self.out, COMPARISON, replace=False) if self.out else nullcontext()
         with out as folder, phases() as shown:
             executor = Watched(on_cores(self.cores), shows=shown.share)
@@ -86,29 +85,6 @@ class Compare:
             print(f"report     {self.out / REPORT}")
             print(f"numbers    {self.out / COMPARISON}")
         return CHANGED if found.has_changed else 0
-
-    def _opened(self, folder: Path) -> "tuple[Campaign, CompiledRobot]":
-        """Return a checked campaign with its robot, and print what is to be looked at.
-
-        Raises:
-            CampaignError: It cannot be used, or is hardly what it says.
-        """
-        import sys
-
-        from bench.cli.diagnose import WAYS_OUT
-        from bench.diagnose.plausibility.channels import doubts_of
-        from bench.errors import CampaignError
-        from bench.report.campaigns import open_campaign
-
-        report, compiled = open_campaign(folder, self.robot)
-        campaign = report.usable()
-        assert compiled
-        doubts = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
-        if doubts and not self.despite_doubts:
-            raise CampaignError([*(f"{folder}: {doubt}" for doubt in doubts), WAYS_OUT])
-        for finding in (*report.warnings, *doubts):
-            print(f"{finding.level:8}{folder}: {finding}", file=sys.stderr)
-        return campaign, compiled
 
     @property
     def command(self) -> str:

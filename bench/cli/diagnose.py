@@ -9,11 +9,6 @@ import tyro
 if TYPE_CHECKING:
     from bench.diagnose.replay.given import Posterior
 
-WAYS_OUT = (
-    "Put this right first: a verdict would blame the robot for it. A column that cannot be mended is left out when its "
-    "name begins with _; if all is as it should be, give --despite-doubts."
-)
-
 
 @dataclass(frozen=True)
 class Diagnose:
@@ -52,9 +47,9 @@ class Diagnose:
 
     def run(self) -> int:
         """Diagnose, print and write; return the exit code: 0, or 7 for a verdict that is unfinished."""
-        import sys
         from math import inf
 
+        from bench.cli.doubts import heed
         from bench.cli.progress import phases
         from bench.cli.stopping import UNFINISHED, ending_on_interrupt, seconds_of
         from bench.diagnose.baseline.first_look import first_look
@@ -62,7 +57,6 @@ class Diagnose:
         from bench.diagnose.verdict import unweighed
         from bench.effects.catalogue import catalogue
         from bench.effects.own import try_out
-        from bench.errors import CampaignError
         from bench.executor.local import on_cores
         from bench.executor.watched import Stop, Stopped, Watched
         from bench.record.folder import new_folder
@@ -80,10 +74,7 @@ class Diagnose:
         joint = open_joint(self.campaigns, robot)
         campaign, compiled = joint.campaign, joint.compiled
         try_out([effect for name, effect in effects.items() if name not in catalogue()], compiled)
-        if joint.doubts and not self.despite_doubts:
-            raise CampaignError([*(f"{folder}: {doubt}" for folder, doubt in joint.doubts), WAYS_OUT])
-        for finding in (*joint.warnings, *(doubt for _, doubt in joint.doubts)):
-            print(f"{finding.level:8}{finding}", file=sys.stderr)
+        heed(joint.warnings, joint.doubts, despite_doubts=self.despite_doubts)
         with ending_on_interrupt(stop), new_folder(self.out, VERDICT, replace=False) as folder, phases() as shown:
             executor = Watched(on_cores(self.cores), shows=shown.share)
             during = "reading the campaign"

@@ -12,10 +12,6 @@ if TYPE_CHECKING:
     from bench.robot.compiled import CompiledRobot
 
 BROKEN = 8  # exit code
-WAYS_OUT = (
-    "Put this right first: the model would be blamed for it. A column that cannot be mended is left out when its name "
-    "begins with _; if all is as it should be, give --despite-doubts."
-)
 
 
 @dataclass(frozen=True)
@@ -78,9 +74,7 @@ class Predict:
             CampaignError: A campaign cannot be used.
             RobotError: A robot is unknown or broken.
         """
-        import sys
-
-        from bench.errors import CampaignError
+        from bench.cli.doubts import heed
         from bench.report.campaigns import robot_of
         from bench.report.joint_campaign import open_joint
         from bench.report.prediction.model import model_folder
@@ -88,10 +82,7 @@ class Predict:
         from bench.robot.folder import load_robot
 
         joint = open_joint(self.campaign, str(load_robot(model_folder(self.model)).folder))
-        if joint.doubts and not self.despite_doubts:
-            raise CampaignError([*(f"{folder}: {doubt}" for folder, doubt in joint.doubts), WAYS_OUT])
-        for finding in (*joint.warnings, *(doubt for _, doubt in joint.doubts)):
-            print(f"{finding.level:8}{finding}", file=sys.stderr)
+        heed(joint.warnings, joint.doubts, despite_doubts=self.despite_doubts)
         nominal = self.nominal or robot_of(self.campaign[0], joint.campaign.robot)
         return joint.campaign, joint.compiled, compile_robot(load_robot(nominal))
 

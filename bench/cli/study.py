@@ -67,10 +67,14 @@ class Study:
         def warn(words: str) -> None:
             print(f"bench: {words}", file=sys.stderr)
 
+        if self.recordings and self.recordings < 2:
+            raise InputError(
+                f"--recordings {self.recordings}: a machine has to be recorded twice at least; give 2 or more."
+            )
         counts = Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins, self.effects, self.world)
         if self.small:
             counts = replace(SMALL, worlds=self.world)
-        settings = Settings(counts, self.seed)
+        settings = Settings(self.seed, counts=counts)
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -95,17 +99,14 @@ class Study:
         from contextlib import nullcontext
 
         from bench.cli.progress import progress_bar
-        from bench.errors import InputError
         from bench.executor.cluster import Cluster
         from bench.executor.local import on_cores
         from bench.report.study.several import lines_of, write_several
         from bench.study.several import SeveralSettings, run_several
         from bench.study.several_scores import several_goals
 
-        if self.recordings < 2:
-            raise InputError("--recordings: a machine has to be recorded twice at least")
         machines = 1 if self.small else self.seeds
-        settings = SeveralSettings(self.recordings, machines, self.seed, self.effects)
+        settings = SeveralSettings(self.seed, recordings=self.recordings, machines=machines, effects=self.effects)
         where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
         with where as executor, progress_bar("machines") as progress:
             outcomes = run_several(
@@ -128,7 +129,7 @@ class Study:
         from bench.study.vary import FEW, lines_of, vary
 
         with progress_bar("constants") as progress:
-            found = vary(pattern, Settings(FEW, self.seed), on_cores(self.cores, "spawn"), progress)
+            found = vary(pattern, Settings(self.seed, counts=FEW), on_cores(self.cores, "spawn"), progress)
         for variation, moved in found:
             print("\n".join(lines_of(variation, moved)))
         rows = [asdict(variation) | {"moved": [asdict(one) for one in moved]} for variation, moved in found]

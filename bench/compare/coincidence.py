@@ -6,14 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from bench.diagnose.replay.alike import ALIKE, passes_same
 from bench.diagnose.replay.motion_segments import TRAVELS
 from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
-
-# Of the largest speed, force and payload. Assumed: how much coinciding instants have in common is estimated
-# (`noise.py`), so a wider tolerance makes a comparison weaker and not wrong.
-ALIKE = 0.02
-GREATER_PART = 0.5
 
 
 def cells_of(segments: Sequence[Segment], recording: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -60,8 +56,7 @@ def is_one_program(segments: Sequence[Segment], recording: NDArray[np.intp]) -> 
         if len(mine) != len(first):
             return False
         for one, other in zip(mine, first, strict=True):
-            distance, _ = cKDTree(states[other]).query(states[one], p=np.inf, distance_upper_bound=1.0)
-            if np.mean(np.isfinite(distance)) <= GREATER_PART:
+            if not passes_same(states[one], states[other]):
                 return False
     return True
 

@@ -26,7 +26,7 @@ class Stay:
 
     Attributes:
         course: What to do.
-        edits: Sensitivities of the model that hold throughout: the scenario's, a payload, background errors.
+        edits: Changes of the model that hold throughout: the scenario's, a payload, background errors.
         begin: When it begins, from the start of the campaign [s].
         pieces: Of the course.
         conditions: Of each piece.
@@ -53,7 +53,7 @@ class Leg:
 
     Attributes:
         course: What to do.
-        edits: Sensitivities of the model for this part only, such as a payload.
+        edits: Changes of the model for this part only, such as a payload.
         payload_kg: Mass bolted to the load point.
         pause_s: Time that passes before it [s].
         pieces: Of the course.
@@ -123,7 +123,7 @@ def plan(legs: Sequence[Leg], edits: tuple[SpecEdit, ...], load: float, warm_up:
 
     Args:
         legs: The sittings.
-        edits: Sensitivities of the model that hold throughout; a payload comes before them.
+        edits: Changes of the model that hold throughout; a payload comes before them.
         load: True weights over nominal ones.
         warm_up: How the day goes.
     """

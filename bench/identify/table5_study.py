@@ -71,8 +71,12 @@ class Table5Study:
         return np.array([np.sqrt(np.mean(e.residuals["reflector"] ** 2)) for e in self.estimates[fit]])
 
     def spread(self, fit: str, quantiles: tuple[float, ...] = (0.05, 0.5, 0.95)) -> Array:
-        """Shape (len(quantiles), n) [Nm/rad], of the stiffness over the reconstructions that tell a joint."""
-        return np.nanquantile(self.stiffness(fit), quantiles, axis=0)
+        """Shape (len(quantiles), n) [Nm/rad], of the stiffness over the reconstructions that tell a joint; else nan."""
+        stiffness = self.stiffness(fit)
+        told = np.isfinite(stiffness).any(axis=0)
+        found = np.full((len(quantiles), stiffness.shape[1]), np.nan)
+        found[:, told] = np.nanquantile(stiffness[:, told], quantiles, axis=0)
+        return found
 
     @property
     def ratio(self) -> Array:

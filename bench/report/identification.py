@@ -16,6 +16,7 @@ from bench.identify.methods import METHODS
 from bench.identify.options import Options
 from bench.report.campaigns import open_campaign
 from bench.report.jsonable import to_jsonable
+from bench.report.tables import print_wide
 from bench.robot.links import rigid_bodies
 
 DEFAULTS = Options()
@@ -120,7 +121,7 @@ def print_table(result: Identification, level: float) -> None:
     for name, estimate in result.estimates.items():
         table.add_row(name, *cells(estimate, level))
     console = Console()
-    console.print(table)
+    print_wide(console, table)
     for name, estimate in result.estimates.items():
         for note in estimate.notes:
             console.print(f"{name}: {note}", highlight=False)

@@ -14,19 +14,54 @@ from bench.robot.compiled import CompiledRobot
 
 
 @dataclass(frozen=True, eq=False)
+class DoubtedCampaign:
+    """A campaign folder, read and held against its robot.
+
+    Attributes:
+        campaign: Of it.
+        compiled: Its robot.
+        warnings: What to look at.
+        doubts: Channels that are hardly what their names say.
+    """
+
+    campaign: Campaign
+    compiled: CompiledRobot
+    warnings: tuple[Finding, ...]
+    doubts: tuple[Finding, ...]
+
+
+def open_doubted(folder: Path, robot: str = "") -> DoubtedCampaign:
+    """Read a campaign folder and hold its channels against its robot.
+
+    Args:
+        folder: Of the campaign.
+        robot: Name or folder of the robot to take; "": the one that the campaign names.
+
+    Raises:
+        CampaignError: It cannot be used.
+        RobotError: The robot is unknown or broken.
+    """
+    report, compiled = open_campaign(folder, robot)
+    campaign = report.usable()
+    assert compiled  # a usable campaign comes with its robot
+    doubts = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
+    return DoubtedCampaign(campaign, compiled, report.warnings, doubts)
+
+
+@dataclass(frozen=True, eq=False)
 class JointCampaign:
     """Campaign folders as one campaign.
 
     Attributes:
         campaign: Each folder is a recording of it, by the folder's name, where there are several.
         compiled: Its robot.
-        warnings: What to look at.
-        doubts: Channels that are hardly what their names say: folder, and finding.
+        warnings: What to look at: folder, and finding.
+        doubts: Channels that are hardly what their names say, likewise.
     """
 
     campaign: Campaign
     compiled: CompiledRobot
-    warnings: tuple[Finding, ...]
+    warnings: tuple[tuple[Path, Finding], ...]
     doubts: tuple[tuple[Path, Finding], ...]
 
 
@@ -43,13 +78,12 @@ def open_joint(folders: Sequence[Path], robot: str = "") -> JointCampaign:
     """
     names = names_of(folders)
     campaigns: dict[str, Campaign] = {}
-    warnings: list[Finding] = []
+    warnings: list[tuple[Path, Finding]] = []
     doubts: list[tuple[Path, Finding]] = []
     first: CompiledRobot | None = None
     for name, folder in zip(names, folders, strict=True):
-        report, compiled = open_campaign(folder, robot)
-        campaign = report.usable()
-        assert compiled
+        one = open_doubted(folder, robot)
+        campaign, compiled = one.campaign, one.compiled
         first = first or compiled
         if compiled.robot.folder.resolve() != first.robot.folder.resolve():
             raise CampaignError(
@@ -58,8 +92,7 @@ def open_joint(folders: Sequence[Path], robot: str = "") -> JointCampaign:
             )
         # the same folder may be named in several ways
         campaigns[name] = replace(campaign, robot=next(iter(campaigns.values()), campaign).robot)
-        warnings += report.warnings
-        own = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
-        doubts += [(folder, doubt) for doubt in own]
+        warnings += [(folder, warning) for warning in one.warnings]
+        doubts += [(folder, doubt) for doubt in one.doubts]
     assert first
     return JointCampaign(joined(campaigns), first, tuple(warnings), tuple(doubts))

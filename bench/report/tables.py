@@ -78,15 +78,20 @@ def print_table(
         InputError: A row has not as many values as there are columns.
     """
     from rich.console import Console
-    from rich.segment import Segments
 
     console = console or Console()
     sign = "\u00b1" if console.encoding.lower().startswith("utf") else "+-"
-    table = rich_table(title, columns, rows, sign)
-    wide = console.options.update_width(WIDEST)  # a number is never cut, also where the output is narrower
-    console.print(Segments(console.render(table, wide)), crop=False, end="")
+    print_wide(console, rich_table(title, columns, rows, sign))
     for note in notes:
         console.print(note, highlight=False, markup=False)
+
+
+def print_wide(console: "Console", table: "RichTable") -> None:
+    """Print a table in which no number is cut, also where the output is narrower."""
+    from rich.segment import Segments
+
+    wide = console.options.update_width(WIDEST)
+    console.print(Segments(console.render(table, wide)), crop=False, end="")
 
 
 def rich_table(title: str, columns: Sequence[Column], rows: Sequence[Row], sign: str = "\u00b1") -> "RichTable":

@@ -1,4 +1,4 @@
-"""Sensitivities of a robot's model, made on its `MjSpec` before it is compiled."""
+"""Changes of a robot's model, made on its `MjSpec` before it is compiled."""
 
 import mujoco
 

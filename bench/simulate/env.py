@@ -64,7 +64,7 @@ class BenchEnv(gymnasium.Env[Observation, Action]):
 
     Args:
         robot: Name of a robot folder or a path to one.
-        edits: Sensitivities of the model, applied before it is compiled.
+        edits: Changes of the model, applied before it is compiled.
         timestep: Integration step [s]; None takes the MJCF's.
         truth: Put the noise-free `Trace` of the last instant into `info["truth"]`, and with a reset what was drawn into
             `info["parameters"]`.

@@ -112,7 +112,7 @@ class Plant:
 
     Args:
         robot: The robot folder.
-        edits: Sensitivities of the model, applied in order before it is compiled.
+        edits: Changes of the model, applied in order before it is compiled.
         timestep: Integration step [s]; None takes the MJCF's.
         spec: Of the robot, which is copied; None reads the MJCF.
     """

@@ -57,7 +57,7 @@ class Sitting:
     Attributes:
         start: Shape (n,) [rad], where the robot stands at rest, unloaded.
         steps: What to do.
-        edits: Sensitivities of the model for this part only, such as a payload.
+        edits: Changes of the model for this part only, such as a payload.
         payload_kg: Mass bolted to the load point, which those edits put there.
         pause_s: Time that passes before it, unless it is the first of its session; it is not simulated.
     """

@@ -1,14 +1,12 @@
 """The plant under torques of one's own: its servos hold it until the first of them, and no longer from then on."""
 
-from collections.abc import Iterable
 from copy import copy
 from dataclasses import replace
+from functools import cached_property
 
 import mujoco
 import numpy as np
 
-from bench.robot.compiled import SpecEdit
-from bench.robot.folder import Robot
 from bench.simulate.plant import Array, Plant
 from bench.simulate.track import Tracker
 
@@ -24,21 +22,15 @@ class TorquePlant(Plant):
         robot, edits, timestep, spec: As of a `Plant`.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        edits: Iterable[SpecEdit] = (),
-        timestep: float | None = None,
-        spec: mujoco.MjSpec | None = None,
-    ) -> None:
-        super().__init__(robot, edits, timestep, spec)
+    @cached_property
+    def _free(self) -> Tracker:
+        """Steps along a copy of the model whose servos put out what they are told."""
         model, at = copy(self.model), self.compiled.at
         model.actuator_biasprm[at.servo, 1:3] = -GAIN, 0.0
         model.actuator_dyntype[at.servo] = mujoco.mjtDyn.mjDYN_NONE  # no integral
         model.actuator_actnum[at.servo], model.actuator_actadr[at.servo] = 0, -1
         model.actuator_ctrllimited[at.servo_ctrl] = False
-        self._free = Tracker(replace(self.compiled, model=model), self.data)
-        self._nothing = np.zeros(len(at.servo))
+        return Tracker(replace(self.compiled, model=model), self.data)
 
     def step(self, command: Array, wrench: Array, period: float) -> Array:
         """Put out torques for a control period and return the record of its last step, as `Plant.step`.
@@ -51,9 +43,10 @@ class TorquePlant(Plant):
         Raises:
             ValueError: Command or wrench have another shape.
         """
-        if command.shape != self._nothing.shape or wrench.shape != (6,):
+        nothing = np.zeros(self.compiled.n_joints)
+        if command.shape != nothing.shape or wrench.shape != (6,):
             raise ValueError(f"torques {command.shape} and a wrench {wrench.shape} do not fit the robot")
-        self._servo_damping = self._nothing
+        self._servo_damping = nothing
         substeps, angles = round(period / self._timestep), command / GAIN
         record = self._free.run_one(angles, angles, (self._wrench, wrench), period, substeps)
         self._wrench[:] = wrench

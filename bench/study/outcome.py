@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from pydantic import TypeAdapter
-
 from bench.diagnose.verdict import NORMAL_95, ChannelGain, Explanation, Verdict
+from bench.study.line import JsonLine
 from bench.study.make import Made, Sized
 from bench.study.plan import Kind, SizeRule, Trial
 from bench.study.worlds import World
@@ -103,7 +102,7 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Outcome(JsonLine):
     """One campaign of a study.
 
     Attributes:
@@ -128,22 +127,6 @@ class Outcome:
     diagnose_s: float
     world: World = "plain"
     others: tuple[TrueCause, ...] = ()
-
-    def as_json(self) -> str:
-        """Return it as one line."""
-        return _ADAPTER.dump_json(self).decode()
-
-    @classmethod
-    def from_json(cls, line: str) -> "Outcome":
-        """Read what `as_json` gave.
-
-        Raises:
-            ValueError: The line is not whole.
-        """
-        return _ADAPTER.validate_json(line)
-
-
-_ADAPTER = TypeAdapter(Outcome)
 
 
 def answer_of(verdict: Verdict) -> Answer:

@@ -2,12 +2,11 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import process_time
 
 import numpy as np
-from pydantic import TypeAdapter
 from scipy.linalg import LinAlgError
 from threadpoolctl import threadpool_limits
 
@@ -30,42 +29,31 @@ from bench.record.joined import joined
 from bench.study import changes
 from bench.study.blind import BINS, diagnose_with, signatures_of
 from bench.study.carried_out import carried_out
-from bench.study.code import code_of
 from bench.study.labs import Setup
+from bench.study.line import JsonLine
 from bench.study.machines import Kind, Machine, MachineTrial, machine_of
 from bench.study.outcome import Name
-from bench.study.plan import Counts
-from bench.study.study import Settings, setup_of
+from bench.study.study import SetupSettings, setup_of
 
 ROWS = "machines.jsonl"
 KINDS: tuple[Kind, ...] = ("none", "machine", "one", "unchanged", "changed")
 
 
 @dataclass(frozen=True)
-class SeveralSettings:
+class SeveralSettings(SetupSettings):
     """What such a study is; two with the same settings are the same study.
 
     Attributes:
         recordings: Of each machine, two at least.
         machines: Of each kind.
-        seed: Of all random numbers.
         effects: Names of what is hidden where anything is; empty: all that can act.
         kinds: What is made.
-        session: Name or file of the session.
-        code: Fingerprint of what makes and diagnoses the campaigns; by default that of this installation.
     """
 
     recordings: int = 3
     machines: int = 8
-    seed: int = 1
     effects: tuple[str, ...] = ()
     kinds: tuple[Kind, ...] = KINDS
-    session: str = "session-study"
-    code: str = ""
-
-    def __post_init__(self) -> None:
-        if not self.code:
-            object.__setattr__(self, "code", code_of(self.session))
 
     @property
     def trials(self) -> tuple[MachineTrial, ...]:
@@ -130,7 +118,7 @@ class JointAnswer:
 
 
 @dataclass(frozen=True)
-class SeveralOutcome:
+class SeveralOutcome(JsonLine):
     """One machine of the study; exactly one of joint, change and failure says something.
 
     Attributes:
@@ -149,42 +137,21 @@ class SeveralOutcome:
     make_s: float
     answer_s: float
 
-    def as_json(self) -> str:
-        """Return it as one line."""
-        return _ADAPTER.dump_json(self).decode()
-
-    @classmethod
-    def from_json(cls, line: str) -> "SeveralOutcome":
-        """Read what `as_json` gave.
-
-        Raises:
-            ValueError: The line is not whole.
-        """
-        return _ADAPTER.validate_json(line)
-
-
-_ADAPTER = TypeAdapter(SeveralOutcome)
-
 
 @dataclass(frozen=True)
 class Machines:
     """The work of such a study, as plain data."""
 
     settings: SeveralSettings
-    _plain: Settings = field(init=False)
-
-    def __post_init__(self) -> None:
-        own = self.settings
-        object.__setattr__(self, "_plain", Settings(Counts(), own.seed, own.session, own.code))
 
     def prepare(self, executor: Executor) -> None:
         """Make what all machines share."""
-        setup_of(self._plain, executor)
+        setup_of(self.settings, executor)
 
     def __call__(self, trial: MachineTrial, _: Progress) -> SeveralOutcome:
         """Record one machine and ask of it."""
         with threadpool_limits(1, "blas"):
-            return answered(trial, setup_of(self._plain), self.settings.seed)
+            return answered(trial, setup_of(self.settings), self.settings.seed)
 
 
 def run_several(

@@ -26,11 +26,10 @@ NULL_STREAM = 1  # of the campaign that signatures come from; no trial has it
 
 
 @dataclass(frozen=True)
-class Settings:
-    """What a study is; two with the same settings are the same study.
+class SetupSettings:
+    """What decides the setup that all campaigns of a study share.
 
     Attributes:
-        counts: How much is hidden.
         seed: Of all random numbers.
         session: Name or file of the session.
         code: Fingerprint of what makes and diagnoses the campaigns; by default that of this installation.
@@ -39,7 +38,6 @@ class Settings:
         InputError: There is no such session.
     """
 
-    counts: Counts = field(default_factory=Counts)
     seed: int = 1
     session: str = "session-study"
     code: str = ""
@@ -47,6 +45,17 @@ class Settings:
     def __post_init__(self) -> None:
         if not self.code:
             object.__setattr__(self, "code", code_of(self.session))
+
+
+@dataclass(frozen=True)
+class Settings(SetupSettings):
+    """What a study is; two with the same settings are the same study.
+
+    Attributes:
+        counts: How much is hidden.
+    """
+
+    counts: Counts = field(default_factory=Counts)
 
 
 @dataclass(frozen=True)
@@ -126,16 +135,17 @@ def run_trial(trial: Trial, setup: Setup, seed: int) -> Outcome:
     return outcome_of(trial, made, answer, ready - start, process_time() - ready)
 
 
-_setups: dict[Settings, Setup] = {}  # made once in a process, and the same in every one
+_setups: dict[SetupSettings, Setup] = {}  # made once in a process, and the same in every one
 
 
-def setup_of(settings: Settings, executor: Executor = SERIAL) -> Setup:
+def setup_of(settings: SetupSettings, executor: Executor = SERIAL) -> Setup:
     """Return what the campaigns of a study share.
 
     Raises:
         InputError: This process has other code than the one that began the study.
     """
-    if settings not in _setups:
+    key = SetupSettings(settings.seed, settings.session, settings.code)
+    if key not in _setups:
         code = code_of(settings.session)
         if code != settings.code:
             raise InputError(
@@ -144,5 +154,5 @@ def setup_of(settings: Settings, executor: Executor = SERIAL) -> Setup:
         rng = np.random.default_rng([settings.seed, NULL_STREAM])
         setup = prepare(Lab(settings.session), catalogue(), rng, executor=executor)
         _setups.clear()
-        _setups[settings] = setup
-    return _setups[settings]
+        _setups[key] = setup
+    return _setups[key]

@@ -64,7 +64,7 @@ class Variations:
         settings: Of the study that makes the campaigns.
     """
 
-    settings: Settings = field(default_factory=lambda: Settings(FEW))
+    settings: Settings = field(default_factory=lambda: Settings(counts=FEW))
 
     def __call__(self, variation: Variation, _: Progress) -> tuple[Moved, ...]:
         """Return what a variation moves in each campaign."""

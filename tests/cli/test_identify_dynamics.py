@@ -66,4 +66,4 @@ def test_refusals_say_what_to_do(
 
 def test_the_same_campaign_twice_is_refused(campaigns: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["identify", str(campaigns[0]), str(campaigns[0]), "--method", "dynamics"]) == 2
-    assert "second campaign" in capsys.readouterr().err
+    assert "is given twice" in capsys.readouterr().err

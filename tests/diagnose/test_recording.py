@@ -130,15 +130,10 @@ def test_a_joint_that_slips_does_so_from_its_run_on(hide: Hide, compiled: Compil
         np.testing.assert_allclose((after.theta - before.theta)[:, 0], turned, atol=2e-6)
 
 
-def test_a_slip_needs_no_simulation_to_first_order(hide: Hide, compiled: CompiledRobot) -> None:
+def test_a_joint_that_slips_is_simulated(hide: Hide, compiled: CompiledRobot) -> None:
+    """Its weight pulls otherwise from then on: a torque that is added would not say so."""
     campaign, (slip,) = hide("joint_slip@1@joint2-payload0-speed30-up=0.0001")
-    replay = replay_of(campaign, compiled)
-    known = FirstOrder(replay, NOMINAL).change(slip)
-    assert known is not None
-    simulated = replay.predict(World(acting=(slip,))) - replay.predict(NOMINAL)
-    for c, quantity in enumerate(replay.quantities):
-        if quantity.kind == "reflector":
-            np.testing.assert_allclose(known[:, c], simulated[:, c], atol=0.02 * np.max(np.abs(simulated)))
+    assert FirstOrder(replay_of(campaign, compiled), NOMINAL).change(slip) is None
 
 
 def test_signatures_of_other_loads_are_not_shared(hide: Hide, compiled: CompiledRobot) -> None:

@@ -77,6 +77,15 @@ def test_every_fit_is_there_and_residuals_are_in_sigmas(study):
     assert np.all(study.residual_rms("force") > 2), "the force method has not"
 
 
+def test_a_joint_that_no_reconstruction_tells_has_no_spread(study):
+    """Only configurations 5 and 6 load joint 1, with one load each: from the first load on nothing is left of it."""
+    spread = {fit: study.spread(fit) for fit in FITS}
+    assert np.all(np.isfinite(spread["joint"]))
+    first = next(fit for fit in FITS if "force" in fit and "first load" in fit)
+    np.testing.assert_array_equal(np.isnan(spread[first]).all(axis=0), np.isnan(study.stiffness(first)).all(axis=0))
+    assert np.isnan(spread[first][:, 0]).all()
+
+
 def test_conclusions_name_numbers_and_limits(study):
     text = "\n".join(conclusions(study))
     for word in ("Without any pose", "times its noise", "standard errors", "does not decide between the methods"):

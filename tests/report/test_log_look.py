@@ -1,5 +1,6 @@
 """A log that nobody described: what `bench convert --look` proposes for it, and that the proposal converts."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -102,8 +103,8 @@ def test_a_delay_and_a_turned_angle_are_told(tmp_path: Path, arm: NominalDynamic
     np.savetxt(tmp_path / "x.csv", rows, delimiter=",", header=header, comments="", fmt="%.8g")
     text = look(tmp_path / "x.csv", nominal=arm)
     assert "angles of j2 count the other way round than the model's" in text
-    lag = float(text.split("they lag the angles by ")[1].split(" ms")[0]) * 1e-3
-    assert abs(lag - delay) < LAG
+    (told,) = re.findall(r"they (lag|lead) the angles by ([\d.]+) ms", text)
+    assert abs(float(told[1]) * (1e-3 if told[0] == "lag" else -1e-3) - delay) < LAG
     form = proposed(tmp_path, text)
     assert [form.columns[f"tau_motor_{j}_nm"].factor for j in (1, 2, 3)] == [1, -1, 1]
     assert [form.columns[f"q_motor_{j}_rad"].factor for j in (1, 2, 3)] == [1, -1, 1]

@@ -64,7 +64,7 @@ def started(folder: Path, workers: int, threads: int, stack: ExitStack) -> tuple
 
 
 def test_a_worker_that_is_killed_costs_nothing(tmp_path: Path) -> None:
-    settings = Settings(COUNTS, seed=1)
+    settings = Settings(counts=COUNTS)
     (folder := tmp_path / "begun").mkdir()
     killed: list[int] = []
 

@@ -21,7 +21,7 @@ COUNTS = Counts(seeds=0, nulls=NULLS, unlisted=0, pairs=0, twins=False)
 
 @pytest.fixture(scope="module")
 def settings() -> Settings:
-    return Settings(COUNTS, seed=3)
+    return Settings(seed=3, counts=COUNTS)
 
 
 @pytest.fixture(scope="module")

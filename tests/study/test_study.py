@@ -65,14 +65,14 @@ def run(setup: Setup, folder: Path, executor: Executor = SERIAL) -> tuple[Outcom
     """Run the study on a setup that was prepared before."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(study, "prepare", lambda *arguments, executor: setup)
-        return run_study(Settings(COUNTS, SEED, setup.lab.session), folder, executor)
+        return run_study(Settings(SEED, setup.lab.session, counts=COUNTS), folder, executor)
 
 
 @pytest.fixture(scope="module")
 def done(setup: Setup, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study")
     outcomes = run(setup, folder, Processes(2))
-    write_study(outcomes, scores_of(outcomes), Settings(COUNTS, SEED, setup.lab.session), "Two sweeps.", folder)
+    write_study(outcomes, scores_of(outcomes), Settings(SEED, setup.lab.session, counts=COUNTS), "Two sweeps.", folder)
     return folder
 
 
@@ -112,7 +112,7 @@ def test_interrupted_study_goes_on(done: Path, setup: Setup, tmp_path: Path, mon
 
 def test_other_settings_are_another_study(done: Path, session: str) -> None:
     with pytest.raises(InputError, match="another folder"):
-        run_study(Settings(COUNTS, SEED + 1, session), done)
+        run_study(Settings(SEED + 1, session, counts=COUNTS), done)
 
 
 def test_diagnosis_is_given_the_campaign_alone(setup: Setup, monkeypatch: pytest.MonkeyPatch) -> None:

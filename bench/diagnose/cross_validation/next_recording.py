@@ -14,16 +14,13 @@ from bench.diagnose.cross_validation.held_out import HIGH, LOW, SEED, PredictedE
 from bench.diagnose.cross_validation.leave_out import errors_of_folds, tangent_of
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.alike import ALIKE, passes_same
 from bench.diagnose.replay.segments import recordings_of
 from bench.record.campaign import Array
 
 DRAWS = 4000  # effort: of recordings to come: ends of an interval are right to a few percent of its width
-# assumed: of the range that a joint passes, within which two instants are in the same place, as in
-# `compare/coincidence.py`: wider, and more of a run is held out with a block of it.
-ALIKE = 0.02
 # rounding: of a root mean square that is drawn, so that its square is a number: far beyond the quantiles
 MOST_LOG = 300.0
-GREATER_PART = 0.5  # exact: of a block, that meets another one's places
 
 
 def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, ...]:
@@ -116,8 +113,7 @@ def apart(linear: LinearisedModel, folds: Folds) -> Folds:
     meets = np.zeros((len(folds), len(folds)), dtype=bool)
     for i, rows in enumerate(blocks):
         for j, tree in enumerate(trees):
-            distance, _ = tree.query(places[rows], p=np.inf, distance_upper_bound=1.0)
-            meets[i, j] = np.mean(np.isfinite(distance)) > GREATER_PART
+            meets[i, j] = passes_same(places[rows], tree)
     count, group = connected_components(csr_array(meets), directed=False)
     if count < 2:  # all of it is one place: then blocks of time are what there is
         return folds

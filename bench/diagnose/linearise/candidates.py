@@ -46,7 +46,7 @@ class Cause:
         return self.place.index if self.place.kind == "joint" else -1
 
     def __str__(self) -> str:
-        where = "" if self.place == WHOLE else f" of {self.place}"
+        where = "" if self.place == WHOLE else f" of {self.place}".replace(" of robot ", " ")
         return f"{self.effect.title}{where}"
 
     def acting(self, values: Mapping[str, float]) -> Acting:

@@ -13,10 +13,11 @@ Kind = Literal["payload", "gas", "friction", "inertia", "drive"]
 DRIVE = {  # column -> name, its unit for a hinge and for a slide
     "coulomb": ("Coulomb friction", "Nm", "N"),
     "viscous": ("viscous friction", "Nm s/rad", "N s/m"),
-    "viscous_difference": ("viscous friction, + less -, half", "Nm s/rad", "N s/m"),
+    "viscous_difference": ("viscous friction, half the difference of directions", "Nm s/rad", "N s/m"),
     "offset": ("torque offset", "Nm", "N"),
 }
 SHOWN = 3  # terms of a base parameter that are written out
+RELATIVE = "relative"  # unit of a quantity that is a share
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
             unit = "kg"
         add("inertia", f"{name} ({found.joints[base.joint[k]]})", unit, base.combine[k], _meaning(found, k))
     for joint, row in enumerate(every[layout.gain]):
-        add("drive", f"torque scale ({found.joints[joint]})", "relative", row)
+        add("drive", f"torque scale ({found.joints[joint]})", RELATIVE, row)
     return tuple(result)
 
 

@@ -1,12 +1,17 @@
 """How changes and their sizes are called on the page and on the terminal."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from bench.compare.comparison import Change, ChangedSize, Comparison, Component, Interval, UnlistedChange
+from bench.effects.effect import Level
 from bench.report.diagnosis.names import ACTS, WORKSHOP, channel_name, shown, unit_name
 
+NOT_THE_MACHINES: Mapping[Level, str] = {  # what a change of another level than the machine's is
+    "recording": "an error of the recording, not of the machine",
+    "run": "not there in the whole recording: something that happened in it, or an error of it",
+}
 SMALL = 1e-5  # in the unit shown; smaller numbers have an exponent
 
 

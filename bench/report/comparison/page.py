@@ -8,6 +8,7 @@ import numpy as np
 from bench.compare.comparison import Comparison, Component
 from bench.record.campaign import Array
 from bench.report.comparison.names import (
+    NOT_THE_MACHINES,
     change_name,
     course_words,
     interval_words,
@@ -86,6 +87,7 @@ def page_of(comparison: Comparison, robot: str, command: str) -> str:
         findings=tuple(findings_sentences(comparison)),
         course=lambda change: course_words(change, comparison),
         nonlinear=NONLINEAR,
+        not_the_machines=NOT_THE_MACHINES,
         seen=[line for line in lines if line.is_seen or line.is_named],
         unseen=[line for line in lines if not line.is_seen and not line.is_named],
         width=WIDTH,

@@ -6,6 +6,7 @@ import numpy as np
 
 from bench.compare.comparison import Change, Comparison, Component
 from bench.report.comparison.names import (
+    NOT_THE_MACHINES,
     change_name,
     course_words,
     interval_text,
@@ -48,10 +49,11 @@ def _findings(comparison: Comparison, room: int) -> str:
     is_open = comparison.has_other_explanations
     undecided = ", or another explanation" * is_open + UNDECIDED * (is_open or any(len(own) > 1 for own in names))
     whole = [f"either {listed(own, 'or')}" if len(own) > 1 else own[0] for own in names]
-    short = [_in_short(own) for own in names]
-    for text in (listed(whole, ", and") + undecided, listed(short, "and") + undecided):
-        if len(text) <= room:
-            return text
+    in_short = [[_in_short(own, count) for own in names] for count in range(max(map(len, names)) - 1, 0, -1)]
+    for text in (listed(whole, ", and"), *(listed(short, "and") for short in in_short)):
+        if len(text + undecided) <= room:
+            return text + undecided
+    short = [_in_short(own, 1) for own in names]
     for count in range(len(short) - 1, 0, -1):
         text = listed([*short[:count], "others"], "and") + undecided
         if len(text) <= room:
@@ -59,9 +61,10 @@ def _findings(comparison: Comparison, room: int) -> str:
     return short[0] if len(short) == 1 else f"{short[0]} and others"
 
 
-def _in_short(names: Sequence[str]) -> str:
-    others = len(names) - 1
-    return names[0] if not others else f"{names[0]} or {others} other{'s' * (others > 1)}"
+def _in_short(names: Sequence[str], count: int) -> str:
+    """Return the first names, and how many others there are."""
+    others = len(names) - count
+    return listed(names, "or") if others < 1 else f"{', '.join(names[:count])} or {others} other{'s' * (others > 1)}"
 
 
 def words_of(comparison: Comparison) -> Iterator[str]:
@@ -112,7 +115,10 @@ def limits_sentences(comparison: Comparison) -> Iterator[str]:
         yield f"Would have been found from these sizes on: {'; '.join(some)} ({len(seen)} in all)."
     unseen = len(open_ones) - len(seen)
     if unseen:
-        yield f"{unseen} changes would not have been found at any plausible size; the page lists them."
+        yield (
+            f"{unseen} change{'s' * (unseen > 1)} would not have been found at any plausible size; the page lists "
+            f"{'them' if unseen > 1 else 'it'}."
+        )
 
 
 def _change(change: Change, comparison: Comparison) -> Iterator[str]:
@@ -121,8 +127,8 @@ def _change(change: Change, comparison: Comparison) -> Iterator[str]:
         yield f"  {size_text(size)}{f', {course}' if course else ''}"
     if change.advice:
         yield f"  Check: {change.advice}."
-    if change.level != "machine":
-        yield "  This is an error of the recording, not of the machine."
+    if change.level in NOT_THE_MACHINES:
+        yield f"  This is {NOT_THE_MACHINES[change.level]}."
     if change.nonlinearity > NONLINEAR:
         yield (
             f"  By simulation it acts {percent(change.nonlinearity)} otherwise than in proportion: take its size for a "

@@ -78,7 +78,7 @@ def cause_name(cause: NamedCause) -> str:
 def place_name(place: str) -> str:
     """Return what people call a place: "motor current 2 in recording may"; "" for the robot as a whole."""
     where, within, recording = place.partition(IN_RECORDING)
-    name = "" if where == "robot" else channel_name(where).replace("_", " ")
+    name = "" if where == "robot" else channel_name(where.removeprefix("robot ")).replace("_", " ")
     return f"{name}{within}{recording}".strip()
 
 
@@ -226,6 +226,16 @@ def percent(share: float) -> str:
     if 99 < value < 100:
         return f"{value:.1f} %"
     return f"{value:.0f} %" if abs(value) >= 10 else f"{value:.2g} %"
+
+
+def gain_percent(share: float) -> str:
+    """Return a gain in percent to a tenth: one that is smaller says nothing of a model, whatever its sign."""
+    value = 100 * share
+    if not np.isfinite(value):
+        return "-"
+    if abs(value) >= 10:
+        return percent(share)
+    return f"{_zero(f'{value:.1f}')} %"
 
 
 def _zero(text: str) -> str:

@@ -13,15 +13,13 @@ from bench.report.diagnosis.names import explanation_name, percent
 from bench.report.diagnosis.readings import Readings
 from bench.report.diagnosis.recording_clock import RecordingClock, recording_clock_of
 from bench.report.diagnosis.words import words_of
-from bench.report.recording.arm import log_arm, log_standing_bodies
+from bench.report.recording.compared import log_compared
 from bench.report.recording.curves import JOINT_COLOURS, Plot, log_plots
-from bench.report.recording.cylinder import log_cylinder
 from bench.report.recording.events import log_events
 from bench.report.recording.layout import event_view, robot_view, with_plots
 from bench.report.recording.poses import Poses, elastic_poses, rigid_poses
 from bench.report.recording.scene import floor_height, scene_of
-from bench.report.recording.surroundings import log_load
-from bench.report.recording.write import RIGID, extent_of
+from bench.report.recording.write import extent_of
 from bench.report.recording.writer import RecordingWriter, identity_of, recording_to
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.plant import Trace
@@ -30,7 +28,6 @@ if TYPE_CHECKING:
     from rerun.blueprint import Blueprint, View
 
 MAGNIFICATION = 100.0  # of the wind-up of the elastic elements
-ROBOT, GHOST = "robot/elastic", "robot/compared"
 
 
 def write_diagnosis_recording(path: Path, diagnosis: Diagnosis, readings: Readings) -> None:
@@ -57,12 +54,7 @@ def write_diagnosis_recording(path: Path, diagnosis: Diagnosis, readings: Readin
     blueprint = _layout(words, floor, compiled, robot, diagnosis.verdict, plots)
     identity = identity_of((readings.before, np.nan_to_num(readings.measured), trace.theta, time.seconds))
     with recording_to(path, time.seconds, identity, f"Diagnosis of {title}", blueprint) as writer:
-        log_standing_bodies(writer, "scene", scene)
-        log_arm(writer, ROBOT, compiled, robot)
-        log_cylinder(writer, f"{ROBOT}/counterbalance", compiled, robot)
-        log_arm(writer, GHOST, compiled, ghost, RIGID)
-        load_point = robot.site_position[:, compiled.at.load_point]
-        log_load(writer, "robot/load", load_point, trace.wrench[:, :3], compiled.robot.figures.rating.force_n)
+        log_compared(writer, scene, compiled, trace, robot, ghost)
         log_plots(writer, tuple({plot.path: plot for plot in plots}.values()))
         log_events(writer, time.begins)
         _log_verdict(writer, diagnosis.verdict)

@@ -9,6 +9,7 @@ from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, Unde
 from bench.report.diagnosis.names import (
     cause_name,
     channel_name,
+    gain_percent,
     listed,
     parameter_text,
     percent,
@@ -101,8 +102,8 @@ def gain_text(gain: ChannelGain) -> str:
     unit = unit_name(gain.unit)
     return (
         f"{channel_name(gain.channel)}: {nominal} -> {after} {unit} of {measured} measured (nominal fitted {fitted}, "
-        f"floor {floor}), gain {percent(gain.over_better)} ({percent(gain.over_better_low)} to "
-        f"{percent(gain.over_better_high)})"
+        f"floor {floor}), gain {gain_percent(gain.over_better)} ({gain_percent(gain.over_better_low)} to "
+        f"{gain_percent(gain.over_better_high)})"
     )
 
 

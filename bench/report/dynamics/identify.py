@@ -6,12 +6,11 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from bench.errors import InputError
 from bench.identify.dynamics.advice import Motion, advise
 from bench.identify.dynamics.first_pass import FirstPass, Torques, first_pass
 from bench.identify.dynamics.quantities import Quantity, quantities
 from bench.record.campaign import Campaign
-from bench.record.joined import joined
+from bench.record.joined import joined, names_of
 from bench.report.campaigns import open_campaign
 from bench.robot.compiled import CompiledRobot
 from bench.robot.nominal_dynamics import nominal_dynamics
@@ -49,17 +48,11 @@ def identify_dynamics(
 
     Raises:
         CampaignError: A folder is not a usable campaign, or they are of different machines.
-        InputError: The data do not serve; the message says why.
+        InputError: A folder is given twice, or the data do not serve; the message says why.
     """
     named: dict[str, Campaign] = {}
-    for folder in folders:
-        campaign, compiled = _opened(folder, robot)
-        name = folder.resolve().name
-        if name in named:
-            raise InputError(
-                f"{folder}: a second campaign of the name {name!r}; give each campaign once, by its own name."
-            )
-        named[name] = campaign
+    for name, folder in zip(names_of(folders), folders, strict=True):
+        named[name], compiled = _opened(folder, robot)
     others = {folder: _opened(folder, robot)[0] for folder in held_out}
     with threadpool_limits(1, "blas"):  # the matrices are small: threads cost more than they give
         found = first_pass(joined(named), nominal_dynamics(compiled), cutoff_hz)

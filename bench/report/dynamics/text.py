@@ -7,11 +7,13 @@ import numpy as np
 
 from bench.identify.dynamics.advice import sentence
 from bench.identify.dynamics.first_pass import FirstPass
-from bench.identify.dynamics.quantities import Quantity
+from bench.identify.dynamics.quantities import RELATIVE, Quantity
 from bench.record.campaign import Array
+from bench.report.diagnosis.names import shown, unit_name
 from bench.report.dynamics.as_json import MODELS
 from bench.report.dynamics.identify import Dynamics
 from bench.report.dynamics.notes import notes_of
+from bench.report.tables import print_wide
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -40,13 +42,15 @@ def print_dynamics(result: Dynamics, level: float) -> None:
         console.print(line, highlight=False)
     what = "whole runs" if found.folds.by == "run" else "blocks of time"
     errors = {model: found.held_out.rms(model) for model in MODELS}
-    console.print(_errors(found, f"held out: {len(found.folds)} {what}, each predicted by a fit without it", errors))
+    print_wide(
+        console, _errors(found, f"held out: {len(found.folds)} {what}, each predicted by a fit without it", errors)
+    )
     for folder, torques in result.predicted.items():
-        console.print(_errors(found, f"predicted, nothing fitted: {folder}", {m: torques.rms(m) for m in MODELS}))
+        print_wide(console, _errors(found, f"predicted, nothing fitted: {folder}", {m: torques.rms(m) for m in MODELS}))
     for title in dict.fromkeys(TITLES.values()):
         mine = [one for one in result.quantities if TITLES[one.kind] == title and one.told]
         if mine:
-            console.print(_parameters(f"{title}, {level:.0%} intervals", mine, found.quantile(level)))
+            print_wide(console, _parameters(f"{title}, {level:.0%} intervals", mine, found.quantile(level)))
     open_ones = [one.name for one in result.quantities if not one.told and one.kind != "drive"]
     if open_ones:
         console.print(f"Not told by these data, left near what was stated: {', '.join(open_ones)}.", highlight=False)
@@ -77,9 +81,10 @@ def _head(found: FirstPass) -> Iterator[str]:
 def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> "Table":
     hinge = found.nominal.bodies.is_hinge
     unit = "Nm" if hinge.all() else "Nm or N" if hinge.any() else "N"
+    from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    table = Table(title=f"error of the torque, RMS [{unit}]; {title}")
+    table = Table(box=SIMPLE_HEAD, title_justify="left", title=f"error of the torque, RMS [{unit}]; {title}")
     table.add_column("", no_wrap=True)
     for joint in found.joints:
         table.add_column(joint, justify="right")
@@ -90,13 +95,16 @@ def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> "Table":
 
 def _parameters(title: str, rows: list[Quantity], quantile: float) -> "Table":
     lumped = any(one.meaning for one in rows)
+    from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    table = Table(title=title)
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
     for name in ("", "nominal", "found", "interval", "unit", *(["with it"] if lumped else [])):
         table.add_column(name, justify="left" if name in ("", "unit", "with it") else "right")
     for one in rows:
         low, high = one.interval(quantile)
-        values = f"{one.nominal:.4g}", f"{one.value:.4g}", f"{low:.4g} to {high:.4g}"
-        table.add_row(one.name, *values, one.unit, *([one.meaning] if lumped else []))
+        unit, scale = ("%", 100.0) if one.unit == RELATIVE else (one.unit, 1.0)
+        numbers = tuple(scale * value for value in (one.nominal, one.value, low, high))
+        nominal, found, *ends = shown(numbers, unit, (numbers[3] - numbers[2]) / 2)
+        table.add_row(one.name, nominal, found, " to ".join(ends), unit_name(unit), *([one.meaning] if lumped else []))
     return table

@@ -134,7 +134,8 @@ def _scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks
         remarks.append(f"angles of {who} count the other way round than the model's: their factors are turned below")
     remarks.append(
         f"{family.shown}: held against the masses of the robot with {scale.payload:.3g} kg of payload, with which "
-        f"all drives agree best; they lag the angles by {1e3 * scale.delay:.1f} ms"
+        f"all drives agree best; they {'lag' if scale.delay >= 0 else 'lead'} the angles by "
+        f"{1e3 * abs(scale.delay):.1f} ms"
     )
     near = bool(np.all(np.abs(np.abs(scale.factor) - 1) < NEAR_ONE))
     if family.kind == "current":

@@ -12,6 +12,7 @@ from bench.report.diagnosis.pictures import Picture
 from bench.report.prediction.pictures import pictures_of
 from bench.report.prediction.sentences import (
     ChannelRow,
+    broken_sentence,
     free_sentence,
     freed_text,
     headline,
@@ -51,6 +52,7 @@ def page_of(prediction: Prediction, made: Sequence[str], command: str = "") -> s
         prediction=prediction,
         headline=headline(prediction),
         promise_words=promise_sentence(prediction),
+        broken_words=broken_sentence(prediction),
         free_words=free_sentence(prediction),
         parts=[_part(recording) for recording in prediction.recordings],
         command=command,

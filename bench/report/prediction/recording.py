@@ -7,17 +7,15 @@ import numpy as np
 from bench.predict.prediction import PredictedRecording
 from bench.report.diagnosis.curves import MEASURED, MEASURED_WIDTH, SIMULATED_WIDTH, WITH, WITHOUT
 from bench.report.diagnosis.names import WORKSHOP, capital, channel_name
-from bench.report.diagnosis.recording import GHOST, MAGNIFICATION, ROBOT
+from bench.report.diagnosis.recording import MAGNIFICATION
 from bench.report.diagnosis.recording_clock import RecordingClock, recording_clock_of
-from bench.report.recording.arm import log_arm, log_standing_bodies
+from bench.report.recording.compared import log_compared
 from bench.report.recording.curves import JOINT_COLOURS, Curve, Plot, log_plots
-from bench.report.recording.cylinder import log_cylinder
 from bench.report.recording.events import log_events
 from bench.report.recording.layout import layout
 from bench.report.recording.poses import elastic_poses, rigid_poses
 from bench.report.recording.scene import floor_height, scene_of
-from bench.report.recording.surroundings import log_load
-from bench.report.recording.write import RIGID, extent_of
+from bench.report.recording.write import extent_of
 from bench.report.recording.writer import identity_of, recording_to
 
 
@@ -43,12 +41,7 @@ def write_prediction_recording(path: Path, recording: PredictedRecording) -> Non
     identity = identity_of((np.nan_to_num(recording.error), np.nan_to_num(recording.measured), clock.seconds))
     title = f"Prediction of {compiled.robot.figures.title}"
     with recording_to(path, clock.seconds, identity, title, blueprint) as writer:
-        log_standing_bodies(writer, "scene", scene)
-        log_arm(writer, ROBOT, compiled, robot)
-        log_cylinder(writer, f"{ROBOT}/counterbalance", compiled, robot)
-        log_arm(writer, GHOST, compiled, rigid, RIGID)
-        load_point = robot.site_position[:, compiled.at.load_point]
-        log_load(writer, "robot/load", load_point, trace.wrench[:, :3], compiled.robot.figures.rating.force_n)
+        log_compared(writer, scene, compiled, trace, robot, rigid)
         log_plots(writer, plots)
         log_events(writer, clock.begins)
 

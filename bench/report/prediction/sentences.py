@@ -11,6 +11,7 @@ from bench.predict.prediction import ChannelError, PredictedRecording, Predictio
 from bench.report.diagnosis.names import channel_name, listed, shown, unit_name
 
 ANSWERS = {"kept": "holds", "less": "less than promised", "more": "more than promised", "not promised": ""}
+MOST_NAMED = 3  # channels in a headline
 
 
 @dataclass(frozen=True)
@@ -33,17 +34,20 @@ def headline(prediction: Prediction) -> str:
     if not answers:
         return "This model promises nothing of a recording; its errors stand below."
     kept, count = answers.count("kept"), len(answers)
-    more = [
-        row_name(recording, channel)
+    beyond = {
+        row_name(recording, channel): channel.rms / channel.high
         for recording in prediction.recordings
         for channel in recording.channels
         if channel.answer == "more"
-    ]
+    }
+    more = sorted(beyond, key=lambda name: -beyond[name])
     words = f"{kept} of {count} promised intervals hold"
     if not more:
         return f"What was promised holds: {words}, and no error is larger than promised."
-    many = len(more) > 1
-    return f"{words}; {listed(more, 'and')} {'have' if many else 'has'} larger errors than promised."
+    if len(more) > MOST_NAMED:
+        named = listed(more[:MOST_NAMED], "and")
+        return f"{words}; {len(more)} errors are larger than promised, above all those of {named}."
+    return f"{words}; {listed(more, 'and')} {'have' if len(more) > 1 else 'has'} larger errors than promised."
 
 
 def promise_sentence(prediction: Prediction) -> str:
@@ -54,6 +58,16 @@ def promise_sentence(prediction: Prediction) -> str:
     return (
         f"Each interval was promised to hold with 90 %, so of {count} about {0.1 * count:.1g} fail by chance. They are "
         "about a recording of the same robot whose instruments were not set up anew."
+    )
+
+
+def broken_sentence(prediction: Prediction) -> str:
+    """Return how to find out why errors are larger than promised; "" where none is."""
+    if not prediction.is_broken:
+        return ""
+    return (
+        "Where more fail than that: --free lets instruments be set up anew, `bench diagnose CAMPAIGN --given MODEL` "
+        "says what the model gets wrong about these data, `bench compare` what changed since those that it was made of."
     )
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from bench.predict.prediction import PredictedRecording, Prediction
 from bench.report.prediction.file_names import NUMBERS, REPORT, recording_name
 from bench.report.prediction.sentences import (
+    broken_sentence,
     free_sentence,
     freed_text,
     headline,
@@ -21,6 +22,8 @@ def words_of(prediction: Prediction) -> Iterator[str]:
     """Yield the lines of a prediction for the terminal."""
     yield headline(prediction)
     if words := promise_sentence(prediction):
+        yield words
+    if words := broken_sentence(prediction):
         yield words
     yield free_sentence(prediction)
     for recording in prediction.recordings:

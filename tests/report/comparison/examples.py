@@ -61,6 +61,15 @@ NOTHING = Comparison(
 )
 
 
+POURED = replace(
+    GAS,
+    effect="gas_step",
+    title="gas lost or filled in from run first-joint2-payload0-speed40-up on",
+    place="robot from run first-joint2-payload0-speed40-up on",
+    level="run",
+)
+
+
 def finding(*changes: Change) -> ChangedFinding:
     names = tuple(PossibleName(one.effect, one.title, one.place, 0.9 / len(changes)) for one in changes)
     return ChangedFinding(names, 0.9)
@@ -73,6 +82,11 @@ SET = replace(
     NOTHING,
     explanations=(Explanation((GAS,), 0.6, 40.0), Explanation((COLD,), 0.39, 39.5)),
     findings=(finding(GAS, COLD),),
+)
+MORE = replace(
+    SET,
+    explanations=(*SET.explanations, Explanation((POURED,), 0.03, 37.0)),
+    findings=(finding(COLD, GAS, POURED),),
 )
 FRICTION = tuple(
     replace(GAS, effect=f"friction_{k}", title=f"friction of joint {k}, long name {k}", place=f"joint {k}")

@@ -10,7 +10,7 @@ from bench.compare.comparison import Comparison
 from bench.report.comparison.page import lines_of, page_of
 from bench.report.comparison.words import headline, words_of
 from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
-from tests.report.comparison.examples import NOTHING, ONE, OTHER, SET, THREE, TWO, UNLISTED
+from tests.report.comparison.examples import MORE, NOTHING, ONE, OTHER, SET, THREE, TWO, UNLISTED
 
 
 @pytest.mark.parametrize(
@@ -21,6 +21,10 @@ from tests.report.comparison.examples import NOTHING, ONE, OTHER, SET, THREE, TW
         (
             SET,
             "Changed: either loss of gas or gas warmer or colder than nominal, which these data cannot tell apart.",
+        ),
+        (
+            MORE,
+            "Changed: gas warmer or colder than nominal, loss of gas or 1 other, which these data cannot tell apart.",
         ),
         (
             TWO,
@@ -42,13 +46,20 @@ def test_headlines(comparison: Comparison, words: str) -> None:
 def test_nothing_found_says_what_would_have_been_found() -> None:
     lines = list(words_of(NOTHING))
     assert any("loss of gas, lost 0.30 %" in line for line in lines)
-    assert lines[-1].startswith("1 changes would not have been found")
+    assert lines[-1].startswith("1 change would not have been found")
 
 
 def test_terminal_gives_every_explanation_with_its_size() -> None:
     words = "\n".join(words_of(SET))
     assert "lost +1.24 % (90 % interval 1.12 to 1.36)" in words
     assert "offset -3.60 K (90 % interval -4.00 to -3.20)" in words
+
+
+def test_what_holds_from_a_run_on_is_no_change_of_the_machine() -> None:
+    words = "not there in the whole recording"
+    assert words in "\n".join(words_of(MORE))
+    assert words in page_of(MORE, "HH-150", "")
+    assert words not in page_of(SET, "HH-150", "")
 
 
 def test_several_changes_are_told_one_by_one() -> None:
@@ -63,7 +74,7 @@ def test_page_has_a_line_for_each_component() -> None:
     assert page.count("<svg") == len(ONE.components)
     assert headline(ONE).split(",")[0] in page
     assert "bench compare may june -o out" in page
-    assert "1 components that no plausible change" in page
+    assert "1 of which no plausible change" in page
 
 
 def test_charts_stand_in_time_and_rise_with_the_value() -> None:

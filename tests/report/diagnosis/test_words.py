@@ -24,6 +24,7 @@ from bench.report.diagnosis.names import (
     cause_names,
     channel_name,
     error_text,
+    gain_percent,
     meaning_of,
     name_beside,
     parameter_text,
@@ -320,8 +321,16 @@ def test_what_is_shown_is_near_the_value(value: float, resolution: float) -> Non
 
 
 @pytest.mark.parametrize(("share", "text"), [(-1.8e-7, "> -0.1 %"), (3e-4, "< 0.1 %"), (-0.0067, "-0.67 %")])
-def test_a_gain_of_nearly_nothing_has_no_exponent(share: float, text: str) -> None:
+def test_a_share_of_nearly_nothing_has_no_exponent(share: float, text: str) -> None:
     assert percent(share) == text
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [(-1.8e-7, "0.0 %"), (3e-4, "0.0 %"), (-0.0067, "-0.7 %"), (0.834, "83 %"), (float("nan"), "-")],
+)
+def test_a_gain_is_said_to_a_tenth_of_a_percent(share: float, text: str) -> None:
+    assert gain_percent(share) == text
 
 
 @given(st.floats(0, 1, exclude_min=True, exclude_max=True))

@@ -1,0 +1,36 @@
+"""What commands do about channels that are hardly what their names say."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from bench.record.finding import Finding
+
+WAYS_OUT = (
+    "Put this right first: the robot would be blamed for it. A column that cannot be mended is left out when its name "
+    "begins with _; if all is as it should be, give --despite-doubts."
+)
+
+
+def heed(
+    warnings: "Sequence[tuple[Path, Finding]]", doubts: "Sequence[tuple[Path, Finding]]", *, despite_doubts: bool
+) -> None:
+    """Print what is to be looked at in campaigns.
+
+    Args:
+        warnings: Campaign folder, and finding.
+        doubts: The same, of failed plausibility checks.
+        despite_doubts: Whether to go on with these.
+
+    Raises:
+        CampaignError: There are doubts, and they are not to be passed over.
+    """
+    import sys
+
+    from bench.errors import CampaignError
+
+    if doubts and not despite_doubts:
+        raise CampaignError([*(f"{folder}: {doubt}" for folder, doubt in doubts), WAYS_OUT])
+    for folder, finding in (*warnings, *doubts):
+        print(f"{finding.level:8}{folder}: {finding}", file=sys.stderr)
