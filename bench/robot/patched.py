@@ -53,7 +53,13 @@ class Unpatched:
     edit: SpecEdit
 
     def __call__(self, spec: mujoco.MjSpec, robot: Robot) -> None:
-        """Change the spec."""
+        """Change the spec.
+
+        Raises:
+            NotPatchableError: It is none, but an overlay.
+        """
+        if isinstance(spec, SpecOverlay):
+            raise NotPatchableError("an edit of a user's own")
         self.edit(spec, robot)
 
 
@@ -152,8 +158,6 @@ class Structure:
         """
         steps = tuple(steps)
         try:
-            if any(isinstance(edit, Unpatched) for step in steps for edit in step.edits):
-                raise NotPatchableError("an edit of a user's own")
             overlay = self._noted(steps)
             with self._lock:
                 return self._patched(overlay)
@@ -172,11 +176,11 @@ class Structure:
         return ways[first].followed(steps, self._folder)
 
     def data_for(self, compiled: CompiledRobot) -> mujoco.MjData:
-        """Return data for a robot that was made here, at their beginning; nobody else has them meanwhile."""
+        """Return data for a robot that was made here, as they were left; nobody else has them meanwhile."""
         with self._lock:
             for structure in (self._own, *reversed(self._structures.values())):
                 if structure.at is compiled.at:
-                    return structure.fresh_data()
+                    return structure.data_as_left()
         return mujoco.MjData(compiled.model)
 
     def value(self, handle: Handle, attribute: str) -> Any:
@@ -226,7 +230,7 @@ class Structure:
         found = replace(self._with_friction(overlay), model=model, at=at)
         moves = structure.moves(overlay)
         if moves or self._touches_gas(overlay):
-            mujoco.mj_resetData(model, data)
+            data.qpos[:] = model.qpos0
             mujoco.mj_kinematics(model, data)
             if moves:
                 check_load_body(self._folder, data, at)
