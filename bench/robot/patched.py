@@ -53,7 +53,13 @@ class Unpatched:
     edit: SpecEdit
 
     def __call__(self, spec: mujoco.MjSpec, robot: Robot) -> None:
-        """Change the spec."""
+        """Change the spec.
+
+        Raises:
+            NotPatchableError: It is none, but an overlay.
+        """
+        if isinstance(spec, SpecOverlay):
+            raise NotPatchableError("an edit of a user's own")
         self.edit(spec, robot)
 
 
@@ -68,6 +74,31 @@ class Step:
 
     key: Hashable
     edits: tuple[SpecEdit, ...]
+
+
+class _Way:
+    """Steps that one thread took last, and what each of them left noted.
+
+    Args:
+        overlay: Nothing is noted on it yet.
+    """
+
+    def __init__(self, overlay: SpecOverlay) -> None:
+        self._overlay = overlay
+        self._taken: list[tuple[Hashable, int]] = []  # keys of steps, and how much was noted after each
+
+    def followed(self, steps: tuple[Step, ...], robot: Robot) -> SpecOverlay:
+        """Return what some steps do; those that begin as the last ones did are not taken again."""
+        same = 0
+        while same < min(len(self._taken), len(steps)) and self._taken[same][0] == steps[same].key:
+            same += 1
+        del self._taken[same:]
+        self._overlay.take_back(self._taken[-1][1] if self._taken else 0)
+        for step in steps[same:]:
+            for edit in step.edits:
+                edit(cast(mujoco.MjSpec, self._overlay), robot)
+            self._taken.append((step.key, self._overlay.length))
+        return self._overlay
 
 
 class Structure:
@@ -127,8 +158,6 @@ class Structure:
         """
         steps = tuple(steps)
         try:
-            if any(isinstance(edit, Unpatched) for step in steps for edit in step.edits):
-                raise NotPatchableError("an edit of a user's own")
             overlay = self._noted(steps)
             with self._lock:
                 return self._patched(overlay)
@@ -136,33 +165,22 @@ class Structure:
             return compile_spec(self._spec.copy(), self._folder, [edit for step in steps for edit in step.edits])
 
     def _noted(self, steps: tuple[Step, ...]) -> SpecOverlay:
-        """Return what some steps do; each that was taken is remembered with what was noted until then."""
-        if not steps:
-            return SpecOverlay(proxy(self))
-        ways: OrderedDict[Hashable, list[tuple[Hashable, SpecOverlay]]] = self._last.__dict__.setdefault(
-            "ways", OrderedDict()
-        )
-        taken = ways.setdefault(steps[0].key, [])
-        ways.move_to_end(steps[0].key)
+        """Return what some steps do, which is the caller's until this thread asks for another robot."""
+        ways: OrderedDict[Hashable, _Way] = self._last.__dict__.setdefault("ways", OrderedDict())
+        first = steps[0].key if steps else None
+        if first not in ways:
+            ways[first] = _Way(SpecOverlay(proxy(self)))
+        ways.move_to_end(first)
         if len(ways) > MOST_WAYS:
             ways.popitem(last=False)
-        same = 0
-        while same < min(len(taken), len(steps)) and taken[same][0] == steps[same].key:
-            same += 1
-        del taken[same:]
-        overlay = taken[-1][1].copy() if taken else SpecOverlay(proxy(self))
-        for step in steps[same:]:
-            for edit in step.edits:
-                edit(cast(mujoco.MjSpec, overlay), self._folder)
-            taken.append((step.key, overlay.copy()))
-        return overlay
+        return ways[first].followed(steps, self._folder)
 
     def data_for(self, compiled: CompiledRobot) -> mujoco.MjData:
-        """Return data for a robot that was made here, at their beginning; nobody else has them meanwhile."""
+        """Return data for a robot that was made here, as they were left; nobody else has them meanwhile."""
         with self._lock:
             for structure in (self._own, *reversed(self._structures.values())):
                 if structure.at is compiled.at:
-                    return structure.fresh_data()
+                    return structure.data_as_left()
         return mujoco.MjData(compiled.model)
 
     def value(self, handle: Handle, attribute: str) -> Any:
@@ -212,7 +230,7 @@ class Structure:
         found = replace(self._with_friction(overlay), model=model, at=at)
         moves = structure.moves(overlay)
         if moves or self._touches_gas(overlay):
-            mujoco.mj_resetData(model, data)
+            data.qpos[:] = model.qpos0
             mujoco.mj_kinematics(model, data)
             if moves:
                 check_load_body(self._folder, data, at)

@@ -77,7 +77,7 @@ class Prescribed:
 
     Args:
         compiled: The robot.
-        data: To work on, of a model with the same parts; None: data of its own.
+        data: To work on, of a model with the same parts, whatever is left in them; None: data of its own.
         tolerance: Of the torques on the links, where a balance counts as found.
     """
 

@@ -28,16 +28,19 @@ def test_products_are_those_of_the_marginal_covariance(data: tuple[np.ndarray, n
     np.testing.assert_allclose(found.information, columns.T @ inverse @ columns, rtol=1e-9)
 
 
-def test_evidence_is_the_ratio_of_two_normal_densities(data: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+@pytest.mark.parametrize("count", [1, 2])
+def test_evidence_is_the_ratio_of_two_normal_densities(
+    data: tuple[np.ndarray, np.ndarray, np.ndarray], count: int
+) -> None:
     jacobian, white, columns = data
-    prior = np.array([0.5, 2.0])
+    prior = np.array([0.5, 2.0])[:count]
     null = np.eye(M) + jacobian @ jacobian.T
-    more = null + (columns[:, :2] * prior**2) @ columns[:, :2].T
+    more = null + (columns[:, :count] * prior**2) @ columns[:, :count].T
 
     def log_density(covariance: np.ndarray) -> float:
         return float(-0.5 * white @ np.linalg.solve(covariance, white) - 0.5 * np.linalg.slogdet(covariance)[1])
 
-    found = Nuisances(jacobian).products(white, columns).log_evidence(np.arange(2), prior)
+    found = Nuisances(jacobian).products(white, columns).log_evidence(np.arange(count), prior)
     assert found == pytest.approx(log_density(more) - log_density(null), abs=1e-6)
 
 

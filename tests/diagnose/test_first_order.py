@@ -24,6 +24,7 @@ from bench.scenario.files import read_scenario
 # twentieth of the length, at right angles, costs 1/400 of it.
 USUAL, WORST = 0.05, 0.12
 VISIBLE = 1.0  # standard errors; what is shorter cannot be seen in any case
+EXACT = 1e-9  # of the largest change: rounding of torques whose difference it is
 MOST = 8  # places and shapes of each effect
 TORQUES = [name for name, effect in catalogue().items() if type(effect).torques is not Effect.torques]
 BINS = 300
@@ -75,6 +76,21 @@ def test_what_is_not_plain_is_simulated(name: str, values: dict[str, float]) -> 
     about = FirstOrder(replay, World(acting=(Acting(effect, place, effect.complete(values)),)))
     ripple = next(one for one in signatures.plan if one.effect.name == "friction_ripple" and one.place == place)
     assert about.change(ripple) is None
+
+
+@pytest.mark.parametrize("name", ["rotor_inertia", "viscous_level"])
+def test_what_the_motor_pays_alone_needs_no_plain_element(name: str) -> None:
+    """With the motors' motion prescribed, the link behind a gear with play feels nothing of it."""
+    signatures, replay, _ = campaign()
+    play = catalogue()["backlash"]
+    place = play.places(replay.compiled)[1]
+    around = World(acting=(Acting(play, place, play.complete({"gap": 3e-4})),))
+    one = next(one for one in signatures.plan if one.effect.name == name and one.place.index == place.index)
+    simulated = replay.predict(World(acting=(*around.acting, one))) - replay.predict(around)
+    found = FirstOrder(replay, around).change(one)
+    assert found is not None
+    assert np.max(np.abs(simulated)) > 0
+    np.testing.assert_allclose(found, simulated, atol=EXACT * np.max(np.abs(simulated)))
 
 
 def _errors(

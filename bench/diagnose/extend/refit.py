@@ -9,7 +9,7 @@ from bench.diagnose.extend.fit import Fit, Key, Unknown, is_simulated, play_of, 
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.first_order import FirstOrder
 from bench.diagnose.linearise.linearised_model import LinearisedModel, is_same_play, with_play
-from bench.diagnose.replay.world import World
+from bench.diagnose.replay.world import World, moves
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
@@ -252,17 +252,19 @@ def _of_torques(
 
 def _slopes(left, residual, values, x, unknowns, known) -> Array:  # type: ignore[no-untyped-def]
     """Return the change of the readings with each unknown, shape (T, c, k), by differences of simulations."""
-    columns = []
-    for i, unknown in enumerate(unknowns):
-        step = unknown.step_from(float(values[i]))
-        if i in known:
-            columns.append(known[i])
+    columns = dict(known)
+    # what only reads differently comes first: the replay still has the motion that the residual was simulated along
+    for i in sorted(range(len(unknowns)), key=lambda i: moves(unknowns[i].cause.effect)):
+        if i in columns:
             continue
+        step = unknowns[i].step_from(float(values[i]))
         try:
-            columns.append((residual - _moved(left, values, x, i, step)) / step)
+            columns[i] = (residual - _moved(left, values, x, i, step)) / step
         except NOT_SIMULATED:  # no balance there; the other side is as good
-            columns.append((_moved(left, values, x, i, -step) - residual) / step)
-    return np.stack(columns, axis=2) if columns else np.zeros((*residual.shape, 0))
+            columns[i] = (_moved(left, values, x, i, -step) - residual) / step
+    if not columns:
+        return np.zeros((*residual.shape, 0))
+    return np.stack([columns[i] for i in range(len(unknowns))], axis=2)
 
 
 def _moved(left, values, x, i, step) -> Array:  # type: ignore[no-untyped-def]

@@ -2,8 +2,9 @@
 
 An effect says which torques it adds along what the robot did (`Effect.torques`). With the motors' motion prescribed, a
 torque f on link j lets that link give by f / k_j, moves the reflectors by their Jacobian, and is taken off the motor; a
-torque on the motor is paid by the motor alone. What a link that gives does to the weight that other joints carry is
-left out. How exact that is, effect by effect, is measured by `tests/diagnose/test_first_order.py`.
+torque on the motor is paid by the motor alone, whatever its link sits on. What a link that gives does to the weight
+that other joints carry is left out. How exact that is, effect by effect, is measured by
+`tests/diagnose/test_first_order.py`.
 """
 
 from dataclasses import replace
@@ -43,7 +44,7 @@ class FirstOrder:
 
     def change(self, acting: Acting) -> Array | None:
         """Return what the torques of an effect change in every reading, shape (T, c); None: it has to be simulated."""
-        if not self._is_plain or not acts_as_torque(acting.effect):
+        if not acts_as_torque(acting.effect):
             return None
         j, trace = acting.place.index, self._trace
         paid, given = np.empty(len(trace)), np.empty(len(trace))
@@ -52,7 +53,7 @@ class FirstOrder:
                 paid[course.rows] = given[course.rows] = 0.0
                 continue
             torques = acting.effect.torques(acting.place, acting.values, followed)
-            if torques is None:
+            if torques is None or (np.any(torques.link) and not self._is_plain):
                 return None
             paid[course.rows] = torques.motor + torques.link
             given[course.rows] = torques.link / followed.compiled.stiffness[j]

@@ -60,15 +60,18 @@ def _parts_of(folds: Folds) -> Mapping[str | None, int]:
 def _without_parts(linear: LinearisedModel, tried: Tried, about: SearchSpace) -> Iterator[SubsetPosterior]:
     """Yield the linearised model without each part of the runs."""
     shape = [about.about.shape.columns] if about.about.shape else []
-    columns = np.concatenate([tried.columns.matrix, *about.tangents, *shape], axis=1)
-    jacobian, white = linear.jacobian, about.white
-    gram, cross, normal = columns.T @ columns, jacobian.T @ columns, jacobian.T @ jacobian
-    scores, pull = columns.T @ white, jacobian.T @ white
+    matrix, jacobian, white = tried.columns.matrix, linear.jacobian, about.white
+    present = np.concatenate([np.empty((len(white), 0)), *about.tangents, *shape], axis=1)
+    beside = matrix.T @ present
+    gram = np.block([[tried.columns.gram, beside], [beside.T, present.T @ present]])
+    cross = np.concatenate([tried.columns.with_slopes(jacobian), jacobian.T @ present], axis=1)
+    scores = np.concatenate([matrix.T @ white, present.T @ white])
+    normal, pull = jacobian.T @ jacobian, jacobian.T @ white
     fold, gap = folds_of(linear).of_rows(linear)
     count = min(PARTS, gap.shape[1])
     for part in range(count):
         rows = (fold % count == part) | np.any(gap[:, np.arange(gap.shape[1]) % count == part], axis=1)
-        own, mine, left = columns[rows], jacobian[rows], white[rows]
+        own, mine, left = np.concatenate([matrix[rows], present[rows]], axis=1), jacobian[rows], white[rows]
         factor = np.linalg.cholesky(np.eye(len(normal)) + normal - mine.T @ mine)
         reduced = solve_triangular(factor, cross - mine.T @ own, lower=True)
         drawn = solve_triangular(factor, pull - mine.T @ left, lower=True)

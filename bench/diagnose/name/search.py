@@ -109,8 +109,8 @@ class SubsetPosterior:
             there = reduced[:, columns].transpose(1, 0, 2)
             h = own - there.transpose(0, 2, 1) @ there + _diagonal(1 / prior**2)
             rise[members] = log_evidences_of(h, score[columns], prior, sign) + odds
-        excluded = {self.terms[i].key for i in which}
-        rise[[i for i, term in enumerate(self.terms) if term.key in excluded]] = -np.inf
+        for i in which:
+            rise[self._same[self.terms[i].key]] = -np.inf
         return rise
 
     def _root(self, which: Sequence[int]) -> tuple[Array, Array]:
@@ -121,6 +121,14 @@ class SubsetPosterior:
         h[np.diag_indices_from(h)] += 1 / prior**2 + JITTER * np.maximum(np.diag(h), 1.0)
         root = np.linalg.cholesky(h)
         return root, np.asarray(solve_triangular(root, self.scores[columns], lower=True), dtype=np.float64)
+
+    @cached_property
+    def _same(self) -> dict[Hashable, list[int]]:
+        """Indices of the terms of each key."""
+        found: dict[Hashable, list[int]] = {}
+        for i, term in enumerate(self.terms):
+            found.setdefault(term.key, []).append(i)
+        return found
 
     @cached_property
     def _groups(self) -> list[tuple[Array, Array, Array, Array, Array, Array]]:

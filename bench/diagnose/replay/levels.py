@@ -42,7 +42,7 @@ def with_recordings(
 
 def world_in(world: World, recording: str) -> World:
     """Return what of a world acts in one of its recordings."""
-    if not is_told_apart(world):
+    if not world.is_told_apart:
         return world
     return World(
         {nuisance: value for nuisance, value in world.deviations.items() if nuisance.recording in (None, recording)},
@@ -56,13 +56,6 @@ def as_of(world: World, recording: str) -> World:
     return World(
         {replace(nuisance, recording=None): value for nuisance, value in here.deviations.items()},
         tuple(replace(acting, place=replace(acting.place, recording=None)) for acting in here.acting),
-    )
-
-
-def is_told_apart(world: World) -> bool:
-    """Whether anything in a world acts in one recording alone."""
-    return any(nuisance.recording is not None for nuisance in world.deviations) or any(
-        acting.place.recording is not None for acting in world.acting
     )
 
 

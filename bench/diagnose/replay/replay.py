@@ -18,7 +18,7 @@ from bench.diagnose.replay.given import EARLIER, LABEL, said_before
 from bench.diagnose.replay.jacobians import reflector_jacobians
 from bench.diagnose.replay.known import known_value
 from bench.diagnose.replay.late import read_late
-from bench.diagnose.replay.levels import is_told_apart, world_in
+from bench.diagnose.replay.levels import world_in
 from bench.diagnose.replay.perfect_instruments import distorted, ideal_reading
 from bench.diagnose.replay.play import expected
 from bench.diagnose.replay.quantities import Quantity, predicted
@@ -26,8 +26,6 @@ from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import (
     NOMINAL,
     World,
-    changes_robot,
-    depends_on_conditions,
     key_of_motion,
     log_error_of,
     model_of,
@@ -104,7 +102,7 @@ class Replay:
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
         given, world = world, self.whole(world)
-        if not is_told_apart(world):
+        if not world.is_told_apart:
             shown = self._read(world, self.segments, trace)
         else:
             shown = np.empty(self.shape)
@@ -147,7 +145,7 @@ class Replay:
         Raises:
             ConvergenceError, RobotError: As `predict`.
         """
-        if not changes_robot(world):
+        if not world.changes_robot:
             return self._nominal
         key = key_of_motion(world)
         with self._lock:
@@ -218,6 +216,8 @@ class Replay:
     def whole(self, world: World) -> World:
         """Return a world with what acts in every world."""
         fitted = self.fitted
+        if not (fitted.deviations or fitted.acting):
+            return world
         return World({**fitted.deviations, **world.deviations}, (*fitted.acting, *world.acting))
 
     def _courses(self, world: World) -> tuple[Course, ...]:
@@ -225,12 +225,12 @@ class Replay:
         world = self.whole(world)
         here = {recording: world_in(world, recording) for recording in self._recordings}
         models = tuple(model_of(here[s.recording], s.run, s.recording, s.conditions) for s in self.segments)
-        key = models, depends_on_conditions(world)
+        key = models, world.depends_on_conditions
         with self._lock:
             if key in self._plans:
                 self._plans.move_to_end(key)
                 return self._plans[key]
-        plan = courses_of(self.segments, models, with_temperatures=depends_on_conditions(world))
+        plan = courses_of(self.segments, models, with_temperatures=world.depends_on_conditions)
         with self._lock:
             self._plans[key] = plan
             if len(self._plans) > MOST_PLANS:
@@ -239,7 +239,7 @@ class Replay:
 
     def _moved_along(self, world: World, course: Course) -> Trace:
         """Return the truth along a course, at what is read of it."""
-        if not changes_robot(world_in(world, course.recording)):
+        if not world_in(world, course.recording).changes_robot:
             return self._nominal[course.rows]
         return self._followed(world, course)[0]
 
@@ -272,6 +272,8 @@ class Replay:
 
     def _joined(self, courses: Iterable[Course], traces: list[Trace]) -> Trace:
         """Return the traces of courses as one, in the order of the campaign."""
+        if len(traces) == 1:
+            return traces[0]
         order = np.argsort(np.concatenate([course.rows for course in courses]))
         return Trace.concatenate(traces)[order]
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.effects.effect import Acting, Conditions, Effect
@@ -25,6 +26,25 @@ class World:
     deviations: Mapping[Nuisance, float] = field(default_factory=dict)
     acting: tuple[Acting, ...] = ()
 
+    @cached_property
+    def is_told_apart(self) -> bool:
+        """Whether anything acts in one recording alone."""
+        return any(nuisance.recording is not None for nuisance in self.deviations) or any(
+            acting.place.recording is not None for acting in self.acting
+        )
+
+    @cached_property
+    def changes_robot(self) -> bool:
+        """Whether it moves differently from the nominal world, or only reads differently."""
+        if any(n.edit or n.scales_wrench or n.scales_payload for n in self.deviations):
+            return True
+        return any(moves(acting.effect) for acting in self.acting)
+
+    @cached_property
+    def depends_on_conditions(self) -> bool:
+        """Whether its robot differs between warm and cold."""
+        return any(acting.effect.depends_on_conditions for acting in self.acting)
+
 
 NOMINAL = World()
 
@@ -37,11 +57,12 @@ def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
 def key_of_motion(world: World) -> Hashable:
     """Return what decides how the robot of a world moves; what only reads differently does not count."""
     off = tuple((n, value) for n, value in world.deviations.items() if n.edit or n.scales_wrench or n.scales_payload)
-    acting = tuple((one.effect, one.place, tuple(one.values.items())) for one in world.acting if _moves(one.effect))
+    acting = tuple((one.effect, one.place, tuple(one.values.items())) for one in world.acting if moves(one.effect))
     return off, acting
 
 
-def _moves(effect: Effect) -> bool:
+def moves(effect: Effect) -> bool:
+    """Whether a robot in which an effect acts may move differently; or it only reads differently."""
     own, none = type(effect), Effect
     differ = (
         own.edit is not none.edit,
@@ -68,26 +89,14 @@ def steps_of(world: World, conditions: Conditions) -> list[Step]:
     return steps
 
 
-def changes_robot(world: World) -> bool:
-    """Whether a world moves differently from the nominal one, or only reads differently."""
-    if any(n.edit or n.scales_wrench or n.scales_payload for n in world.deviations):
-        return True
-    return any(_moves(acting.effect) for acting in world.acting)
-
-
 def model_of(world: World, run: str, recording: str, conditions: Conditions) -> Hashable:
     """Return what decides which model and which loads a world has during a run; equal answers share them.
 
     No two recordings share a model: each has a clock of its own, which decides on what changes with time.
     """
     phases = tuple(acting.effect.phase(acting.place, conditions) for acting in world.acting)
-    is_alone = log_error_of(world, run) is not None or depends_on_conditions(world)
+    is_alone = world.depends_on_conditions or log_error_of(world, run) is not None
     return recording, conditions.payload_kg, run if is_alone else "", phases
-
-
-def depends_on_conditions(world: World) -> bool:
-    """Whether the robot of a world differs between warm and cold."""
-    return any(acting.effect.depends_on_conditions for acting in world.acting)
 
 
 def log_error_of(world: World, run: str) -> LogError | None:

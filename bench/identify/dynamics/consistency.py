@@ -166,7 +166,8 @@ class _Part:
         bend[np.ix_(self.own, self.own)] += sharp * np.einsum("aij,bji->ab", solved, solved)
 
     def _matrix(self, z: Array) -> Array:
-        return np.asarray(np.tensordot(z[self.own], self.shape, axes=1) + self.offset)
+        changed = z[self.own] @ self.shape.reshape(len(self.own), -1)
+        return np.asarray(changed.reshape(self.offset.shape) + self.offset)
 
 
 def pseudo_inertia(link: Array) -> Array:

@@ -6,6 +6,7 @@ something else, such as a mass from shapes or a place within a frame, the model 
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import mujoco
@@ -125,7 +126,13 @@ def _holds_full_inertia(model: mujoco.MjModel, body: int, value: NDArray[np.floa
 
 def _principal(value: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the principal moments of an inertia (xx, yy, zz, xy, xz, yz) and the quaternion of their axes."""
-    xx, yy, zz, xy, xz, yz = value
+    return _principal_of(*value.tolist())
+
+
+@lru_cache(maxsize=256)  # models of one fit have most inertias in common
+def _principal_of(
+    xx: float, yy: float, zz: float, xy: float, xz: float, yz: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     moments, axes, turned = np.empty(3), np.empty(9), np.empty(4)
     mujoco.mju_eig3(moments, axes, turned, np.array([xx, xy, xz, xy, yy, yz, xz, yz, zz]))
     return moments, turned

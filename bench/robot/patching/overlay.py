@@ -5,7 +5,7 @@ structure: parts added, names, kinds. Both are read back as if they had been don
 an array that an edit reads cannot be written to in place.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,7 +13,9 @@ import mujoco
 import numpy as np
 
 from bench.robot.patching.below import Below
+from bench.robot.patching.journal import Journal
 from bench.robot.patching.numbers import PATCHES, NotPatchableError
+from bench.robot.patching.overlaid_parts import Part, part_of
 from bench.robot.patching.parts import CONFIG, LISTS, Activate, Add, Assign, Blank, Handle, Operation, Wrap, hashable
 
 UNNAMED = "texts of a plugin instance without a name"
@@ -39,37 +41,29 @@ class SpecOverlay:
         self.numbers: dict[tuple[Handle, str], Any] = {}
         self.configs: dict[Handle, dict[str, str]] = {}
         self._assigned: dict[tuple[Handle, str], Any] = {}
-        self._names: dict[str, list[str]] = dict(below.names)
+        self._names: dict[str, Sequence[str]] = dict(below.names)
         self._carriers: dict[Handle, Handle] = {}
         self._blanks: dict[Handle, Blank] = {}
         self._parts: dict[Handle, Part] = {}
         self._wraps: dict[Handle, int] = {}
-        self._is_shared_anew = False  # whether an actuator of the spec may use other texts, or share them with others
+        self._shared_anew: list[Handle] = []  # for which an actuator may use other texts, or share them with others
+        self._journal = Journal()
 
-    def copy(self) -> "SpecOverlay":
-        """Return an overlay that goes on from what was noted so far."""
-        other = object.__new__(SpecOverlay)
-        other.__dict__.update(
-            _below=self._below,
-            operations=list(self.operations),
-            numbers=dict(self.numbers),
-            configs=dict(self.configs),
-            _assigned=dict(self._assigned),
-            _names={kind: n if n is self._below.names[kind] else list(n) for kind, n in self._names.items()},
-            _carriers=dict(self._carriers),
-            _blanks=dict(self._blanks),
-            _parts={},
-            _wraps=dict(self._wraps),
-            _is_shared_anew=self._is_shared_anew,
-        )
-        return other
+    @property
+    def length(self) -> int:
+        """How much was noted so far."""
+        return len(self._journal)
+
+    def take_back(self, length: int) -> None:
+        """Forget what was noted since the length was this one."""
+        self._journal.take_back(length)
 
     def compiled_with_data(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
         """Return the model with everything that was noted so far, and fresh data for it."""
         return self._below.compiled_with_data(self)
 
     @property
-    def option(self) -> "Part":
+    def option(self) -> Part:
         """The physics options."""
         return self.part(Handle("option", 0))
 
@@ -77,28 +71,27 @@ class SpecOverlay:
         """Note a plugin that is declared."""
         operation = Activate(name)
         if operation not in self.operations:
-            self.operations.append(operation)
+            self._journal.append(self.operations, operation)
 
-    def add_plugin(self, *, name: str, plugin_name: str, **values: Any) -> "Part":
+    def add_plugin(self, *, name: str, plugin_name: str, **values: Any) -> Part:
         """Note a plugin instance that is added."""
         return self.add(Add("plugin", name, None, plugin_name), values)
 
-    def add_actuator(self, *, name: str, **values: Any) -> "Part":
+    def add_actuator(self, *, name: str, **values: Any) -> Part:
         """Note an actuator that is added."""
         return self.add(Add("actuator", name), values)
 
-    def add(self, operation: Add, values: Mapping[str, Any]) -> "Part":
+    def add(self, operation: Add, values: Mapping[str, Any]) -> Part:
         """Note a part that is added, with values of its attributes, and return it."""
-        names = self._own_names(operation.kind)
+        names, blank = self._names[operation.kind], self._below.blank(operation)
         handle = Handle(operation.kind, len(names))
-        names.append(operation.name)
-        self.operations.append(operation)
+        self._journal.put(self._names, operation.kind, [*names, operation.name])
+        self._journal.append(self.operations, operation)
         if operation.parent:
-            self._carriers[handle] = operation.parent
-        self._blanks[handle] = self._below.blank(operation)
+            self._journal.put(self._carriers, handle, operation.parent)
+        self._journal.put(self._blanks, handle, blank)
         if operation.kind == "actuator":
-            use = Handle("use", handle.number)
-            self._blanks[use] = self._blanks[handle]
+            self._journal.put(self._blanks, Handle("use", handle.number), blank)
         part = self.part(handle)
         for attribute, value in values.items():
             setattr(part, attribute, value)
@@ -107,18 +100,18 @@ class SpecOverlay:
     def wrap(self, tendon: Handle, joint: str, coefficient: float) -> None:
         """Note a joint that a fixed tendon runs over, too."""
         index = self._wraps.get(tendon, self._below.wraps(tendon))
-        self._wraps[tendon] = index + 1
-        self.operations.append(Wrap(tendon, joint))
-        self.numbers[tendon, f"wrap {index}"] = index, coefficient
+        self._journal.put(self._wraps, tendon, index + 1)
+        self._journal.append(self.operations, Wrap(tendon, joint))
+        self._journal.put(self.numbers, (tendon, f"wrap {index}"), (index, coefficient))
 
-    def part(self, handle: Handle) -> "Part":
+    def part(self, handle: Handle) -> Part:
         """Return a part, always the same object for the same part."""
         found = self._parts.get(handle)
         if found is None:
-            found = self._parts[handle] = _CLASSES.get(handle.kind, Part)(self, handle)
+            found = self._parts[handle] = part_of(self, handle)
         return found
 
-    def named(self, kind: str, name: str) -> "Part | None":
+    def named(self, kind: str, name: str) -> Part | None:
         """Return a part by its name, None where there is none."""
         names = self._names[kind]
         if names is self._below.names[kind]:
@@ -126,13 +119,13 @@ class SpecOverlay:
             return None if handle is None else self.part(handle)
         return self.part(Handle(kind, names.index(name))) if name in names else None
 
-    def all(self, kind: str) -> list["Part"]:
+    def all(self, kind: str) -> list[Part]:
         """Return all parts of a kind: those of the spec, then those added."""
         return [self.part(Handle(kind, i)) for i in range(len(self._names[kind]))]
 
     def users_of(self, instance: str) -> list[str]:
         """Return the names of the actuators that use a named plugin instance, in order."""
-        if instance in self._below.users and not self._is_shared_anew:
+        if instance in self._below.users and not self._shared_anew:
             return self._below.users[instance]
         return [one.name for one in self.all("actuator") if one.plugin.name == instance]
 
@@ -142,7 +135,7 @@ class SpecOverlay:
         None where that takes a look at every actuator.
         """
         found = self._below.uses.get(actuator)
-        if found is None or self._is_shared_anew:
+        if found is None or self._shared_anew:
             return None
         handle, index, count = found
         return dict(self.read(handle, CONFIG)), index, count
@@ -150,9 +143,9 @@ class SpecOverlay:
     def configured(self, actuator: str, config: Mapping[str, str]) -> bool:
         """Note the texts that an actuator of the spec uses; whether that was possible without a look at the others."""
         found = self._below.uses.get(actuator)
-        if found is None or self._is_shared_anew:
+        if found is None or self._shared_anew:
             return False
-        self.configs[found[0]] = dict(config)
+        self._journal.put(self.configs, found[0], dict(config))
         return True
 
     def texts_to_begin_with(self, plugin: Handle) -> Mapping[str, str]:
@@ -172,7 +165,7 @@ class SpecOverlay:
         """Return the body that carries a part."""
         return self._carriers.get(handle) or self._below.carrier(handle)
 
-    def carried(self, body: Handle, kind: str) -> list["Part"]:
+    def carried(self, body: Handle, kind: str) -> list[Part]:
         """Return the parts of a kind that a body carries itself."""
         added = [handle for handle, carrier in self._carriers.items() if carrier == body and handle.kind == kind]
         return [self.part(handle) for handle in (*self._below.carried(body, kind), *added)]
@@ -200,7 +193,7 @@ class SpecOverlay:
         if attribute == CONFIG:
             if handle.kind != "plugin":
                 raise NotPatchableError(UNNAMED)
-            self.configs[handle] = dict(value)
+            self._journal.put(self.configs, handle, dict(value))
             return
         current = self.read(handle, attribute)
         known = (handle.kind, attribute) in PATCHES
@@ -218,27 +211,24 @@ class SpecOverlay:
         elif value == current:
             return
         if known:
-            self.numbers[handle, attribute] = value
+            self._journal.put(self.numbers, (handle, attribute), value)
             return
-        if handle.kind in _SHARING:
-            self._is_shared_anew |= handle.number < len(self._below.names[_SHARING[handle.kind]]) or (
-                value in self._below.users
-            )
+        if handle.kind in _SHARING and (
+            handle.number < len(self._below.names[_SHARING[handle.kind]]) or value in self._below.users
+        ):
+            self._journal.append(self._shared_anew, handle)
         if attribute == "name" and handle.kind != "use":
-            self._own_names(handle.kind)[handle.number] = value
+            names = list(self._names[handle.kind])
+            names[handle.number] = value
+            self._journal.put(self._names, handle.kind, names)
         else:
-            self._assigned[handle, attribute] = value
-        self.operations.append(Assign(handle, attribute, hashable(value)))
+            self._journal.put(self._assigned, (handle, attribute), value)
+        self._journal.append(self.operations, Assign(handle, attribute, hashable(value)))
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name not in _OWN:
             raise NotPatchableError(f"MjSpec.{name}")
         object.__setattr__(self, name, value)
-
-    def _own_names(self, kind: str) -> list[str]:
-        if self._names[kind] is self._below.names[kind]:
-            self._names[kind] = list(self._names[kind])
-        return self._names[kind]
 
     def __getattr__(self, name: str) -> Any:
         if name in LISTS:
@@ -249,83 +239,9 @@ class SpecOverlay:
         raise NotPatchableError(f"MjSpec.{name}")
 
 
-class Part:
-    """One part of an overlaid spec; attributes are read and set as those of MuJoCo's own."""
-
-    __slots__ = ("handle", "overlay")
-    handle: Handle
-    overlay: SpecOverlay
-
-    def __init__(self, overlay: SpecOverlay, handle: Handle) -> None:
-        object.__setattr__(self, "overlay", overlay)
-        object.__setattr__(self, "handle", handle)
-
-    def __getattr__(self, name: str) -> Any:
-        return self.overlay.read(self.handle, name)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        self.overlay.write(self.handle, name, value)
-
-
-class _Carried(Part):
-    __slots__ = ()
-
-    @property
-    def parent(self) -> Part:
-        return self.overlay.part(self.overlay.carrier(self.handle))
-
-
-class _Body(_Carried):
-    __slots__ = ()
-
-    @property
-    def joints(self) -> list[Part]:
-        return self.overlay.carried(self.handle, "joint")
-
-    @property
-    def sites(self) -> list[Part]:
-        return self.overlay.carried(self.handle, "site")
-
-    def find_all(self, kind: str) -> list[Part]:
-        if kind != "body":
-            raise NotPatchableError(f"find_all({kind!r})")
-        children = self.overlay.carried(self.handle, "body")
-        return [*children, *(below for child in children for below in child.find_all("body"))]
-
-    def add_body(self, *, name: str, **values: Any) -> Part:
-        return self.overlay.add(Add("body", name, self.handle), values)
-
-    def add_joint(self, **values: Any) -> Part:
-        return self.overlay.add(Add("joint", values.pop("name", ""), self.handle), values)
-
-
-class _Tendon(Part):
-    __slots__ = ()
-
-    def wrap_joint(self, joint: str, coefficient: float) -> None:
-        self.overlay.wrap(self.handle, joint, coefficient)
-
-
-class _Actuator(Part):
-    __slots__ = ()
-
-    @property
-    def plugin(self) -> Part:
-        return self.overlay.part(Handle("use", self.handle.number))
-
-
-_OWN = frozenset({"operations", "numbers", "configs", "_below", "_assigned", "_names", "_carriers"}) | {
-    "_blanks",
-    "_parts",
-    "_wraps",
-    "_is_shared_anew",
-}  # what an overlay itself holds
+_OWN = frozenset(
+    {"operations", "numbers", "configs", "_below", "_assigned", "_names", "_carriers", "_blanks", "_parts", "_wraps"}
+    | {"_shared_anew", "_journal"}
+)  # what an overlay itself holds
 _SHARING = {"use": "actuator", "actuator": "actuator", "plugin": "plugin"}  # parts that say whose texts are whose
-_CLASSES: dict[str, type[Part]] = {
-    "body": _Body,
-    "joint": _Carried,
-    "site": _Carried,
-    "tendon": _Tendon,
-    "actuator": _Actuator,
-}
 _LISTED = {plural: kind for kind, plural in LISTS.items()}

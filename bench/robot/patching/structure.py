@@ -57,7 +57,7 @@ class CompiledStructure:
         self._data = Pool(partial(mujoco.MjData, self.model))
         self._indices: dict[Handle, int] = {}
         self._carried: dict[tuple[Handle, str], list[Handle]] = {}
-        self._checked: set[tuple[Handle, str]] = set()
+        self._places: dict[tuple[Handle, str], tuple[Patch, int]] = {}
         compiler = self._spec.compiler
         self._copies_masses = not (
             compiler.boundmass or compiler.boundinertia or compiler.balanceinertia or compiler.settotalmass > 0
@@ -86,13 +86,11 @@ class CompiledStructure:
         numbers = overlay.numbers
         if self._begun:
             numbers = {key: overlay.read(*key) for key in self._begun} | numbers
-        for (handle, attribute), value in numbers.items():
-            patch = PATCHES[handle.kind, attribute.partition(" ")[0]]
-            index = self.index(handle)
-            if (handle, attribute) not in self._checked:
-                self._check(handle, attribute, patch)
+        for key, value in numbers.items():
+            patch, index = self._place(key)
             patch.write(model, index, value)
             derives, moves = derives or patch.derives, moves or patch.moves
+            handle, attribute = key
             if attribute == "ipos":
                 bodies.add(index)
             elif handle.kind == "site":
@@ -111,16 +109,20 @@ class CompiledStructure:
             self._relax(model)
         return model
 
+    def data_as_left(self) -> mujoco.MjData:
+        """Return data that fit the model and that nobody else holds; whoever takes them resets them."""
+        return self._data.take()
+
     def fresh_data(self) -> mujoco.MjData:
-        """Return data of a model that was just reset, and that nobody else holds."""
-        data = self._data.take()
+        """Return the same, just reset."""
+        data = self.data_as_left()
         mujoco.mj_resetData(self.model, data)
         return data
 
     def moves(self, overlay: SpecOverlay) -> bool:
         """Whether bodies or points may be elsewhere than in the robot's own model."""
         return any(isinstance(done, Add) and done.kind in ("body", "joint") for done in overlay.operations) or any(
-            PATCHES[handle.kind, attribute.partition(" ")[0]].moves for handle, attribute in overlay.numbers
+            self._place(key)[0].moves for key in overlay.numbers
         )
 
     def index(self, handle: Handle) -> int:
@@ -149,13 +151,23 @@ class CompiledStructure:
                     self._carried.setdefault((self.carrier(handle), found), []).append(handle)
         return tuple(self._carried.get((body, kind), ()))
 
-    def _check(self, handle: Handle, attribute: str, patch: Patch) -> None:
-        given: Any = None if attribute.startswith("wrap") else getattr(self._parts[handle], attribute)
-        if not patch.held(self.model, self.index(handle), given):
-            raise NotPatchableError(f"{attribute} of a {handle.kind}, which the compiler did not copy")
-        if handle.kind == "body" and not self._copies_masses:
-            raise NotPatchableError("masses that the compiler changes")
-        self._checked.add((handle, attribute))
+    def _place(self, key: tuple[Handle, str]) -> tuple[Patch, int]:
+        """Return how an attribute of a part is written, and the part's id.
+
+        Raises:
+            NotPatchableError: The compiled model does not hold what the spec says of it.
+        """
+        found = self._places.get(key)
+        if found is None:
+            handle, attribute = key
+            found = PATCHES[handle.kind, attribute.partition(" ")[0]], self.index(handle)
+            given: Any = None if attribute.startswith("wrap") else getattr(self._parts[handle], attribute)
+            if not found[0].held(self.model, found[1], given):
+                raise NotPatchableError(f"{attribute} of a {handle.kind}, which the compiler did not copy")
+            if handle.kind == "body" and not self._copies_masses:
+                raise NotPatchableError("masses that the compiler changes")
+            self._places[key] = found
+        return found
 
     def _relax(self, model: mujoco.MjModel) -> None:
         """Give spatial tendons without a spring length of their own the one at which joint springs are relaxed."""
