@@ -119,7 +119,7 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
 
 def _kept(nuisance: Nuisance) -> float:
     """Return the correlation of something that may be off with itself in another recording."""
-    return 1 - (nuisance.drift / nuisance.sigma) ** 2 if nuisance.between == "drifts" else 1.0
+    return nuisance.lasting**2 / (nuisance.lasting**2 + nuisance.drift**2)
 
 
 def with_earlier(
