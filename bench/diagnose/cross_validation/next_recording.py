@@ -35,9 +35,10 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     there and back, are held out together, for another motion passes other places. Of several recordings, each stands
     for a run, and what is its own (the zero of an encoder) is fitted to it.
 
-    How far two recordings differ, one recording cannot tell. Then what drifts from one to the next (`Nuisance.drift`)
-    comes on top of the squares: torque constants and viscous friction by the temperature of the day, zeros by the part
-    of them that drifts. So does what is set up anew (a tracker, the zero of a link encoder), unless it will be fitted.
+    How far two recordings differ in what is their own, no model can tell. So what drifts from one to the next
+    (`effects/drifts.py`) comes on top of the squares: torque constants and viscous friction by the temperature of the
+    day, zeros by the part of them that drifts. So does what is set up anew (a tracker, the zero of a link encoder),
+    unless it will be fitted.
 
     Args:
         linear: The campaign.
@@ -45,9 +46,11 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     """
     folds = apart(linear, folds_of(linear))
     error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds)
-    drifts = {} if folds.recordings else drifts_of(linear)
-    set_up = set_up_anew(linear, fit)
-    is_static = np.repeat([s.is_static for s in linear.segments], [len(s) for s in linear.segments])
+    drifts, set_up = changes_of(linear, fit, "drifts"), changes_of(linear, fit, "anew")
+    lengths = [len(segment) for segment in linear.segments]
+    is_static = np.repeat([segment.is_static for segment in linear.segments], lengths)
+    last = recordings_of(linear.segments)[-1]
+    is_last = np.repeat([segment.recording == last for segment in linear.segments], lengths)
     kinds: tuple[tuple[Literal["static", "motion"], Array], ...] = (("static", is_static), ("motion", ~is_static))
     found = []
     for c, quantity in enumerate(linear.quantities):
@@ -62,8 +65,9 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
                 continue
             rms = float(np.sqrt(square.sum() / count.sum()))
             left = np.sqrt(square[there] / count[there])
+            shown = seen & is_last if np.any(seen & is_last) else seen
             drifting, anew = (
-                np.array([np.sqrt(np.mean(change[seen, c] ** 2)) for change in changes.values()])
+                np.array([np.sqrt(np.mean(change[shown, c] ** 2)) for change in changes.values()])
                 for changes in (drifts, set_up)
             )
             ends = (*_one_more(left, np.concatenate([drifting, anew])), *_one_more(left, drifting))
@@ -71,31 +75,33 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     return tuple(found)
 
 
-def drifts_of(linear: LinearisedModel) -> Mapping[str, Array]:
-    """Return what each thing that drifts changes in the readings from one recording to the next, shape (T, c) each."""
-    return {
-        nuisance.name: linear.sensitivities[:, :, i] * (nuisance.drift / nuisance.sigma)
-        for i, nuisance in enumerate(linear.nuisances)
-        if nuisance.drift > 0
-    }
+def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "anew"]) -> Mapping[str, Array]:
+    """Return what each thing that drifts, or is set up anew, changes in the readings of the next, shape (T, c) each.
 
-
-def set_up_anew(linear: LinearisedModel, fit: Fit) -> Mapping[str, Array]:
-    """Return what each thing that is set up anew changes in the readings, shape (T, c) each.
-
-    In the next recording it is off by as much as is stated, and no more by what it was off in this one; of several
-    recordings the model has that of the last.
+    They act in the last recording alone, where the model has them. An error is the sum of what lasts, with a variance
+    L, and of what is the recording's own, with a variance D; nothing lasts of what is set up anew. The next recording
+    has another own part: a mean of D + E[d^2] of the square of their difference. How large d was, the readings say only
+    together with what lasts: where they know each sum of n recordings, the variance of d is L D / (D + n L).
 
     Args:
         linear: The campaign.
         fit: The model.
+        between: Which of the two.
     """
-    last = recordings_of(linear.segments)[-1]
+    recordings = recordings_of(linear.segments)
+    lasting = {one.name: one.sigma**2 for one in linear.nuisances if one.recording is None}
     found = {}
-    for i, nuisance in enumerate(linear.nuisances):
-        if nuisance.between == "anew" and nuisance.recording in (None, last):
-            change = linear.sensitivities[:, :, i] * np.sqrt(1 + fit.nuisances[i] ** 2)
-            found[nuisance.name] = change
+    for i, one in enumerate(linear.nuisances):
+        if one.between != between or one.recording not in (None, recordings[-1]):
+            continue
+        if one.recording is None:  # the only recording: the fit has the sum
+            kept, own = one.lasting**2, one.drift**2 if between == "drifts" else one.sigma**2
+            mean = fit.nuisances[i] * one.sigma * own / (kept + own)
+        else:
+            kept, own = lasting.get(one.name, 0.0), one.sigma**2
+            mean = fit.nuisances[i] * one.sigma
+        square = own + kept * own / (own + len(recordings) * kept) + mean**2
+        found[one.name] = linear.sensitivities[:, :, i] * (np.sqrt(square) / one.sigma)
     return found
 
 

@@ -67,7 +67,7 @@ def is_told_apart(world: World) -> bool:
 
 def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nuisance]:
     if nuisance.lasting > 0:
-        yield replace(nuisance, sigma=nuisance.lasting)
+        yield replace(nuisance, sigma=nuisance.lasting, between="same", drift=0.0)
     own = {"same": 0.0, "drifts": nuisance.drift, "anew": nuisance.sigma}[nuisance.between]
     if own > 0:
         for name in recordings:

@@ -65,7 +65,7 @@ class Nuisance:
         What is stated of an instrument holds whenever it is read, so its drift is a part of that. A figure of the robot
         holds at one temperature, and its drift comes on top.
         """
-        if self.between == "anew":
+        if self.between == "anew" or self.recording is not None:
             return 0.0
         return self.sigma if self.edit else float(np.sqrt(self.sigma**2 - self.drift**2))
 
