@@ -8,9 +8,12 @@ import pytest
 
 from bench.diagnose.cross_validation.folds import BLOCKS, folds_of
 from bench.diagnose.cross_validation.next_recording import apart, predicted_error
-from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.fit import Fit, Unknown
+from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.nuisances import Nuisance
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import WHOLE
 from tests.diagnose.test_held_out import LENGTH, SIGMA, design_with, fit_of, noise, sensitivities
 
 SEEDS = 40
@@ -87,6 +90,23 @@ def test_what_is_set_up_anew_is_in_the_interval_unless_it_is_fitted(rng: np.rand
     assert found.fitted_high < 2 * SIGMA
     assert found.high == pytest.approx(1.96, rel=0.1), "of a normal offset: 5 % lie beyond, either way"
     assert found.low < found.high / 5
+
+
+@pytest.mark.parametrize(("effect", "is_in_it"), [("channel_scale", True), ("coulomb_level", False)])
+def test_an_error_of_the_recording_is_in_the_interval_and_a_cause_of_the_machine_is_not(
+    effect: str, is_in_it: bool, rng: np.random.Generator
+) -> None:
+    """The model has a scale of a channel that the next recording does not have."""
+    runs, change = 6, 20 * SIGMA
+    linear = design_with(noise(rng, runs), np.zeros((runs * LENGTH, 0)), runs)
+    which = catalogue()[effect]
+    unknown = Unknown(Cause(which, WHOLE, which.parameters, ()), which.parameters[0])
+    column = np.full((runs * LENGTH, 1, 1), change / 0.05)
+    fit = replace(fit_of(linear), causes=(unknown.cause,), unknowns=(unknown,), values=np.array([0.05]))
+    fit = replace(fit, jacobian=column, covariance=np.eye(1))
+    (found,) = predicted_error(linear, fit)
+    assert (found.low < change < found.high) is is_in_it
+    assert found.fitted_high < 2 * SIGMA
 
 
 def there_and_back(linear: LinearisedModel, back: bool) -> LinearisedModel:

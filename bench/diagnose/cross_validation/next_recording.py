@@ -38,7 +38,7 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     How far two recordings differ in what is their own, no model can tell. So what drifts from one to the next
     (`effects/drifts.py`) comes on top of the squares: torque constants and viscous friction by the temperature of the
     day, zeros by the part of them that drifts. So does what is set up anew (a tracker, the zero of a link encoder),
-    unless it will be fitted.
+    unless it will be fitted, and what was found to be wrong with the last recording itself, which the model has.
 
     Args:
         linear: The campaign.
@@ -46,7 +46,8 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     """
     folds = apart(linear, folds_of(linear))
     error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds)
-    drifts, set_up = changes_of(linear, fit, "drifts"), changes_of(linear, fit, "anew")
+    drifts = changes_of(linear, fit, "drifts")
+    set_up = {**changes_of(linear, fit, "anew"), **errors_of_recording(linear, fit)}
     lengths = [len(segment) for segment in linear.segments]
     is_static = np.repeat([segment.is_static for segment in linear.segments], lengths)
     last = recordings_of(linear.segments)[-1]
@@ -102,6 +103,29 @@ def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "an
             mean = fit.nuisances[i] * one.sigma
         square = own + kept * own / (own + len(recordings) * kept) + mean**2
         found[one.name] = linear.sensitivities[:, :, i] * (np.sqrt(square) / one.sigma)
+    return found
+
+
+def errors_of_recording(linear: LinearisedModel, fit: Fit) -> Mapping[str, Array]:
+    """Return what each error of the last recording that was found changes in its readings, shape (T, c) each.
+
+    A channel whose scale is wrong, a tracker that was set up askew: the next recording has another such error, or none.
+    A payload is none of them: a lab knows what it bolts on.
+
+    Args:
+        linear: The campaign.
+        fit: The model.
+    """
+    last = recordings_of(linear.segments)[-1]
+    found: dict[str, Array] = {}
+    for i, unknown in enumerate(fit.unknowns):
+        effect, place = unknown.cause.effect, unknown.cause.place
+        is_instruments = effect.family == "sensing" and effect.between == "anew"
+        is_error = effect.level == "recording" or is_instruments
+        if is_error and place.recording in (None, last) and not unknown.parameter.is_shape:
+            change = fit.jacobian[:, :, i] * (fit.values[i] - unknown.parameter.null)
+            name = " ".join(unknown.cause.key)
+            found[name] = found.get(name, 0.0) + change
     return found
 
 
