@@ -14,20 +14,19 @@ from bench.robot.figures import Figures
 
 Array = NDArray[np.float64]
 
-# From one recording to another. Drives that are cold in one and warmed up in another differ by some 20 K, and the air
-# of a workshop adds to it: 10 K as a standard deviation, assumed. Both rates lie in the ranges of the effects that
-# look for them (`torque_constant_temperature`, `friction_temperature`, with their sources).
+# assumed: from one recording to another. Drives that are cold in one and warmed up in another differ by some 20 K, and
+# the air of a workshop adds to it: 10 K as a standard deviation, assumed. Both rates lie in the ranges of the effects
+# that look for them (`torque_constant_temperature`, `friction_temperature`, with their sources).
 DAY_K = 10.0  # [K]
-REMANENCE = 0.001  # [1/K], by which a torque constant falls with the remanence of NdFeB magnets
-VISCOUS = 0.015  # [1/K], by which viscous friction falls: 30 % over 20 K
-# ISO 376:2011, Table 2: a force transducer of class 2, the loosest, that is taken out, turned and mounted again (three
-# times) reads within 0.40 % of itself. The range of three normal numbers is 1.69 standard deviations on average.
-# Temperature adds 0.05 % over 10 K (HBM, temperature coefficient of sensitivity of transducers), which is nothing
-# beside it.
+REMANENCE = 0.001  # derived: [1/K], by which a torque constant falls with the remanence of NdFeB magnets
+VISCOUS = 0.015  # derived: [1/K], by which viscous friction falls: 30 % over 20 K
+# derived: ISO 376:2011, Table 2: a force transducer of class 2, the loosest, that is mounted three times, turned in
+# between, reads within 0.40 % of itself; the range of three normal numbers is 1.69 standard deviations on average.
+# Temperature adds 0.05 % over 10 K (data sheets of strain gauge transducers), which is nothing beside it.
 MOUNTED_ANEW = 0.004 / 1.69
-# Of the variance of a channel's zero as stated, the part that is another one in each recording: data sheets state the
-# zero of a sensor and its drift with temperature and time of the same order. The halves are assumed. What is known to
-# drift by less does so.
+# assumed: of the variance of a channel's zero as stated, the part that is another one in each recording: data sheets
+# state the zero of a sensor and its drift with temperature and time of the same order. The halves are assumed. What is
+# known to drift by less does so.
 DRIFTING = 0.5
 
 BETWEEN: Mapping[str, Between] = {
