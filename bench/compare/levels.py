@@ -41,8 +41,8 @@ def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[
     """
     machine = np.array([is_of_machine(nuisance) for nuisance in nuisances], dtype=bool)
     rests = np.array([is_held_friction(nuisance) for nuisance in nuisances], dtype=bool)
-    drift = np.array([nuisance.drift / nuisance.sigma for nuisance in nuisances])
-    share = np.where(machine, drift, np.where(rests, held, 1.0))
+    drifting = np.array([nuisance.own / nuisance.sigma for nuisance in nuisances])
+    share = np.where(machine, drifting, np.where(rests, held, 1.0))
     lasting = np.array([nuisance.lasting / nuisance.sigma for nuisance in nuisances])
     anew = jacobian[:, share > 0] * share[share > 0]
     own = [anew * (recording == k)[:, None] for k in np.unique(recording)]

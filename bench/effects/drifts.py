@@ -42,7 +42,7 @@ BETWEEN: Mapping[str, Between] = {
     "drift_direction": "anew",
     "placement": "anew",  # reflectors are put into their nests again; where nests are is geometry
     "encoder_offset": "same",
-    "link_encoder_offset": "anew",
+    "link_encoder_offset": "anew",  # but for the part that figures say is not zeroed anew
 }
 _MOST: Mapping[str, float] = {
     "current_gain": REMANENCE * DAY_K,
@@ -51,7 +51,7 @@ _MOST: Mapping[str, float] = {
 }
 
 
-def drift_of(name: str, sigma: float) -> float:
+def own_part(name: str, sigma: float) -> float:
     """Return the standard deviation of the part of an instrument's error that is another one in each recording.
 
     Args:
@@ -63,12 +63,13 @@ def drift_of(name: str, sigma: float) -> float:
     return sigma if BETWEEN[name] == "anew" else 0.0
 
 
-def drifting_shares(figures: Figures) -> dict[str, Array | float]:
-    """Return which share of the variance of each error that drifts is another one in each recording, by names.
+def own_shares(figures: Figures) -> dict[str, Array | float]:
+    """Return which share of the variance of each instrument's error is another one in each recording, by names.
 
-    Shapes are those of the fields of `SystematicErrors`; an instrument that is missing has no entry.
+    Shapes are those of the fields of `SystematicErrors`, or one number for all.
     """
     instruments = figures.instruments
+    found: dict[str, Array | float] = {name: float(between == "anew") for name, between in BETWEEN.items()}
     stated: dict[str, list[float]] = {}
     if current := instruments.current:
         gains = [float(np.hypot(drive.torque_constant_error, current.gain_sigma)) for drive in figures.drives]
@@ -77,8 +78,10 @@ def drifting_shares(figures: Figures) -> dict[str, Array | float]:
         stated |= {"torque_gain": [torque.gain_sigma], "torque_offset": [torque.offset_sigma_nm]}
     if force := instruments.force:
         stated["force_gain"] = [force.gain_sigma]
-    found: dict[str, Array | float] = {}
     for name, sigmas in stated.items():
-        shares = np.array([(drift_of(name, sigma) / sigma) ** 2 if sigma else 0.0 for sigma in sigmas])
+        shares = np.array([(own_part(name, sigma) / sigma) ** 2 if sigma else 0.0 for sigma in sigmas])
         found[name] = shares if len(shares) > 1 else float(shares[0])
+    encoder = instruments.link_encoder
+    if encoder and encoder.zeroing_sigma_rad is not None and encoder.offset_sigma_rad:
+        found["link_encoder_offset"] = min(1.0, (encoder.zeroing_sigma_rad / encoder.offset_sigma_rad) ** 2)
     return found

@@ -4,7 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from bench.effects.drifts import BETWEEN, DAY_K, VISCOUS, drifting_shares
+from bench.effects.drifts import DAY_K, VISCOUS, own_shares
 from bench.effects.nominal import nominal_parameters
 from bench.hide.background import Background
 from bench.robot.compiled import CompiledRobot
@@ -43,14 +43,11 @@ def errors_in(compiled: CompiledRobot, machine: SystematicErrors, own: Systemati
         own: Drawn for this recording alone.
     """
     figures = compiled.robot.figures
-    shares, fitted = drifting_shares(figures), fitted_errors(figures)
+    shares, fitted = own_shares(figures), fitted_errors(figures)
     found = {}
     for field in fields(SystematicErrors):
         name = field.name
-        lasting, new = getattr(machine, name), getattr(own, name)
-        if BETWEEN[name] == "drifts":
-            about, share = fitted.get(name, 0.0), shares.get(name, 0.0)
-            found[name] = about + np.sqrt(1 - share) * (lasting - about) + np.sqrt(share) * (new - about)
-        else:
-            found[name] = lasting if BETWEEN[name] == "same" else new
+        about, share = fitted.get(name, 0.0), shares[name]
+        lasting, new = getattr(machine, name) - about, getattr(own, name) - about
+        found[name] = about + np.sqrt(1 - share) * lasting + np.sqrt(share) * new
     return SystematicErrors(**found)

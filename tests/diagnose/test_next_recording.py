@@ -43,9 +43,9 @@ def drifting(linear: LinearisedModel, recordings: Sequence[str]) -> LinearisedMo
     (whole,) = {nuisance.sigma for nuisance in linear.nuisances}
     assert whole == 1
     if not recordings:
-        return replace(linear, nuisances=(Nuisance("gain", "", 1.0, between="drifts", drift=OWN),))
+        return replace(linear, nuisances=(Nuisance("gain", "", 1.0, between="drifts", own=OWN),))
     shared = Nuisance("gain", "", float(np.sqrt(1 - OWN**2)))
-    own = (Nuisance("gain", "", OWN, between="drifts", drift=OWN, recording=name) for name in recordings)
+    own = (Nuisance("gain", "", OWN, between="drifts", own=OWN, recording=name) for name in recordings)
     segments = tuple(replace(s, recording=name) for s, name in zip(linear.replay.segments, recordings, strict=True))
     replay = type(linear.replay)(segments=segments, quantities=linear.replay.quantities)  # type: ignore[call-arg]
     return replace(linear, nuisances=(shared, *own), replay=replay)
@@ -85,7 +85,7 @@ def test_what_is_set_up_anew_is_in_the_interval_unless_it_is_fitted(rng: np.rand
     """An offset that is another one each time, stated within 1 where the noise is 0.2."""
     runs = 6
     linear = design_with(noise(rng, runs), np.ones((runs * LENGTH, 1)), runs)
-    linear = replace(linear, nuisances=(Nuisance("zero", "rad", 1.0, between="anew"),))
+    linear = replace(linear, nuisances=(Nuisance("zero", "rad", 1.0, between="anew", own=1.0),))
     (found,) = predicted_error(linear, fit_of(linear))
     assert found.fitted_high < 2 * SIGMA
     assert found.high == pytest.approx(1.96, rel=0.1), "of a normal offset: 5 % lie beyond, either way"

@@ -1,7 +1,7 @@
 """Hidden machines differ from recording to recording as a joint diagnosis expects them to."""
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cache
 
 import numpy as np
@@ -10,11 +10,12 @@ import pytest
 from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import Quantity
-from bench.effects.drifts import BETWEEN
+from bench.effects.drifts import BETWEEN, own_shares
 from bench.hide.background import Background
 from bench.hide.recordings import background_in, errors_in
+from bench.robot.compiled import compile_robot
 from bench.simulate.instruments import Instruments, SystematicErrors
-from tests.diagnose.recordings_small import compiled
+from tests.diagnose.recordings_small import ZEROED, compiled
 
 DAYS = ("A", "B")
 MACHINES = 900
@@ -72,6 +73,22 @@ def test_errors_repeat_from_recording_to_recording_as_a_diagnosis_expects(name: 
     total = sum(variance.values())
     assert np.sqrt(np.mean(pairs**2)) == pytest.approx(np.sqrt(total), rel=SPREAD)
     assert np.corrcoef(pairs.T)[0, 1] == pytest.approx(variance[None] / total, abs=CORRELATION)
+
+
+def test_a_zero_that_mostly_lasts_repeats_on_both_sides() -> None:
+    """An encoder that is set to the other one within 2 mrad, and zeroed within half of that in each recording."""
+    robot = compiled().robot
+    figures = robot.figures
+    encoder = figures.instruments.link_encoder
+    assert encoder
+    encoder = encoder.model_copy(update={"zeroing_sigma_rad": 0.5 * encoder.offset_sigma_rad})
+    instruments = figures.instruments.model_copy(update={"link_encoder": encoder})
+    assert own_shares(figures.model_copy(update={"instruments": instruments}))["link_encoder_offset"] == 0.25
+    own = replace(robot, figures=figures.model_copy(update={"instruments": instruments}))
+    (zero,) = nuisances_of(compile_robot(own), (Quantity("q_link_2_rad", "q_link", "", 1),))[-1:]
+    assert [one.sigma for one in with_recordings((zero,), compiled(), DAYS)[:3]] == pytest.approx(
+        [np.sqrt(0.75) * ZEROED, ZEROED / 2, ZEROED / 2]
+    )
 
 
 def test_every_error_of_an_instrument_says_what_becomes_of_it() -> None:

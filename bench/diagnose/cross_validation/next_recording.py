@@ -95,12 +95,9 @@ def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "an
     for i, one in enumerate(linear.nuisances):
         if one.between != between or one.recording not in (None, recordings[-1]):
             continue
-        if one.recording is None:  # the only recording: the fit has the sum
-            kept, own = one.lasting**2, one.drift**2 if between == "drifts" else one.sigma**2
-            mean = fit.nuisances[i] * one.sigma * own / (kept + own)
-        else:
-            kept, own = lasting.get(one.name, 0.0), one.sigma**2
-            mean = fit.nuisances[i] * one.sigma
+        own, is_only = one.own**2, one.recording is None
+        kept = one.lasting**2 if is_only else lasting.get(one.name, 0.0)
+        mean = fit.nuisances[i] * one.sigma * (own / (kept + own) if is_only else 1.0)  # of the sum, or of the own part
         square = own + kept * own / (own + len(recordings) * kept) + mean**2
         found[one.name] = linear.sensitivities[:, :, i] * (np.sqrt(square) / one.sigma)
     return found

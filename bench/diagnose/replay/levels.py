@@ -67,11 +67,10 @@ def is_told_apart(world: World) -> bool:
 
 def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nuisance]:
     if nuisance.lasting > 0:
-        yield replace(nuisance, sigma=nuisance.lasting, between="same", drift=0.0)
-    own = {"same": 0.0, "drifts": nuisance.drift, "anew": nuisance.sigma}[nuisance.between]
-    if own > 0:
+        yield replace(nuisance, sigma=nuisance.lasting, between="same", own=0.0)
+    if nuisance.own > 0:
         for name in recordings:
-            yield replace(nuisance, sigma=own, recording=name)
+            yield replace(nuisance, sigma=nuisance.own, recording=name)
 
 
 def _gas_of_the_day() -> Nuisance:
@@ -88,4 +87,5 @@ def _gas_of_the_day() -> Nuisance:
         edit=edit,
         on_reading=lambda x, reading: replace(reading, gas_temperature=reading.gas_temperature + x),
         between="anew",
+        own=GAS_DAY_K,
     )

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.diagnose.replay.quantities import Quantity
-from bench.effects.drifts import BETWEEN, DAY_K, VISCOUS, drift_of
+from bench.effects.drifts import BETWEEN, DAY_K, VISCOUS, own_part
 from bench.effects.effect import IN_RECORDING, Between
 from bench.effects.nominal import nominal_parameters
 from bench.record.campaign import Array
@@ -37,7 +37,7 @@ class Nuisance:
         scales_wrench: It is the relative error of what hangs at the load point.
         scales_payload: It is the relative error of what is bolted to it.
         between: What becomes of it between two recordings, as of an effect (`effects/effect.py`).
-        drift: Of what "drifts": standard deviation of the part that is another one in each recording, in its unit.
+        own: Standard deviation of the part that is another one in each recording, in its unit; 0 of what is the same.
         recording: Name of the only recording in which it acts; None: in all.
         said_before: What each reading of an earlier diagnosis changes by with one unit of it (`given.py`).
     """
@@ -56,7 +56,7 @@ class Nuisance:
         return self.name if self.recording is None else f"{self.name}{IN_RECORDING}{self.recording}"
 
     said_before: tuple[float, ...] = ()
-    drift: float = 0.0
+    own: float = 0.0
 
     @property
     def lasting(self) -> float:
@@ -65,33 +65,34 @@ class Nuisance:
         What is stated of an instrument holds whenever it is read, so its drift is a part of that. A figure of the robot
         holds at one temperature, and its drift comes on top.
         """
-        if self.between == "anew" or self.recording is not None:
+        if self.recording is not None:
             return 0.0
-        return self.sigma if self.edit else float(np.sqrt(self.sigma**2 - self.drift**2))
+        return self.sigma if self.edit else float(np.sqrt(max(self.sigma**2 - self.own**2, 0.0)))
 
 
 def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[Nuisance, ...]:
     """Return everything that may be off in a robot and in the instruments that were there."""
     kinds = {quantity.kind for quantity in quantities}
     found = [
-        Nuisance(p.name, p.unit, p.sigma, edit=p.edit, between="drifts", drift=VISCOUS * DAY_K)
+        Nuisance(p.name, p.unit, p.sigma, edit=p.edit, between="drifts", own=VISCOUS * DAY_K)
         if p.is_viscous
         else Nuisance(p.name, p.unit, p.sigma, edit=p.edit)
         for p in nominal_parameters(compiled)
     ]
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))
-    found.append(Nuisance("weights bolted on", "", load, scales_payload=True, between="anew"))
+    found.append(Nuisance("weights bolted on", "", load, scales_payload=True, between="anew", own=load))
     found += _drives(compiled, kinds) + _tracker(compiled, quantities) + _force(compiled, kinds)
     if "gas_temperature" in kinds:
         found.append(Nuisance("thermometer of the gas", "K", THERMOMETER_K, on_reading=_thermometer))
     if "q_link" in kinds:
         fitted = compiled.robot.figures.instruments.link_encoder
-        sigma = fitted.offset_sigma_rad if fitted else UNKNOWN_ZERO
+        sigma, zeroing = (fitted.offset_sigma_rad, fitted.zeroing_sigma_rad) if fitted else (UNKNOWN_ZERO, None)
         joints = [quantity.index for quantity in quantities if quantity.kind == "q_link"]
-        found += [
+        zeros = [
             _error("link_encoder_offset", f"zero of link encoder {j + 1}", "rad", sigma, _link_zero(j)) for j in joints
         ]
+        found += zeros if zeroing is None else [replace(zero, own=min(zeroing, sigma)) for zero in zeros]
     return tuple(nuisance for nuisance in found if nuisance.sigma > 0)
 
 
@@ -119,9 +120,7 @@ def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
 
 def _error(field: str, name: str, unit: str, sigma: float, on_reading: OnReading) -> Nuisance:
     """Return an error of an instrument, by its field of `SystematicErrors`."""
-    between = BETWEEN[field]
-    drift = drift_of(field, sigma) if between == "drifts" else 0.0
-    return Nuisance(name, unit, sigma, on_reading=on_reading, between=between, drift=drift)
+    return Nuisance(name, unit, sigma, on_reading=on_reading, between=BETWEEN[field], own=own_part(field, sigma))
 
 
 def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[Nuisance]:
