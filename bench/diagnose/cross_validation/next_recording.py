@@ -1,6 +1,6 @@
 """What a fitted model will leave of a recording that nobody has made yet: an interval for each channel."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from bench.diagnose.cross_validation.leave_out import errors_of_folds, tangent_o
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.segments import recordings_of
+from bench.effects.effect import Effect
 from bench.record.campaign import Array
 
 DRAWS = 4000  # effort: of recordings to come: ends of an interval are right to a few percent of its width
@@ -46,8 +47,8 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     """
     folds = apart(linear, folds_of(linear))
     error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds)
-    drifts = changes_of(linear, fit, "drifts")
-    set_up = {**changes_of(linear, fit, "anew"), **errors_of_recording(linear, fit)}
+    drifts = {**changes_of(linear, fit, "drifts"), **errors_found(linear, fit, _is_of_recording)}
+    set_up = {**changes_of(linear, fit, "anew"), **errors_found(linear, fit, _is_set_up)}
     lengths = [len(segment) for segment in linear.segments]
     is_static = np.repeat([segment.is_static for segment in linear.segments], lengths)
     last = recordings_of(linear.segments)[-1]
@@ -103,7 +104,7 @@ def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "an
     return found
 
 
-def errors_of_recording(linear: LinearisedModel, fit: Fit) -> Mapping[str, Array]:
+def errors_found(linear: LinearisedModel, fit: Fit, is_meant: Callable[[Effect], bool]) -> Mapping[str, Array]:
     """Return what each error of the last recording that was found changes in its readings, shape (T, c) each.
 
     A channel whose scale is wrong, a tracker that was set up askew: the next recording has another such error, or none.
@@ -112,18 +113,26 @@ def errors_of_recording(linear: LinearisedModel, fit: Fit) -> Mapping[str, Array
     Args:
         linear: The campaign.
         fit: The model.
+        is_meant: Which effects count.
     """
     last = recordings_of(linear.segments)[-1]
     found: dict[str, Array] = {}
     for i, unknown in enumerate(fit.unknowns):
-        effect, place = unknown.cause.effect, unknown.cause.place
-        is_instruments = effect.family == "sensing" and effect.between == "anew"
-        is_error = effect.level == "recording" or is_instruments
-        if is_error and place.recording in (None, last) and not unknown.parameter.is_shape:
+        cause = unknown.cause
+        is_of_last = cause.place.recording in (None, last)
+        if is_meant(cause.effect) and is_of_last and not unknown.parameter.is_shape:
             change = fit.jacobian[:, :, i] * (fit.values[i] - unknown.parameter.null)
-            name = " ".join(unknown.cause.key)
+            name = " ".join(cause.key)
             found[name] = found.get(name, 0.0) + change
     return found
+
+
+def _is_of_recording(effect: Effect) -> bool:
+    return effect.level == "recording"
+
+
+def _is_set_up(effect: Effect) -> bool:
+    return effect.level == "machine" and effect.family == "sensing" and effect.between == "anew"
 
 
 def apart(linear: LinearisedModel, folds: Folds) -> Folds:
