@@ -108,7 +108,7 @@ class LinkEncoder(Strict):
     offset_sigma_rad: NonNegative = Field(default=0.0, description="[rad], of its zero, one draw per joint")
     zeroing_sigma_rad: NonNegative | None = Field(
         default=None,
-        description="[rad], of the part of its zero that is another one in each recording; null: all of it",
+        description="[rad], of the part of its zero that is another one in each recording",
     )
     accuracy_rad: NonNegative = Field(
         0.0, description="[rad], error within a turn: graduation, centring; no mean lessens it"
