@@ -1,7 +1,8 @@
 """What belongs to the machine, and what may be anew in each recording.
 
-Stricter than a joint diagnosis (`diagnose/replay/levels.py`): there a force sensor, weights and nests of reflectors are
-the same in all recordings; here a change of the machine must not be one of theirs, so all that reads is anew.
+Stricter than a joint diagnosis (`diagnose/replay/levels.py`): there weights, zeros of channels and the calibration of a
+force sensor are the machine's, some with a drift; here a change of the machine must not be one of theirs, so all that
+reads is anew. Torque constants and viscous friction are the machine's and drift with the temperature, as they do there.
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,7 @@ GAIN = "torque constant of "  # of a motor, with the amplifier beside it: the ma
 
 
 def is_of_machine(nuisance: Nuisance) -> bool:
-    """Whether what may be off is the machine's: its figures and torque constants. All else is set up anew."""
+    """Whether what may be off is the machine's, but for a drift: figures, torque constants. All else is set up anew."""
     return nuisance.edit is not None or nuisance.name.startswith(GAIN)
 
 
@@ -29,7 +30,8 @@ def is_held_friction(nuisance: Nuisance) -> bool:
 def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[np.intp], held: float) -> Array:
     """Return the slopes with one column for each of the machine's nuisances, and one per recording for the others.
 
-    How much of its friction a joint holds at rest has both: what it does every time, and by how much that changes.
+    What drifts has both, and so has how much of its friction a joint holds at rest: what it does every time, and by how
+    much that changes.
 
     Args:
         jacobian: Shape (m, p), whitened, of one standard deviation of each nuisance.
@@ -39,7 +41,11 @@ def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[
     """
     machine = np.array([is_of_machine(nuisance) for nuisance in nuisances], dtype=bool)
     rests = np.array([is_held_friction(nuisance) for nuisance in nuisances], dtype=bool)
-    anew = jacobian[:, ~machine] * np.where(rests[~machine], held, 1.0)
+    drifting = np.array([nuisance.own / nuisance.sigma for nuisance in nuisances])
+    share = np.where(machine, drifting, np.where(rests, held, 1.0))
+    lasting = np.array([nuisance.lasting / nuisance.sigma for nuisance in nuisances])
+    anew = jacobian[:, share > 0] * share[share > 0]
     own = [anew * (recording == k)[:, None] for k in np.unique(recording)]
-    every = np.concatenate([jacobian[:, machine], np.sqrt(1 - held**2) * jacobian[:, rests], *own], axis=1)
+    kept = [jacobian[:, machine] * lasting[machine], np.sqrt(1 - held**2) * jacobian[:, rests]]
+    every = np.concatenate([*kept, *own], axis=1)
     return np.asarray(every[:, np.any(every != 0, axis=0)], dtype=np.float64)

@@ -4,7 +4,9 @@ import mujoco
 import numpy as np
 
 from bench.effects.effect import Array
+from bench.errors import RobotError
 from bench.robot.patching.overlay import SpecOverlay
+from bench.robot.plain_words import plain_words
 
 
 class AtZero:
@@ -12,17 +14,16 @@ class AtZero:
 
     Args:
         spec: It is not changed.
+
+    Raises:
+        RobotError: The engine refuses it, for an edit before has left what no robot has.
     """
 
     def __init__(self, spec: mujoco.MjSpec) -> None:
-        if isinstance(spec, SpecOverlay):
-            self.model, self.data = spec.compiled_with_data()
-        else:
-            copy = spec.copy()
-            for key in list(copy.keys):
-                copy.delete(key)  # another edit may have changed the number of joints
-            self.model = copy.compile()
-            self.data = mujoco.MjData(self.model)
+        try:
+            self.model, self.data = _compiled(spec)
+        except ValueError as error:
+            raise RobotError(plain_words(error)) from error
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
         mujoco.mj_tendon(self.model, self.data)
@@ -84,3 +85,13 @@ def across(axis: Array) -> tuple[Array, Array]:
     first /= np.linalg.norm(first)
     second = np.cross(axis, first)
     return first, second / np.linalg.norm(second)
+
+
+def _compiled(spec: mujoco.MjSpec) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    if isinstance(spec, SpecOverlay):
+        return spec.compiled_with_data()
+    copy = spec.copy()
+    for key in list(copy.keys):
+        copy.delete(key)  # another edit may have changed the number of joints
+    model = copy.compile()
+    return model, mujoco.MjData(model)

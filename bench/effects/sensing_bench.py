@@ -93,6 +93,7 @@ class ForceTilt(_OfForce):
 
     name = "force_tilt"
     title = "tilt of the force sensor"
+    between = "anew"
     physics = (
         "The sensor's axes are turned against the world's: it reads R(r) F. A hanging load counts as vertical and "
         "is not turned."

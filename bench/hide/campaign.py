@@ -10,6 +10,7 @@ from bench.effects.effect import WHOLE, Acting, Conditions
 from bench.errors import InputError, unknown_name
 from bench.hide.background import Background
 from bench.hide.plan import Stay, plan, setup_of
+from bench.hide.recordings import background_in, errors_in
 from bench.hide.simulate import Plants, read, true_trace
 from bench.hide.thermometers import CHANNELS, USUAL, temperatures
 from bench.hide.warm_up import WarmUp
@@ -28,7 +29,6 @@ from bench.simulate.session import edits_of
 from bench.simulate.tables import Joints, run_of, with_link_angles
 from bench.simulate.truth import true_parameters
 
-OF_MACHINE = ("current_gain", "torque_gain", "encoder_offset")  # errors that last from recording to recording
 TAILS = 5.0  # degrees of freedom of the noise: it leaves four standard deviations 60 times as often as normal noise
 
 
@@ -81,9 +81,10 @@ def hide_campaign(
         without: Instruments of the figures ("tracker", "force", ...), channels ("gear_temperature", ...) and parts of a
             session ("line", "dwell", ...) that the lab does not have.
         channels: Further channels that it has ("gas_temperature").
-        machine: Source of what is wrong with the machine itself: its figures, torque constants and encoders. Recordings
-            whose generators have the same seed are of one machine; what is set up anew from day to day (weights,
-            tracker, force sensor, amplifiers' offsets) comes from `rng`. None: all of it comes from `rng`.
+        machine: Source of what is wrong with the machine itself and with its lab: figures, calibrations, weights.
+            Recordings whose generators have the same seed are of one machine; what drifts (torque constants, viscous
+            friction, zeros of channels, gain of the force sensor) or is set up anew (tracker, reflectors, force sensor,
+            payload) comes from `rng` as `effects/drifts.py` says. None: all of it comes from `rng`, and nothing drifts.
 
     Raises:
         InputError: The session does not fit the robot, an unknown name in `without` or `channels`, or nothing is left.
@@ -97,9 +98,8 @@ def hide_campaign(
     if not background:
         instruments.errors = Instruments(compiled, None).errors
     if machine and background:
-        drawn = replace(drawn, deviations=Background.draw(compiled, machine).deviations)
-        lasting = Instruments(compiled, machine).errors
-        instruments.errors = replace(instruments.errors, **{name: getattr(lasting, name) for name in OF_MACHINE})
+        drawn = background_in(compiled, Background.draw(compiled, machine), drawn, rng)
+        instruments.errors = errors_in(compiled, Instruments(compiled, machine).errors, instruments.errors)
     day = WarmUp.draw(robot.n_joints, rng)
     edits = (*edits_of(session), *drawn.edits(compiled))
     stays, log = plan(setup.legs, edits, 1 + drawn.hung, day)

@@ -106,6 +106,10 @@ class LinkEncoder(Strict):
     joints: tuple[str, ...] = Field(min_length=1, description="link-side joints that have one, by their names")
     resolution_rad: Positive = Field(default=2e-7, description="[rad], step of the reading")
     offset_sigma_rad: NonNegative = Field(default=0.0, description="[rad], of its zero, one draw per joint")
+    zeroing_sigma_rad: NonNegative | None = Field(
+        default=None,
+        description="[rad], of the part of its zero that is another one in each recording",
+    )
     accuracy_rad: NonNegative = Field(
         0.0, description="[rad], error within a turn: graduation, centring; no mean lessens it"
     )

@@ -25,7 +25,12 @@ PARTS: tuple[tuple[str, type[BaseModel]], ...] = (
     ("instruments.pressure", PressureGauge),
     ("uncertainty", Uncertainty),
 )
-CURRENTS = "an error where currents are given"
+# Defaults that are no numbers
+IN_WORDS = {
+    "torque_constant_nm_per_a": "an error where currents are given",
+    "payload_kg": "the rated load",
+    "zeroing_sigma_rad": "all of `offset_sigma_rad`",
+}
 
 
 def table() -> str:
@@ -35,7 +40,7 @@ def table() -> str:
         for name, field in kind.model_fields.items():
             if kind is Drive and not isinstance(field.default, float):
                 continue  # names of parts
-            default = CURRENTS if name == "torque_constant_nm_per_a" else _said(field.default, field.is_required())
+            default = IN_WORDS[name] if name in IN_WORDS else _said(field.default, field.is_required())
             lines.append(f"| `{place}.{name}` | {default} | {field.description} |")
     return "\n".join(lines)
 
@@ -43,4 +48,4 @@ def table() -> str:
 def _said(default: object, is_required: bool) -> str:
     if is_required:
         return "must be given"
-    return "the rated load" if default is None else f"{default:g}"
+    return f"{default:g}"

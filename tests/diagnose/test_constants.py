@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import bench.diagnose
+from bench.effects import drifts
 
 ORIGINS = {
     "exact": "mathematics",
@@ -18,6 +19,7 @@ ORIGINS = {
 }
 ASSUMED = 48  # and no more; issue 15 asks for fewer than 40, which is missed
 FOLDER = Path(bench.diagnose.__file__).parent
+DRIFTS = Path(drifts.__file__)  # what a joint diagnosis expects of each recording
 APART = ("plausibility", "experiment_design")  # what is asked before a verdict, and proposed after it
 
 
@@ -46,7 +48,8 @@ def numbers(text: str) -> Iterator[tuple[str, str]]:
 def constants() -> list[tuple[str, str, str]]:
     """Return module, name and comment of every number in the chain from data to verdict."""
     paths = [path for path in sorted(FOLDER.rglob("*.py")) if path.relative_to(FOLDER).parts[0] not in APART]
-    return [(str(path.relative_to(FOLDER)), *one) for path in paths for one in numbers(path.read_text())]
+    known = [(str(path.relative_to(FOLDER)), *one) for path in paths for one in numbers(path.read_text())]
+    return known + [("effects/drifts.py", *one) for one in numbers(DRIFTS.read_text())]
 
 
 @pytest.mark.parametrize(

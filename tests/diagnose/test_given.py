@@ -69,7 +69,9 @@ def test_two_campaigns_in_a_row_are_both_at_once(robot: CompiledRobot, tmp_path:
     assert "anew" in {nuisance.between for nuisance in first.nuisances}
     known = np.linalg.inv(first.jacobian.T @ first.jacobian + np.eye(len(names)))[np.ix_(shared, shared)]
     # the next recording has as much of what drifts anew as this one had: torque constants a percent, zeros a half
-    kept = np.array([1 - (one.drift / one.sigma) ** 2 if one.between == "drifts" else 1.0 for one in own])
+    kept = np.array(
+        [1 / (1 + (one.own / one.sigma) ** 2) if one.edit else 1 - (one.own / one.sigma) ** 2 for one in own]
+    )
     known = np.outer(kept, kept) * known + np.diag(1 - kept**2)
     information = np.eye(len(names))
     information[np.ix_(shared, shared)] = np.linalg.inv(known)

@@ -17,6 +17,7 @@ from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, MOST_READINGS, Segment, segments_of
 from bench.diagnose.replay.world import NOMINAL, World, model_of
+from bench.effects.drifts import DAY_K, VISCOUS
 from bench.effects.effect import Acting
 from bench.effects.levels import places_of
 from bench.record.campaign import Campaign
@@ -97,12 +98,29 @@ def test_each_recording_has_a_prior_of_its_own(both: Campaign) -> None:
     assert np.hypot(drifting[0].sigma, drifting[1].sigma) == pytest.approx(stated.offset_sigma_a)
     masses = [one for one in signatures.nuisances if one.name.startswith("mass of")]
     assert len({one.name for one in masses}) == len(masses)
-    changes = signatures.sensitivities(segments(both)).nuisances
-    is_b = np.concatenate([np.full(len(segment), segment.recording == "B") for segment in segments(both)])
-    for i, one in enumerate(signatures.nuisances):
-        if one.recording == "A":
-            assert not np.any(changes[is_b, :, i])
-            assert bool(np.any(changes[~is_b, :, i])) is not one.scales_payload  # nothing is bolted on
+    friction = {str(one): one.sigma for one in signatures.nuisances if one.name == "viscous friction of joint2"}
+    stated_friction = compiled().robot.figures.uncertainty.friction
+    day = VISCOUS * DAY_K  # on top of what is stated, which holds at one temperature
+    assert list(friction.values()) == pytest.approx([stated_friction, day, day])
+
+
+def test_what_belongs_to_a_recording_shows_there_alone_and_as_if_there_were_no_other(both: Campaign) -> None:
+    parts = segments(both)
+    signatures = signatures_of(both, compiled(), {})
+    changes = signatures.sensitivities(parts).nuisances
+    is_b = np.concatenate([np.full(len(segment), segment.recording == "B") for segment in parts])
+    campaign = replace(both, runs=tuple(run for run in both.runs if run.recording == "A"))
+    single = signatures_of(campaign, compiled(), {})
+    alone = single.sensitivities(segments(campaign)).nuisances
+    shows = {one.name: bool(np.any(alone[:, :, i])) for i, one in enumerate(single.nuisances)}
+    own = [(i, one) for i, one in enumerate(signatures.nuisances) if one.recording == "A"]
+    for i, one in own:
+        assert not np.any(changes[is_b, :, i])
+        if one.name in shows:  # the air of the day is of several recordings only
+            assert bool(np.any(changes[~is_b, :, i])) is shows[one.name]
+    assert {"zero of link encoder 2", "current offset of joint2", "viscous friction of joint2"} <= {
+        one.name for _, one in own if shows.get(one.name)
+    }
 
 
 def test_an_encoder_that_is_zeroed_anew_is_no_scatter(both: Campaign) -> None:

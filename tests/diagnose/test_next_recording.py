@@ -1,18 +1,25 @@
 """What a diagnosis promises of a recording to come: it covers one more, with what drifts and what was seen twice."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from bench.diagnose.cross_validation.folds import BLOCKS, folds_of
-from bench.diagnose.cross_validation.next_recording import apart, drifts_of, predicted_error
+from bench.diagnose.cross_validation.next_recording import apart, predicted_error
+from bench.diagnose.extend.fit import Fit, Unknown
+from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.nuisances import Nuisance
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import WHOLE
 from tests.diagnose.test_held_out import LENGTH, SIGMA, design_with, fit_of, noise, sensitivities
 
 SEEDS = 40
 FEWEST = 31  # of 40 at 90 %: binomial, three standard deviations down
+OWN = 0.5  # of a gain with a standard deviation of 1, the part that is another one in each recording
+GAIN = 120 * SIGMA  # what a gain of 1 changes
 
 
 def test_predicted_error_covers_one_more_run() -> None:
@@ -31,39 +38,78 @@ def test_predicted_error_covers_one_more_run() -> None:
     assert 31 <= covered <= 40  # binomial of 40 at 90 %, three standard deviations down
 
 
-def drifting(linear: LinearisedModel, drift: float) -> LinearisedModel:
-    """Return a campaign whose first nuisance drifts."""
-    return replace(linear, nuisances=(Nuisance("torque constant", "", 1.0, drift=drift), *linear.nuisances[1:]))
+def drifting(linear: LinearisedModel, recordings: Sequence[str]) -> LinearisedModel:
+    """Return a campaign whose runs are recordings and whose only nuisance drifts: a column for each that it has."""
+    (whole,) = {nuisance.sigma for nuisance in linear.nuisances}
+    assert whole == 1
+    if not recordings:
+        return replace(linear, nuisances=(Nuisance("gain", "", 1.0, between="drifts", own=OWN),))
+    shared = Nuisance("gain", "", float(np.sqrt(1 - OWN**2)))
+    own = (Nuisance("gain", "", OWN, between="drifts", own=OWN, recording=name) for name in recordings)
+    segments = tuple(replace(s, recording=name) for s, name in zip(linear.replay.segments, recordings, strict=True))
+    replay = type(linear.replay)(segments=segments, quantities=linear.replay.quantities)  # type: ignore[call-arg]
+    return replace(linear, nuisances=(shared, *own), replay=replay)
 
 
-def test_what_drifts_is_in_the_interval() -> None:
-    """A gain of 1 that drifts by 30 times the noise: nearly all of the error of one more recording."""
-    covered, without = 0, 0
+@pytest.mark.parametrize("recordings", [(), ("A", "B", "C", "D")])
+def test_what_drifts_is_in_the_interval(recordings: tuple[str, ...]) -> None:
+    """A gain whose own part is sixty times the noise: nearly all of the error of one more recording.
+
+    The model has the own part of the last recording, so that counts as well as the own part of the next one.
+    """
+    covered, narrower = 0, 0
     for seed in range(SEEDS):
         rng = np.random.default_rng(seed)
-        runs = 6
-        jacobian = np.ones((runs * LENGTH, 1))
-        linear = drifting(design_with(noise(rng, runs), jacobian, runs), 30 * SIGMA)
-        (found,) = predicted_error(linear, fit_of(linear))
-        (plain,) = predicted_error(drifting(linear, 0.0), fit_of(linear))
-        fresh = SIGMA * rng.standard_normal(LENGTH) + 30 * SIGMA * rng.standard_normal()
+        runs = len(recordings) or 6
+        lasting, own = np.sqrt(1 - OWN**2) * rng.standard_normal(), OWN * rng.standard_normal(runs)
+        which = np.repeat(np.arange(runs), LENGTH)
+        if recordings:
+            columns = np.column_stack([np.sqrt(1 - OWN**2) + 0 * which, *(OWN * (which == i) for i in range(runs))])
+        else:
+            columns, own = np.ones((len(which), 1)), np.full(runs, own[0])
+        linear = design_with(noise(rng, runs) + GAIN * (lasting + own[which]), GAIN * columns, runs)
+        (found,) = predicted_error(*_with_fit(drifting(linear, recordings)))
+        fresh = SIGMA * rng.standard_normal(LENGTH) + GAIN * (OWN * rng.standard_normal() - own[-1])
         rms = np.sqrt(np.mean(fresh**2))
         covered += found.low < rms < found.high
-        without += plain.low < rms < plain.high
+        narrower += rms < 1.645 * GAIN * OWN  # all that the own part of the next one alone would promise
     assert FEWEST <= covered <= SEEDS
-    assert without < SEEDS / 4, "else the test says nothing"
-    np.testing.assert_allclose(drifts_of(linear)["torque constant"], 30 * SIGMA)
+    assert narrower < covered, "else the test says nothing"
+
+
+def _with_fit(linear: LinearisedModel) -> tuple[LinearisedModel, Fit]:
+    return linear, fit_of(linear)
 
 
 def test_what_is_set_up_anew_is_in_the_interval_unless_it_is_fitted(rng: np.random.Generator) -> None:
     """An offset that is another one each time, stated within 1 where the noise is 0.2."""
     runs = 6
     linear = design_with(noise(rng, runs), np.ones((runs * LENGTH, 1)), runs)
-    linear = replace(linear, nuisances=(Nuisance("zero", "rad", 1.0, between="anew"),))
+    linear = replace(linear, nuisances=(Nuisance("zero", "rad", 1.0, between="anew", own=1.0),))
     (found,) = predicted_error(linear, fit_of(linear))
     assert found.fitted_high < 2 * SIGMA
     assert found.high == pytest.approx(1.96, rel=0.1), "of a normal offset: 5 % lie beyond, either way"
     assert found.low < found.high / 5
+
+
+@pytest.mark.parametrize(
+    ("effect", "is_in_it", "is_in_fitted"),
+    [("channel_scale", True, True), ("tracker_scale", True, False), ("coulomb_level", False, False)],
+)
+def test_an_error_of_the_recording_is_in_the_interval_and_a_cause_of_the_machine_is_not(
+    effect: str, is_in_it: bool, is_in_fitted: bool, rng: np.random.Generator
+) -> None:
+    """The model has an error that the next recording does not have; `--free` fits those of the tracker alone."""
+    runs, change = 6, 20 * SIGMA
+    linear = design_with(noise(rng, runs), np.zeros((runs * LENGTH, 0)), runs)
+    which = catalogue()[effect]
+    unknown = Unknown(Cause(which, WHOLE, which.parameters, ()), which.parameters[0])
+    column = np.full((runs * LENGTH, 1, 1), change / 0.05)
+    fit = replace(fit_of(linear), causes=(unknown.cause,), unknowns=(unknown,), values=np.array([0.05]))
+    fit = replace(fit, jacobian=column, covariance=np.eye(1))
+    (found,) = predicted_error(linear, fit)
+    assert (found.low < change < found.high) is is_in_it
+    assert (found.fitted_low < change < found.fitted_high) is is_in_fitted
 
 
 def there_and_back(linear: LinearisedModel, back: bool) -> LinearisedModel:

@@ -2,10 +2,13 @@
 
 import mujoco
 import numpy as np
+import pytest
 
+from bench.effects.effect import Conditions, Place
 from bench.effects.passive_hinges import SETTLING
+from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, compile_robot
-from bench.robot.folder import Robot
+from bench.robot.folder import Robot, load_robot
 from bench.simulate.plant import Plant
 from tests.effects.rest import CATALOGUE, PERIOD, Rest, edit_of, rest
 
@@ -125,3 +128,17 @@ def test_order_of_joints_keeps_the_drives(hh150: Robot, hh150_compiled: Compiled
         for attribute in ("axis", "range", "pos", "stiffness", "qpos0"):
             np.testing.assert_array_equal(getattr(old, attribute), getattr(new, attribute))
     np.testing.assert_array_equal(changed.limits, hh150_compiled.limits)
+
+
+def test_a_robot_that_the_engine_refuses_while_geometry_is_read_is_refused_in_plain_words() -> None:
+    """A fit's derivative may step beyond what an effect means; what reads geometry after it compiles the robot."""
+    robot = load_robot("hh150")
+    place, conditions = Place("robot"), Conditions.reference(robot.n_joints)
+    seal = CATALOGUE["seal_friction"].edit(place, {"share": -0.002}, conditions)
+    bending = CATALOGUE["link_bending"]
+    first = bending.places(compile_robot(robot))[0]
+    bent = bending.edit(first, {p.name: p.typical for p in bending.parameters}, conditions)
+    assert seal
+    assert bent
+    with pytest.raises(RobotError, match="seal_friction"):
+        compile_robot(robot, (seal, bent))

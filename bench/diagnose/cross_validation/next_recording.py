@@ -1,6 +1,6 @@
 """What a fitted model will leave of a recording that nobody has made yet: an interval for each channel."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.alike import ALIKE, passes_same
 from bench.diagnose.replay.segments import recordings_of
+from bench.effects.effect import Effect
 from bench.record.campaign import Array
 
 DRAWS = 4000  # effort: of recordings to come: ends of an interval are right to a few percent of its width
@@ -32,9 +33,10 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     there and back, are held out together, for another motion passes other places. Of several recordings, each stands
     for a run, and what is its own (the zero of an encoder) is fitted to it.
 
-    How far two recordings differ, one recording cannot tell. Then what drifts from one to the next (`Nuisance.drift`)
-    comes on top of the squares: torque constants and viscous friction by the temperature of the day, zeros by the part
-    of them that drifts. So does what is set up anew (a tracker, the zero of a link encoder), unless it will be fitted.
+    How far two recordings differ in what is their own, no model can tell. So what drifts from one to the next
+    (`effects/drifts.py`) comes on top of the squares: torque constants and viscous friction by the temperature of the
+    day, zeros by the part of them that drifts. So does what is set up anew (a tracker, the zero of a link encoder),
+    unless it will be fitted, and what was found to be wrong with the last recording itself, which the model has.
 
     Args:
         linear: The campaign.
@@ -42,9 +44,12 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     """
     folds = apart(linear, folds_of(linear))
     error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds)
-    drifts = {} if folds.recordings else drifts_of(linear)
-    set_up = set_up_anew(linear, fit)
-    is_static = np.repeat([s.is_static for s in linear.segments], [len(s) for s in linear.segments])
+    drifts = {**changes_of(linear, fit, "drifts"), **errors_found(linear, fit, _is_of_recording)}
+    set_up = {**changes_of(linear, fit, "anew"), **errors_found(linear, fit, _is_set_up)}
+    lengths = [len(segment) for segment in linear.segments]
+    is_static = np.repeat([segment.is_static for segment in linear.segments], lengths)
+    last = recordings_of(linear.segments)[-1]
+    is_last = np.repeat([segment.recording == last for segment in linear.segments], lengths)
     kinds: tuple[tuple[Literal["static", "motion"], Array], ...] = (("static", is_static), ("motion", ~is_static))
     found = []
     for c, quantity in enumerate(linear.quantities):
@@ -59,8 +64,9 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
                 continue
             rms = float(np.sqrt(square.sum() / count.sum()))
             left = np.sqrt(square[there] / count[there])
+            shown = seen & is_last if np.any(seen & is_last) else seen
             drifting, anew = (
-                np.array([np.sqrt(np.mean(change[seen, c] ** 2)) for change in changes.values()])
+                np.array([np.sqrt(np.mean(change[shown, c] ** 2)) for change in changes.values()])
                 for changes in (drifts, set_up)
             )
             ends = (*_one_more(left, np.concatenate([drifting, anew])), *_one_more(left, drifting))
@@ -68,32 +74,62 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     return tuple(found)
 
 
-def drifts_of(linear: LinearisedModel) -> Mapping[str, Array]:
-    """Return what each thing that drifts changes in the readings from one recording to the next, shape (T, c) each."""
-    return {
-        nuisance.name: linear.sensitivities[:, :, i] * (nuisance.drift / nuisance.sigma)
-        for i, nuisance in enumerate(linear.nuisances)
-        if nuisance.drift > 0
-    }
+def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "anew"]) -> Mapping[str, Array]:
+    """Return what each thing that drifts, or is set up anew, changes in the readings of the next, shape (T, c) each.
 
-
-def set_up_anew(linear: LinearisedModel, fit: Fit) -> Mapping[str, Array]:
-    """Return what each thing that is set up anew changes in the readings, shape (T, c) each.
-
-    In the next recording it is off by as much as is stated, and no more by what it was off in this one; of several
-    recordings the model has that of the last.
+    They act in the last recording alone, where the model has them. An error is the sum of what lasts, with a variance
+    L, and of what is the recording's own, with a variance D; nothing lasts of what is set up anew. The next recording
+    has another own part: a mean of D + E[d^2] of the square of their difference. How large d was, the readings say only
+    together with what lasts: where they know each sum of n recordings, the variance of d is L D / (D + n L).
 
     Args:
         linear: The campaign.
         fit: The model.
+        between: Which of the two.
+    """
+    recordings = recordings_of(linear.segments)
+    lasting = {one.name: one.sigma**2 for one in linear.nuisances if one.recording is None}
+    found = {}
+    for i, one in enumerate(linear.nuisances):
+        if one.between != between or one.recording not in (None, recordings[-1]):
+            continue
+        own, is_only = one.own**2, one.recording is None
+        kept = one.lasting**2 if is_only else lasting.get(one.name, 0.0)
+        mean = fit.nuisances[i] * one.sigma * (own / (kept + own) if is_only else 1.0)  # of the sum, or of the own part
+        square = own + kept * own / (own + len(recordings) * kept) + mean**2
+        found[one.name] = linear.sensitivities[:, :, i] * (np.sqrt(square) / one.sigma)
+    return found
+
+
+def errors_found(linear: LinearisedModel, fit: Fit, is_meant: Callable[[Effect], bool]) -> Mapping[str, Array]:
+    """Return what each error of the last recording that was found changes in its readings, shape (T, c) each.
+
+    A channel whose scale is wrong, a tracker that was set up askew: the next recording has another such error, or none.
+    A payload is none of them: a lab knows what it bolts on.
+
+    Args:
+        linear: The campaign.
+        fit: The model.
+        is_meant: Which effects count.
     """
     last = recordings_of(linear.segments)[-1]
-    found = {}
-    for i, nuisance in enumerate(linear.nuisances):
-        if nuisance.between == "anew" and nuisance.recording in (None, last):
-            change = linear.sensitivities[:, :, i] * np.sqrt(1 + fit.nuisances[i] ** 2)
-            found[nuisance.name] = change
+    found: dict[str, Array] = {}
+    for i, unknown in enumerate(fit.unknowns):
+        cause = unknown.cause
+        is_of_last = cause.place.recording in (None, last)
+        if is_meant(cause.effect) and is_of_last and not unknown.parameter.is_shape:
+            change = fit.jacobian[:, :, i] * (fit.values[i] - unknown.parameter.null)
+            name = " ".join(cause.key)
+            found[name] = found.get(name, 0.0) + change
     return found
+
+
+def _is_of_recording(effect: Effect) -> bool:
+    return effect.level == "recording"
+
+
+def _is_set_up(effect: Effect) -> bool:
+    return effect.level == "machine" and effect.family == "sensing" and effect.between == "anew"
 
 
 def apart(linear: LinearisedModel, folds: Folds) -> Folds:

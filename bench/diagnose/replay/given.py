@@ -90,7 +90,7 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         nuisances: Of the robot, as stated.
         compiled: It.
     """
-    own = {(one.name, one.unit): i for i, one in enumerate(nuisances) if one.between != "anew"}
+    own = {(one.name, one.unit): i for i, one in enumerate(nuisances) if one.lasting > 0}
     found, which, at, held = list(nuisances), [], [], []
     for i, one in enumerate(posterior.parameters):
         if not one.effect:
@@ -119,7 +119,7 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
 
 def _kept(nuisance: Nuisance) -> float:
     """Return the correlation of something that may be off with itself in another recording."""
-    return 1 - (nuisance.drift / nuisance.sigma) ** 2 if nuisance.between == "drifts" else 1.0
+    return nuisance.lasting**2 / (nuisance.lasting**2 + nuisance.own**2)
 
 
 def with_earlier(

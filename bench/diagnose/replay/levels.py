@@ -1,15 +1,14 @@
 """What belongs to a machine, and what to one of its recordings: background errors of each, and worlds as each has them.
 
-Geometry, masses, gears, friction laws and the law of the gas are the machine's; so are the gain of the force sensor,
-nests that are glued on, and the weights of the lab. Link encoders are zeroed, a tracker is set up and a payload bolted
-on anew in each recording. Torque constants and the zero of a current or torque channel are the machine's with a drift.
-The gas is as warm as the air of the day.
+Geometry, masses, gears, friction laws and the law of the gas are the machine's, and so are the weights of the lab. Link
+encoders are zeroed, a tracker is set up, reflectors are put into their nests, the force sensor is hung in and a payload
+bolted on anew in each recording. Torque constants, viscous friction, the calibration of the force sensor and the zeros
+of current and torque channels are the machine's with a drift (`effects/drifts.py`). The gas is as warm as the air of
+the day.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-
-import numpy as np
 
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
@@ -60,15 +59,11 @@ def as_of(world: World, recording: str) -> World:
 
 
 def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nuisance]:
-    if nuisance.between == "same":
-        yield nuisance
-        return
-    sigma = nuisance.sigma
-    if nuisance.between == "drifts":
-        yield replace(nuisance, sigma=float(np.sqrt(nuisance.sigma**2 - nuisance.drift**2)))
-        sigma = nuisance.drift
-    for name in recordings:
-        yield replace(nuisance, sigma=sigma, recording=name)
+    if nuisance.lasting > 0:
+        yield replace(nuisance, sigma=nuisance.lasting, between="same", own=0.0)
+    if nuisance.own > 0:
+        for name in recordings:
+            yield replace(nuisance, sigma=nuisance.own, recording=name)
 
 
 def _gas_of_the_day() -> Nuisance:
@@ -85,4 +80,5 @@ def _gas_of_the_day() -> Nuisance:
         edit=edit,
         on_reading=lambda x, reading: replace(reading, gas_temperature=reading.gas_temperature + x),
         between="anew",
+        own=GAS_DAY_K,
     )

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.diagnose.replay.quantities import Quantity
+from bench.effects.drifts import BETWEEN, DAY_K, VISCOUS, own_part
 from bench.effects.effect import IN_RECORDING, Between
 from bench.effects.nominal import nominal_parameters
 from bench.record.campaign import Array
@@ -17,19 +18,8 @@ from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_
 
 # assumed: [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold
 THERMOMETER_K = 2.0
-# assumed: of the variance of a channel's zero as stated, the part that is another one in each recording: data sheets
-# state the zero of a sensor and its drift with temperature and time of the same order. The halves are assumed. What
-# is known to drift by less, as torque constants do, does so.
-DRIFTING = 0.5
 # assumed: [rad] or [m], how well secondary encoders are zeroed where the figures do not say
 UNKNOWN_ZERO = 1e-3
-
-# assumed: from one recording to another. Drives that are cold in one and warmed up in another differ by some 20 K,
-# and the air of a workshop adds to it: 10 K as a standard deviation, assumed. Both rates lie in the ranges of the
-# effects that look for them (`torque_constant_temperature`, `friction_temperature`, with their sources).
-DAY_K = 10.0  # [K]
-REMANENCE = 0.001  # derived: [1/K], by which a torque constant falls with the remanence of NdFeB magnets
-VISCOUS = 0.015  # derived: [1/K], by which viscous friction falls: 30 % over 20 K
 
 OnReading = Callable[[float, Reading], Reading]
 
@@ -47,7 +37,7 @@ class Nuisance:
         scales_wrench: It is the relative error of what hangs at the load point.
         scales_payload: It is the relative error of what is bolted to it.
         between: What becomes of it between two recordings, as of an effect (`effects/effect.py`).
-        drift: Standard deviation of what comes to it in each recording anew, in its unit; 0: nothing, or not known.
+        own: Standard deviation of the part that is another one in each recording, in its unit; 0 of what is the same.
         recording: Name of the only recording in which it acts; None: in all.
         said_before: What each reading of an earlier diagnosis changes by with one unit of it (`given.py`).
     """
@@ -66,30 +56,43 @@ class Nuisance:
         return self.name if self.recording is None else f"{self.name}{IN_RECORDING}{self.recording}"
 
     said_before: tuple[float, ...] = ()
-    drift: float = 0.0
+    own: float = 0.0
+
+    @property
+    def lasting(self) -> float:
+        """Standard deviation of what is the same in all recordings, in its unit.
+
+        What is stated of an instrument holds whenever it is read, so its drift is a part of that. A figure of the robot
+        holds at one temperature, and its drift comes on top.
+        """
+        if self.recording is not None:
+            return 0.0
+        return self.sigma if self.edit else float(np.sqrt(max(self.sigma**2 - self.own**2, 0.0)))
 
 
 def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[Nuisance, ...]:
     """Return everything that may be off in a robot and in the instruments that were there."""
     kinds = {quantity.kind for quantity in quantities}
     found = [
-        Nuisance(p.name, p.unit, p.sigma, edit=p.edit, drift=VISCOUS * DAY_K if p.is_viscous else 0.0)
+        Nuisance(p.name, p.unit, p.sigma, edit=p.edit, between="drifts", own=VISCOUS * DAY_K)
+        if p.is_viscous
+        else Nuisance(p.name, p.unit, p.sigma, edit=p.edit)
         for p in nominal_parameters(compiled)
     ]
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))
-    found.append(Nuisance("weights bolted on", "", load, scales_payload=True, between="anew"))
+    found.append(Nuisance("weights bolted on", "", load, scales_payload=True, between="anew", own=load))
     found += _drives(compiled, kinds) + _tracker(compiled, quantities) + _force(compiled, kinds)
     if "gas_temperature" in kinds:
         found.append(Nuisance("thermometer of the gas", "K", THERMOMETER_K, on_reading=_thermometer))
     if "q_link" in kinds:
         fitted = compiled.robot.figures.instruments.link_encoder
-        sigma = fitted.offset_sigma_rad if fitted else UNKNOWN_ZERO
+        sigma, zeroing = (fitted.offset_sigma_rad, fitted.zeroing_sigma_rad) if fitted else (UNKNOWN_ZERO, None)
         joints = [quantity.index for quantity in quantities if quantity.kind == "q_link"]
-        found += [
-            Nuisance(f"zero of link encoder {j + 1}", "rad", sigma, on_reading=_link_zero(j), between="anew")
-            for j in joints
+        zeros = [
+            _error("link_encoder_offset", f"zero of link encoder {j + 1}", "rad", sigma, _link_zero(j)) for j in joints
         ]
+        found += zeros if zeroing is None else [replace(zero, own=min(zeroing, sigma)) for zero in zeros]
     return tuple(nuisance for nuisance in found if nuisance.sigma > 0)
 
 
@@ -101,20 +104,23 @@ def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
         if "current" in kinds:
             gain = float(np.hypot(drive.torque_constant_error, current.gain_sigma if current else 0.0))
             offset = current.offset_sigma_a if current else 0.0
-            found.append(_drifting(f"torque constant of {drive.joint}", "", gain, _current_gain(j), REMANENCE * DAY_K))
-            found.append(_drifting(f"current offset of {drive.joint}", "A", offset, _current_offset(j)))
+            found += [
+                _error("current_gain", f"torque constant of {drive.joint}", "", gain, _current_gain(j)),
+                _error("current_offset", f"current offset of {drive.joint}", "A", offset, _current_offset(j)),
+            ]
         if "tau_motor" in kinds:
             gain = torque.gain_sigma if torque else drive.torque_constant_error
-            found.append(_drifting(f"torque constant of {drive.joint}", "", gain, _torque_gain(j), REMANENCE * DAY_K))
             offset = torque.offset_sigma_nm if torque else 0.0
-            found.append(_drifting(f"torque offset of {drive.joint}", "Nm", offset, _torque_offset(j)))
+            found += [
+                _error("torque_gain", f"torque constant of {drive.joint}", "", gain, _torque_gain(j)),
+                _error("torque_offset", f"torque offset of {drive.joint}", "Nm", offset, _torque_offset(j)),
+            ]
     return found
 
 
-def _drifting(name: str, unit: str, sigma: float, on_reading: OnReading, drift: float = np.inf) -> Nuisance:
-    """Return an error of a channel that drifts by so much, or by as much of what is stated as may be drift."""
-    most = float(np.sqrt(DRIFTING)) * sigma
-    return Nuisance(name, unit, sigma, on_reading=on_reading, between="drifts", drift=min(drift, most))
+def _error(field: str, name: str, unit: str, sigma: float, on_reading: OnReading) -> Nuisance:
+    """Return an error of an instrument, by its field of `SystematicErrors`."""
+    return Nuisance(name, unit, sigma, on_reading=on_reading, between=BETWEEN[field], own=own_part(field, sigma))
 
 
 def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[Nuisance]:
@@ -124,15 +130,14 @@ def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[
         return []
     found = []
     for axis, name in enumerate("xyz"):
-        direction = np.eye(3)[axis]
-        set_up = [
-            Nuisance(f"tracker frame, shift {name}", "m", tracker.frame_sigma_m, on_reading=_shift(direction)),
-            Nuisance(f"tracker frame, turn {name}", "rad", tracker.frame_sigma_rad, on_reading=_turn(direction)),
-            Nuisance(f"tracker drift {name}", "m/h", tracker.drift_m_per_h, on_reading=_drift(direction)),
-        ]
-        found += [replace(nuisance, between="anew") for nuisance in set_up]
+        along = np.eye(3)[axis]
         found += [
-            Nuisance(f"nest of reflector {k + 1}, {name}", "m", tracker.placement_sigma_m, on_reading=_nest(k, axis))
+            _error("frame_shift", f"tracker frame, shift {name}", "m", tracker.frame_sigma_m, _shift(along)),
+            _error("frame_rotation", f"tracker frame, turn {name}", "rad", tracker.frame_sigma_rad, _turn(along)),
+            _error("frame_drift", f"tracker drift {name}", "m/h", tracker.drift_m_per_h, _drift(along)),
+        ]
+        found += [
+            _error("placement", f"nest of reflector {k + 1}, {name}", "m", tracker.placement_sigma_m, _nest(k, axis))
             for k in reflectors
         ]
     return found
@@ -142,12 +147,14 @@ def _force(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
     force = compiled.robot.figures.instruments.force
     if force is None or "force" not in kinds:
         return []
-    found = [Nuisance("gain of the force sensor", "", force.gain_sigma, on_reading=_force_gain)]
-    found += [
-        Nuisance(f"tilt of the force sensor, {name}", "rad", force.direction_sigma_rad, on_reading=_tilt(np.eye(3)[i]))
-        for i, name in enumerate("xyz")
+    tilt = force.direction_sigma_rad
+    return [
+        _error("force_gain", "gain of the force sensor", "", force.gain_sigma, _force_gain),
+        *(
+            _error("force_tilt", f"tilt of the force sensor, {name}", "rad", tilt, _tilt(np.eye(3)[i]))
+            for i, name in enumerate("xyz")
+        ),
     ]
-    return found
 
 
 def _column(values: Array, j: int, change: Callable[[Array], Array]) -> Array:
