@@ -1,6 +1,6 @@
 """From what was found to the verdict, as plain data."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -166,7 +166,28 @@ def _named(cause: Cause, fit: Fit) -> NamedCause:
         if u.cause is cause
     )
     size = size_of(cause, fit)
-    return replace(_titled(cause, parameters), share=size.share, sigmas=size.sigmas)
+    return replace(_titled(cause, (*parameters, *quotients_of(cause, fit))), share=size.share, sigmas=size.sigmas)
+
+
+def quotients_of(cause: Cause, fit: Fit) -> Iterator[ParameterValue]:
+    """Yield what people know in the place of sizes that need another one, such as a centre of mass.
+
+    Of q = s/m the variance is (var s - 2 q cov(s, m) + q^2 var m) / m^2, to first order.
+    """
+    mine = {u.parameter.name: i for i, u in enumerate(fit.unknowns) if u.cause is cause}
+    for i in mine.values():
+        quotient = fit.unknowns[i].parameter.quotient
+        if quotient is None or quotient.by not in mine:
+            continue
+        by = mine[quotient.by]
+        if not fit.values[by] > NORMAL_95 * fit.sigma[by]:  # it could be anything
+            continue
+        value = fit.values[i] / fit.values[by]
+        slope = np.array([1.0, -value]) / fit.values[by]
+        half = NORMAL_95 * float(np.sqrt(max(slope @ fit.covariance[np.ix_([i, by], [i, by])] @ slope, 0.0)))
+        yield ParameterValue(
+            quotient.name, float(value), float(value - half), float(value + half), quotient.unit, quotient.words
+        )
 
 
 def _titled(cause: Cause, parameters: tuple[ParameterValue, ...]) -> NamedCause:

@@ -26,17 +26,9 @@ from bench.effects.gas import (
 )
 from bench.effects.gear_kinematics import TransmissionError, WristCoupling
 from bench.effects.geometry import DressPack, FloorTilt, JointZero, LinkLength, ThermalGrowth
-from bench.effects.masses import (
-    LinkCom,
-    LinkInertia,
-    LinkMass,
-    PayloadCom,
-    PayloadMass,
-    RotorInertia,
-    TorqueOffset,
-    UnstatedPayload,
-)
+from bench.effects.masses import LinkCom, LinkInertia, LinkMass, RotorInertia, TorqueOffset
 from bench.effects.own import faults_of, guarded, line_in
+from bench.effects.payloads import PayloadCom, PayloadMass, UnstatedPayload
 from bench.effects.recording_channel import (
     ChannelDelay,
     ChannelDrift,

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.effects.followed import Followed, Torques
+from bench.effects.parameter import Parameter as Parameter  # part of an effect
 from bench.effects.recorded import Lateness, LogError, Recorded
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.simulate.instruments import Reading
@@ -81,46 +82,6 @@ class Place:
 
 
 WHOLE = Place("robot")
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One parameter of an effect.
-
-    Attributes:
-        name: In snake_case, unique within its effect.
-        unit: SI, "" for relative quantities (0.05 is 5 %).
-        null: Value that changes nothing. For a parameter that only shapes another one (a period, a time constant,
-            a Stribeck velocity) this is the value that is assumed first; it changes nothing as long as the others
-            are at their null value.
-        low, high: Plausible size: value - null lies in [low, high], or in [-high, -low] too if `signed`. For a shape
-            parameter the plausible values themselves.
-        signed: Both signs are physical.
-        is_shape: It only shapes the effect; size 0 of the others makes it meaningless.
-        words: What it is.
-        least, most: Values beyond which it means nothing: friction that drives, a mass below zero. Fits stay within.
-        ratio: Of neighbouring values of a shape that are tried at first; near 1 for periods, for between two of them an
-            effect is lost.
-    """
-
-    name: str
-    unit: str
-    null: float
-    low: float
-    high: float
-    words: str
-    signed: bool = False
-    is_shape: bool = False
-    ratio: float = 2.5
-    least: float = -np.inf
-    most: float = np.inf
-
-    @property
-    def typical(self) -> float:
-        """A value in the middle of the plausible range, on a logarithmic scale."""
-        if self.is_shape:
-            return self.null
-        return self.null + float(np.sqrt(self.low * self.high)) if self.low > 0 else self.null + self.high / 2
 
 
 @dataclass(frozen=True)

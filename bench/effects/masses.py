@@ -1,123 +1,27 @@
-"""Masses, inertias and constant torques that differ from the model's."""
-
-from dataclasses import replace
+"""Masses and inertias of links and drives, and constant torques, that differ from the model's."""
 
 import mujoco
 import numpy as np
 
 from bench.actuators.laws import TorqueTable
-from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.effect import Array, Conditions, Effect, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
 from bench.effects.places import OnDrive, drive_of, links
 from bench.effects.plugin_actuators import add_torque_table
-from bench.record.units import STANDARD_GRAVITY
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
-from bench.robot.plugins import unused_name
 
-COMPACT_M, BULKY_M = 0.05, 0.6  # [m], radii of gyration of a steel block and of a bulky workpiece, assumed
 LIGHTEST = -0.95  # change of a mass or an inertia, relative; none vanishes
 SWEVERS = "Swevers, Verdonck and De Schutter, Dynamic model identification for industrial robots, 2007"
 
 
-class _GeometryAndMass(Effect):
+class GeometryAndMass(Effect):
+    """What weighs, or acts as a weight does."""
+
     family = "geometry and mass"
 
 
-class PayloadMass(_GeometryAndMass):
-    """What is bolted on is heavier or lighter than written down."""
-
-    name = "payload_mass"
-    title = "mass of the payload"
-    between = "anew"
-    physics = "The mass bolted to the load point is (1 + x) of what the lab states; weights that hang are not meant."
-    source = f"{SWEVERS}; range: DESIGN 6, 1 to 10 %"
-    parameters = (Parameter("change", "", 0.0, 0.01, 0.1, "of the mass, relative", signed=True, least=LIGHTEST),)
-
-    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
-        change = values["change"]
-
-        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            scale_mass(spec.body(robot.figures.load_body), 1 + change)
-
-        return edit if change else None
-
-
-class UnstatedPayload(_GeometryAndMass):
-    """The robot carries something that nobody wrote down."""
-
-    name = "unstated_payload"
-    title = "payload that is not stated"
-    between = "anew"
-    physics = (
-        "A body with mass m, centred at the load point, and with the moment of inertia J about every axis through its "
-        "centre is bolted to the load point, beside what the campaign states."
-    )
-    source = (
-        f"{SWEVERS} (payload identification); range: up to `uncertainty.payload_kg` of the robot's figures, by default "
-        "the rated load"
-    )
-    parameters = (
-        Parameter("mass", "kg", 0.0, 0.01, 1.0, "m; range as a part of the largest payload that may be there"),
-        Parameter("inertia", "kg m^2", 0.0, 0.01 * COMPACT_M**2, BULKY_M**2, "J; range for a largest mass of 1 kg"),
-    )
-
-    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        """Return the robot, unless its figures say that no recording leaves a payload unstated."""
-        return (WHOLE,) if _largest_payload(compiled) > 0 else ()
-
-    def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
-        """Return the parameters with the range of a robot."""
-        largest = _largest_payload(compiled)
-        return tuple(replace(p, low=largest * p.low, high=largest * p.high) for p in self.parameters)
-
-    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
-        mass, inertia = values["mass"], values["inertia"]
-
-        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
-            load = spec.body(robot.figures.load_body)
-            load.mass = load.mass + mass
-            load.inertia = np.array(load.inertia) + inertia
-
-        return change if mass or inertia else None
-
-
-def _largest_payload(compiled: CompiledRobot) -> float:
-    """Return the largest payload that a recording may leave unstated [kg]."""
-    figures = compiled.robot.figures
-    stated = figures.uncertainty.payload_kg
-    return figures.rating.force_n / STANDARD_GRAVITY if stated is None else stated
-
-
-class PayloadCom(_GeometryAndMass):
-    """The payload's centre of mass is not in the load point."""
-
-    name = "payload_com"
-    title = "centre of mass of the payload"
-    between = "anew"
-    physics = (
-        "The mass bolted on hangs beside the load point by (x, y, z) in the axes of the load body: moment m g x offset."
-    )
-    source = f"{SWEVERS}; range: DESIGN 6, 5 to 30 mm"
-    parameters = tuple(Parameter(axis, "m", 0.0, 5e-3, 30e-3, f"offset along {axis}", signed=True) for axis in "xyz")
-
-    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
-        offset = _vector(values)
-
-        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
-            load = spec.body(robot.figures.load_body)
-            if load.mass == 0:
-                return
-            # a body of its own: the load body's centre of mass has to stay in the load point, where wrenches act
-            moved = load.add_body(name=unused_name(spec, "payload"), pos=np.array(load.ipos) + offset)
-            moved.mass, moved.inertia, moved.explicitinertial = load.mass, np.array(load.inertia), True
-            moved.ipos, moved.iquat = np.zeros(3), np.array(load.iquat)
-            load.mass, load.inertia, load.explicitinertial = 0.0, np.zeros(3), True
-
-        return change if np.any(offset) else None
-
-
-class _OfLink(_GeometryAndMass):
+class _OfLink(GeometryAndMass):
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         return links(compiled)
 
@@ -146,7 +50,7 @@ class LinkCom(_OfLink):
     parameters = tuple(Parameter(axis, "m", 0.0, 3e-3, 50e-3, f"shift along {axis}", signed=True) for axis in "xyz")
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
-        shift = _vector(values)
+        shift = vector_of(values)
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             body = spec.body(place.name)
@@ -244,5 +148,6 @@ def _scale_inertia(body: mujoco.MjsBody, factor: float) -> None:
     body.fullinertia = factor * np.array(body.fullinertia)
 
 
-def _vector(values: Values) -> Array:
+def vector_of(values: Values) -> Array:
+    """Return the parameters x, y and z, shape (3,)."""
     return np.array([values[axis] for axis in "xyz"])

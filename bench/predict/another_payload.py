@@ -6,11 +6,12 @@ import mujoco
 import numpy as np
 
 from bench.effects.effect import Array, Conditions, Effect, Parameter, Place, Values
-from bench.effects.masses import LIGHTEST, PayloadCom, UnstatedPayload
+from bench.effects.masses import LIGHTEST
+from bench.effects.payloads import PayloadCom, UnstatedPayload, rated_lever
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
-_MASS, _INERTIA = UnstatedPayload.parameters
+_MASS, _INERTIA = UnstatedPayload.parameters[:2]
 
 
 class AnotherPayload(Effect):
@@ -36,7 +37,9 @@ class AnotherPayload(Effect):
         stated = {p.name: p for p in UnstatedPayload().parameters_at(compiled, place)}
         least = {"mass": LIGHTEST * mass, "inertia": LIGHTEST * inertia}
         return tuple(
-            replace(p, low=stated[p.name].low, high=stated[p.name].high, least=least[p.name]) if p.name in stated else p
+            replace(p, low=stated[p.name].low, high=stated[p.name].high, least=least[p.name])
+            if p.name in stated
+            else replace(p, high=max(p.high, rated_lever(compiled)))
             for p in self.parameters
         )
 

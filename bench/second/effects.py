@@ -116,6 +116,15 @@ def _payload_com(figures: Figures, place: int | str, values: Values) -> Figures:
     return replace(figures, payload_com=_xyz(values))
 
 
+def _unstated_payload(figures: Figures, place: int | str, values: Values) -> Figures:
+    mass, moment, load = values["mass"], _xyz(values, "moment_"), figures.load
+    if mass == 0:
+        return figures
+    centre = load.position + load.axes @ moment / mass
+    lump = Lump("unstated payload", load.joint, mass, centre, values["inertia"] * np.eye(3), np.eye(3))
+    return replace(figures, lumps=(*figures.lumps, lump))
+
+
 def _lump(change: Callable[[Figures, Lump, Values], Lump]) -> Change:
     def changed(figures: Figures, place: int | str, values: Values) -> Figures:
         lumps = tuple(change(figures, lump, values) if lump.name == place else lump for lump in figures.lumps)
@@ -175,6 +184,7 @@ CHANGES: Mapping[str, Change] = {
     "base_compliance": _base,
     "payload_mass": _payload_mass,
     "payload_com": _payload_com,
+    "unstated_payload": _unstated_payload,
     "link_mass": _lump(_heavier),
     "link_com": _lump(_moved),
     "rotor_inertia": _rotor_inertia,

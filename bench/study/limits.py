@@ -38,12 +38,17 @@ class Way:
 
     @classmethod
     def draw(cls, effect: Effect, place: Place, compiled: CompiledRobot, rng: np.random.Generator) -> "Way":
-        """Draw the signs of sizes, their proportions where there are several, and shapes over the plausible range."""
+        """Draw the signs of sizes, their proportions where there are several, and shapes over the plausible range.
+
+        What is known by a quotient has that drawn: a light payload has a small first moment.
+        """
         parameters = effect.parameters_at(compiled, place)
         sizes = [parameter for parameter in parameters if not parameter.is_shape]
         share = rng.uniform(-1, 1, len(sizes))
-        share /= np.max(np.abs(share))
-        direction = {p.name: float(x) if p.signed else float(abs(x)) for p, x in zip(sizes, share, strict=True)}
+        drawn = {p.name: float(x) if p.signed else float(abs(x)) for p, x in zip(sizes, share, strict=True)}
+        drawn |= {p.name: drawn[p.name] * drawn[p.quotient.by] for p in sizes if p.quotient}
+        largest = max(abs(x) for x in drawn.values())
+        direction = {name: x / largest for name, x in drawn.items()}
         shape = {p.name: _drawn(p, rng) for p in parameters if p.is_shape}
         return cls(effect, place, direction, shape)
 

@@ -119,7 +119,8 @@ def _is_place_right(outcome: Outcome) -> bool | None:
 def _deviations(outcome: Outcome) -> Iterator[tuple[str, float]]:
     """Yield for every fitted parameter of a true cause how far the truth is from it, in its standard deviations.
 
-    A cause that several explanations name counts once, as the likeliest of them has it.
+    A cause that several explanations name counts once, as the likeliest of them has it. Quotients of
+    parameters do not count beside these.
     """
     true = {cause.name: cause.values for cause in (*outcome.truth, *outcome.others)}
     seen: set[tuple[str, str]] = set()
@@ -128,5 +129,5 @@ def _deviations(outcome: Outcome) -> Iterator[tuple[str, float]]:
             if cause.name in true and cause.name not in seen:
                 seen.add(cause.name)
                 for name, found in cause.values.items():
-                    if found.sigma > 0:
+                    if found.sigma > 0 and name in true[cause.name]:
                         yield f"{cause.effect}.{name}", (true[cause.name][name] - found.value) / found.sigma

@@ -15,7 +15,7 @@ from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.lack_of_fit import as_simulated
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry, tried_of, widths_of
-from bench.diagnose.name.models import CandidateModel, Fitter, log_of_widths
+from bench.diagnose.name.models import CandidateModel, Fitter, log_of_widths, needed_of
 from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.diagnose.name.search_space import SearchSpace, search_space
 from bench.effects.catalogue import catalogue
@@ -62,11 +62,14 @@ def test_what_a_model_does_not_need_is_left_out_of_it(found: Diagnosis) -> None:
     assert model.log_posterior == pytest.approx(model.log_evidence - 5.0)
 
 
-def test_a_fit_that_wants_more_than_is_plausible_is_none(found: Diagnosis) -> None:
+def test_a_cause_that_wants_more_than_is_plausible_is_not_allowed(found: Diagnosis) -> None:
     fit = found.naming.models[0].fit
-    assert fit.is_plausible
-    high = np.array([unknown.parameter.high for unknown in unknowns_of(fit.causes)])
-    assert not replace(fit, values=np.array([BEYOND * high[0], *fit.values[1:]])).is_plausible
+    first, *others = fit.causes
+    assert all(fit.allows(cause) for cause in fit.causes)
+    beyond = replace(fit, values=np.array([BEYOND * fit.unknowns[0].parameter.high, *fit.values[1:]]))
+    assert not beyond.allows(first)
+    assert all(beyond.allows(cause) for cause in others)
+    assert needed_of(beyond) == tuple(others)
 
 
 def test_what_is_beside_listed_causes_is_orthogonal_to_them(rng: np.random.Generator) -> None:

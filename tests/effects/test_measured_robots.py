@@ -5,7 +5,8 @@ import pytest
 
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Conditions
-from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.effects.payloads import FARTHEST_M
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.folder import load_robot
 from bench.robot.links import rigid_bodies
 from bench.simulate.instruments import Instruments
@@ -19,17 +20,46 @@ def kr300() -> CompiledRobot:
     return compile_robot(load_robot("kr300"))
 
 
+def with_payload(**values: float) -> SpecEdit:
+    effect = EFFECTS["unstated_payload"]
+    edit = effect.edit(WHOLE, effect.complete(values), Conditions.reference(6))
+    assert edit
+    return edit
+
+
+def steiner(mass: float, offset: np.ndarray) -> np.ndarray:
+    return mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+
+
 def test_unstated_payload_adds_its_mass_and_inertia(kr300: CompiledRobot) -> None:
     effect = EFFECTS["unstated_payload"]
     assert effect.places(kr300) == (WHOLE,)
-    mass, inertia = effect.parameters_at(kr300, WHOLE)
+    mass, inertia, *moments = effect.parameters_at(kr300, WHOLE)
     assert mass.high == 300
-    edit = effect.edit(WHOLE, {"mass": 150.0, "inertia": 5.0}, Conditions.reference(6))
-    assert edit
-    loaded = compile_robot(load_robot("kr300"), [edit])
-    np.testing.assert_allclose(rigid_bodies(loaded).mass.sum() - rigid_bodies(kr300).mass.sum(), 150)
-    np.testing.assert_allclose(loaded.model.body_inertia[kr300.at.load_body], 5.0)
     assert inertia.high > 5
+    assert all(moment.high == pytest.approx(600 / 2943 * 300) for moment in moments)  # rated moment and force
+    edit = with_payload(mass=150.0, inertia=5.0, moment_x=3.0, moment_z=-15.0)
+    links, loaded = rigid_bodies(kr300), rigid_bodies(compile_robot(load_robot("kr300"), [edit]))
+    point = links.points[kr300.robot.figures.load_point]
+    place = point.position + point.rotation @ np.array([0.02, 0.0, -0.1])
+    together = links.mass[-1] + 150
+    com = (links.mass[-1] * links.com[-1] + 150 * place) / together
+    inertia_of_both = links.inertia[-1] + 5 * np.eye(3) + steiner(links.mass[-1], links.com[-1] - com)
+    np.testing.assert_allclose(loaded.mass[-1], together)
+    np.testing.assert_allclose(loaded.com[-1], com)
+    np.testing.assert_allclose(loaded.inertia[-1], inertia_of_both + steiner(150, place - com), atol=1e-9)
+
+
+def test_a_first_moment_without_a_mass_is_of_no_body(kr300: CompiledRobot) -> None:
+    light = compile_robot(load_robot("kr300"), [with_payload(mass=1.0, moment_x=30.0)])
+    payload = light.model.body("effect/payload")
+    assert np.linalg.norm(payload.pos - kr300.model.body_ipos[kr300.at.load_body]) == pytest.approx(FARTHEST_M)
+    assert (
+        EFFECTS["unstated_payload"].edit(
+            WHOLE, EFFECTS["unstated_payload"].complete({"moment_x": 30.0}), Conditions.reference(6)
+        )
+        is None
+    )
 
 
 def test_robots_that_state_their_payload_have_no_unstated_one() -> None:

@@ -125,7 +125,7 @@ def test_another_payload_is_found_in_both_directions(nominal: CompiledRobot, tmp
     if carried:
         linear = only(campaign_of(nominal, 3), nominal, nominal).linear
         fit = fit_of(linear, CASES["unstated payload"], np.random.default_rng(0))
-        values = np.array([carried, 0.05])
+        values = np.array([carried, 0.05, 0.0, 0.0, 0.0])
         fit = replace(fit, values=values, nuisances=np.zeros_like(fit.nuisances))
         hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
         model = compile_robot(load_robot(tmp_path / "robot"))

@@ -10,11 +10,13 @@ from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import NOMINAL
+from bench.diagnose.replay.world import World as Hypothesis
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Acting
+from bench.effects.effect import WHOLE, Acting
 from bench.effects.unlisted import unlisted
 from bench.hide.request import effects_of
 from bench.hide.second_plant import run_second
+from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
 from bench.scenario.session import SessionScenario
 from bench.second.campaign import Second
@@ -37,6 +39,10 @@ def short() -> SessionScenario:
     return session.model_copy(update={"loading": loading, "rotations": (sweep,)})
 
 
+def all_joints() -> SessionScenario:
+    return LAB.scenario().without("line", "dwell", "repeat_at_end")
+
+
 def second(*acting: Acting, session: SessionScenario | None = None) -> Second:
     return run_second(LAB.robot(), session or short(), acting, rng(1), quiet=True)
 
@@ -56,10 +62,19 @@ def quiet() -> Second:
 
 
 def test_replay_of_the_bench_predicts_the_nominal_plant(compiled: CompiledRobot) -> None:
-    campaign = second(session=LAB.scenario().without("line", "dwell", "repeat_at_end")).campaign
+    assert_predicted(second(session=all_joints()).campaign, compiled)
+
+
+def test_both_plants_carry_an_unstated_payload_alike(compiled: CompiledRobot) -> None:
+    values = {"mass": 40.0, "inertia": 0.8, "moment_x": 3.0, "moment_y": -2.0, "moment_z": 6.0}
+    acting = Acting(catalogue()["unstated_payload"], WHOLE, values)
+    assert_predicted(second(acting, session=all_joints()).campaign, compiled, Hypothesis(acting=(acting,)))
+
+
+def assert_predicted(campaign: Campaign, compiled: CompiledRobot, world: Hypothesis = NOMINAL) -> None:
     quantities = quantities_of(campaign.runs, compiled)
     segments = segments_of(campaign, compiled, quantities, 400)
-    predicted = Replay(compiled, segments, quantities).predict(NOMINAL)
+    predicted = Replay(compiled, segments, quantities).predict(world)
     left = np.concatenate([segment.observed for segment in segments]) - predicted
     observed = np.concatenate([segment.observed for segment in segments])
     static = np.concatenate([np.full(len(segment), segment.is_static) for segment in segments])

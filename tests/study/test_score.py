@@ -43,6 +43,14 @@ def test_interval_beside_the_truth_is_noticed() -> None:
     assert marks_of(scored(verdict("gas_loss", low=0.102, high=0.13))).covered == (("gas_loss.size", False),)
 
 
+def test_what_is_said_of_a_quotient_is_no_interval_of_its_own() -> None:
+    (one,) = verdict("gas_loss").explanations
+    centre = ParameterValue("x", 0.01, 0.0, 0.02, "m")
+    cause = replace(one.causes[0], parameters=(*one.causes[0].parameters, centre))
+    found = replace(verdict("gas_loss"), explanations=(replace(one, causes=(cause,)),))
+    assert marks_of(scored(found)).covered == (("gas_loss.size", True),)
+
+
 def test_interval_of_95_percent_becomes_one_of_90() -> None:
     """The truth, 0.1, lies at 1.8 standard deviations: within the 95 % interval, outside of that of 90 %."""
     sigma = 0.01

@@ -108,14 +108,13 @@ class Fit:
             if unknown.cause.key == cause.key and not unknown.parameter.is_shape
         )
 
-    @property
-    def is_plausible(self) -> bool:
-        """Whether no size wants to be larger than anything plausible; else it is another cause, or a misreading."""
-        for value, unknown in zip(self.values, self.unknowns, strict=True):
-            p = unknown.parameter
-            if not p.is_shape and abs(value - p.null) > (1 - AT_BOUND) * BEYOND * p.high:
-                return False
-        return True
+    def allows(self, cause: Cause) -> bool:
+        """Whether no size of a cause wants to be larger than plausible; else it is another cause, or a misreading."""
+        return all(
+            abs(value - unknown.parameter.null) <= (1 - AT_BOUND) * BEYOND * unknown.parameter.high
+            for value, unknown in zip(self.values, self.unknowns, strict=True)
+            if unknown.cause.key == cause.key and not unknown.parameter.is_shape
+        )
 
     def world(self, linear: LinearisedModel) -> World:
         """Return the world that was fitted."""

@@ -53,6 +53,12 @@ class Cause:
         """Return the cause with some of its parameters given."""
         return Acting(self.effect, self.place, self.effect.complete(values))
 
+    def beside(self, size: Parameter) -> dict[str, float]:
+        """Return what acts as well where one of the sizes is simulated alone: the other size that it needs, if any."""
+        if size.quotient is None:
+            return {}
+        return {other.name: other.null + other.high for other in self.sizes if other.name == size.quotient.by}
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate:

@@ -73,9 +73,15 @@ class Signatures:
         self.causes = tuple(causes)
         self.around = around
         self.store = store
+        single = [(cause, shape, size) for cause, shape in plan_of(causes) for size in cause.sizes]
         self.plan = tuple(
-            cause.acting({**shape, size.name: size.typical}) for cause, shape in plan_of(causes) for size in cause.sizes
+            cause.acting({**shape, **cause.beside(size), size.name: size.typical}) for cause, shape, size in single
         )
+        self._beside = {
+            i: cause.acting({**shape, **beside})
+            for i, (cause, shape, size) in enumerate(single)
+            if (beside := cause.beside(size))
+        }
         self._times: dict[str, Array] = {}
         self._loads: dict[str, Array] = {}  # as written down; where they differ, so do signatures
         self._lost: set[int] = set()
@@ -168,13 +174,24 @@ class Signatures:
             else:
                 sensitivities[:, :, i] = change
         nominal = replay.predict(self.around)
+        grounds = self._grounds(replay, executor)
         for i, result in zip(worlds, simulate_all(replay, list(worlds.values()), executor), strict=True):
             if isinstance(result, BenchError):
                 if i < p or isinstance(result, EffectError):
                     raise result
                 sensitivities[:, :, i] = np.nan
             else:
-                sensitivities[:, :, i] = result - nominal
+                sensitivities[:, :, i] = result - grounds.get(i - p, nominal)
+
+    def _grounds(self, replay: Replay, executor: Executor) -> dict[int, Array]:
+        """Return what instruments show with what acts beside a size, by its place in the plan; nan: no balance."""
+        distinct = {(one.effect.name, one.place, *one.values.items()): one for one in self._beside.values()}
+        off, acting = self.around.deviations, self.around.acting
+        worlds = [World(off, (*acting, one)) for one in distinct.values()]
+        lost = np.full(replay.shape, np.nan)
+        found = simulate_all(replay, worlds, executor)
+        shown = {key: lost if isinstance(one, BenchError) else one for key, one in zip(distinct, found, strict=True)}
+        return {i: shown[one.effect.name, one.place, *one.values.items()] for i, one in self._beside.items()}
 
 
 def _instants(segment: Segment) -> Array:

@@ -154,7 +154,7 @@ class Fitter:
     def _model(self, candidate: CandidateModel, fit: Fit, kept: tuple[int, ...]) -> Model | None:
         causes = tuple(candidate.causes[i] for i in kept)
         fit = replace(fit, causes=causes, unknowns=unknowns_of(causes))
-        if not (fit.is_plausible and all(fit.acts(cause) for cause in causes)):
+        if not all(fit.allows(cause) and fit.acts(cause) for cause in causes):
             return None
         if not causes and candidate.shape is None:
             return Model(self.null)
@@ -238,7 +238,7 @@ def without_shape(linear: LinearisedModel, count: int) -> LinearisedModel:
 def _fit(
     plain: LinearisedModel, known: Fit | None, candidate: CandidateModel, _: Progress
 ) -> tuple[Fit, tuple[int, ...]] | None:
-    """Return the best fit, and which of the causes it needs; None where nothing balances along the measured motion.
+    """Return the best fit, and which causes it needs and allows; None where nothing balances along the measured motion.
 
     It has no causes of its own, for those come from a user's file and do not pass between processes.
     """
@@ -256,12 +256,20 @@ def _fit(
     if found is None:
         return None
     try:
-        while len(needed := tuple(cause for cause in found.causes if found.acts(cause))) < len(found.causes):
+        while len(needed := needed_of(found)) < len(found.causes):
             found = refit(linear, needed, found.start, found.nuisances, found)
     except NOT_SIMULATED:
         return None
     kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
     return replace(found, causes=(), unknowns=()), kept
+
+
+def needed_of(fit: Fit) -> tuple[Cause, ...]:
+    """Return the causes of a fit without those that explain nothing, or that want to be larger than plausible.
+
+    One that is too large is no reason to do without twenty others that were tried with it.
+    """
+    return tuple(cause for cause in fit.causes if fit.acts(cause) and fit.allows(cause))
 
 
 def _starts(candidate: CandidateModel, known: Fit | None) -> list[dict[Key, float]]:

@@ -10,7 +10,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.effect import Acting
 from bench.effects.gas import CounterbalanceGas
-from bench.effects.masses import UnstatedPayload
+from bench.effects.payloads import UnstatedPayload
 from bench.effects.places import torque_limit
 from bench.errors import ConvergenceError
 from bench.record.campaign import Array

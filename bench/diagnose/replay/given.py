@@ -204,11 +204,13 @@ def _of_finding(one: PosteriorParameter, reach: float, compiled: CompiledRobot) 
     acting = _on_top(one, compiled)
     if acting is None:
         return None
-    null = next(p.null for p in acting.effect.parameters if p.name == one.parameter)
+    parameter = next(p for p in acting.effect.parameters if p.name == one.parameter)
+    if parameter.quotient:  # it changes nothing without the other size
+        return None
 
     def edit(x: float) -> SpecEdit:
         changed = acting.effect.edit(
-            acting.place, {**acting.values, one.parameter: null + x}, Conditions.reference(compiled.n_joints)
+            acting.place, {**acting.values, one.parameter: parameter.null + x}, Conditions.reference(compiled.n_joints)
         )
         return changed or (lambda spec, robot: None)
 

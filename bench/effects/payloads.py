@@ -1,0 +1,150 @@
+"""What is bolted to the load point: heavier or elsewhere than stated, or not stated at all."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from bench.effects.effect import WHOLE, Array, Conditions, Parameter, Place, Values
+from bench.effects.masses import LIGHTEST, SWEVERS, GeometryAndMass, scale_mass, vector_of
+from bench.effects.parameter import Quotient
+from bench.record.units import STANDARD_GRAVITY
+from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.folder import Robot
+from bench.robot.plugins import unused_name
+
+COMPACT_M, BULKY_M = 0.05, 0.6  # [m], radii of gyration of a steel block and of a bulky workpiece, assumed
+LIGHT = 0.01  # of the largest payload, assumed: what is lighter is a part of a tool
+FARTHEST_M = (
+    np.sqrt(3) * BULKY_M
+)  # [m], centre of a uniform rod from its end, which is bolted on: L/2 with k = L/sqrt(12)
+
+
+class PayloadMass(GeometryAndMass):
+    """What is bolted on is heavier or lighter than written down."""
+
+    name = "payload_mass"
+    title = "mass of the payload"
+    between = "anew"
+    physics = "The mass bolted to the load point is (1 + x) of what the lab states; weights that hang are not meant."
+    source = f"{SWEVERS}; range: DESIGN 6, 1 to 10 %"
+    parameters = (Parameter("change", "", 0.0, 0.01, 0.1, "of the mass, relative", signed=True, least=LIGHTEST),)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        change = values["change"]
+
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            scale_mass(spec.body(robot.figures.load_body), 1 + change)
+
+        return edit if change else None
+
+
+def _first_moment(axis: str) -> Parameter:
+    return Parameter(
+        f"moment_{axis}",
+        "kg m",
+        0.0,
+        LIGHT * COMPACT_M,
+        1.0,
+        f"s_{axis}; range for a largest mass of 1 kg, whose weight has the rated moment with a lever of 1 m",
+        signed=True,
+        quotient=Quotient("mass", axis, "m", f"centre of mass beside the load point along {axis}, s_{axis}/m"),
+    )
+
+
+class UnstatedPayload(GeometryAndMass):
+    """The robot carries something that nobody wrote down."""
+
+    name = "unstated_payload"
+    title = "payload that is not stated"
+    between = "anew"
+    physics = (
+        "A body is bolted on beside what the campaign states: mass m, centre of mass s/m from the load point in the "
+        f"axes of the load body (no farther than {FARTHEST_M:.2f} m), moment of inertia J about every axis through its "
+        "centre."
+    )
+    source = (
+        f"{SWEVERS} (payload identification by first moments); range: up to `uncertainty.payload_kg` of the robot's "
+        "figures, by default the rated load; first moments up to the rated moment, as load diagrams have it (ABB IRB "
+        "4600: 60 kg up to 0.18 m beyond and 0.2 m beside the flange)"
+    )
+    parameters = (
+        Parameter("mass", "kg", 0.0, LIGHT, 1.0, "m; range as a part of the largest payload that may be there"),
+        Parameter("inertia", "kg m^2", 0.0, LIGHT * COMPACT_M**2, BULKY_M**2, "J; range for a largest mass of 1 kg"),
+        *(_first_moment(axis) for axis in "xyz"),
+    )
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return the robot, unless its figures say that no recording leaves a payload unstated."""
+        return (WHOLE,) if _largest_payload(compiled) > 0 else ()
+
+    def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
+        """Return the parameters with the range of a robot."""
+        largest, lever = _largest_payload(compiled), rated_lever(compiled)
+        return tuple(
+            replace(p, low=largest * p.low, high=largest * p.high * (lever if p.quotient else 1.0))
+            for p in self.parameters
+        )
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        mass, inertia = values["mass"], values["inertia"]
+        centre = _centre(mass, np.array([values[f"moment_{axis}"] for axis in "xyz"]))
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            load = spec.body(robot.figures.load_body)
+            # a body of its own: the load body's centre of mass has to stay in the load point, where wrenches act
+            carried = load.add_body(name=unused_name(spec, "payload"), pos=np.array(load.ipos) + centre)
+            carried.mass, carried.inertia, carried.explicitinertial = mass, np.full(3, inertia), True
+            carried.ipos, carried.iquat = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+
+        return change if mass or inertia else None
+
+
+def _centre(mass: float, moment: Array) -> Array:
+    """Return where a body with a first moment [kg m] has its centre, shape (3,) [m]; no farther than bodies go."""
+    length = float(np.linalg.norm(moment))
+    if length == 0 or mass == 0:
+        return np.zeros(3)
+    centre: Array = moment / max(mass, length / FARTHEST_M)
+    return centre
+
+
+def rated_lever(compiled: CompiledRobot) -> float:
+    """Return how far from the load point the rated load may have its centre [m]: rated moment by rated force."""
+    rating = compiled.robot.figures.rating
+    return rating.moment_nm / rating.force_n
+
+
+def _largest_payload(compiled: CompiledRobot) -> float:
+    """Return the largest payload that a recording may leave unstated [kg]."""
+    figures = compiled.robot.figures
+    stated = figures.uncertainty.payload_kg
+    return figures.rating.force_n / STANDARD_GRAVITY if stated is None else stated
+
+
+class PayloadCom(GeometryAndMass):
+    """The payload's centre of mass is not in the load point."""
+
+    name = "payload_com"
+    title = "centre of mass of the payload"
+    between = "anew"
+    physics = (
+        "The mass bolted on hangs beside the load point by (x, y, z) in the axes of the load body: moment m g x offset."
+    )
+    source = f"{SWEVERS}; range: DESIGN 6, 5 to 30 mm"
+    parameters = tuple(Parameter(axis, "m", 0.0, 5e-3, 30e-3, f"offset along {axis}", signed=True) for axis in "xyz")
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        offset = vector_of(values)
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            load = spec.body(robot.figures.load_body)
+            if load.mass == 0:
+                return
+            # a body of its own: the load body's centre of mass has to stay in the load point, where wrenches act
+            moved = load.add_body(name=unused_name(spec, "payload"), pos=np.array(load.ipos) + offset)
+            moved.mass, moved.inertia, moved.explicitinertial = load.mass, np.array(load.inertia), True
+            moved.ipos, moved.iquat = np.zeros(3), np.array(load.iquat)
+            load.mass, load.inertia, load.explicitinertial = 0.0, np.zeros(3), True
+
+        return change if np.any(offset) else None
