@@ -58,8 +58,8 @@ def write_kr300(file: Path, rng: np.random.Generator, seconds: float = 10.0) -> 
     for name, sizes in KR300_TRUTH.items():
         effect = effects[name]
         for place in effect.places(nominal):
-            values = {key: np.broadcast_to(size, 6)[place.index] for key, size in sizes.items()}
-            edit = effect.edit(place, {key: float(value) for key, value in values.items()}, Conditions.reference(6))
+            values = {key: float(np.broadcast_to(size, 6)[place.index]) for key, size in sizes.items()}
+            edit = effect.edit(place, effect.complete(values), Conditions.reference(6))
             edits += [edit] if edit else []
     time = np.arange(0, seconds, 4e-3)
     rate, size = np.array([0.9, 1.3, 1.1, 1.5, 1.7, 1.9]), np.array([0.4, 0.25, 0.3, 0.5, 0.3, 0.6])
