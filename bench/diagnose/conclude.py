@@ -126,7 +126,8 @@ def _step(finding: Finding) -> Step:
     reason = f"held-out {gain.by}s {'become' if gain.is_gain else 'do not become'} more probable"
     if gain.is_gain and not finding.is_taken:
         reason = (
-            "beside the others its evidence is no more than chance, or what these are simulated wrong by, brings about"
+            "beside the others its evidence is no more than what chance, errors of what these are simulated to, or the "
+            "scatter between runs brings about"
         )
     named = (_named(finding.cause, finding.fit),)
     known = (finding.log_evidence, gain.nats, gain.low, gain.high, finding.is_taken, reason, gain.channels)

@@ -1,5 +1,6 @@
 """A short blind run: hidden by the simulation in time, found by the replay, with few effects to choose from."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,6 +9,8 @@ import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.extend import relinearise
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.name import selection
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Naming, posterior_of, with_probabilities
 from bench.diagnose.name.search import Alternative, Subset
@@ -29,6 +32,19 @@ def test_hidden_effect_is_named_in_its_joint(name: str, value: float) -> None:
     assert verdict.kind in ("cause", "several causes")
     named = [(cause.effect, cause.place) for e in verdict.explanations for cause in e.causes]
     assert (name, "joint 2" if name == "coulomb_level" else "robot") in named
+
+
+def test_a_finding_on_whose_size_runs_disagree_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    def scattered(linear: object, fit: Fit) -> Fit:
+        return replace(fit, covariance=1e6 * fit.covariance)
+
+    monkeypatch.setattr(selection, "with_jackknife", scattered)
+    verdict = found({"gas_loss": 0.15}, seed=3).verdict
+    assert verdict.kind == "nothing found"
+    refused = [step for step in verdict.steps if step.added[0].effect == "gas_loss"]
+    assert refused
+    assert not refused[0].accepted
+    assert "scatter between runs" in refused[0].reason
 
 
 def test_null_data_give_nothing_found() -> None:

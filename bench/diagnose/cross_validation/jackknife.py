@@ -10,9 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
 
 from bench.diagnose.cross_validation.folds import ALONE, folds_of
-from bench.diagnose.cross_validation.leave_out import Tangent, step_without, tangent_of
+from bench.diagnose.cross_validation.leave_out import Tangent, tangent_of
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.record.campaign import Array
@@ -30,14 +31,17 @@ def with_jackknife(linear: LinearisedModel, fit: Fit) -> Fit:
     """
     if not len(fit.values):
         return fit
-    variance = jackknife_variance(tangent_of(linear, fit), *folds_of(linear).of_rows(linear))
-    stated, found = np.diag(fit.covariance), variance[len(fit.nuisances) :]
-    wider = np.sqrt(np.maximum(found / stated, 1.0, where=stated > 0, out=np.ones_like(stated)))
+    p = len(fit.nuisances)
+    variance = jackknife_variance(tangent_of(linear, fit), *folds_of(linear).of_rows(linear), p)
+    stated = np.diag(fit.covariance)
+    wider = np.sqrt(np.maximum(variance / stated, 1.0, where=stated > 0, out=np.ones_like(stated)))
     return replace(fit, covariance=fit.covariance * np.outer(wider, wider))
 
 
-def jackknife_variance(tangent: Tangent, row_fold: NDArray[np.int64], row_gap: NDArray[np.bool_]) -> Array:
-    """Return the variance of all parameters by leaving out fold after fold, shape (p + k,).
+def jackknife_variance(
+    tangent: Tangent, row_fold: NDArray[np.int64], row_gap: NDArray[np.bool_], first: int = 0
+) -> Array:
+    """Return the variance of parameters by leaving out fold after fold, shape (p + k - first,).
 
     What priors hold a parameter back by does not show between folds; its variance is added. 0 where one fold shows
     nearly all that is known of a parameter.
@@ -46,14 +50,19 @@ def jackknife_variance(tangent: Tangent, row_fold: NDArray[np.int64], row_gap: N
         tangent: A fit in the linearised model.
         row_fold: Shape (m,), of each reading.
         row_gap: Shape (m, K), readings that are left out beside each of K folds.
+        first: Index of the first parameter that is asked for.
     """
-    every, count = np.arange(tangent.jacobian.shape[1]), row_gap.shape[1]
-    known = np.linalg.inv(tangent.precision)
-    steps, is_alone = [], np.zeros(len(every), dtype=bool)
+    size, count = tangent.jacobian.shape[1], row_gap.shape[1]
+    asked = np.eye(size)[:, first:]
+    known = cho_solve(cho_factor(tangent.precision), asked)
+    own = known[np.arange(first, size), np.arange(size - first)]
+    scatter, is_alone = np.zeros(size - first), np.zeros(size - first, dtype=bool)
     for f in range(count):
-        step, rest = step_without(tangent, tangent.white, (row_fold == f) | row_gap[:, f], every)
-        steps.append(step)
-        is_alone |= np.diag(known) < (1 - ALONE) * np.diag(np.linalg.inv(rest))
-    scatter = (count - 1) / count * np.sum(np.square(steps), axis=0)
+        absent = (row_fold == f) | row_gap[:, f]
+        gone = tangent.jacobian[absent]
+        rest = cho_factor(tangent.precision - gone.T @ gone)
+        scatter += (cho_solve(rest, gone.T @ tangent.white[absent])[first:]) ** 2
+        without = cho_solve(rest, asked)[np.arange(first, size), np.arange(size - first)]
+        is_alone |= own < (1 - ALONE) * without
     prior = np.diag(tangent.precision) - np.einsum("ij,ij->j", tangent.jacobian, tangent.jacobian)
-    return np.where(is_alone, 0.0, scatter + known**2 @ np.maximum(prior, 0.0))
+    return np.where(is_alone, 0.0, (count - 1) / count * scatter + np.maximum(prior, 0.0) @ known**2)

@@ -68,7 +68,7 @@ def log_probability_of_folds(linear: LinearisedModel, tangent: Tangent, folds: F
     found = np.empty(len(folds))
     for f in range(len(folds)):
         mine = row_fold == f
-        step, rest = step_without(tangent, tangent.white, mine | row_gap[:, f], free)
+        step, rest = _step(tangent, tangent.white, mine | row_gap[:, f], free)
         own = tangent.jacobian[mine]
         volume = float(np.sum(tangent.log_determinants[mine]))
         found[f] = volume + _log_density(tangent.white[mine] - own @ step, own, rest)
@@ -113,7 +113,7 @@ def errors_of_folds(linear: LinearisedModel, fit: Fit, tangent: Tangent, folds: 
     row_fold, row_gap = folds.of_rows(linear)
     error = np.where(measured(linear), fit.residual, np.nan)
     for f in range(len(folds)):
-        step, _ = step_without(tangent, white, (row_fold == f) | row_gap[:, f], free)
+        step, _ = _step(tangent, white, (row_fold == f) | row_gap[:, f], free)
         moved = clamp.copy()
         moved[free] += step
         if folds.recordings:
@@ -124,9 +124,7 @@ def errors_of_folds(linear: LinearisedModel, fit: Fit, tangent: Tangent, folds: 
     return error
 
 
-def step_without(
-    tangent: Tangent, white: Array, absent: NDArray[np.bool_], free: NDArray[np.int64]
-) -> tuple[Array, Array]:
+def _step(tangent: Tangent, white: Array, absent: NDArray[np.bool_], free: NDArray[np.int64]) -> tuple[Array, Array]:
     """Return the step of free parameters without some readings, shape (q,), and the precision that is left, (q, q).
 
     Args:

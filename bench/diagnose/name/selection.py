@@ -16,6 +16,7 @@ from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
+from bench.diagnose.extend.size import NORMAL_95, size_of
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
@@ -69,7 +70,13 @@ def name_cause(
         selection.run()
     except Stopped as stopped:
         return selection.naming(str(stopped))
-    return selection.naming()
+    naming = selection.naming()
+    return replace(naming, models=tuple(_with_scatter(model, naming.linear) for model in naming.models))
+
+
+def _with_scatter(model: Model, linear: LinearisedModel) -> Model:
+    """Return a model with standard errors that count how much runs disagree on its sizes."""
+    return replace(model, fit=with_jackknife(model.linear(linear), model.fit))
 
 
 @dataclass(eq=False)
@@ -99,7 +106,7 @@ class _Selection:
 
     def naming(self, stopped: str = "") -> Naming:
         """Return what was found."""
-        models = tuple(self._with_scatter(model) for model in self.models if model.keys)
+        models = tuple(model for model in self.models if model.keys)
         is_null = not self.best.keys
         kind: Kind = "cause" if len(self.best.causes) == 1 else "several causes"
         if self.best.shape:
@@ -119,10 +126,6 @@ class _Selection:
             promising=self.promising if stopped else (),
             stopped=stopped,
         )
-
-    def _with_scatter(self, model: Model) -> Model:
-        """Return a model with standard errors that count the scatter of its sizes between runs."""
-        return replace(model, fit=with_jackknife(model.linear(self.linear), model.fit))
 
     def _groups(self, ranked: Sequence[Finding]) -> tuple[AmbiguityGroup, ...]:
         """Return what could stand in the place of each listed finding of the best model, the surest finding first."""
@@ -270,13 +273,15 @@ class _Selection:
         """Return what causes of the best model are worth beside the others, if there is a balance without them."""
         best, found = self.best.fit, dict[Hashable, Finding]()
         error = SimulationError(self.linear, self.null, self.best)
+        as_stated = _with_scatter(self.best, self.linear).fit
         for cause in causes:
             try:
                 without = self._without(cause)
             except NOT_SIMULATED:
                 continue
             gain = held_out(self.best.linear(self.linear), without, best)
-            pays = gain.is_gain and error.is_needed(without, self.screening.threshold)
+            is_clear = size_of(cause, as_stated).sigmas > NORMAL_95  # else runs disagree whether there is anything
+            pays = gain.is_gain and is_clear and error.is_needed(without, self.screening.threshold)
             found[cause.key] = Finding(cause, best, rise_of(best, without), gain, pays)
         return found
 
