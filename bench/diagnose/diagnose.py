@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 from bench.diagnose.baseline.comparison import Baseline, baseline_of
 from bench.diagnose.conclude import unfinished_of, verdict_of
 from bench.diagnose.cross_validation.held_out import HeldOut, PredictedError, held_out
+from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.cross_validation.next_recording import predicted_error
 from bench.diagnose.experiment_design.propose import propose
 from bench.diagnose.experiment_design.undetectable import undetectable_effects
@@ -71,7 +72,8 @@ def extension_of(naming: Naming, discrepancy: Discrepancy | None) -> Fit | None:
     if best.shape is None:
         return best.fit
     beside = best.listed_fit(naming.linear)  # what was fitted beside a shape that is not handed over
-    return refit(naming.linear, beside.causes, beside.start, beside.nuisances, beside)
+    alone = refit(naming.linear, beside.causes, beside.start, beside.nuisances, beside)
+    return with_jackknife(naming.linear, alone)
 
 
 def diagnose(

@@ -12,12 +12,17 @@ from bench.effects.fitted import entry_of
 def posterior_of(linear: LinearisedModel, fit: Fit) -> Posterior:
     """Return what a fit knows, shapes of findings and what belongs to the campaign alone integrated out.
 
+    Sizes of findings are as uncertain as the fit states them, which may count how runs disagree (`jackknife.py`).
+
     Args:
         linear: The campaign.
         fit: To all of it.
     """
     covariance = np.linalg.inv(tangent_of(linear, fit).precision)
-    p, found, which, width = len(fit.nuisances), [], [], []
+    p = len(fit.nuisances)
+    more = np.diag(fit.covariance) - np.diag(covariance)[p:]
+    covariance[p:, p:] += np.diag(np.maximum(more, 0.0))
+    found, which, width = [], [], []
     for i, nuisance in enumerate(linear.nuisances):
         if is_simulated(nuisance) and nuisance.recording is None:
             value = float(fit.nuisances[i]) * nuisance.sigma
