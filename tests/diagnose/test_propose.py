@@ -1,13 +1,14 @@
 """The next experiment: expected evidence in closed form, and twins of a small campaign that an instrument splits."""
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from bench.diagnose.experiment_design.experiments import experiments_for
 from bench.diagnose.experiment_design.preposterior import Expectation, expected_log_bayes_factor, narrowing
-from bench.diagnose.experiment_design.propose import MOST_PROPOSALS, propose
+from bench.diagnose.experiment_design.propose import MOST_PROPOSALS, name_of, propose
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
@@ -144,3 +145,21 @@ def test_experiments_stay_within_the_robot(twins: Twins) -> None:
             moved = np.abs(np.diff(motion.q, axis=0)).max(axis=0) > 0
             if not segment.is_static:
                 np.testing.assert_array_equal(moved, ~segment.standing)
+
+
+class Named(SimpleNamespace):
+    """A cause that has a name alone."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(key=name)
+
+    def __str__(self) -> str:
+        return str(self.key)
+
+
+def test_explanations_are_told_apart_by_what_they_do_not_share() -> None:
+    """With twenty causes in common, the two that differ were lost in forty names."""
+    one, two, three = (SimpleNamespace(causes=tuple(Named(name) for name in names)) for names in ("ab", "ac", "a"))
+    assert (name_of(one, two), name_of(two, one)) == ("b", "c")  # type: ignore[arg-type]
+    assert (name_of(one, three), name_of(three, one)) == ("b", "none of it")  # type: ignore[arg-type]
+    assert name_of(one) == "a and b"  # type: ignore[arg-type]

@@ -34,7 +34,8 @@ class Proposal:
 
     Attributes:
         experiment: In words: pose, speed, load, dwell, or an instrument.
-        splits: Names of the two explanations that it tells apart best; of one that stands alone, its name and "".
+        splits: What either of the two explanations that it tells apart best has and the other has not; of one that
+            stands alone, its name and "".
         separation: Expected log Bayes factor between the two, if the one that it favours less is true. Of one alone,
             the logarithm of the factor by which the standard deviation of its least known parameter shrinks.
         today: The same with the data at hand; 0 for one alone.
@@ -113,7 +114,7 @@ def _rate(words: str, family: str, fits: Sequence[Fit], expectations: Sequence[E
     one, two = (fits[i] for i in pairs[best])
     proposal = Proposal(
         experiment=words,
-        splits=(name_of(one), name_of(two)),
+        splits=(name_of(one, two), name_of(two, one)),
         separation=apart[best],
         today=abs(one.log_evidence - two.log_evidence),
     )
@@ -134,6 +135,7 @@ def _rate_narrowing(words: str, family: str, fit: Fit, expectation: Expectation)
     return Rated(Proposal(words, (name_of(fit), ""), gain, 0.0, narrows), family, (gain, gain))
 
 
-def name_of(fit: Fit) -> str:
-    """Return an explanation in words."""
-    return " and ".join(str(cause) for cause in fit.causes)
+def name_of(fit: Fit, other: Fit | None = None) -> str:
+    """Return an explanation in words; against another one, what that has not."""
+    shared = {cause.key for cause in other.causes} if other else set()
+    return " and ".join(str(cause) for cause in fit.causes if cause.key not in shared) or "none of it"

@@ -206,10 +206,11 @@ def error_of(error: PredictedError) -> tuple[str, str, str]:
 
 
 def error_text(error: PredictedError) -> str:
-    """Return an expected error in a line: "link angle 1: 0.0082 deg (0.0041 to 0.0170)"."""
+    """Return an error in a line: "link angle 1: 0.0082 deg, and 0.0041 to 0.0170 deg in the next recording"."""
     rms, low, high = error_of(error)
-    interval = f" ({low} to {high})" if np.isfinite(error.low) else ""
-    return f"{channel_name(error.channel)}: {rms} {unit_name(error.unit)}{interval}"
+    unit = unit_name(error.unit)
+    interval = f", and {low} to {high} {unit} in the next recording" if np.isfinite(error.low) else ""
+    return f"{channel_name(error.channel)}: {rms} {unit}{interval}"
 
 
 def percent(share: float) -> str:

@@ -112,7 +112,7 @@ def _gain(verdict: Verdict) -> Iterator[str]:
 def _predicted(verdict: Verdict) -> Iterator[str]:
     drives = [p for p in verdict.predicted if p.kind == "motion" and p.channel.startswith(("current", "tau_motor"))]
     if drives:
-        yield "Expected of the next recording in motion, root mean square of what the model leaves (90 % interval):"
+        yield "What the model leaves in motion, root mean square, and what it promises of the next recording (90 %):"
     for one in drives:
         yield f"  {error_text(one)}"
 

@@ -232,9 +232,9 @@ def test_nothing_found_says_what_would_have_been() -> None:
 
 def test_what_to_expect_is_in_the_unit_that_stands_beside_it() -> None:
     error = PredictedError("q_link_1_rad", "rad", "motion", 4, 1.9e-4, 1.1e-4, 3.3e-4)
-    assert error_text(error) == "link angle 1: 0.0109 deg (0.0063 to 0.0189)"
+    assert error_text(error) == "link angle 1: 0.0109 deg, and 0.0063 to 0.0189 deg in the next recording"
     force = replace(error, channel="tau_motor_1_n", unit="N", rms=4.48, low=2.61, high=6.94)
-    assert error_text(force) == "motor force 1: 4.48 N (2.61 to 6.94)"
+    assert error_text(force) == "motor force 1: 4.48 N, and 2.61 to 6.94 N in the next recording"
 
 
 def test_a_remainder_without_a_shape_is_said() -> None:
