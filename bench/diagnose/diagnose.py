@@ -44,7 +44,7 @@ from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
-FALSE_ALARM_RATE = 0.01  # declared: of the whole catalogue at once, declared where the caller declares no other
+FALSE_ALARM_RATE = 0.01  # declared: of the whole catalogue at once, where the caller declares no other
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Logs as robots give them: separators, no header, windows, long logs, other rates, several clocks."""
+"""Logs as robots give them: separators, no header, windows, long logs."""
 
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,6 @@ from bench.errors import CampaignError, InputError
 from bench.record.convert import convert
 from bench.record.log_format import LogFormat, read_log_format
 from bench.record.logs.dialect import Dialect, guess_dialect, read_log_table
-from bench.record.table import read_table
 from tests.record.test_convert import log
 
 JOINTS = 3
@@ -183,65 +182,6 @@ def test_a_long_log_is_split_where_the_robot_stands(tmp_path: Path) -> None:
     np.testing.assert_allclose([run.columns["time_s"][-1] for run in runs], [2.5, 4.9], atol=0.03)
 
 
-def test_resampling_keeps_what_is_slow_and_removes_what_is_fast(tmp_path: Path) -> None:
-    """A sine of 3 Hz stays to 0.1 %, one of 180 Hz, which would fold down to 20 Hz, is gone to 0.1 %."""
-    time = np.arange(2000) / RATE
-    slow, fast = np.sin(2 * np.pi * 3 * time), np.sin(2 * np.pi * 180 * time)
-    rows = "".join(f"{t:.7f},{a + b:.7f}\n" for t, a, b in zip(time, slow, fast, strict=True))
-    (run,) = convert(log(tmp_path, "x.csv", "t,q\n" + rows), layout(resample={"rate_hz": 100}), "mine").campaign.runs
-    clock, inner = run.columns["time_s"], slice(20, -20)
-    np.testing.assert_allclose(np.diff(clock), 0.01, atol=1e-12)
-    expected = np.sin(2 * np.pi * 3 * clock)
-    np.testing.assert_allclose(run.columns["q_motor_1_rad"][inner], expected[inner], atol=2e-3)
-
-
-def test_stamps_that_jitter_are_made_even(tmp_path: Path) -> None:
-    """The first pass cuts a run where a step differs by 5 %; it found nothing in such a log."""
-    time = np.arange(2000) / RATE + np.random.default_rng(2).uniform(-2e-4, 2e-4, 2000)
-    rows = "".join(f"{t:.7f},{np.sin(6 * t):.7f}\n" for t in time)
-    (run,) = convert(log(tmp_path, "x.csv", "t,q\n" + rows), layout(resample={"rate_hz": RATE}), "mine").campaign.runs
-    clock = run.columns["time_s"]
-    np.testing.assert_allclose(np.diff(clock), 0.002, atol=1e-12)
-    np.testing.assert_allclose(run.columns["q_motor_1_rad"], np.sin(6 * (clock + time[0])), atol=6**2 * 0.0024**2 / 8)
-
-
-def test_lost_samples_are_not_bridged(tmp_path: Path) -> None:
-    time = np.concatenate([np.arange(0, 1, 0.01), np.arange(3, 4, 0.01)])
-    rows = "".join(f"{t:.2f},{t:.4f}\n" for t in time)
-    converted = convert(log(tmp_path, "x.csv", "t,q\n" + rows), layout(resample={"rate_hz": 50}), "mine").campaign
-    assert [round(run.start_s, 3) for run in converted.runs] == [0, 3]
-    assert "Resampled to 50 Hz" in converted.notes
-    assert "20 Hz" in converted.notes  # the filter is stated
-
-
-def test_slow_columns_with_empty_cells(tmp_path: Path) -> None:
-    text = "t,q,temp\n0,0.1,\n1,0.2,20\n2,0.3,\n3,0.4,\n4,0.5,26\n"
-    columns = {"time_s": {"from": "t"}, "q_motor_1_rad": {"from": "q"}}
-    for how, expected in (("hold", [20, 20, 20, 20, 26]), ("line", [20, 20, 22, 24, 26])):
-        slow = {"gear_temperature_1_k": {"from": "temp", "offset": 273.15, "fill": how}}
-        form = LogFormat.model_validate({"columns": columns | slow})
-        (run,) = convert(log(tmp_path, "x.csv", text), form, "mine").campaign.runs
-        np.testing.assert_allclose(run.columns["gear_temperature_1_k"], np.array(expected) + 273.15)
-
-
-def test_another_table_with_its_own_clock(tmp_path: Path) -> None:
-    log(tmp_path, "a.csv", "t,q\n" + "".join(f"{10 + k * 0.004:.3f},{k * 1e-3:.4f}\n" for k in range(500)))
-    log(tmp_path, "a_force.csv", "ms;fz\n" + "".join(f"{9990 + 20 * k};{k}\n" for k in range(110)))
-    tables = {"force": {"file": "*_force.csv", "time_s": {"from": "ms", "factor": 1e-3}, "table": {"separator": ";"}}}
-    columns = {
-        "time_s": {"from": "t"},
-        "q_motor_1_rad": {"from": "q"},
-        "force_z_n": {"from": "fz", "table": "force", "factor": -1},
-    }
-    form = LogFormat.model_validate({"columns": columns, "tables": tables})
-    (run,) = convert(tmp_path, form, "mine").campaign.runs
-    expected = -(run.columns["time_s"] + 0.01) / 0.02
-    np.testing.assert_allclose(run.columns["force_z_n"], expected, atol=1e-9)
-    log(tmp_path, "a_force.csv", "ms;fz\n" + "".join(f"{9990 + 20 * k};{k}\n" for k in range(11)))
-    with pytest.raises(CampaignError, match=r"fz of force: no value.*other table has no readings"):
-        convert(tmp_path, form, "mine")
-
-
 @given(
     rows=st.integers(3, 30),
     columns=st.integers(2, 12),
@@ -289,39 +229,11 @@ def test_a_window_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "1 runs, 101 rows" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("stamp", ["{}", "{}Z", "{}+02:00", "{}-05:30"])
-@pytest.mark.parametrize("between", ["T", " "])
-def test_a_clock_of_dates(tmp_path: Path, stamp: str, between: str) -> None:
-    moments = [f"2024-12-31{between}23:59:59.900", f"2025-01-01{between}00:00:00", f"2025-01-01{between}00:00:00.1"]
-    rows = "".join(f"{stamp.format(moment)};{0.1 * k:.1f}\n" for k, moment in enumerate(moments))
-    form = layout(table={"separator": ";"})
-    (run,) = convert(log(tmp_path, "x.csv", "t;q\n" + rows), form, "mine").campaign.runs
-    np.testing.assert_allclose(run.columns["time_s"], [0, 0.1, 0.2], atol=1e-6)
-    with pytest.raises(CampaignError, match=r"2024-13-31.*is no number"):
-        convert(log(tmp_path, "y.csv", "t;q\n" + rows.replace("2024-12", "2024-13")), form, "mine")
-
-
-def test_a_log_without_a_clock(tmp_path: Path) -> None:
-    form = LogFormat.model_validate({"columns": {"time_s": {"rate_hz": 500}, "q_motor_1_rad": {"from": "q"}}})
-    (run,) = convert(log(tmp_path, "x.csv", "q,z\n0.1,0\n0.2,0\n0.3,0\n"), form, "mine").campaign.runs
-    np.testing.assert_allclose(run.columns["time_s"], [0, 0.002, 0.004])
-
-
 def test_columns_by_number_below_a_header(tmp_path: Path) -> None:
     form = LogFormat.model_validate({"columns": {"time_s": {"from": "1"}, "q_motor_1_rad": {"from": "3"}}})
     converted = convert(log(tmp_path, "x.csv", "t,q,q2\n0,1,5\n1,2,6\n"), form, "mine")
     np.testing.assert_array_equal(converted.campaign.runs[0].columns["q_motor_1_rad"], [5, 6])
     assert converted.unused == {"x.csv": ("q",)}
-
-
-def test_parquet_with_dates(tmp_path: Path) -> None:
-    """A campaign's own table refuses dates; of a log they are the clock. A column of words is not asked for."""
-    stamps = pa.array(1_700_000_000_000_000 + 2000 * np.arange(4), pa.timestamp("us"))
-    content = {"t": stamps, "q": [0.1, 0.2, 0.3, 0.4], "word": ["a", "b", "c", "d"]}
-    parquet.write_table(pa.table(content), tmp_path / "x.parquet")
-    (run,) = convert(tmp_path, layout(), "mine").campaign.runs
-    np.testing.assert_allclose(run.columns["time_s"], [0, 0.002, 0.004, 0.006], atol=1e-6)
-    assert "holds timestamp" in str(read_table(tmp_path, "x.parquet").findings[0])
 
 
 def test_parquet(tmp_path: Path) -> None:

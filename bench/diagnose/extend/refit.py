@@ -8,7 +8,7 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit, Key, Unknown, is_simulated, play_of, unknowns_of, world_of
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.first_order import FirstOrder
-from bench.diagnose.linearise.linearised_model import LinearisedModel, is_same_play, with_play
+from bench.diagnose.linearise.linearised_model import LinearisedModel, scatters_alike, with_play
 from bench.diagnose.replay.world import World, moves
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
@@ -97,7 +97,7 @@ def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _P
     for _ in range(MOST_PLAYS):
         fit = _fitted(with_play(linear, play), causes, point)
         found = play_of(linear, causes, unknowns, fit.values)
-        if is_same_play(found, play):
+        if scatters_alike(found, play):
             break
         play, point = found, _point_of(fit)
     return fit

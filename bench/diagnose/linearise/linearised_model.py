@@ -178,7 +178,7 @@ def raised(linear: LinearisedModel, factors: Array) -> LinearisedModel:
 
 def with_play(linear: LinearisedModel, play: Array) -> LinearisedModel:
     """Return the design with gears that have play, shape (n,) [rad] or [m]: links may rest anywhere within it."""
-    same = is_same_play(play, linear.scatter.play)
+    same = scatters_alike(play, linear.scatter.play)
     return linear if same else with_scatter(linear, replace(linear.scatter, play=play))
 
 
@@ -187,8 +187,8 @@ def with_scatter(linear: LinearisedModel, scatter: Scatter) -> LinearisedModel:
     return _reassembled(linear, linear.weighed, scatter)
 
 
-def is_same_play(one: Array, other: Array) -> bool:
-    """Whether two plays, shape (n,) each, scatter links alike."""
+def scatters_alike(one: Array, other: Array) -> bool:
+    """Whether two plays, or two sets of friction levels, of the same shape scatter links alike."""
     return bool(np.all(np.abs(one - other) <= SAME_PLAY * np.maximum(one, other)))
 
 
@@ -212,7 +212,7 @@ def roughened(
     return _reassembled(linear, segments, linear.scatter)
 
 
-def about(linear: LinearisedModel, world: World, play: Array) -> LinearisedModel:
+def with_friction_of(linear: LinearisedModel, world: World, play: Array) -> LinearisedModel:
     """Return the design with the friction and the play of a world: what it holds at rest, and how that scatters.
 
     Args:
@@ -228,7 +228,7 @@ def about(linear: LinearisedModel, world: World, play: Array) -> LinearisedModel
     names = [str(nuisance) for nuisance in linear.nuisances]
     new = relinearised(linear, [names.index(str(nuisance)) for nuisance in held], changes)
     levels = levels_of(linear.replay.robot(world), traces)
-    if is_same_play(play, linear.scatter.play) and is_same_play(levels, linear.scatter.levels):
+    if scatters_alike(play, linear.scatter.play) and scatters_alike(levels, linear.scatter.levels):
         return new
     return with_scatter(new, replace(linear.scatter, play=play, levels=levels))
 

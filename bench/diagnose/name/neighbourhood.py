@@ -9,8 +9,7 @@ from bench.diagnose.extend.fit import is_simulated, pseudo_residual
 from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import blocks_of
 from bench.diagnose.linearise.lack_of_fit import missed, unexplained
-from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, relinearised
-from bench.diagnose.linearise.linearised_model import about as linearised_about
+from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, relinearised, with_friction_of
 from bench.diagnose.linearise.screening import Screening, Tried, screen, tried_of
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
 from bench.diagnose.name.models import Model, without_shape
@@ -86,7 +85,7 @@ class Neighbourhood:
         fit, count = model.fit, len(linear.nuisances)
         nominal = model.linear(linear)
         world = fit.world(nominal)
-        own, before = linearised_about(nominal, world, fit.play), self._changes
+        own, before = with_friction_of(nominal, world, fit.play), self._changes
         causes = causes_of(self.catalogue.values(), own.replay.robot(world), self.measured, self.recorded)
         taken = {cause.key for cause in fit.causes}
         if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:

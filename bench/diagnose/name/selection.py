@@ -65,12 +65,12 @@ def name_cause(
         progress: Called with what is done next.
         executor: Where to fit.
     """
-    selection = _Selection(linear, screening, renew, progress, executor)
+    selection, why = _Selection(linear, screening, renew, progress, executor), ""
     try:
         selection.run()
     except Stopped as stopped:
-        return selection.naming(str(stopped))
-    naming = selection.naming()
+        why = str(stopped)
+    naming = selection.naming(why)
     return replace(naming, models=tuple(_with_scatter(model, naming.linear) for model in naming.models))
 
 

@@ -7,8 +7,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from bench.robot.addresses import addresses_of
 from bench.robot.checks import faulty_roles
-from bench.robot.compiled import addresses_of
 from bench.robot.folder import Robot
 from bench.robot.patching.numbers import PATCHES, UNSET_LENGTH, NotPatchableError, Patch, set_frames
 from bench.robot.patching.overlay import SpecOverlay

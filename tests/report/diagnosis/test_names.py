@@ -1,0 +1,106 @@
+"""How numbers, units, channels and places are called."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bench.diagnose.verdict import ParameterValue, PredictedError
+from bench.report.diagnosis.names import (
+    cause_name,
+    channel_name,
+    error_text,
+    gain_percent,
+    meaning_of,
+    parameter_text,
+    percent,
+    shown,
+)
+from tests.report.diagnosis.made import GAS
+
+
+def test_what_to_expect_is_in_the_unit_that_stands_beside_it() -> None:
+    error = PredictedError("q_link_1_rad", "rad", "motion", 4, 1.9e-4, 1.1e-4, 3.3e-4)
+    assert error_text(error) == "link angle 1: 0.0109 deg, and 0.0063 to 0.0189 deg in the next recording"
+    force = replace(error, channel="tau_motor_1_n", unit="N", rms=4.48, low=2.61, high=6.94)
+    assert error_text(force) == "motor force 1: 4.48 N, and 2.61 to 6.94 N in the next recording"
+
+
+@pytest.mark.parametrize(
+    ("column", "name"),
+    [
+        ("current_2_a", "motor current 2"),
+        ("tau_motor_3_nm", "motor torque 3"),
+        ("tau_motor_1_n", "motor force 1"),
+        ("q_link_2_m", "link position 2"),
+        ("reflector_1_x_m", "reflector 1 x"),
+        ("gas_pressure_pa", "gas pressure"),
+        ("oil_level_m", "oil_level_m"),
+    ],
+)
+def test_channels_have_names(column: str, name: str) -> None:
+    assert channel_name(column) == name
+
+
+@pytest.mark.parametrize(
+    ("words", "meaning"),
+    [
+        ("f_C; range for a drive of 10 kNm", "f_C"),
+        ("range for a drive of 10 kNm", ""),
+        ("s; 10 to 60 arcsec", "s; 10 to 60 arcsec"),
+    ],
+)
+def test_the_range_of_another_drive_is_not_told(words: str, meaning: str) -> None:
+    assert meaning_of(ParameterValue("level", 20.0, 19.0, 21.0, "N", words)) == meaning
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "unit", "text"),
+    [
+        (0.1326, 0.1127, 0.1525, "", "x 0.133 (0.113 to 0.152)"),
+        (3.1e-4, 2.2e-4, 4.0e-4, "rad", "x 0.0178 deg (0.0126 to 0.0229)"),
+        (2.9e-3, 1.2e-3, 4.6e-3, "m", "x 2.9 mm (1.2 to 4.6)"),
+        (-38.4, -44.2, -32.6, "K", "x -38.4 K (-44.2 to -32.6)"),
+        (3.2e7, 2.9e7, 3.5e7, "Nm/rad", "x 3.2e+07 Nm/rad (2.9e+07 to 3.5e+07)"),
+        (1.0, 1.0, 1.0, "", "x 1.000 (1.000 to 1.000)"),
+    ],
+)
+def test_digits_follow_the_interval(value: float, low: float, high: float, unit: str, text: str) -> None:
+    assert parameter_text(ParameterValue("x", value, low, high, unit)) == text
+
+
+@given(st.floats(-1e9, 1e9), st.floats(1e-6, 1e6))
+def test_what_is_shown_is_near_the_value(value: float, resolution: float) -> None:
+    (text,) = shown((value,), "A", resolution)
+    assert abs(float(text) - value) <= max(0.1 * resolution, 1e-2 * abs(value), 1e-6)
+
+
+@pytest.mark.parametrize(("share", "text"), [(-1.8e-7, "> -0.1 %"), (3e-4, "< 0.1 %"), (-0.0067, "-0.67 %")])
+def test_a_share_of_nearly_nothing_has_no_exponent(share: float, text: str) -> None:
+    assert percent(share) == text
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [(-1.8e-7, "0.0 %"), (3e-4, "0.0 %"), (-0.0067, "-0.7 %"), (0.834, "83 %"), (float("nan"), "-")],
+)
+def test_a_gain_is_said_to_a_tenth_of_a_percent(share: float, text: str) -> None:
+    assert gain_percent(share) == text
+
+
+@given(st.floats(0, 1, exclude_min=True, exclude_max=True))
+def test_no_probability_is_rounded_to_certainty(share: float) -> None:
+    assert percent(share) not in ("0 %", "100 %")
+
+
+@pytest.mark.parametrize(
+    ("place", "name"),
+    [
+        ("robot in recording may", "loss of gas (in recording may)"),
+        ("drive 2 in recording may_3", "loss of gas (drive 2 in recording may_3)"),
+        ("current_2_a in recording may_3", "loss of gas (motor current 2 in recording may_3)"),
+    ],
+)
+def test_a_place_in_one_recording_is_named_with_it(place: str, name: str) -> None:
+    assert cause_name(replace(GAS, place=place)) == name
