@@ -100,10 +100,8 @@ def name_instances(spec: mujoco.MjSpec) -> None:
     if len(unnamed) != len(users):
         return  # some belong to other parts of the model
     for instance, actuator in zip(unnamed, users, strict=True):  # both in the order of the file
-        used = actuator.plugin
-        instance.name = instance_name = unused_name(spec, actuator.name)
-        instance.plugin_name = used.plugin_name
-        used.name = instance_name
+        # its `plugin_name` is left as it is: MuJoCo 4.0.0 writes past the end when that is set here, and dies later
+        instance.name = actuator.plugin.name = unused_name(spec, actuator.name)
 
 
 def entry_of(text: str, index: int, count: int) -> str:

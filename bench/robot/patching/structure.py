@@ -34,10 +34,12 @@ class CompiledStructure:
         self._parts = repeated(self._spec, tuple(overlay.operations))
         self._rooms: dict[Handle, dict[str, int]] = {}
         tendons = [str(tendon.name) for tendon in self._spec.tendons]
+        # one that was named afterwards (`name_instances`) does not say itself which plugin it is of
+        used = {part.plugin.name: part.plugin.plugin_name for part in self._spec.actuators if part.plugin.active}
         for instance in overlay.all("plugin"):
-            if instance.name and instance.plugin_name in LAWS:
+            if instance.name and (law := instance.plugin_name or used.get(instance.name, "")) in LAWS:
                 config = overlay.texts_to_begin_with(instance.handle)
-                room = widths(instance.plugin_name, config, len(overlay.users_of(instance.name)), tendons)
+                room = widths(law, config, len(overlay.users_of(instance.name)), tendons)
                 self._rooms[instance.handle] = room
                 self._parts[instance.handle].config = padded(config, room)
         # hinges without armature and stiffness would make MuJoCo warn of a singular inertia
