@@ -12,15 +12,18 @@ from bench.robot.folder import load_robot
 from bench.robot.plugins import name_instances
 from bench.robot.starter.folder import start_robot
 from bench.robot.starter.source import read_source
-from tests.robot.test_starter import STICK
 
-MANY = 40  # copies; with `plugin_name` set on an unnamed instance, MuJoCo 4.0.0 dies within the first 20
+MANY = 40  # copies of a copy; with `plugin_name` set on an unnamed instance, MuJoCo 4.0.0 dies within the first 20
+
+
+LINK = '<body pos="0 0 0.3"><joint name="j{}" axis="0 1 0"/><geom size="0.1" mass="5"/>'
 
 
 @pytest.fixture
 def started(tmp_path: Path) -> Path:
     """A robot whose friction elements have instances without names, as `bench new-robot` writes them."""
-    (tmp_path / "stick.xml").write_text(STICK)
+    links = "".join(LINK.format(i) for i in range(6))
+    (tmp_path / "stick.xml").write_text(f"<mujoco><worldbody>{links}{'</body>' * 6}</worldbody></mujoco>")
     start_robot("stick", read_source(tmp_path / "stick.xml"), tmp_path / "stick")
     return tmp_path / "stick"
 
@@ -31,7 +34,7 @@ def test_naming_instances_leaves_the_engine_alive(started: Path) -> None:
         from bench.robot.folder import load_robot
         from bench.robot.plugins import name_instances
 
-        spec = read_spec(load_robot({str(started)!r}))
+        spec = read_spec(load_robot({str(started)!r})).copy()
         for _ in range({MANY}):
             own = spec.copy()
             name_instances(own)
