@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from bench.diagnose.plausibility.channels import doubts_of
-from bench.diagnose.plausibility.drive_picture import DrivePicture
+from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, clock_of, first_look
 from bench.diagnose.plausibility.hints import hints_of
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import segments_of
 from bench.record.campaign import Campaign
-from bench.robot.compiled import CompiledRobot
+from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.scenario.files import read_as
 from bench.scenario.session import SessionScenario
 from tests.diagnose.sweeps import Change, changed, made, nominal, scale
@@ -103,6 +106,21 @@ def test_a_clock_that_is_20_percent_fast_is_doubted(session: Campaign, robot: Co
     (doubt,) = doubts_of(changed(session, in_motion(scale(1.2, "time_s"))), robot)
     assert (doubt.level, doubt.column) == ("doubt", "time_s")
     assert "seconds for each second" in doubt.message
+
+
+def test_rotors_that_nobody_knows_are_free(session: Campaign, robot: CompiledRobot) -> None:
+    """Models of others state rotors ten times too small; by that, clock and channels would be to blame."""
+    known = robot.robot.figures.uncertainty
+    figures = robot.robot.figures.model_copy(update={"uncertainty": known.model_copy(update={"rotor_inertia": 1.0})})
+    guessed = compile_robot(replace(robot.robot, figures=figures))
+    quantities = tuple(quantity for quantity in quantities_of(session.runs, robot) if quantity.is_drive)
+    segments = segments_of(session, robot, quantities)
+    sure, free = (drive_picture(Replay(one, segments, quantities)) for one in (robot, guessed))
+    rotors = free.missing[:, :, sure.missing.shape[2] :]
+    assert rotors.shape[2] == robot.n_joints
+    assert np.all(np.any(rotors[:, np.eye(robot.n_joints, dtype=bool)], axis=0))
+    assert not np.any(rotors[:, ~np.eye(robot.n_joints, dtype=bool)])
+    np.testing.assert_allclose(free.model + rotors.sum(axis=2), sure.model, atol=1e-6)
 
 
 def test_a_smoothed_channel_is_doubted(session: Campaign, robot: CompiledRobot) -> None:

@@ -21,7 +21,7 @@ LINK = '<body pos="0 0 0.3"><joint name="j{}" axis="0 1 0"/><geom size="0.1" mas
 
 @pytest.fixture
 def started(tmp_path: Path) -> Path:
-    """A robot whose friction elements have instances without names, as `bench new-robot` writes them."""
+    """Return a robot whose friction elements have instances without names, as `bench new-robot` writes them."""
     links = "".join(LINK.format(i) for i in range(6))
     (tmp_path / "stick.xml").write_text(f"<mujoco><worldbody>{links}{'</body>' * 6}</worldbody></mujoco>")
     start_robot("stick", read_source(tmp_path / "stick.xml"), tmp_path / "stick")

@@ -14,6 +14,7 @@ from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.robot.links import rigid_bodies
 from bench.robot.logs import log_format_of
+from bench.robot.starter.defaults import ROTOR_GUESSED, SPIN_UP
 from bench.robot.starter.folder import start_robot
 from bench.robot.starter.source import read_source
 from bench.simulate.env import BenchEnv
@@ -191,6 +192,17 @@ def test_an_arm_with_masses_in_its_shapes_alone(tmp_path: Path) -> None:
     np.testing.assert_allclose(source.load_position, (0.35, 0, 0), atol=1e-9)
     robot = start_robot("stick", source, tmp_path / "stick").compiled.robot
     assert [drive.joint for drive in robot.figures.drives] == ["j1", "j2"]
+
+
+def test_one_armature_for_weak_and_strong_drives_is_a_placeholder(menagerie: Path, tmp_path: Path) -> None:
+    """As mujoco_menagerie has it of the UR10e and others: rotors of 0.1 kg m^2 behind 330 and 56 Nm."""
+    text = (menagerie.parent / "defaults.xml").read_text()
+    assert 'armature="0.05"' in text
+    (menagerie.parent / "defaults.xml").write_text(text.replace('armature="0.05"', 'armature="0.1"'))
+    robot = start_robot("twig", read_source(menagerie), tmp_path / "robot").compiled
+    np.testing.assert_allclose(robot.model.dof_armature[robot.at.q_dof], np.array([150, 150, 30]) / SPIN_UP)
+    assert robot.robot.figures.uncertainty.rotor_inertia == ROTOR_GUESSED
+    assert any("armature 0.1 of the file stands there" in line for line in robot.robot.figures.assumed)
 
 
 def test_links_are_those_of_the_file(menagerie: Path, tmp_path: Path) -> None:

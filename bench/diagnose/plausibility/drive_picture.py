@@ -10,12 +10,14 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.effect import Acting
 from bench.effects.gas import CounterbalanceGas
+from bench.effects.masses import RotorInertia
 from bench.effects.payloads import UnstatedPayload
 from bench.effects.places import torque_limit
 from bench.errors import ConvergenceError
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
+UNKNOWN = 1.0  # relative uncertainty of a figure that says as much as nothing: 0 is one standard deviation away
 HELD = 0.1  # of a drive's torque limit, that friction may hold at rest; Coulomb levels are 1 to 6 % of it
 
 
@@ -29,7 +31,8 @@ class DrivePicture:
         standing: Shape (T, n) bool, while a drive did not move.
         slack: Shape (n,) [Nm], what friction may hold at rest.
         unit: Shape (n,), from what was read to Nm.
-        missing: Shape (T, n, e) [Nm], torque of a payload and of gas that the nominal model leaves out.
+        missing: Shape (T, n, e) [Nm], torque of a payload and of gas that the nominal model leaves out, and of rotors
+            that nobody knows; those are not in `model`.
         names: Columns of the drives; empty where there is none.
     """
 
@@ -66,6 +69,8 @@ def drive_picture(replay: Replay) -> DrivePicture:
             size = effect.parameters_at(replay.compiled, place)[0]
             world = World(acting=(Acting(effect, place, effect.complete({size.name: size.typical})),))
             missing.append(replay.predict(world) - nominal)
+    rotors = _rotors(replay, nominal)
+    missing, nominal = [*missing, *rotors], nominal - sum(rotors)
     shape = trace.q.shape
     seen = np.concatenate([segment.observed for segment in replay.segments])
     standing = np.repeat([s.standing for s in replay.segments], [len(s) for s in replay.segments], axis=0)
@@ -81,6 +86,15 @@ def drive_picture(replay: Replay) -> DrivePicture:
         raise ConvergenceError("its torques are not finite")
     slack = np.array([HELD * torque_limit(replay.compiled, j) for j in range(shape[1])])
     return DrivePicture(observed, model, trace.q_velocity, standing, slack, units, extra, tuple(names))
+
+
+def _rotors(replay: Replay, nominal: Array) -> list[Array]:
+    """Return what each rotor adds to the readings, shape (T, c) each, where nobody knows it; else nothing."""
+    if replay.compiled.robot.figures.uncertainty.rotor_inertia < UNKNOWN:
+        return []
+    effect = RotorInertia()
+    doubled = (Acting(effect, place, effect.complete({"change": 1.0})) for place in effect.places(replay.compiled))
+    return [replay.predict(World(acting=(acting,))) - nominal for acting in doubled]
 
 
 def _in_nm(quantity: Quantity, compiled: CompiledRobot) -> float:

@@ -1,5 +1,6 @@
 """What a file does not say of its drives: figures to start from, each with the reason that goes into the folder."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -16,7 +17,14 @@ TWIST = (
 STRETCH = 2e-4  # [m], the same of a slide
 RULE = 0.35  # sqrt(k / J) * STEP stays below for every spring; 2 is unstable, and several act on one link
 ELEMENT_DAMPING = 0.05  # ratio
-ROTOR_SHARE = 0.5  # of the greatest link inertia: gears are chosen for rotors of about the load's size
+ROTOR_SHARE = 0.5  # of the greatest mass that a slide moves: gears are chosen for rotors of about the load's size
+# [rad/s^2], with which the torque limit of a hinge spins up its own rotor. Assumed: 16 to 63 on the KR300, of 2.6 to 20
+# kNm; by what links weigh, the rotors of its wrist would be a hundred times too small
+SPIN_UP = 50.0
+ROTOR_GUESSED = 1.0  # relative uncertainty of such a guess: light arms spin up faster, from below it is three sigma
+UNLIKE = (
+    2.0  # ratio of torque limits, from where drives cannot have the same rotor: one stated for all is a placeholder
+)
 BANDWIDTH = 2 * np.pi * 6.0  # [rad/s] of the servo on rotor and link together
 RESET = 0.2  # of the integral gain at which the servo would swing, J + M taken as one
 PRESLIDING = 1e-4  # [rad] or [m], where a friction element has reached its level
@@ -118,6 +126,7 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
     drives = []
     needed = [_needed(joint, found, j) for j, joint in enumerate(source.joints)]
     strongest = max(joint.torque_limit or needed[j] for j, joint in enumerate(source.joints))
+    rotors = _rotors(source.joints)
     for j, joint in enumerate(source.joints):
         least, greatest = float(found.least_inertia[j]), float(found.greatest_inertia[j])
         speed = joint.speed_limit or SPEED[joint.is_slide]
@@ -125,8 +134,8 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
         viscous, origins["viscous"] = _viscous(joint, speed, greatest)
         torque = joint.torque_limit or max(needed[j], WEAKEST * strongest)
         origins["torque_limit"] = "the file" if joint.torque_limit else NO_TORQUE
-        rotor = joint.armature or ROTOR_SHARE * greatest
-        origins["rotor_inertia"] = "armature of the file" if joint.armature else "default: half of the link's inertia"
+        stated, origins["rotor_inertia"] = rotors[j]
+        rotor = stated or (ROTOR_SHARE * greatest if joint.is_slide else torque / SPIN_UP)
         softest = min(rotor, least)
         stiff, stable = torque / (STRETCH if joint.is_slide else TWIST), softest * (RULE / STEP) ** 2 / 2
         stiffness = min(stiff, stable)
@@ -157,6 +166,24 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
         }
         drives.append(DriveFigures(**{key: float(f"{value:.4g}") for key, value in figures.items()}, origins=origins))
     return tuple(drives)
+
+
+def _rotors(joints: Sequence[SourceJoint]) -> list[tuple[float, str]]:
+    """Return what the file says of the inertia of each rotor, 0 where that is nothing, and the reason in words."""
+    armatures = {joint.armature for joint in joints}
+    limits = [joint.torque_limit for joint in joints if joint.torque_limit]
+    same = len(armatures) == 1 and max(limits, default=0.0) >= UNLIKE * min(limits, default=1.0)
+    placeholder = "; armature {:g} of the file stands there for weak and strong drives alike" if same else ""
+    found = []
+    for joint in joints:
+        if joint.armature and not same:
+            found.append((joint.armature, "armature of the file"))
+            continue
+        guess = (
+            "half of the link's inertia" if joint.is_slide else f"the torque limit spins it up by {SPIN_UP:g} rad/s^2"
+        )
+        found.append((0.0, f"default: {guess}" + (placeholder.format(joint.armature) if joint.armature else "")))
+    return found
 
 
 def _needed(joint: SourceJoint, found: Survey, j: int) -> float:

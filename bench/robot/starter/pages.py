@@ -7,8 +7,8 @@ from pydantic import BaseModel
 
 from bench.record.units import STANDARD_GRAVITY
 from bench.robot.figures import Encoder, TorqueSensor, Tracker, Uncertainty
-from bench.robot.starter.assumed import assumptions
-from bench.robot.starter.defaults import DriveFigures, Survey
+from bench.robot.starter.assumed import KEPT, assumptions
+from bench.robot.starter.defaults import ROTOR_GUESSED, DriveFigures, Survey
 from bench.robot.starter.mjcf import names_of
 from bench.robot.starter.source import Source
 
@@ -65,12 +65,19 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
         "  pressure: null",
         "",
         "uncertainty:  # default: a model taken from a drawing",
-        *_defaults(Uncertainty, "  ", **DRAWING, payload_kg=float(f"{force / STANDARD_GRAVITY:.2g}")),
+        *_defaults(
+            Uncertainty, "  ", **DRAWING, **_of_rotors(drives), payload_kg=float(f"{force / STANDARD_GRAVITY:.2g}")
+        ),
         "",
         "assumed:  # bench check shows these lines; take out what you have replaced",
         *(f"  - {json.dumps(line)}" for line in assumptions(source, drives)),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _of_rotors(drives: Sequence[DriveFigures]) -> dict[str, float]:
+    """Return how well rotors are known where not all of them are the file's."""
+    return {} if all(d.origins["rotor_inertia"] in KEPT for d in drives) else {"rotor_inertia": ROTOR_GUESSED}
 
 
 def _defaults(kind: type[BaseModel], indent: str = "    ", **other: float) -> list[str]:
