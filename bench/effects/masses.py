@@ -1,16 +1,21 @@
 """Masses and inertias of links and drives, and constant torques, that differ from the model's."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 
 from bench.actuators.laws import TorqueTable
 from bench.effects.effect import Array, Conditions, Effect, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
-from bench.effects.places import OnDrive, drive_of, links
+from bench.effects.places import OnDrive, drive_of, links, torque_limit
 from bench.effects.plugin_actuators import add_torque_table
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
+# [rad/s^2] or [m/s^2], at least, with which a drive's torque limit spins up its own rotor. Assumed: 16 to 63 on the
+# KR300, the heaviest of our arms; lighter ones spin up faster
+SLOWEST_SPIN = 16.0
 LIGHTEST = -0.95  # change of a mass or an inertia, relative; none vanishes
 SWEVERS = "Swevers, Verdonck and De Schutter, Dynamic model identification for industrial robots, 2007"
 
@@ -89,8 +94,18 @@ class RotorInertia(OnDrive):
     family = "geometry and mass"
     title = "inertia of motor and gear"
     physics = "J_m N^2 of a drive becomes (1 + x) of the model's; it is felt in acceleration only."
-    source = f"{SWEVERS}; range: data sheet against identified, brake and gear left out, assumed"
+    source = (
+        f"{SWEVERS}; range: data sheet against identified, brake and gear left out, assumed; where more, up to what the "
+        "drive can spin up, for rotors of public models are often placeholders"
+    )
     parameters = (Parameter("change", "", 0.0, 0.03, 0.5, "relative", signed=True, least=LIGHTEST),)
+
+    def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
+        """Return the change, up to the heaviest rotor that the drive's torque limit spins up."""
+        (change,) = self.parameters
+        stated = float(compiled.model.dof_armature[compiled.at.q_dof[place.index]])
+        heaviest = torque_limit(compiled, place.index) / SLOWEST_SPIN
+        return (replace(change, high=max(change.high, heaviest / stated - 1)),) if stated > 0 else (change,)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         change = values["change"]
