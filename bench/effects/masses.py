@@ -95,8 +95,8 @@ class RotorInertia(OnDrive):
     title = "inertia of motor and gear"
     physics = "J_m N^2 of a drive becomes (1 + x) of the model's; it is felt in acceleration only."
     source = (
-        f"{SWEVERS}; range: data sheet against identified, brake and gear left out, assumed; where more, up to what the "
-        "drive can spin up, for rotors of public models are often placeholders"
+        f"{SWEVERS}; range: data sheet against identified, brake and gear left out, assumed; where more, up to "
+        "what the drive can spin up, for rotors of public models are often placeholders"
     )
     parameters = (Parameter("change", "", 0.0, 0.03, 0.5, "relative", signed=True, least=LIGHTEST),)
 
