@@ -6,7 +6,8 @@ moments of their logarithms. The variance of one channel with d degrees of freed
     (d0 s0^2 + d s^2) / (d0 + d),   with d0 + d degrees of freedom
 
 (Smyth, Linear models and empirical Bayes methods for assessing differential expression, Statistical Applications in
-Genetics and Molecular Biology 3, 2004). With channels that differ a lot d0 is small, and each stands for itself.
+Genetics and Molecular Biology 3, 2004), and no more than all channels have together. With channels that differ a lot
+d0 is small, and each stands for itself.
 """
 
 from collections.abc import Sequence
@@ -38,9 +39,11 @@ def moderated(rms: Sequence[Array]) -> tuple[tuple[float, float], ...]:
     found = []
     for s, d in zip(variance.tolist(), degrees.tolist(), strict=True):
         if np.isinf(weight):
-            found.append((float(np.sqrt(common)), np.inf))
+            found.append((float(np.sqrt(common)), float(degrees.sum())))
         elif weight + d > 0:
-            found.append((float(np.sqrt((weight * common + d * s) / (weight + d))), weight + d))
+            found.append(
+                (float(np.sqrt((weight * common + d * s) / (weight + d))), min(weight + d, float(degrees.sum())))
+            )
         else:
             found.append((np.nan, np.nan))
     return tuple(found)

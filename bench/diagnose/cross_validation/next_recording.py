@@ -209,8 +209,7 @@ def _one_more(rms: Array, drifting: Array, spread: float, degrees: float) -> tup
         half = float(stdtrit(degrees, HIGH)) * sigma
         return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))
     rng = np.random.default_rng(SEED)
-    drawn = rng.standard_t(degrees, DRAWS) if np.isfinite(degrees) else rng.standard_normal(DRAWS)
-    more = logs.mean() + sigma * drawn
+    more = logs.mean() + sigma * rng.standard_t(degrees, DRAWS)
     square = np.exp(2 * np.minimum(more, MOST_LOG)) + rng.standard_normal((DRAWS, len(drifting))) ** 2 @ drifting**2
     low, high = np.sqrt(np.quantile(square, (LOW, HIGH))).tolist()
     return low, high
