@@ -93,6 +93,23 @@ def test_goals_count_what_they_say() -> None:
     assert found["of those that the comparison says it would find: right first"] == (1, 1, True)
 
 
+def test_intervals_that_hold_too_often_are_too_wide() -> None:
+    for broken, is_met in ((0, False), (10, True), (20, False)):
+        (goal,) = (
+            goal
+            for goal in several_goals([outcome("none 1", "none", replace(RIGHT, promised=100, more=broken))])
+            if goal.name.startswith("promised")
+        )
+        assert goal.share.hits == 100 - broken
+        assert goal.is_met is is_met
+
+
+def test_a_brief_study_is_another_one() -> None:
+    settings = SeveralSettings(3, code="test", brief=True, kinds=("none",))
+    assert {trial.kind for trial in settings.trials} == {"none"}
+    assert settings != replace(settings, brief=False)
+
+
 def test_a_row_comes_back_as_it_was_written() -> None:
     one = outcome("machine 1", "machine", RIGHT)
     assert SeveralOutcome.from_json(one.as_json()) == one
