@@ -38,6 +38,17 @@ class Study:
     """Instead of this: so many recordings of each of `seeds` messy machines. They are diagnosed together, the last is
     predicted by the others, and two of them are compared, with and without a change. Of what is above, `effects`,
     `seeds` and `small` count."""
+    kinds: tuple[Literal["none", "machine", "one", "unchanged", "changed"], ...] = (
+        "none",
+        "machine",
+        "one",
+        "unchanged",
+        "changed",
+    )
+    """With `recordings`: what is hidden, and whether machines are diagnosed or compared (bench/study/README.md)."""
+    brief: bool = False
+    """With `recordings`: sweeps of 15 degrees with the heaviest payload, no line, no dwell and no pressure, so that a
+    diagnosis takes a fifth of the time."""
     vary: str | None = None
     """Instead of a study: halve and double each named number of the diagnosis that matches, such as "name.*" or
     "*.PROMISING", and print what that moves in a handful of campaigns. Of what is above, nothing counts but `out`."""
@@ -106,7 +117,14 @@ class Study:
         from bench.study.several_scores import several_goals
 
         machines = 1 if self.small else self.seeds
-        settings = SeveralSettings(self.seed, recordings=self.recordings, machines=machines, effects=self.effects)
+        settings = SeveralSettings(
+            self.seed,
+            brief=self.brief,
+            recordings=self.recordings,
+            machines=machines,
+            effects=self.effects,
+            kinds=self.kinds,
+        )
         where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
         with where as executor, progress_bar("machines") as progress:
             outcomes = run_several(

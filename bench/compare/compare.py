@@ -9,7 +9,7 @@ from bench.compare.background import Background, background_of
 from bench.compare.comparison import ChannelNoise, Compared, Comparison, UnlistedChange
 from bench.compare.components import components_of
 from bench.compare.explain import explanations_of, findings_of
-from bench.compare.joint import joint_of
+from bench.compare.joint import Joint, joint_of
 from bench.compare.profiles import profiles_of
 from bench.compare.recordings import Recording, days_of
 from bench.compare.search_changes import Found
@@ -53,25 +53,41 @@ def compare(
     with threadpool_limits(1, "blas"):
         progress("signatures")
         joint = joint_of(recordings, compiled, catalogue, most_bins, executor, store)
-        progress("what stayed as it was")
-        background = background_of(joint)
-        progress("what changed")
-        n_before = sum(not one.is_after for one in recordings)
-        profiles = profiles_of(n_before, days_of(recordings))
-        background, found = settled_changes(background, profiles, rate)
+        background, found = weighed(joint, rate, progress)
         progress("values over the recordings")
-        explanations = explanations_of(background, found)
-        return Comparison(
-            recordings=_compared(background),
-            false_alarm_rate=rate,
-            threshold=found.screened[0].threshold,
-            probability_unchanged=found.probability_unchanged,
-            explanations=explanations,
-            findings=findings_of(found),
-            unlisted=_unlisted(background, found),
-            components=components_of(background, found, n_before),
-            noise=_noise(background),
-        )
+        return comparison_of(background, found, rate)
+
+
+def weighed(
+    joint: Joint, rate: float = FALSE_ALARM_RATE, progress: Callable[[str], None] = lambda words: None
+) -> tuple[Background, Found]:
+    """Return what stayed as it was, with settled noise, and what changed.
+
+    Args:
+        joint: All recordings.
+        rate: Share of unchanged machines of which anything at all may be said to have changed.
+        progress: Called with what is done next.
+    """
+    progress("what stayed as it was")
+    background = background_of(joint)
+    progress("what changed")
+    profiles = profiles_of(sum(not one.is_after for one in joint.recordings), days_of(joint.recordings))
+    return settled_changes(background, profiles, rate)
+
+
+def comparison_of(background: Background, found: Found, rate: float) -> Comparison:
+    """Return what is said of that; `rate` is the one with which it was weighed."""
+    return Comparison(
+        recordings=_compared(background),
+        false_alarm_rate=rate,
+        threshold=found.screened[0].threshold,
+        probability_unchanged=found.probability_unchanged,
+        explanations=explanations_of(background, found),
+        findings=findings_of(found),
+        unlisted=_unlisted(background, found),
+        components=components_of(background, found, sum(not one.is_after for one in background.joint.recordings)),
+        noise=_noise(background),
+    )
 
 
 def _compared(background: Background) -> tuple[Compared, ...]:

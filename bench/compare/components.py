@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from bench.compare.background import Background
 from bench.compare.comparison import Component, Interval
 from bench.compare.explain import interval_of
-from bench.compare.search_changes import Found
+from bench.compare.search_changes import Found, priors_of
 from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
 from bench.diagnose.linearise.limits import smallest_found
 from bench.diagnose.linearise.marginal import Columns, Marginal
@@ -119,9 +119,11 @@ def _limits(background: Background, found: Found, cause: Cause, j: int) -> tuple
         if entry.cause is None or entry.cause.key != cause.key or len(entry.columns) != len(cause.sizes):
             continue
         assert isinstance(entry.what, Candidate)
-        prior, share = entry.priors[0]
         known = float(first.information[entry.columns[j]])
-        limit = smallest_found(known, float(prior[j]), first.threshold - share)
+        limit = min(
+            smallest_found(known, float(prior[j]), first.threshold - share)
+            for prior, share in priors_of(entry, first.information)
+        )
         limits.append(limit * abs(float(entry.what.step[j])))
     worst = max(limits) if len(limits) == len(shape_grid(cause)) else float("inf")
     return min(limits), worst

@@ -17,6 +17,9 @@ from bench.record.campaign import Array
 
 MOST_TERMS = 1000  # that a search is given, the best by evidence: memory stays small with many recordings
 GREATER_PART = 0.5  # of what a free shape explains; causes that explain as much are not given up for it (as in naming)
+# effort: from one standard deviation of a change to the next that is tried. Between two of them evidence falls short by
+# at most 0.2 nats for each size.
+NARROWER = 10**-0.5
 INVISIBLE = 1e-6  # norm of a whitened column per standard deviation of its size; a course in which it never acts
 
 
@@ -116,11 +119,12 @@ def find_changes(background: Background, profiles: Sequence[Profile], rate: floa
         marginal = _products(background, background.acting(every, profile.weights))
         seen = marginal.columns.squares > INVISIBLE**2
         entries = [entry for entry in background.entries if np.all(seen[entry.columns])]
-        blocks = [(entry.columns, *prior) for entry in entries for prior in entry.priors]
+        priors = {id(entry): priors_of(entry, marginal.diagonal) for entry in entries}
+        blocks = [(entry.columns, *prior) for entry in entries for prior in priors[id(entry)]]
         threshold = family_threshold(marginal, blocks, rate / len(profiles), np.random.default_rng(0))
         screened.append(Screened(profile, threshold, np.where(seen, marginal.diagonal, 0.0)))
         for entry in entries:
-            for prior, share in entry.priors:
+            for prior, share in priors[id(entry)]:
                 odds = share - threshold - (0.0 if entry.cause else LEAST)
                 evidence = marginal.log_evidence(entry.columns, prior) + odds
                 possible.append((evidence, Possible(entry, profile, prior, odds)))
@@ -133,6 +137,26 @@ def find_changes(background: Background, profiles: Sequence[Profile], rate: floa
     return Found(
         model, chosen, alternatives, _probabilities(alternatives), _shape(model, alternatives), tuple(screened)
     )
+
+
+def priors_of(entry: Entry, information: Array) -> tuple[tuple[Array, float], ...]:
+    """Return standard deviations of a change, shape (k,) each, and the logarithm of the share of odds that each has.
+
+    What is known of a change is how large it can be at most, not that it is about as large: a machine that is watched
+    changes little. So all scales are as probable, from what is plausible down to what the recordings resolve. A free
+    shape has its own.
+
+    Args:
+        entry: A cause with its shape, or a free shape.
+        information: Shape (q,), on the size of each column.
+    """
+    if entry.cause is None:
+        return entry.priors
+    plausible, share = entry.priors[0]
+    resolved = float(np.max(plausible**2 * information[entry.columns]))
+    count = 1 + max(int(0.5 * np.log(max(resolved, 1.0)) / -np.log(NARROWER)), 0)
+    each = share + float(np.log(len(entry.priors) / count))
+    return tuple((plausible * NARROWER**k, each) for k in range(count))
 
 
 def _products(background: Background, columns: Array) -> Marginal:

@@ -5,9 +5,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
-from bench.compare.compare import compare
+from bench.compare.compare import comparison_of, weighed
 from bench.compare.comparison import Comparison
+from bench.compare.joint import joint_of
 from bench.compare.recordings import recordings_of
 from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.effects.effect import Acting, Effect
@@ -18,6 +20,7 @@ from bench.study.labs import Lab, Setup, machine_components
 from bench.study.limits import Way, detection_limit
 from bench.study.machines import recorded
 from bench.study.make import Sized
+from bench.study.visible import visibility
 from bench.study.worlds import surroundings_of
 
 QUARTER = 0.25  # of its absolute detection limit, at which a change is to be found (DESIGN 6.8)
@@ -51,6 +54,8 @@ class Outcome:
         hidden: What came between the recordings, in words; "" for nothing.
         size: Its size as a share of its absolute detection limit.
         times: The same as a share of what the comparison says it would have found.
+        stands_out: By how many standard deviations it shows to one who knows what it is (`visible.py`).
+        is_visible: Whether that is the evidence which the comparison asks for.
         said: What is named, in words.
         is_named: Whether anything is said to have changed, listed or not.
         is_first: Whether the most probable explanation is what was hidden, and nothing else.
@@ -61,6 +66,8 @@ class Outcome:
     hidden: str
     size: float
     times: float
+    stands_out: float
+    is_visible: bool
     said: str
     is_named: bool
     is_first: bool
@@ -105,20 +112,25 @@ def pair_of(
 def outcome_of(pair: Pair, setup: Setup, rate: float = FALSE_ALARM_RATE) -> Outcome:
     """Return what a comparison says of a pair."""
     recordings = recordings_of({"before": pair.before}, {"after": pair.after})
-    found = compare(recordings, setup.compiled, setup.catalogue, rate, most_bins=BINS)
+    with threadpool_limits(1, "blas"):
+        background, what = weighed(joint_of(recordings, setup.compiled, setup.catalogue, BINS), rate)
+        found = comparison_of(background, what, rate)
     names = [{(one.effect, one.place) for one in explanation.changes} for explanation in found.explanations]
     said = " / ".join(" + ".join(one.title for one in explanation.changes) for explanation in found.explanations)
     if found.unlisted:
         said = f"not listed: {found.unlisted.title}"
     if pair.change is None:
-        return Outcome("", 0.0, 0.0, said, found.has_changed, False, False, False)
+        return Outcome("", 0.0, 0.0, 0.0, False, said, found.has_changed, False, False, False)
     acting = pair.change.acting
+    stands_out = visibility(background, acting)
     key = _key(acting)
     is_listed = found.unlisted is None and bool(names)
     return Outcome(
         str(acting),
         pair.change.size / pair.change.limit,
         _times(acting, found),
+        stands_out,
+        0.5 * stands_out**2 >= found.threshold,
         said,
         found.has_changed,
         is_listed and names[0] == {key},

@@ -22,6 +22,7 @@ from bench.study.outcome import Answer, Outcome, answer_of, outcome_of
 from bench.study.plan import Counts, Trial, plan
 from bench.study.rows import ROWS
 
+BRIEF = ("line", "repeat_at_end", "dwell", "pressure")  # effort: left out of a brief session
 NULL_STREAM = 1  # of the campaign that signatures come from; no trial has it
 
 
@@ -33,6 +34,7 @@ class SetupSettings:
         seed: Of all random numbers.
         session: Name or file of the session.
         code: Fingerprint of what makes and diagnoses the campaigns; by default that of this installation.
+        brief: Whether only a part of the session is run (`BRIEF`): a diagnosis takes a fifth of the time.
 
     Raises:
         InputError: There is no such session.
@@ -41,6 +43,7 @@ class SetupSettings:
     seed: int = 1
     session: str = "session-study"
     code: str = ""
+    brief: bool = False
 
     def __post_init__(self) -> None:
         if not self.code:
@@ -144,7 +147,7 @@ def setup_of(settings: SetupSettings, executor: Executor = SERIAL) -> Setup:
     Raises:
         InputError: This process has other code than the one that began the study.
     """
-    key = SetupSettings(settings.seed, settings.session, settings.code)
+    key = SetupSettings(settings.seed, settings.session, settings.code, settings.brief)
     if key not in _setups:
         code = code_of(settings.session)
         if code != settings.code:
@@ -152,7 +155,8 @@ def setup_of(settings: SetupSettings, executor: Executor = SERIAL) -> Setup:
                 f"this worker has other code ({code}) than the study ({settings.code}); install the same version on it."
             )
         rng = np.random.default_rng([settings.seed, NULL_STREAM])
-        setup = prepare(Lab(settings.session), catalogue(), rng, executor=executor)
+        lab = Lab(settings.session, BRIEF, is_brief=True) if settings.brief else Lab(settings.session)
+        setup = prepare(lab, catalogue(), rng, executor=executor)
         _setups.clear()
         _setups[key] = setup
     return _setups[key]

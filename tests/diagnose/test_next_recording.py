@@ -14,12 +14,17 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE
+from bench.simulate.instruments import Reading
 from tests.diagnose.test_held_out import LENGTH, SIGMA, design_with, fit_of, noise, sensitivities
 
 SEEDS = 40
 FEWEST = 31  # of 40 at 90 %: binomial, three standard deviations down
 OWN = 0.5  # of a gain with a standard deviation of 1, the part that is another one in each recording
 GAIN = 120 * SIGMA  # what a gain of 1 changes
+
+
+def READ(x: float, reading: Reading) -> Reading:  # noqa: N802
+    return reading
 
 
 def test_predicted_error_covers_one_more_run() -> None:
@@ -43,9 +48,9 @@ def drifting(linear: LinearisedModel, recordings: Sequence[str]) -> LinearisedMo
     (whole,) = {nuisance.sigma for nuisance in linear.nuisances}
     assert whole == 1
     if not recordings:
-        return replace(linear, nuisances=(Nuisance("gain", "", 1.0, between="drifts", own=OWN),))
-    shared = Nuisance("gain", "", float(np.sqrt(1 - OWN**2)))
-    own = (Nuisance("gain", "", OWN, between="drifts", own=OWN, recording=name) for name in recordings)
+        return replace(linear, nuisances=(Nuisance("gain", "", 1.0, on_reading=READ, between="drifts", own=OWN),))
+    shared = Nuisance("gain", "", float(np.sqrt(1 - OWN**2)), on_reading=READ)
+    own = (Nuisance("gain", "", OWN, on_reading=READ, between="drifts", own=OWN, recording=name) for name in recordings)
     segments = tuple(replace(s, recording=name) for s, name in zip(linear.replay.segments, recordings, strict=True))
     replay = type(linear.replay)(segments=segments, quantities=linear.replay.quantities)  # type: ignore[call-arg]
     return replace(linear, nuisances=(shared, *own), replay=replay)
@@ -77,6 +82,19 @@ def test_what_drifts_is_in_the_interval(recordings: tuple[str, ...]) -> None:
     assert narrower < covered, "else the test says nothing"
 
 
+def test_friction_held_at_rest_is_in_no_prediction_and_so_in_the_interval(rng: np.random.Generator) -> None:
+    """It is the same in all runs and fitted, but nobody hands it over: a prediction has none of it."""
+    runs, held = 6, 10 * SIGMA
+    pattern = np.tile(rng.standard_normal(LENGTH), runs)
+    readings = held * pattern + noise(rng, runs)
+    linear = design_with(readings, held * pattern[:, None], runs)
+    (found,) = predicted_error(replace(linear, nuisances=(Nuisance("friction held", "", 1.0),)), fit_of(linear))
+    assert found.low < np.sqrt(np.mean(readings**2)) < found.high
+    linear = replace(linear, nuisances=(Nuisance("an offset", "", 1.0, on_reading=READ),))
+    (found,) = predicted_error(linear, fit_of(linear))
+    assert found.high < 2 * SIGMA, "what is handed over is in the prediction"
+
+
 def _with_fit(linear: LinearisedModel) -> tuple[LinearisedModel, Fit]:
     return linear, fit_of(linear)
 
@@ -85,7 +103,7 @@ def test_what_is_set_up_anew_is_in_the_interval_unless_it_is_fitted(rng: np.rand
     """An offset that is another one each time, stated within 1 where the noise is 0.2."""
     runs = 6
     linear = design_with(noise(rng, runs), np.ones((runs * LENGTH, 1)), runs)
-    linear = replace(linear, nuisances=(Nuisance("zero", "rad", 1.0, between="anew", own=1.0),))
+    linear = replace(linear, nuisances=(Nuisance("zero", "rad", 1.0, on_reading=READ, between="anew", own=1.0),))
     (found,) = predicted_error(linear, fit_of(linear))
     assert found.fitted_high < 2 * SIGMA
     assert found.high == pytest.approx(1.96, rel=0.1), "of a normal offset: 5 % lie beyond, either way"

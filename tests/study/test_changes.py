@@ -10,9 +10,9 @@ from bench.effects.catalogue import catalogue
 from bench.study.changes import Outcome, counts_of, outcome_of, pair_of
 from bench.study.labs import Lab, Setup, prepare
 
-RIGHT = Outcome("gas_loss: lost 0.01", 0.25, 3.0, "loss of gas", True, True, True, True)
+RIGHT = Outcome("gas_loss: lost 0.01", 0.25, 3.0, 8.0, True, "loss of gas", True, True, True, True)
 MISSED = replace(RIGHT, said="", is_named=False, is_first=False, is_among_first=False, is_in_set=False)
-QUIET = Outcome("", 0.0, 0.0, "", False, False, False, False)
+QUIET = Outcome("", 0.0, 0.0, 0.0, False, "", False, False, False, False)
 UNSEEN_SEED = 8001
 PAIRS = 12
 FALSE_ALARMS = 2  # of 12, at a rate of 1 %, with a probability of 0.0002 more

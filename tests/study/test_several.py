@@ -75,8 +75,8 @@ def test_a_cause_of_one_recording_is_right_there_and_wrong_as_the_machines() -> 
 
 
 def test_goals_count_what_they_say() -> None:
-    quiet = ChangeOutcome("", 0.0, 0.0, "", False, False, False, False)
-    seen = ChangeOutcome("gas", 0.25, 2.0, "gas", True, True, True, True)
+    quiet = ChangeOutcome("", 0.0, 0.0, 0.0, False, "", False, False, False, False)
+    seen = ChangeOutcome("gas", 0.25, 2.0, 8.0, True, "gas", True, True, True, True)
     outcomes = [
         outcome("machine 1", "machine", RIGHT),
         outcome("one 1", "one", replace(RIGHT, only="day2", promised=0, more=0)),
@@ -90,7 +90,24 @@ def test_goals_count_what_they_say() -> None:
     assert found["promised 90 % intervals of the last recording that hold"] == (9, 10, True)
     assert found["unchanged machines with a change named"] == (0, 1, True)
     assert found["changes at a quarter of the absolute limit: right first"] == (1, 2, False)
-    assert found["of these, those that the comparison says it would find: right first"] == (1, 1, True)
+    assert found["of those that the comparison says it would find: right first"] == (1, 1, True)
+
+
+def test_intervals_that_hold_too_often_are_too_wide() -> None:
+    for broken, is_met in ((0, False), (10, True), (20, False)):
+        (goal,) = (
+            goal
+            for goal in several_goals([outcome("none 1", "none", replace(RIGHT, promised=100, more=broken))])
+            if goal.name.startswith("promised")
+        )
+        assert goal.share.hits == 100 - broken
+        assert goal.is_met is is_met
+
+
+def test_a_brief_study_is_another_one() -> None:
+    settings = SeveralSettings(3, code="test", brief=True, kinds=("none",))
+    assert {trial.kind for trial in settings.trials} == {"none"}
+    assert settings != replace(settings, brief=False)
 
 
 def test_a_row_comes_back_as_it_was_written() -> None:

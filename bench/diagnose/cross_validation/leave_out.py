@@ -93,7 +93,14 @@ def log_probability_of_figures(fit: Fit, tangent: Tangent, count: int | None = N
     return float(0.5 * np.sum(np.log(rest) - np.minimum(stated**2 / rest, ABSURD**2)))
 
 
-def errors_of_folds(linear: LinearisedModel, fit: Fit, tangent: Tangent, folds: Folds, reach: float = REACH) -> Array:
+def errors_of_folds(
+    linear: LinearisedModel,
+    fit: Fit,
+    tangent: Tangent,
+    folds: Folds,
+    reach: float = REACH,
+    unknown: NDArray[np.bool_] | None = None,
+) -> Array:
     """Return measured less predicted, shape (T, c), each reading while its fold was held out; nan where not measured.
 
     What belongs to one recording (the zero of an encoder, a payload) no other one knows. Where recordings are held out,
@@ -106,6 +113,7 @@ def errors_of_folds(linear: LinearisedModel, fit: Fit, tangent: Tangent, folds: 
         folds: What is held out at a time.
         reach: Figures of the model stay within so many standard deviations of what is stated. Without that, a robot
             that lost a tenth of its gas would be predicted well by a nominal one with a gas constant ten sigmas off.
+        unknown: Shape (p,), nuisances that are fitted, but of which a prediction has none; None: it has all.
     """
     p = len(fit.nuisances)
     clamp, free = _clamped(fit, tangent, reach)
@@ -119,6 +127,8 @@ def errors_of_folds(linear: LinearisedModel, fit: Fit, tangent: Tangent, folds: 
         if folds.recordings:
             mine = _of_recording(linear, fit, folds.recordings[f])
             moved[mine] = _fitted_to(tangent, fit, row_fold == f, moved, mine)
+        if unknown is not None:
+            moved[:p][unknown] = -fit.nuisances[unknown]
         at = folds.of_instants == f
         error[at] -= linear.sensitivities[at] @ moved[:p] + fit.jacobian[at] @ moved[p:]
     return error

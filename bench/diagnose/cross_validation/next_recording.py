@@ -1,6 +1,7 @@
 """What a fitted model will leave of a recording that nobody has made yet: an interval for each channel."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -12,9 +13,11 @@ from scipy.special import stdtrit
 from bench.diagnose.cross_validation.folds import Folds, folds_of
 from bench.diagnose.cross_validation.held_out import HIGH, LOW, SEED, PredictedError
 from bench.diagnose.cross_validation.leave_out import errors_of_folds, tangent_of
-from bench.diagnose.extend.fit import Fit
+from bench.diagnose.cross_validation.moderated import moderated
+from bench.diagnose.extend.fit import Fit, is_simulated
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.alike import ALIKE, passes_same
+from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import recordings_of
 from bench.effects.effect import Effect
 from bench.record.campaign import Array
@@ -27,11 +30,14 @@ MOST_LOG = 300.0
 def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, ...]:
     """Return what a fitted model will leave of an unseen recording of the same robot, for static runs and for motion.
 
-    Each run of the campaign is predicted by the model as fitted to the others. The logarithms of their root mean
-    squares are taken as normal: one more run lies around their mean with s sqrt(1 + 1/K) and Student's t of K - 1
-    degrees of freedom. A campaign of one run is cut into blocks that stand for runs; blocks that pass the same places,
-    there and back, are held out together, for another motion passes other places. Of several recordings, each stands
-    for a run, and what is its own (the zero of an encoder) is fitted to it.
+    Each run of the campaign is predicted by the model as fitted to the others, without what is handed over to nobody:
+    how much of its friction each joint held at rest. The logarithms of their root mean squares are taken as normal:
+    one more run lies around their mean with s sqrt(1 + 1/K). How far runs differ, a few of them hardly say of one
+    channel, so each channel's variance is held against those of all others (`moderated.py`).
+
+    A campaign of one run is cut into blocks that stand for runs; blocks that pass the same places, there and back, are
+    held out together, for another motion passes other places. Of several recordings, each stands for a run, and what
+    is its own (the zero of an encoder) is fitted to it.
 
     How far two recordings differ in what is their own, no model can tell. So what drifts from one to the next
     (`effects/drifts.py`) comes on top of the squares: torque constants and viscous friction by the temperature of the
@@ -43,7 +49,8 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
         fit: The model.
     """
     folds = apart(linear, folds_of(linear))
-    error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds)
+    of_campaign = np.array([not is_simulated(nuisance) for nuisance in linear.nuisances], dtype=bool)
+    error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds, unknown=of_campaign)
     drifts = {**changes_of(linear, fit, "drifts"), **errors_found(linear, fit, _is_of_recording)}
     set_up = {**changes_of(linear, fit, "anew"), **errors_found(linear, fit, _is_set_up)}
     lengths = [len(segment) for segment in linear.segments]
@@ -51,7 +58,7 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     last = recordings_of(linear.segments)[-1]
     is_last = np.repeat([segment.recording == last for segment in linear.segments], lengths)
     kinds: tuple[tuple[Literal["static", "motion"], Array], ...] = (("static", is_static), ("motion", ~is_static))
-    found = []
+    known = []
     for c, quantity in enumerate(linear.quantities):
         if quantity.is_known:
             continue  # no recording to come has it
@@ -69,9 +76,36 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
                 np.array([np.sqrt(np.mean(change[shown, c] ** 2)) for change in changes.values()])
                 for changes in (drifts, set_up)
             )
-            ends = (*_one_more(left, np.concatenate([drifting, anew])), *_one_more(left, drifting))
-            found.append(PredictedError(quantity.column, quantity.unit, kind, int(there.sum()), rms, *ends))
-    return tuple(found)
+            known.append(_Seen(quantity, kind, rms, left, drifting, anew))
+    spread = moderated([one.left for one in known])
+    return tuple(one.promised(*student) for one, student in zip(known, spread, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """A channel at rest or in motion, as far as it was seen.
+
+    Attributes:
+        quantity, kind: Which.
+        rms: Of all held-out errors.
+        left: Shape (K,), of those of each run.
+        drifting, anew: Shape (d,) each, root mean squares of what drifts, or is set up anew, at one standard deviation.
+    """
+
+    quantity: Quantity
+    kind: Literal["static", "motion"]
+    rms: float
+    left: Array
+    drifting: Array
+    anew: Array
+
+    def promised(self, spread: float, degrees: float) -> PredictedError:
+        """Return the promise, with the standard deviation of logarithms of one run, and its degrees of freedom."""
+        ends = (
+            *_one_more(self.left, np.concatenate([self.drifting, self.anew]), spread, degrees),
+            *_one_more(self.left, self.drifting, spread, degrees),
+        )
+        return PredictedError(self.quantity.column, self.quantity.unit, self.kind, len(self.left), self.rms, *ends)
 
 
 def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "anew"]) -> Mapping[str, Array]:
@@ -158,23 +192,24 @@ def apart(linear: LinearisedModel, folds: Folds) -> Folds:
     return Folds("block", fold, gap)
 
 
-def _one_more(rms: Array, drifting: Array) -> tuple[float, float]:
-    """Return the 90 % prediction interval of one more root mean square; nan if K < 2.
+def _one_more(rms: Array, drifting: Array, spread: float, degrees: float) -> tuple[float, float]:
+    """Return the 90 % prediction interval of one more root mean square; nan where nothing says how far runs differ.
 
     Args:
         rms: Shape (K,), log-normal.
         drifting: Shape (d,), root mean squares of what each drift changes at one standard deviation, independent.
+        spread: Standard deviation of the logarithm of one of them.
+        degrees: Degrees of freedom of that.
     """
-    k = len(rms)
-    if k < 2 or not np.all(rms > 0):
+    if not np.isfinite(spread) or not np.all(rms > 0):
         return np.nan, np.nan
     logs = np.log(rms)
-    spread = logs.std(ddof=1) * np.sqrt(1 + 1 / k)
+    sigma = spread * np.sqrt(1 + 1 / len(rms))
     if not np.any(drifting):
-        half = float(stdtrit(k - 1, HIGH)) * spread
+        half = float(stdtrit(degrees, HIGH)) * sigma
         return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))
     rng = np.random.default_rng(SEED)
-    more = logs.mean() + spread * rng.standard_t(k - 1, DRAWS)
+    more = logs.mean() + sigma * rng.standard_t(degrees, DRAWS)
     square = np.exp(2 * np.minimum(more, MOST_LOG)) + rng.standard_normal((DRAWS, len(drifting))) ** 2 @ drifting**2
     low, high = np.sqrt(np.quantile(square, (LOW, HIGH))).tolist()
     return low, high
