@@ -5,13 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bench.diagnose.conclude import beside_learned
 from bench.diagnose.extend.fit import Fit, Unknown
 from bench.diagnose.extend.size import Size, size_of
 from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
 from bench.diagnose.linearise.limits import DetectionLimit, detection_limits, smallest_found
 from bench.diagnose.linearise.screening import Entry, Screening
-from bench.diagnose.name.groups import AmbiguityGroup, Member
 from bench.diagnose.verdict import SMALL, NamedCause
 from bench.effects.effect import WHOLE, Effect, Parameter
 
@@ -109,11 +107,3 @@ def test_a_limit_beyond_what_is_plausible_is_none(information: float, is_plausib
     assert found.limit == found.worst
     assert found.is_plausible is is_plausible
     assert isinstance(found, DetectionLimit)
-
-
-@pytest.mark.parametrize(("sigma", "is_part"), [(5e-4, False), (5e-3, True)])
-def test_of_what_nothing_is_left_beside_what_was_learned_may_be_a_part_of_it(sigma: float, is_part: bool) -> None:
-    group = AmbiguityGroup((Member(CAUSE, 1.0),), 1.0)
-    beside = beside_learned(fitted(1e-4, -6e-3, sigma), group)
-    assert (beside.may_be_unlisted, beside.probability) == (is_part, 0.5 if is_part else 1.0)
-    assert beside_learned(None, group) is group
