@@ -9,22 +9,23 @@ from scipy.special import expit, logsumexp
 from scipy.stats import multivariate_normal
 
 from bench.diagnose.linearise.generic import hats
+from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.beside_unlisted import free_beside, log_odds
 from bench.diagnose.name.groups import IN_SET
 from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.record.campaign import Array
 
 ODDS = -6.0
-WIDTHS = (0.3, 3.0)
+WIDTHS = (0.3, 1.0, 3.0)
 LEFT_OUT = np.exp(-IN_SET)  # of a sum: each of its terms that is further behind
 SAMPLES = 400
-NOISE = 0.02
+NOISE = 0.05
 
-speed = np.tile(np.linspace(0.05, 1.0, SAMPLES // 2), 2)
+speed = np.random.default_rng(1).permutation(np.linspace(0.05, 1.0, SAMPLES))  # at any angle
 angle = np.concatenate([np.linspace(-1, 1, SAMPLES // 2), np.linspace(1, -1, SAMPLES // 2)])
 direction = np.repeat([1.0, -1.0], SAMPLES // 2)
 OVER_SPEED = hats(speed, np.linspace(0.05, 1.0, 4)) * direction[:, None]
-OVER_ANGLE = hats(angle, np.linspace(-1, 1, 17))
+OVER_ANGLE = hats(angle, np.linspace(-1, 1, 33))
 OVER_BOTH = hats(angle, np.linspace(-1, 1, 9)) * direction[:, None]
 KINDS = {"speed": OVER_SPEED, "angle": OVER_ANGLE, "angle and direction": OVER_BOTH}
 CAUSES = {"viscous": speed * direction, "coulomb": direction}
@@ -40,7 +41,7 @@ def model_of(torque: Array, causes: Sequence[str], kinds: Sequence[str] = tuple(
         start += len(own)
     listed = [Term(cause, np.array([start + i]), np.ones(1), ODDS, np.zeros(1)) for i, cause in enumerate(causes)]
     white = torque / NOISE
-    return SubsetPosterior(columns.T @ columns, columns.T @ white, free_beside(shapes, listed))
+    return SubsetPosterior(columns.T @ columns, columns.T @ white, free_beside(shapes, listed, -ODDS))
 
 
 def noisy(torque: Array, rng: np.random.Generator) -> Array:
@@ -53,13 +54,12 @@ def test_odds_are_those_of_all_variances_enumerated(rng: np.random.Generator) ->
     torque = noisy(0.03 * speed * direction + 0.02 * OVER_SPEED[:, 1], rng)
     own, noise = CAUSES["viscous"], NOISE**2 * np.eye(SAMPLES)
     density: list[list[float]] = [[], []]
-    # none of a kind is as likely as any variance
-    ways = ((0.0, 1.0), *((width, 1 / len(WIDTHS)) for width in WIDTHS))
+    ways = ((0.0, 0.0), *((width, ODDS - LEAST - float(np.log(len(WIDTHS)))) for width in WIDTHS))
     for parts in product(ways, repeat=len(kinds)):
         covariance = noise + sum(
             width**2 * KINDS[kind] @ KINDS[kind].T for kind, (width, _) in zip(kinds, parts, strict=True)
         )
-        share = sum(float(np.log(share)) for _, share in parts)
+        share = sum(share for _, share in parts)
         for found, extra in zip(density, (0.0, 1.0), strict=True):
             full = covariance + extra * np.outer(own, own)
             found.append(float(multivariate_normal(cov=full).logpdf(torque)) + share)

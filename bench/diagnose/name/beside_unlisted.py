@@ -24,6 +24,7 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, blocks_at
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import WIDTHS, tried_of
+from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.discrepancy import ANGLE_NODES, Discrepancy
 from bench.diagnose.name.groups import IN_SET, LEVEL, AmbiguityGroup
 from bench.diagnose.name.models import Model
@@ -83,18 +84,19 @@ def log_odds_of(
         shapes += [replace(own, key=str(block), prior=np.tile(width * prior, len(own.columns))) for width in WIDTHS]
     if not causes:
         return {}
-    model = SubsetPosterior(space.model.information, space.model.scores, free_beside(shapes, causes))
+    model = SubsetPosterior(space.model.information, space.model.scores, free_beside(shapes, causes, threshold))
     return log_odds(model)
 
 
-def free_beside(shapes: Sequence[Term], causes: Sequence[Term]) -> list[Term]:
+def free_beside(shapes: Sequence[Term], causes: Sequence[Term], threshold: float) -> list[Term]:
     """Return shapes that a search may add, then causes, which it may not.
 
-    That there is none of a kind of shape is as likely as that there is one, with any variance and number of nodes.
+    Each kind of shape has the prior odds of something unlisted, which its variances and numbers of nodes share.
     """
     ways = Counter(shape.key for shape in shapes)
+    odds = {key: -threshold - LEAST - float(np.log(count)) for key, count in ways.items()}
     return [
-        *(replace(one, log_odds=-float(np.log(ways[one.key])), is_listed=True) for one in shapes),
+        *(replace(one, log_odds=odds[one.key], is_listed=True) for one in shapes),
         *(replace(cause, is_listed=False) for cause in causes),
     ]
 
