@@ -16,7 +16,7 @@ from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
-from bench.diagnose.extend.size import NORMAL_95, size_of
+from bench.diagnose.extend.size import is_clear_of_none
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
@@ -274,7 +274,7 @@ class _Selection:
             except NOT_SIMULATED:
                 continue
             gain = held_out(self.best.linear(self.linear), without, best)
-            is_clear = size_of(cause, as_stated).sigmas > NORMAL_95  # else runs disagree whether there is anything
+            is_clear = is_clear_of_none(cause, as_stated)  # else runs disagree whether there is anything
             pays = gain.is_gain and is_clear and error.is_needed(without, self.screening.threshold)
             found[cause.key] = Finding(cause, best, rise_of(best, without), gain, pays)
         return found
