@@ -1,18 +1,22 @@
 """What listed causes are worth beside something unlisted."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
 from scipy.special import expit, logsumexp
-from scipy.stats import multivariate_normal
+from scipy.stats import multivariate_normal, norm
 
+from bench.diagnose.extend.fit import Fit, unknowns_of
+from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import hats
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.beside_unlisted import free_beside, log_odds
+from bench.diagnose.name.beside_unlisted import free_beside, log_odds, log_odds_as_runs_say
 from bench.diagnose.name.groups import IN_SET
 from bench.diagnose.name.search import SubsetPosterior, Term
+from bench.effects.effect import WHOLE, Effect, Parameter
 from bench.record.campaign import Array
 
 ODDS = -6.0
@@ -29,6 +33,16 @@ OVER_ANGLE = hats(angle, np.linspace(-1, 1, 33))
 OVER_BOTH = hats(angle, np.linspace(-1, 1, 9)) * direction[:, None]
 KINDS = {"speed": OVER_SPEED, "angle": OVER_ANGLE, "angle and direction": OVER_BOTH}
 CAUSES = {"viscous": speed * direction, "coulomb": direction}
+
+
+class Shift(Effect):
+    """Something that moves."""
+
+    name = "shift"
+    family = "own"
+    title = "shift"
+    physics = "It moves."
+    source = "made up"
 
 
 def model_of(torque: Array, causes: Sequence[str], kinds: Sequence[str] = tuple(KINDS)) -> SubsetPosterior:
@@ -86,3 +100,30 @@ def test_coulomb_friction_keeps_its_name_beside_a_dent(rng: np.random.Generator)
         odds = log_odds(model_of(noisy(dent + 0.3 * direction, rng), ("coulomb", "viscous")))
     assert expit(odds["coulomb"]) > 0.97
     assert expit(odds["viscous"]) < 0.1
+
+
+def test_evidence_by_standard_errors_of_runs_is_that_of_a_reading_so_exact() -> None:
+    """One reading x with a standard error e of a size with the prior P: N(x; 0, e^2 + P^2) / N(x; 0, e^2)."""
+    size = Parameter("x", "m", 0.0, 1e-3, 1e-2, "shift", signed=True)
+    cause = Cause(Shift(), WHOLE, (size,), ())
+    (unknown,) = unknowns_of((cause,))
+    reading, error = 3e-3, 1e-3
+    weight = unknown.sigma**2 / (unknown.sigma**2 + error**2)
+    zero = np.zeros((1, 1))
+    fit = Fit(
+        (cause,),
+        (unknown,),
+        np.array([weight * reading]),
+        np.array([[weight * error**2]]),
+        np.zeros(0),
+        0.0,
+        0.0,
+        zero,
+        zero[:, :, None],
+        np.zeros(1),
+    )
+    evidence = norm(0, np.hypot(error, unknown.sigma)).logpdf(reading) - norm(0, error).logpdf(reading)
+    assert log_odds_as_runs_say(fit, cause, 5.0) == pytest.approx(evidence - 5.0)
+    # where runs disagree as much as that, nothing is left
+    wide = replace(fit, covariance=np.array([[(2 * reading) ** 2]]))
+    assert expit(log_odds_as_runs_say(wide, cause, 5.0)) < 0.01

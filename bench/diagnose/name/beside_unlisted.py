@@ -27,7 +27,7 @@ from bench.diagnose.linearise.screening import WIDTHS, tried_of
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.discrepancy import ANGLE_NODES, Discrepancy
 from bench.diagnose.name.groups import IN_SET, LEVEL, AmbiguityGroup
-from bench.diagnose.name.models import Model
+from bench.diagnose.name.models import Model, log_of_widths
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.search import SubsetPosterior, Term, search
 from bench.diagnose.name.search_space import search_space
@@ -78,14 +78,38 @@ def log_odds_of(
     space = search_space(linear, tried_of(blocks_at(linear, block.drive, ANGLE_NODES)), threshold, Model(fit))
     count = len(space.present)
     shapes, causes = list(space.model.terms[:-count]), list(space.model.terms[-count:])
+    listed = [cause for cause in fit.causes if cause is not learned]
     if learned is not None:
-        own = causes.pop(next(i for i, cause in enumerate(fit.causes) if cause is learned))
+        own = causes.pop(fit.causes.index(learned))
         prior = next(iter(shape.prior / WIDTHS[0] for shape in shapes if shape.key == str(block)), own.prior)[:1]
         shapes += [replace(own, key=str(block), prior=np.tile(width * prior, len(own.columns))) for width in WIDTHS]
     if not causes:
         return {}
     model = SubsetPosterior(space.model.information, space.model.scores, free_beside(shapes, causes, threshold))
-    return log_odds(model)
+    free = log_odds(model)
+    return {cause.key: min(free[cause.key], log_odds_as_runs_say(fit, cause, threshold)) for cause in listed}
+
+
+def log_odds_as_runs_say(fit: Fit, cause: Cause, threshold: float) -> float:
+    """Return the logarithm of the posterior odds of a cause of a fit by standard errors that count how runs disagree.
+
+    With the sizes x, their covariance C and the prior P^2 the evidence is x' C^-1 x / 2 + log det(C P^-2) / 2. Where a
+    learned shape is a little wrong everywhere, runs may each want another size of what stands beside it.
+
+    Args:
+        fit: With the cause and the learned shape.
+        cause: Listed.
+        threshold: Less it, evidence is posterior odds.
+    """
+    mine = [i for i, one in enumerate(fit.unknowns) if one.cause is cause and not one.parameter.is_shape]
+    if not np.all(fit.sigma[mine] > 0):
+        return float("inf")
+    prior = np.array([fit.unknowns[i].sigma for i in mine])
+    sizes = np.array([fit.values[i] - fit.unknowns[i].parameter.null for i in mine]) / prior
+    variance, axes = np.linalg.eigh(fit.covariance[np.ix_(mine, mine)] / np.outer(prior, prior))
+    variance = np.minimum(variance, 1.0)  # nothing is known worse than by its prior
+    evidence = 0.5 * np.sum((axes.T @ sizes) ** 2 / variance) + 0.5 * np.sum(np.log(variance))
+    return float(evidence + logsumexp(log_of_widths(fit, cause)) - threshold)
 
 
 def free_beside(shapes: Sequence[Term], causes: Sequence[Term], threshold: float) -> list[Term]:
