@@ -24,7 +24,7 @@ from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
-GREATER_PART = 0.5  # assumed: of what a shape explains, could hold of a cause, or keeps of its evidence when simulated
+GREATER_PART = 0.5  # assumed: of what a shape explains, or keeps of its evidence when simulated
 
 
 @dataclass(frozen=True, eq=False)
