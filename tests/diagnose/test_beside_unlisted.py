@@ -3,7 +3,6 @@
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from itertools import product
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from bench.diagnose.extend.fit import Fit, unknowns_of
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import hats
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.beside_unlisted import free_beside, group_of, log_odds, log_odds_as_runs_say
+from bench.diagnose.name.beside_unlisted import free_beside, log_odds, log_odds_as_runs_say
 from bench.diagnose.name.groups import IN_SET
 from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.effects.effect import WHOLE, Effect, Parameter
@@ -33,7 +32,7 @@ OVER_SPEED = hats(speed, np.linspace(0.05, 1.0, 4)) * direction[:, None]
 OVER_ANGLE = hats(angle, np.linspace(-1, 1, 33))
 OVER_BOTH = hats(angle, np.linspace(-1, 1, 9)) * direction[:, None]
 KINDS = {"speed": OVER_SPEED, "angle": OVER_ANGLE, "angle and direction": OVER_BOTH}
-CAUSES = {"viscous": speed * direction, "coulomb": direction, "alike": direction}
+CAUSES = {"viscous": speed * direction, "coulomb": direction}
 
 
 class Shift(Effect):
@@ -134,24 +133,3 @@ def test_evidence_by_standard_errors_of_runs_is_that_of_a_reading_so_exact() -> 
     # where runs disagree as much as that, nothing is left
     wide = replace(fit, covariance=np.array([[(2 * reading) ** 2]]))
     assert expit(log_odds_as_runs_say(wide, cause, 5.0)) < 0.01
-
-
-def test_of_two_causes_that_are_one_in_the_data_either_may_be_it(rng: np.random.Generator) -> None:
-    """Each has half of what both have together, and what explains nothing is not among them."""
-    model = model_of(noisy(0.5 * OVER_ANGLE[:, 20] + 0.3 * direction, rng), ("coulomb", "alike", "viscous"))
-    (own,) = (i for i, term in enumerate(model.terms) if term.key == "coulomb")
-    odds = log_odds(model, (own,))["coulomb"]
-    assert set(odds) == {"coulomb", "alike"}
-    causes = {key: SimpleNamespace(key=key) for key in odds}
-    group = group_of("coulomb", odds, causes, most=1.0)  # type: ignore[arg-type]
-    assert group.keys == {"coulomb", "alike"}
-    assert [member.probability for member in group.members] == pytest.approx([0.5, 0.5], abs=LEFT_OUT)
-    assert not group.may_be_unlisted
-
-
-def test_a_cause_that_the_discrepancy_may_hold_says_so() -> None:
-    causes = {"coulomb": SimpleNamespace(key="coulomb")}
-    group = group_of("coulomb", {"coulomb": 0.0}, causes, most=1.0)  # type: ignore[arg-type]
-    assert group.probability == pytest.approx(0.5)
-    assert group.may_be_unlisted
-    assert group_of("coulomb", {"coulomb": 9.0}, causes, most=0.3).probability == 0.3  # type: ignore[arg-type]
