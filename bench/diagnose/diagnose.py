@@ -187,7 +187,7 @@ def _diagnose(
         if naming.unlisted:
             progress("learning what is not listed")
             discrepancy = discrepancy_of(naming)
-            naming = beside_unlisted(naming, discrepancy, around.listed)
+            naming = beside_unlisted(naming, discrepancy)
         extension = extension_of(naming, discrepancy)
         about = discrepancy.linear if discrepancy and discrepancy.is_gain else naming.linear
         if extension:

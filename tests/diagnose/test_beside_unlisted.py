@@ -1,6 +1,6 @@
 """What listed causes are worth beside something unlisted."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 
@@ -58,12 +58,6 @@ def model_of(torque: Array, causes: Sequence[str], kinds: Sequence[str] = tuple(
     return SubsetPosterior(columns.T @ columns, columns.T @ white, free_beside(shapes, listed, -ODDS))
 
 
-def odds_of(model: SubsetPosterior) -> dict[Hashable, float]:
-    """Return the log odds of all causes, each beside all others."""
-    acting = tuple(i for i, term in enumerate(model.terms) if not term.is_listed)
-    return {key: odds[key] for key, odds in log_odds(model, acting).items()}
-
-
 def noisy(torque: Array, rng: np.random.Generator) -> Array:
     return torque + NOISE * rng.standard_normal(SAMPLES)
 
@@ -84,7 +78,7 @@ def test_odds_are_those_of_all_variances_enumerated(rng: np.random.Generator) ->
             full = covariance + extra * np.outer(own, own)
             found.append(float(multivariate_normal(cov=full).logpdf(torque)) + share)
     expected = ODDS + logsumexp(density[1]) - logsumexp(density[0])
-    found_odds = odds_of(model_of(torque, ("viscous",), kinds))["viscous"]
+    found_odds = log_odds(model_of(torque, ("viscous",), kinds))["viscous"]
     assert found_odds == pytest.approx(expected, abs=LEFT_OUT)
 
 
@@ -96,14 +90,14 @@ def test_viscous_friction_is_not_named_beside_a_drag_with_the_square_of_the_spee
     model = model_of(noisy(size * speed**2 * direction, rng), ("viscous",))
     alone = SubsetPosterior(model.information, model.scores, model.terms[-1:])
     assert expit(alone.log_posterior((0,))) > 0.99
-    assert expit(odds_of(model)["viscous"]) < 0.5
+    assert expit(log_odds(model)["viscous"]) < 0.5
 
 
 def test_coulomb_friction_keeps_its_name_beside_a_dent(rng: np.random.Generator) -> None:
     u = (angle - 0.3) / 0.15
     dent = 0.5 * u * np.exp((1 - u**2) / 2)
     with np.errstate(under="ignore"):
-        odds = odds_of(model_of(noisy(dent + 0.3 * direction, rng), ("coulomb", "viscous")))
+        odds = log_odds(model_of(noisy(dent + 0.3 * direction, rng), ("coulomb", "viscous")))
     assert expit(odds["coulomb"]) > 0.97
     assert expit(odds["viscous"]) < 0.1
 

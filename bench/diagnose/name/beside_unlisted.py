@@ -13,20 +13,20 @@ torque over the angle keeps its own, for a second shape would be needed in its p
 """
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from scipy.special import expit, logsumexp
 
 from bench.diagnose.extend.fit import Fit
-from bench.diagnose.linearise.candidates import Candidate, Cause
+from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, blocks_at
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import WIDTHS, tried_of
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.discrepancy import ANGLE_NODES, Discrepancy
-from bench.diagnose.name.groups import IN_SET, LEVEL, AmbiguityGroup, Member
+from bench.diagnose.name.groups import IN_SET, LEVEL, AmbiguityGroup
 from bench.diagnose.name.models import Model, log_of_widths
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.search import SubsetPosterior, Term, search
@@ -34,18 +34,13 @@ from bench.diagnose.name.search_space import search_space
 
 EXPANDED = 8  # effort: sums of shapes whose neighbours are looked at
 
-Odds = dict[Hashable, float]  # key of a cause -> logarithm of its posterior odds against none of those in its place
 
-
-def beside_unlisted(
-    naming: Naming, discrepancy: Discrepancy | None, listed: Callable[[LinearisedModel], Sequence[Candidate]]
-) -> Naming:
-    """Return a naming with the names and probabilities that its findings have where what is unlisted is free.
+def beside_unlisted(naming: Naming, discrepancy: Discrepancy | None) -> Naming:
+    """Return a naming with the probabilities that its findings have where what is unlisted is free.
 
     Args:
         naming: What the data say.
         discrepancy: What became of its free shape. Where a model runs with that, it is linearised about.
-        listed: Returns everything that may stand in the place of a finding, as a design whitens it.
     """
     if naming.unlisted is None or not naming.groups:
         return naming
@@ -53,69 +48,46 @@ def beside_unlisted(
     fit = naming.models[0].listed_fit(linear)
     if discrepancy and discrepancy.fit and discrepancy.is_gain:
         linear, fit, learned = discrepancy.linear, discrepancy.fit, discrepancy.cause
-    tried = listed(linear)
-    causes: dict[Hashable, Cause] = {cause.key: cause for cause in (*(one.cause for one in tried), *fit.causes)}
-    odds = odds_beside(linear, fit, naming.unlisted, learned, tried, naming.screening.threshold)
-    groups = []
-    for group in naming.groups:
-        own = next((key for key in group.keys if key in odds), None)
-        groups.append(group if own is None else group_of(own, odds[own], causes, group.probability))
-    return replace(naming, groups=tuple(groups))
+    odds = log_odds_of(linear, fit, naming.unlisted, learned, naming.screening.threshold)
+    return replace(naming, groups=tuple(_beside(group, odds) for group in naming.groups))
 
 
-def group_of(own: Hashable, odds: Odds, causes: Mapping[Hashable, Cause], most: float) -> AmbiguityGroup:
-    """Return what could stand in the place of a finding.
-
-    Args:
-        own: Key of the finding, as fitted.
-        odds: Of it and of what could stand in its place.
-        causes: Key -> cause.
-        most: Probability that any of them acts where the shape is as it was found; it does not become surer.
-    """
-    total = float(logsumexp(list(odds.values())))
-    acts = float(expit(total))
-    shares = {key: float(np.exp(value - total)) for key, value in odds.items()}
-    ranked = sorted(shares, key=lambda key: (-shares[key], key != own, str(key)))
-    count = 1 + int(np.searchsorted(np.cumsum([shares[key] for key in ranked]), LEVEL))
-    probability = min(most, acts)
-    members = tuple(Member(causes[key], probability * shares[key]) for key in ranked[:count])
-    return AmbiguityGroup(members, probability, may_be_unlisted=acts < LEVEL)
+def _beside(group: AmbiguityGroup, odds: dict[Hashable, float]) -> AmbiguityGroup:
+    """Return a group with the probability that it has beside the discrepancy; its names cannot be told apart."""
+    fitted = [odds[key] for key in group.keys if key in odds]
+    if not fitted:
+        return group
+    acts = float(expit(fitted[0]))
+    share = min(1.0, acts / group.probability)
+    members = tuple(replace(member, probability=member.probability * share) for member in group.members)
+    return AmbiguityGroup(members, group.probability * share, may_be_unlisted=acts < LEVEL)
 
 
-def odds_beside(
-    linear: LinearisedModel,
-    fit: Fit,
-    block: Block,
-    learned: Cause | None,
-    listed: Sequence[Candidate],
-    threshold: float,
-) -> dict[Hashable, Odds]:
-    """Return the odds of each listed cause of a fit, and of what could stand in its place, beside a free discrepancy.
+def log_odds_of(
+    linear: LinearisedModel, fit: Fit, block: Block, learned: Cause | None, threshold: float
+) -> dict[Hashable, float]:
+    """Return the logarithm of the posterior odds of each listed cause of a fit, where the discrepancy is free.
 
     Args:
         linear: The campaign.
         fit: Of listed causes, with the learned shape or without it.
         block: The free shape that was found.
         learned: The same as a cause of the fit; None: it has none.
-        listed: What could stand in the place of a cause.
         threshold: Log evidence that chance exceeds at the declared rate: less it, evidence is posterior odds.
     """
-    tried = tried_of([*listed, *blocks_at(linear, block.drive, ANGLE_NODES)])
-    space = search_space(linear, tried, threshold, Model(fit))
-    terms = {i: term for i, term in enumerate(space.model.terms) if space.what[i] is not learned}
-    shapes = [term for i, term in terms.items() if space.cause(i) is None]
+    space = search_space(linear, tried_of(blocks_at(linear, block.drive, ANGLE_NODES)), threshold, Model(fit))
+    count = len(space.present)
+    shapes, causes = list(space.model.terms[:-count]), list(space.model.terms[-count:])
+    listed = [cause for cause in fit.causes if cause is not learned]
     if learned is not None:
-        own = space.model.terms[space.present[fit.causes.index(learned)]]
-        prior = next((shape.prior[0] / WIDTHS[0] for shape in shapes if shape.key == str(block)), own.prior[0])
-        shapes += [replace(own, key=str(block), prior=np.full(len(own.columns), w * prior)) for w in WIDTHS]
-    causes = [term for i, term in terms.items() if space.cause(i) is not None]
-    acting: dict[Hashable, Cause] = {cause.key: cause for cause in fit.causes if cause is not learned}
+        own = causes.pop(fit.causes.index(learned))
+        prior = next(iter(shape.prior / WIDTHS[0] for shape in shapes if shape.key == str(block)), own.prior)[:1]
+        shapes += [replace(own, key=str(block), prior=np.tile(width * prior, len(own.columns))) for width in WIDTHS]
+    if not causes:
+        return {}
     model = SubsetPosterior(space.model.information, space.model.scores, free_beside(shapes, causes, threshold))
-    found = log_odds(model, tuple(i for i, term in enumerate(model.terms) if term.key in acting))
-    for key, odds in found.items():
-        fall = max(odds[key] - log_odds_as_runs_say(fit, acting[key], threshold), 0.0)
-        found[key] = {one: value - fall for one, value in odds.items()}
-    return found
+    free = log_odds(model)
+    return {cause.key: min(free[cause.key], log_odds_as_runs_say(fit, cause, threshold)) for cause in listed}
 
 
 def log_odds_as_runs_say(fit: Fit, cause: Cause, threshold: float) -> float:
@@ -153,17 +125,17 @@ def free_beside(shapes: Sequence[Term], causes: Sequence[Term], threshold: float
     ]
 
 
-def log_odds(model: SubsetPosterior, acting: tuple[int, ...]) -> dict[Hashable, Odds]:
-    """Return the odds of each cause beside all others, and of what could stand in its place, summed over what is free.
+def log_odds(model: SubsetPosterior) -> dict[Hashable, float]:
+    """Return the logarithm of the posterior odds of each cause beside all others, summed over what is free.
 
     Args:
         model: Causes, and what a search may add to them.
-        acting: Indices of the causes that act.
     """
-    with_all = search(model, (), acting, EXPANDED)
+    every = tuple(i for i, term in enumerate(model.terms) if not term.is_listed)
+    with_all = search(model, (), every, EXPANDED)
     found = {}
-    for cause in acting:
-        others = tuple(i for i in acting if i != cause)
+    for cause in every:
+        others = tuple(i for i in every if i != cause)
         without = search(model, [_free(model, with_all[0].terms)], others, EXPANDED)
         near = {
             _free(model, one.terms)
@@ -171,18 +143,10 @@ def log_odds(model: SubsetPosterior, acting: tuple[int, ...]) -> dict[Hashable, 
             for one in some
             if one.log_posterior > some[0].log_posterior - IN_SET
         }
-        none = np.array([model.log_posterior((*free, *others)) for free in near])
-        own = logsumexp([model.log_posterior((*free, *acting)) for free in near]) - logsumexp(none)
-        rises = np.array([model.additions((*free, *others)) for free in near])
-        each = logsumexp(none[:, None] + rises, axis=0) - logsumexp(none)
-        places: dict[Hashable, list[float]] = {}
-        for i, term in enumerate(model.terms):
-            if i not in acting and not term.is_listed and each[i] > max(own - IN_SET, 0.0):
-                places.setdefault(term.key, []).append(float(each[i]))
-        found[model.terms[cause].key] = {
-            model.terms[cause].key: float(own),
-            **{key: float(logsumexp(values)) for key, values in places.items()},
-        }
+        has, has_not = (
+            logsumexp([model.log_posterior((*free, *causes)) for free in near]) for causes in (every, others)
+        )
+        found[model.terms[cause].key] = float(has - has_not)
     return found
 
 

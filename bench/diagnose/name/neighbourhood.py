@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.diagnose.extend.fit import is_simulated, pseudo_residual
-from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of
+from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import blocks_of
 from bench.diagnose.linearise.lack_of_fit import missed, unexplained
 from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, relinearised, with_friction_of
@@ -102,10 +102,6 @@ class Neighbourhood:
         linear = without_shape(own, count)
         return linear, self._everything(linear)
 
-    def listed(self, linear: LinearisedModel) -> tuple[Candidate, ...]:
-        """Return every cause as a design whitens it."""
-        return candidates_of(linear, self._causes, self._changes.causes)
-
     def _looked_around(self, linear: LinearisedModel, white_of: Callable[[LinearisedModel], Array]) -> LinearisedModel:
         """Return the design with what not even everything together explains, by the instruments' standard errors."""
         plain = raised(linear, 1 / linear.inflation)
@@ -123,7 +119,8 @@ class Neighbourhood:
         known = (linear.whitenings, self._changes)
         if self._tried is None or self._tried_for[0] is not known[0] or self._tried_for[1] is not known[1]:
             self._tried = None  # not two of them at a time: they are the largest matrices of a diagnosis
-            self._tried, self._tried_for = tried_of([*self.listed(linear), *blocks_of(linear)]), known
+            candidates = candidates_of(linear, self._causes, self._changes.causes)
+            self._tried, self._tried_for = tried_of([*candidates, *blocks_of(linear)]), known
         return self._tried
 
 
