@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,8 +14,8 @@ from bench.diagnose.extend.fit import Fit, unknowns_of
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import hats
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.beside_unlisted import free_beside, log_odds, log_odds_as_runs_say
-from bench.diagnose.name.groups import IN_SET
+from bench.diagnose.name.beside_unlisted import free_beside, group_beside, log_odds, log_odds_as_runs_say
+from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, Member
 from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.effects.effect import WHOLE, Effect, Parameter
 from bench.record.campaign import Array
@@ -100,6 +101,17 @@ def test_coulomb_friction_keeps_its_name_beside_a_dent(rng: np.random.Generator)
         odds = log_odds(model_of(noisy(dent + 0.3 * direction, rng), ("coulomb", "viscous")))
     assert expit(odds["coulomb"]) > 0.97
     assert expit(odds["viscous"]) < 0.1
+
+
+def test_names_of_a_finding_share_what_the_discrepancy_leaves_it() -> None:
+    members = tuple(Member(SimpleNamespace(key=key), share) for key, share in (("a", 0.6), ("b", 0.3)))  # type: ignore[arg-type]
+    group = AmbiguityGroup(members, 0.9)
+    held = group_beside(group, {"b": float(np.log(0.45 / 0.55)), "c": 9.0})
+    assert held.probability == pytest.approx(0.45)
+    assert [member.probability for member in held.members] == pytest.approx([0.3, 0.15])
+    assert held.may_be_unlisted
+    kept = group_beside(group, {"a": 9.0})
+    assert (kept.probability, kept.may_be_unlisted) == (0.9, False)
 
 
 def test_evidence_by_standard_errors_of_runs_is_that_of_a_reading_so_exact() -> None:

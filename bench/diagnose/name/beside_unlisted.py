@@ -2,8 +2,8 @@
 
 A model with a free shape says that something is missing at a drive. The shape is the best of a handful, and what it
 depends on is not known. So the discrepancy is any sum of the shapes at that drive, over angle, direction, speed, load
-and reading, each with a variance of its own, which may be none (Kennedy and O'Hagan, Bayesian calibration of computer
-models, 2001). It is integrated out together with all listed causes S:
+and reading, each with a variance of its own and the prior odds of something unlisted (Kennedy and O'Hagan, Bayesian
+calibration of computer models, 2001). It is integrated out together with all listed causes S:
 
     odds of a cause C = sum of p(data | S, discrepancy) / sum of p(data | S - C, discrepancy), over its variances
 
@@ -13,7 +13,7 @@ torque over the angle keeps its own, for a second shape would be needed in its p
 """
 
 from collections import Counter
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -49,11 +49,16 @@ def beside_unlisted(naming: Naming, discrepancy: Discrepancy | None) -> Naming:
     if discrepancy and discrepancy.fit and discrepancy.is_gain:
         linear, fit, learned = discrepancy.linear, discrepancy.fit, discrepancy.cause
     odds = log_odds_of(linear, fit, naming.unlisted, learned, naming.screening.threshold)
-    return replace(naming, groups=tuple(_beside(group, odds) for group in naming.groups))
+    return replace(naming, groups=tuple(group_beside(group, odds) for group in naming.groups))
 
 
-def _beside(group: AmbiguityGroup, odds: dict[Hashable, float]) -> AmbiguityGroup:
-    """Return a group with the probability that it has beside the discrepancy; its names cannot be told apart."""
+def group_beside(group: AmbiguityGroup, odds: Mapping[Hashable, float]) -> AmbiguityGroup:
+    """Return a group with the probability that it has beside the discrepancy; its names cannot be told apart.
+
+    Args:
+        group: Of a finding, beside the shape as it was found; it does not become surer.
+        odds: Key -> logarithm of the posterior odds, of the findings as fitted.
+    """
     fitted = [odds[key] for key in group.keys if key in odds]
     if not fitted:
         return group
