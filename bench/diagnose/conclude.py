@@ -12,8 +12,6 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.limits import detection_limits
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name.discrepancy import Discrepancy
-from bench.diagnose.name.groups import AmbiguityGroup as Group
-from bench.diagnose.name.groups import part_of_unlisted
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Finding, Naming
@@ -68,7 +66,7 @@ def verdict_of(
         noise_scale=float(np.mean(linear.inflation**2)),
         explanations=tuple(_explanation(model, fit) for model, fit in zip(near, fits, strict=True)),
         rivals=tuple(_explanation(m, m.listed_fit(naming.linear)) for m in naming.models if m.causes and m not in near),
-        findings=_findings(naming, near, fits, discrepancy.fit if discrepancy and discrepancy.is_gain else None),
+        findings=_findings(naming, near, fits),
         unlisted=_unlisted(naming, discrepancy),
         missing=missing,
         not_simulated=not_simulated,
@@ -81,17 +79,13 @@ def verdict_of(
     )
 
 
-def _findings(
-    naming: Naming, near: Sequence[Model], fits: Sequence[Fit], learned: Fit | None
-) -> tuple[AmbiguityGroup, ...]:
+def _findings(naming: Naming, near: Sequence[Model], fits: Sequence[Fit]) -> tuple[AmbiguityGroup, ...]:
     """Return the findings, each cause as the likeliest fitted model with it has it.
 
     Args:
         naming: What the data say.
         near: Models that cannot be told from the best.
         fits: Theirs.
-        learned: The best of them with what is unlisted as an effect of its own. Of what that leaves nothing certain,
-            it may be a part of it.
     """
     fitted = [*zip(near, fits, strict=True)]
     fitted += [
@@ -111,21 +105,9 @@ def _findings(
             group.probability,
             group.may_be_unlisted,
         )
-        for group in (beside_learned(learned, one) for one in naming.groups)
+        for group in naming.groups
     ]
     return tuple(sorted(found, key=lambda group: (group.is_small, -float(np.nan_to_num(group.names[0].cause.sigmas)))))
-
-
-def beside_learned(learned: Fit | None, group: Group) -> Group:
-    """Return a group as it is beside what is unlisted, as fitted."""
-    if learned is None or group.may_be_unlisted:
-        return group
-    gone = [
-        not size_of(cause, learned).sigmas > NORMAL_95
-        for cause in learned.causes
-        if cause.key == group.members[0].cause.key
-    ]
-    return part_of_unlisted(group) if any(gone) else group
 
 
 def unfinished_of(naming: Naming, why: str, during: str) -> Unfinished:

@@ -20,6 +20,7 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import causes_of, unseen_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
 from bench.diagnose.linearise.signatures import Signatures
+from bench.diagnose.name.beside_unlisted import beside_unlisted
 from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.neighbourhood import Neighbourhood
@@ -186,6 +187,7 @@ def _diagnose(
         if naming.unlisted:
             progress("learning what is not listed")
             discrepancy = discrepancy_of(naming)
+            naming = beside_unlisted(naming, discrepancy)
         extension = extension_of(naming, discrepancy)
         about = discrepancy.linear if discrepancy and discrepancy.is_gain else naming.linear
         if extension:

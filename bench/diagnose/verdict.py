@@ -102,7 +102,7 @@ class AmbiguityGroup:
     Attributes:
         names: The likeliest first; the fewest that together hold 99 %.
         probability: That any of them acts.
-        may_be_unlisted: Whether it is as likely a part of what is unlisted at its joint, which could hold most of it.
+        may_be_unlisted: Whether what is unlisted may hold it too: the set at 99 % has that as well.
     """
 
     names: tuple[PossibleCause, ...]

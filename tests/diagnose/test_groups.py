@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.diagnose.name.groups import Keys, groups_of, part_of_unlisted
+from bench.diagnose.name.groups import Keys, groups_of
 
 CAUSES: dict[Any, Any] = {
     key: SimpleNamespace(key=key) for key in ("gas", "heat", "offset", "friction", "slope", "far")
@@ -63,12 +63,3 @@ def test_a_pair_of_two_of_its_names_counts_once() -> None:
 def test_a_set_holds_99_percent_and_no_more() -> None:
     (gas,) = groups("gas", gas=10.0, heat=10.0, slope=10.0 - np.log(0.99 * 50), offset=4.5)
     assert set(gas) == {"gas", "heat", "slope"}
-
-
-def test_what_may_be_a_part_of_something_unlisted_shares_its_probability_with_that() -> None:
-    """Drag with the square of the speed came out as viscous drag at 100 %, and a shape for the rest."""
-    posterior: dict[Keys, float] = {frozenset({"slope", "shape"}): 10.0}
-    (drag,) = groups_of(["slope", "shape"], posterior, CAUSES)
-    shared = part_of_unlisted(drag)
-    assert (drag.probability, drag.may_be_unlisted) == (1.0, False)
-    assert (shared.probability, shared.members[0].probability, shared.may_be_unlisted) == (0.5, 0.5, True)

@@ -1,17 +1,16 @@
 """How large a cause is against what is plausible, and how small one may be to be found: closed forms."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from bench.diagnose.conclude import beside_learned
 from bench.diagnose.extend.fit import Fit, Unknown
-from bench.diagnose.extend.size import Size, size_of
+from bench.diagnose.extend.size import NORMAL_95, Size, is_clear_of_none, size_of
 from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
 from bench.diagnose.linearise.limits import DetectionLimit, detection_limits, smallest_found
 from bench.diagnose.linearise.screening import Entry, Screening
-from bench.diagnose.name.groups import AmbiguityGroup, Member
 from bench.diagnose.verdict import SMALL, NamedCause
 from bench.effects.effect import WHOLE, Effect, Parameter
 
@@ -57,6 +56,42 @@ def test_a_shape_is_no_size() -> None:
 
 def test_a_cause_that_was_not_fitted_has_no_size() -> None:
     assert np.isnan(size_of(PLAIN, fitted(0.0, 1e-3, 1e-4)).share)
+
+
+@pytest.mark.parametrize(
+    ("sigmas", "correlation", "is_clear"), [(1.5, 0.0, False), (2.0, 0.0, True), (1.8, 0.9, False)]
+)
+def test_sizes_that_trade_against_each_other_are_clear_together(
+    sigmas: float, correlation: float, is_clear: bool
+) -> None:
+    """Two sizes of n standard errors each have a Wald statistic of 2 n^2 / (1 + r); 5.99 is its 95 % quantile."""
+    fit = fitted(sigmas * 5e-4, sigmas * 5e-4, 5e-4)
+    covariance = fit.covariance.copy()
+    covariance[0, 1] = covariance[1, 0] = correlation * 5e-4**2
+    assert is_clear_of_none(CAUSE, replace(fit, covariance=covariance)) is is_clear
+
+
+def test_shifts_against_each_other_are_clear_where_neither_is() -> None:
+    """A jump of the tracker was refused, for none of its six sizes was clear of none, and came out as a slip."""
+    fit = fitted(1e-3, -1e-3, 1e-3)
+    covariance = fit.covariance.copy()
+    covariance[0, 1] = covariance[1, 0] = 0.9 * 1e-6
+    assert is_clear_of_none(CAUSE, replace(fit, covariance=covariance))
+    assert size_of(CAUSE, fit).sigmas < NORMAL_95
+
+
+def test_one_size_is_clear_where_its_interval_leaves_out_none() -> None:
+    for share in (0.99, 1.01):
+        unknowns = (Unknown(PLAIN, X),)
+        fit = replace(
+            fitted(0.0, 0.0, 1.0),
+            causes=(PLAIN,),
+            unknowns=unknowns,
+            values=np.array([share * NORMAL_95 * 1e-3]),
+            covariance=np.array([[1e-6]]),
+        )
+        assert is_clear_of_none(PLAIN, fit) is (share > 1)
+    assert not is_clear_of_none(CAUSE, fit)
 
 
 def test_small_is_less_than_a_fifth_of_what_is_plausible() -> None:
@@ -109,11 +144,3 @@ def test_a_limit_beyond_what_is_plausible_is_none(information: float, is_plausib
     assert found.limit == found.worst
     assert found.is_plausible is is_plausible
     assert isinstance(found, DetectionLimit)
-
-
-@pytest.mark.parametrize(("sigma", "is_part"), [(5e-4, False), (5e-3, True)])
-def test_of_what_nothing_is_left_beside_what_was_learned_may_be_a_part_of_it(sigma: float, is_part: bool) -> None:
-    group = AmbiguityGroup((Member(CAUSE, 1.0),), 1.0)
-    beside = beside_learned(fitted(1e-4, -6e-3, sigma), group)
-    assert (beside.may_be_unlisted, beside.probability) == (is_part, 0.5 if is_part else 1.0)
-    assert beside_learned(None, group) is group

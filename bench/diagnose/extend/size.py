@@ -2,10 +2,14 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+from scipy.stats import chi2
+
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.candidates import Cause
 
 NORMAL_95 = 1.959964  # exact: standard errors on either side of a 95 % interval of a normal distribution
+CLEAR = 0.95  # declared: level of the intervals that are stated
 
 
 @dataclass(frozen=True)
@@ -36,3 +40,21 @@ def size_of(cause: Cause, fit: Fit) -> Size:
     if clear:
         return max(clear, key=lambda size: size.share)
     return sizes[0] if sizes else Size(float("nan"), float("nan"))
+
+
+def is_clear_of_none(cause: Cause, fit: Fit) -> bool:
+    """Return whether the sizes of a cause, taken together, lie outside of the 95 % region of none.
+
+    By the Wald statistic x' C^-1 x of k sizes, which is chi-square with k degrees of freedom where there is nothing. Of
+    shifts and turns of a frame that trade against each other none may be clear by itself, and all of them together are.
+    """
+    mine = [i for i, one in enumerate(fit.unknowns) if one.cause is cause and not one.parameter.is_shape]
+    off = np.array([fit.values[i] - fit.unknowns[i].parameter.null for i in mine])
+    covariance = fit.covariance[np.ix_(mine, mine)]
+    if not len(mine):
+        return False
+    if np.any((fit.sigma[mine] == 0) & (off != 0)):
+        return True
+    known = fit.sigma[mine] > 0
+    off, covariance = off[known], covariance[np.ix_(known, known)]
+    return bool(off @ np.linalg.solve(covariance, off) > chi2.ppf(CLEAR, len(off)))

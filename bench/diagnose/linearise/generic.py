@@ -81,6 +81,22 @@ def anew(linear: LinearisedModel, block: Block, angle_nodes: int = ANGLE_NODES) 
     return found
 
 
+def blocks_at(linear: LinearisedModel, drive: int, angle_nodes: Iterable[int]) -> tuple[Block, ...]:
+    """Return the blocks at one drive, or of the tracker (-1), with every number of nodes over the angle.
+
+    Args:
+        linear: The campaign.
+        drive: Index.
+        angle_nodes: Numbers of nodes.
+    """
+    found: dict[tuple[str, int], tuple[Block, Array]] = {}
+    for count in angle_nodes:
+        for shape, raw in _shapes(linear, count):
+            if shape.drive == drive:
+                found.setdefault((str(shape), raw.shape[2]), (shape, raw))
+    return tuple(block for block in _whitened(linear, found.values()) if block is not None)
+
+
 def _whitened(linear: LinearisedModel, shapes: Iterable[tuple[Block, Array]]) -> Iterator[Block | None]:
     """Yield blocks with their columns from raw ones, shape (T, c, k); None for one that leaves no trace."""
     some: list[tuple[Block, Array]] = []

@@ -6,7 +6,7 @@ the best.
 """
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -34,7 +34,7 @@ class AmbiguityGroup:
     Attributes:
         members: The likeliest first; the fewest that hold `LEVEL` of what all of them together do.
         probability: That any of them acts.
-        may_be_unlisted: Whether it may be a part of what is unlisted at its joint, for that could hold most of it.
+        may_be_unlisted: Whether a set at `LEVEL` holds that it is a part of what is unlisted (`beside_unlisted.py`).
     """
 
     members: tuple[Member, ...]
@@ -45,15 +45,6 @@ class AmbiguityGroup:
     def keys(self) -> Keys:
         """Of its members."""
         return frozenset(member.cause.key for member in self.members)
-
-
-def part_of_unlisted(group: AmbiguityGroup) -> AmbiguityGroup:
-    """Return a group as it is where something unlisted at its joint, whose form nobody knows, could hold most of it.
-
-    Nothing tells the two apart, so they share the probability.
-    """
-    members = tuple(replace(member, probability=member.probability / 2) for member in group.members)
-    return AmbiguityGroup(members, group.probability / 2, True)
 
 
 def groups_of(

@@ -16,7 +16,7 @@ from bench.diagnose.extend.fit import Fit, Key, fit_without, pseudo_residual
 from bench.diagnose.linearise.candidates import Candidate, Cause
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.linearise.marginal import JITTER, Columns, Nuisances
+from bench.diagnose.linearise.marginal import Columns, Nuisances
 from bench.diagnose.linearise.screening import WIDTHS, Entry, Tried, widths_of
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.models import CandidateModel, Model, log_of_widths
@@ -24,7 +24,7 @@ from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
-GREATER_PART = 0.5  # assumed: of what a shape explains, could hold of a cause, or keeps of its evidence when simulated
+GREATER_PART = 0.5  # assumed: of what a shape explains, or keeps of its evidence when simulated
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,24 +132,6 @@ class SearchSpace:
             total = max(without)
             del kept[int(np.argmax(without))]
         return (*kept, shape), total
-
-    def held_by_shape(self, cause: Cause) -> float:
-        """Return the share of what a cause of the model changes that the free shape at its drive could hold as well."""
-        shape = self.about.shape
-        if shape is None or cause.drive < 0 or cause.drive != shape.drive or cause not in self.about.causes:
-            return 0.0
-        fit, terms = self.about.fit, self.model.terms
-        (mine,) = (terms[i].columns for i in self.present if self.what[i] is cause)
-        as_it_is = next(term.columns for term in terms if term.key == str(shape))
-        unknowns = [
-            (one.parameter, value) for one, value in zip(fit.unknowns, fit.values, strict=True) if one.cause is cause
-        ]
-        sizes = np.array([0.0 if parameter.is_shape else value - parameter.null for parameter, value in unknowns])
-        information = self.model.information
-        own = information[np.ix_(as_it_is, as_it_is)]
-        own = own + JITTER * np.diag(np.maximum(np.diag(own), 1.0))
-        shared = information[np.ix_(as_it_is, mine)] @ sizes
-        return float(shared @ np.linalg.solve(own, shared)) / float(sizes @ information[np.ix_(mine, mine)] @ sizes)
 
     @property
     def present(self) -> tuple[int, ...]:

@@ -16,18 +16,18 @@ from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
-from bench.diagnose.extend.size import NORMAL_95, size_of
+from bench.diagnose.extend.size import is_clear_of_none
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of, part_of_unlisted
+from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
 from bench.diagnose.name.leaders import grown, leaders_of, scattering
 from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
-from bench.diagnose.name.search_space import GREATER_PART, SearchSpace, search_space
+from bench.diagnose.name.search_space import search_space
 from bench.diagnose.name.simulation_error import SimulationError, imitated, rise_of
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
@@ -97,7 +97,6 @@ class _Selection:
     promising: tuple[Cause, ...] = ()
     causes: dict[Hashable, Cause] = field(default_factory=dict)
     posterior: dict[frozenset[Hashable], float] = field(default_factory=dict)
-    space: SearchSpace | None = None
 
     def __post_init__(self) -> None:
         self.nominal, self.tried = self.linear, self.screening.tried
@@ -133,12 +132,7 @@ class _Selection:
             return ()  # stopped before a search about it
         first = [finding.cause.key for finding in ranked]
         every = [*first, *(key for key in self.best.keys if key not in first)]
-        groups = groups_of(every, self.posterior, self.causes)
-        if self.space is None or self.space.about.keys != self.best.keys:
-            return groups
-        held: dict[Hashable, float] = {cause.key: self.space.held_by_shape(cause) for cause in self.space.about.causes}
-        may_be = [any(held.get(key, 0.0) > GREATER_PART for key in group.keys) for group in groups]
-        return tuple(part_of_unlisted(group) if is_so else group for group, is_so in zip(groups, may_be, strict=True))
+        return groups_of(every, self.posterior, self.causes)
 
     def run(self) -> None:
         """Search until the best model repeats, then with honest errors, and keep what pays on what was held out.
@@ -175,7 +169,7 @@ class _Selection:
         every = {one.terms: one for one in (*visited, *exchanges(about.model, visited[0], shape))}
         found = alternatives_of(about.model, every.values())
         causes = [about.cause(i) for i in found[0].best.terms]
-        self.space, self.promising = about, tuple(cause for cause in causes if cause)
+        self.promising = tuple(cause for cause in causes if cause)
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
         count = LEADERS if is_last else LEADERS // 2
         leading = leaders_of(found, count)
@@ -280,7 +274,7 @@ class _Selection:
             except NOT_SIMULATED:
                 continue
             gain = held_out(self.best.linear(self.linear), without, best)
-            is_clear = size_of(cause, as_stated).sigmas > NORMAL_95  # else runs disagree whether there is anything
+            is_clear = is_clear_of_none(cause, as_stated)  # else runs disagree whether there is anything
             pays = gain.is_gain and is_clear and error.is_needed(without, self.screening.threshold)
             found[cause.key] = Finding(cause, best, rise_of(best, without), gain, pays)
         return found

@@ -40,7 +40,7 @@ ACTS = {
     "gear angle": "an error of the gear of {place}",
     "reading": "an error of the readings of {place}",
 }
-PART_OF_UNLISTED = "a part of what is unlisted at its joint, as likely: that could hold most of it"
+PART_OF_UNLISTED = "a part of what is unlisted, which could hold it as well"
 SLIDES = {"torque": "force", "angle": "position"}  # what a turning drive has -> what a sliding one has
 
 
