@@ -108,6 +108,23 @@ def test_steps_correct_derivatives_of_nuisances_that_are_wrong(share: float) -> 
     assert np.all(np.abs(found.values - right.values) < 0.2 * right.sigma)
 
 
+def test_what_is_stated_of_a_fit_rests_on_derivatives_where_it_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With derivatives from before its corrected steps, intervals of a ripple came out a quarter too narrow on EMPS."""
+    linear, ripple = _design(), catalogue()["friction_ripple"]
+    sizes, shapes = ([p for p in ripple.parameters if p.is_shape is is_shape] for is_shape in (False, True))
+    cause = Cause(ripple, ripple.places(nominal())[1], tuple(sizes), tuple(shapes))
+    places, slopes = [], refit_module._slopes
+    monkeypatch.setattr(
+        refit_module,
+        "_slopes",
+        lambda left, residual, values, *known: places.append(values) or slopes(left, residual, values, *known),
+    )
+    wrong = relinearised(linear, range(len(linear.nuisances)), 0.3 * linear.sensitivities)
+    found = refit(wrong, (_whole("gas_loss"), cause), {(*cause.key, "sin"): 0.2, (*cause.key, "period"): 0.3})
+    far = [float(np.max(np.abs(values - found.values) / found.sigma)) for values in places]
+    assert far[-1] < 0.05 < min(far[:-1])
+
+
 def test_corrected_derivatives_are_right_along_the_step_and_the_same_across_it(rng: np.random.Generator) -> None:
     tangent, step, scale = rng.normal(size=(7, 3)), rng.normal(size=3), np.array([1.0, 1e-3, 50.0])
     missed = rng.normal(size=7)

@@ -1,6 +1,7 @@
 """The last word on an extension: its parameters and all nuisances together, fitted by simulating the extended model."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -143,6 +144,7 @@ def _fitted(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -
 
     jacobian = slopes_at(values, x, residual, point.jacobian)
     borrowed, is_anew, is_here = bool(point.jacobian), False, not point.jacobian  # what the derivatives are
+    is_corrected, last = False, np.zeros_like(units)
     tangent, curvature = tangent_of(jacobian)
     fell = np.inf
     for iteration in range(MOST_ITERATIONS + 1):
@@ -151,8 +153,7 @@ def _fitted(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -
         step = bounded_step(curvature, gradient, p, *limits)
         promised = float(2 * gradient @ step - step @ (curvature @ step))
         if promised < ENOUGH:  # not worth a simulation; but who leaves runs out takes a fit to be at its optimum
-            x, values, best = x + step[:p], values + step[p:], best - promised
-            residual = residual - linear.sensitivities @ step[:p] - jacobian @ step[p:]
+            last, best = step, best - promised
             break
         if fell < ENOUGH or iteration == MOST_ITERATIONS:
             break
@@ -175,7 +176,7 @@ def _fitted(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -
             continue
         if is_anew and fell:  # new derivatives of the causes do no better: those of the nuisances are as wrong
             tangent = corrected(tangent, missed, taken, units)
-            curvature = tangent.T @ tangent + prior
+            curvature, is_corrected = tangent.T @ tangent + prior, True
             continue
         if is_here:
             break
@@ -184,8 +185,13 @@ def _fitted(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -
         except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
             break
         tangent, curvature = tangent_of(jacobian)
-        borrowed, is_anew, is_here, fell = False, True, True, np.inf
-    _, curvature = tangent_of(jacobian)  # steps correct derivatives so far as they lead, not for what is stated
+        borrowed, is_anew, is_here, is_corrected, fell = False, True, True, False, np.inf
+    if is_corrected:  # corrections lead to the optimum; what is stated there rests on derivatives
+        with suppress(*NOT_SIMULATED):
+            jacobian = slopes_at(values, x, residual, {})
+        _, curvature = tangent_of(jacobian)
+    x, values = x + last[:p], values + last[p:]
+    residual = residual - linear.sensitivities @ last[:p] - jacobian @ last[p:]
     covariance = np.asarray(np.linalg.inv(curvature)[p:, p:], dtype=np.float64)
     _, determinant = np.linalg.slogdet(curvature)
     evidence = -0.5 * best - 0.5 * float(determinant) - float(np.sum(np.log(sigma)))
