@@ -6,6 +6,7 @@ units and defaults; values are checked when a model with them is compiled. Equat
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from math import exp, expm1, isnan, log, nan
 from typing import Self
 
@@ -246,6 +247,7 @@ def config(law: GasSpring | Friction | TorqueTable) -> dict[str, str]:
     return {name: _text(value) for name, value in values.items() if value == value and value != ""}
 
 
+@lru_cache(maxsize=64)  # fits add a table with the same numbers to model after model
 def _text(value: float | str | tuple[float, ...]) -> str:
     if isinstance(value, str):
         return value

@@ -10,8 +10,9 @@ from bench.diagnose.diagnose import diagnose
 from bench.diagnose.extend import refit as refit_module
 from bench.diagnose.extend.fit import Fit, Unknown, unknowns_of
 from bench.diagnose.extend.refit import refit, refitted
+from bench.diagnose.extend.steps import corrected
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, raised
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, raised, relinearised
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -94,6 +95,43 @@ def test_a_fit_that_finds_no_balance_beside_it_keeps_its_derivatives(monkeypatch
     fit = refit(linear, causes, {("gas_loss", "robot", "lost"): 0.02})
     assert len(calls) == 2
     assert fit.values[0] == pytest.approx(0.1, abs=4 * fit.sigma[0])
+
+
+@pytest.mark.parametrize("share", [0.3, 3.0])
+def test_steps_correct_derivatives_of_nuisances_that_are_wrong(share: float) -> None:
+    """Derivatives of nuisances are not simulated; a fit that trusts them throughout misses its optimum by 55 to 672."""
+    linear, causes = _design(), (_whole("gas_loss"), _whole("payload_mass"))
+    right = refit(linear, causes, {})
+    every = range(len(linear.nuisances))
+    found = refit(relinearised(linear, every, share * linear.sensitivities), causes, {})
+    assert found.objective < 1.01 * right.objective
+    assert np.all(np.abs(found.values - right.values) < 0.2 * right.sigma)
+
+
+def test_what_is_stated_of_a_fit_rests_on_derivatives_where_it_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With derivatives from before its corrected steps, intervals of a ripple came out a quarter too narrow on EMPS."""
+    linear, ripple = _design(), catalogue()["friction_ripple"]
+    sizes, shapes = ([p for p in ripple.parameters if p.is_shape is is_shape] for is_shape in (False, True))
+    cause = Cause(ripple, ripple.places(nominal())[1], tuple(sizes), tuple(shapes))
+    places, slopes = [], refit_module._slopes
+    monkeypatch.setattr(
+        refit_module,
+        "_slopes",
+        lambda left, residual, values, *known: places.append(values) or slopes(left, residual, values, *known),
+    )
+    wrong = relinearised(linear, range(len(linear.nuisances)), 0.3 * linear.sensitivities)
+    found = refit(wrong, (_whole("gas_loss"), cause), {(*cause.key, "sin"): 0.2, (*cause.key, "period"): 0.3})
+    far = [float(np.max(np.abs(values - found.values) / found.sigma)) for values in places]
+    assert far[-1] < 0.05 < min(far[:-1])
+
+
+def test_corrected_derivatives_are_right_along_the_step_and_the_same_across_it(rng: np.random.Generator) -> None:
+    tangent, step, scale = rng.normal(size=(7, 3)), rng.normal(size=3), np.array([1.0, 1e-3, 50.0])
+    missed = rng.normal(size=7)
+    found = corrected(tangent, missed, step, scale)
+    np.testing.assert_allclose(found @ step, tangent @ step + missed, rtol=1e-12)
+    across = np.cross(step / scale, [1.0, 2.0, 3.0]) * scale  # at right angles to the step, in units of the parameters
+    np.testing.assert_allclose(found @ across, tangent @ across, rtol=1e-12, atol=1e-12 * np.max(np.abs(tangent)) * 50)
 
 
 def _design() -> LinearisedModel:

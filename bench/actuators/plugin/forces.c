@@ -38,9 +38,26 @@ static bool read_servo(Forces* self, const mjModel* m, int i) {
   return !has_integral || m->actuator_dynprm[mjNDYN * i + 1] == 0;  // no slew
 }
 
+// Whether nothing can touch, rub, be tied, be delayed, float or sleep.
+static bool is_free(const mjModel* m) {
+  bool odd = m->nq != m->nv || m->njnt != m->nv || m->neq || m->npair || m->nmocap || m->nflex || m->nhistory ||
+             m->ngravcomp || m->opt.density != 0 || m->opt.viscosity != 0 || m->opt.disableflags || m->opt.enableflags;
+  for (int i = 0; i < m->ngeom; i++) {
+    odd = odd || m->geom_contype[i] || m->geom_conaffinity[i];
+  }
+  for (int i = 0; i < m->njnt; i++) {
+    odd = odd || m->jnt_actfrclimited[i] || m->dof_frictionloss[i] != 0;
+  }
+  for (int i = 0; i < m->ntendon; i++) {
+    odd = odd || m->tendon_limited[i] || m->tendon_actfrclimited[i] || m->tendon_frictionloss[i] != 0 ||
+          m->tendon_armature[i] != 0;
+  }
+  return !odd;
+}
+
 bool forces_read(Forces* self, const mjModel* m) {
   memset(self, 0, sizeof(*self));
-  bool odd = m->nplugin > MAX_PLUGINS || any(m->dof_dampingpoly, mjNPOLY * m->nv) ||
+  bool odd = !is_free(m) || m->nplugin > MAX_PLUGINS || any(m->dof_dampingpoly, mjNPOLY * m->nv) ||
              any(m->tendon_dampingpoly, mjNPOLY * m->ntendon) || any(m->actuator_armature, m->nactuator) ||
              any(m->actuator_damping, m->nactuator) || any(m->actuator_dampingpoly, mjNPOLY * m->nactuator);
   for (int i = 0; i < m->nactuator && !odd; i++) {
@@ -74,6 +91,19 @@ bool forces_read(Forces* self, const mjModel* m) {
     }
   }
   return !odd;
+}
+
+void forces_ends(const Forces* self, const mjModel* m, int* sites) {
+  for (int i = 0; i < self->nstraight; i++) {
+    memcpy(sites + 2 * i, m->wrap_objid + m->tendon_adr[self->straight[i].tendon], 2 * sizeof(int));
+  }
+}
+
+void forces_join(Forces* self, const Point* ends) {
+  for (int i = 0; i < self->nstraight; i++) {
+    self->straight[i].from = ends[2 * i];
+    self->straight[i].to = ends[2 * i + 1];
+  }
 }
 
 // Lengths and Jacobians of the straight tendons, and of what pulls along them.
@@ -196,7 +226,8 @@ static bool update_servo(const Servo* one, const mjModel* m, mjData* d) {
   return true;
 }
 
-bool forces_update(const Forces* self, const Tree* tree, const mjModel* m, mjData* d, mjtNum* force) {
+// Lengths and velocities of tendons and actuators, and the forces of springs and dampers, shape nv.
+static void update_springs(const Forces* self, const Tree* tree, const mjModel* m, mjData* d, mjtNum* force) {
   update_straight(self, tree, m, d);
   update_tendons(m, d);
   for (int i = 0; i < m->nactuator; i++) {
@@ -207,24 +238,58 @@ bool forces_update(const Forces* self, const Tree* tree, const mjModel* m, mjDat
     add_springs(m, d, force);
   } else {
     mj_passive(m, d);
-    copy(force, d->qfrc_passive, (int)m->nv);
+    if (force != d->qfrc_passive) {
+      copy(force, d->qfrc_passive, (int)m->nv);
+    }
   }
+}
+
+static void update_plugins(const Forces* self, const mjModel* m, mjData* d) {
+  for (int i = 0; i < self->nplugin; i++) {
+    self->compute[i](m, d, self->instance[i], mjPLUGIN_ACTUATOR);
+  }
+}
+
+static void add_actuator(mjtNum* force, const mjModel* m, const mjData* d, int i) {
+  int out = m->actuator_outadr[i], row = d->moment_rowadr[out];
+  add_row(force, d->actuator_moment + row, d->moment_colind + row, d->moment_rownnz[out], d->actuator_force[out]);
+}
+
+bool forces_update(const Forces* self, const Tree* tree, const mjModel* m, mjData* d, mjtNum* force) {
+  update_springs(self, tree, m, d, force);
   for (int i = 0; i < self->nservo; i++) {
     if (!update_servo(self->servo + i, m, d)) {
       return false;
     }
   }
-  for (int i = 0; i < self->nplugin; i++) {
-    self->compute[i](m, d, self->instance[i], mjPLUGIN_ACTUATOR);
-  }
+  update_plugins(self, m, d);
   for (int i = 0; i < m->nactuator; i++) {
-    int out = m->actuator_outadr[i], row = d->moment_rowadr[out];
-    if (m->actuator_forcelimited[i] && !is_inside(m->actuator_forcerange + 2 * i, d->actuator_force[out])) {
+    if (m->actuator_forcelimited[i] &&
+        !is_inside(m->actuator_forcerange + 2 * i, d->actuator_force[m->actuator_outadr[i]])) {
       return false;
     }
-    add_row(force, d->actuator_moment + row, d->moment_colind + row, d->moment_rownnz[out], d->actuator_force[out]);
+    add_actuator(force, m, d, i);
   }
   return true;
+}
+
+void forces_undriven(const Forces* self, const Tree* tree, const mjModel* m, mjData* d) {
+  update_springs(self, tree, m, d, d->qfrc_passive);
+  update_plugins(self, m, d);
+  zero(d->qfrc_actuator, (int)m->nv);
+  for (int i = 0; i < m->nactuator; i++) {
+    if (m->actuator_plugin[i] >= 0) {
+      add_actuator(d->qfrc_actuator, m, d, i);
+    } else {
+      d->actuator_force[m->actuator_outadr[i]] = 0;
+    }
+  }
+}
+
+void forces_remember(const Forces* self, const mjModel* m, mjData* d) {
+  for (int i = 0; i < self->nplugin; i++) {
+    self->advance[i](m, d, self->instance[i]);
+  }
 }
 
 void forces_advance(const Forces* self, const mjModel* m, mjData* d) {
@@ -244,7 +309,5 @@ void forces_advance(const Forces* self, const mjModel* m, mjData* d) {
     d->qpos[i] += h * d->qvel[i];
   }
   d->time += h;
-  for (int i = 0; i < self->nplugin; i++) {
-    self->advance[i](m, d, self->instance[i]);
-  }
+  forces_remember(self, m, d);
 }

@@ -36,9 +36,19 @@ typedef struct Forces {
 // Describes a model, but for the ends of its straight tendons. Returns false where something is not simple.
 bool forces_read(Forces* self, const mjModel* m);
 
+// Writes the sites between which straight tendons run, two each, and takes over where these are.
+void forces_ends(const Forces* self, const mjModel* m, int* sites);
+void forces_join(Forces* self, const Point* ends);
+
 // Computes lengths, velocities, and forces of springs, dampers and actuators; force has size nv. Returns false where an
 // input, an integral or a force reaches its bound; `d` then is MuJoCo's to compute again.
 bool forces_update(const Forces* self, const Tree* tree, const mjModel* m, mjData* d, mjtNum* force);
+
+// Writes the same to `qfrc_passive` and `qfrc_actuator`, without the servos, which count as switched off.
+void forces_undriven(const Forces* self, const Tree* tree, const mjModel* m, mjData* d);
+
+// Lets the plugins take over the state that `forces_update` or `forces_undriven` found.
+void forces_remember(const Forces* self, const mjModel* m, mjData* d);
 
 // Integrates one step with the accelerations in `d`, velocity first.
 void forces_advance(const Forces* self, const mjModel* m, mjData* d);

@@ -5,40 +5,17 @@
 
 #include "vector.h"
 
-// Whether nothing can touch, rub, be tied, be delayed, float or sleep.
-static bool is_free(const mjModel* m) {
-  bool odd = m->nq != m->nv || m->njnt != m->nv || m->neq || m->npair || m->nmocap || m->nflex || m->nhistory ||
-             m->ngravcomp || m->opt.density != 0 || m->opt.viscosity != 0 || m->opt.disableflags ||
-             m->opt.enableflags || m->opt.integrator != mjINT_IMPLICITFAST;
-  for (int i = 0; i < m->ngeom; i++) {
-    odd = odd || m->geom_contype[i] || m->geom_conaffinity[i];
-  }
-  for (int i = 0; i < m->njnt; i++) {
-    odd = odd || m->jnt_actfrclimited[i] || m->dof_frictionloss[i] != 0;
-  }
-  for (int i = 0; i < m->ntendon; i++) {
-    odd = odd || m->tendon_limited[i] || m->tendon_actfrclimited[i] || m->tendon_frictionloss[i] != 0 ||
-          m->tendon_armature[i] != 0;
-  }
-  return !odd;
-}
-
 void lean_read(Lean* self, const mjModel* m, int load_body) {
   memset(self, 0, sizeof(*self));
   Forces* forces = &self->forces;
-  if (!is_free(m) || !forces_read(forces, m)) {
+  if (m->opt.integrator != mjINT_IMPLICITFAST || !forces_read(forces, m)) {
     return;
   }
   int sites[2 * MAX_STRAIGHT];
   Point ends[2 * MAX_STRAIGHT];
-  for (int i = 0; i < forces->nstraight; i++) {
-    memcpy(sites + 2 * i, m->wrap_objid + m->tendon_adr[forces->straight[i].tendon], 2 * sizeof(int));
-  }
+  forces_ends(forces, m, sites);
   self->is_known = tree_read(&self->tree, m, &self->load, load_body, ends, sites, 2 * forces->nstraight);
-  for (int i = 0; i < forces->nstraight && self->is_known; i++) {
-    forces->straight[i].from = ends[2 * i];
-    forces->straight[i].to = ends[2 * i + 1];
-  }
+  forces_join(forces, ends);
 }
 
 void lean_learn(Lean* self, const mjModel* m, const mjData* d) {
@@ -123,7 +100,8 @@ bool lean_step(Lean* self, const mjModel* m, mjData* d, const mjtNum* push) {
   if (!self->is_known || !self->has_damping || !is_ordinary(m, d)) {
     return false;
   }
-  tree_update(&self->tree, m, d, &self->load, push);
+  tree_bias(&self->tree, m, d, NULL, &self->load, push);
+  tree_inertia(&self->tree);
   if (!forces_update(&self->forces, &self->tree, m, d, force)) {
     return false;
   }

@@ -12,6 +12,7 @@
 #include <mujoco/mujoco.h>
 
 #include "instance.h"
+#include "undriven.h"
 
 #if defined(_WIN32)
 #define EXPORT __declspec(dllexport)
@@ -84,8 +85,9 @@ typedef struct Work {
   const Search* search;
   const double* push;  // (6), NULL: none
   bool accelerates;
-  double* bias;    // (nv)
-  double* forces;  // (nv)
+  Undriven* lean;  // NULL: the model has parts that are MuJoCo's to evaluate
+  double* outside;  // (nv) torques of inertia, gravity and the push
+  double* servos;   // (na) what integrals of servos stood at
   double* residual;
   double* before;
   double* step;
@@ -104,6 +106,28 @@ static bool any(const double* values, int n) {
   return false;
 }
 
+// Has MuJoCo do what `undriven_update` does.
+static void evaluate(Work* w) {
+  const mjModel* m = &w->model;
+  mjData* d = w->data;
+  const int body = w->arm->load_body;
+  mj_kinematics(m, d);
+  mj_comPos(m, d);
+  mj_tendon(m, d);
+  mj_transmission(m, d);
+  mj_fwdVelocity(m, d);
+  mj_fwdActuation(m, d);
+  if (w->accelerates) {
+    mj_rne(m, d, 1, w->outside);  // without armature, which only the rotors have
+    mju_scl(w->outside, w->outside, -1, m->nv);
+  } else {
+    mju_scl(w->outside, d->qfrc_bias, -1, m->nv);
+  }
+  if (w->push) {
+    mj_applyFT(m, d, w->push, w->push + 3, d->xipos + 3 * body, body, w->outside);
+  }
+}
+
 // Writes the torque left on every unknown and returns the square of what may be left.
 static double balance_residual(Work* w) {
   const mjModel* m = &w->model;
@@ -112,28 +136,17 @@ static double balance_residual(Work* w) {
   for (int k = 0; k < arm->u; k++) {
     d->qpos[arm->position[k]] = w->unknown[k];
   }
-  mj_kinematics(m, d);
-  mj_comPos(m, d);
-  mj_tendon(m, d);
-  mj_transmission(m, d);
-  mj_fwdVelocity(m, d);
-  mj_fwdActuation(m, d);
-  const double* bias = d->qfrc_bias;
-  if (w->accelerates) {
-    mj_rne(m, d, 1, w->bias);  // without armature, which only the rotors have
-    bias = w->bias;
-  }
-  for (int i = 0; i < m->nv; i++) {
-    w->forces[i] = d->qfrc_passive[i] + d->qfrc_actuator[i] - bias[i];
-  }
-  if (w->push) {
-    mj_applyFT(m, d, w->push, w->push + 3, d->xipos + 3 * arm->load_body, arm->load_body, w->forces);
+  if (w->lean) {
+    undriven_update(w->lean, m, d, w->push, w->outside);
+  } else {
+    evaluate(w);
   }
   double sprung = 0;
   for (int k = 0; k < arm->u; k++) {
-    double passive = d->qfrc_passive[arm->dof[k]];
+    const int dof = arm->dof[k];
+    const double passive = d->qfrc_passive[dof];
     sprung += passive * passive;
-    w->residual[k] = w->forces[arm->dof[k]];
+    w->residual[k] = passive + d->qfrc_actuator[dof] + w->outside[dof];
   }
   return w->search->tolerance * w->search->tolerance * (1.0 + sprung);
 }
@@ -229,13 +242,17 @@ static void remember(Work* w) {
   const double time = d->time;
   mju_zero(d->qvel, m->nv);
   mju_zero(d->qacc, m->nv);
-  mju_copy(w->bias, d->act, m->na);  // as long as nv at least, see bench_replay
+  if (w->lean && !m->nplastic) {
+    forces_remember(&w->lean->forces, m, d);
+    return;
+  }
+  mju_copy(w->servos, d->act, m->na);
   const int flags = m->opt.disableflags;
   m->opt.disableflags = flags | mjDSBL_EULERDAMP;  // a drag that was learned may fall with speed; nothing moves
   mj_Euler(m, d);
   m->opt.disableflags = flags;
   d->time = time;
-  mju_copy(d->act, w->bias, m->na);
+  mju_copy(d->act, w->servos, m->na);
 }
 
 static void write_instant(const Work* w, Seen* seen, int row, const double* acceleration) {
@@ -253,7 +270,12 @@ static void write_instant(const Work* w, Seen* seen, int row, const double* acce
     seen->link[row * n + j] = d->actuator_force[arm->link_friction[j]];
   }
   for (int s = 0; s < arm->nsite; s++) {
-    mju_copy3(seen->points + 3 * ((size_t)row * arm->nsite + s), d->site_xpos + 3 * arm->site[s]);
+    double* point = seen->points + 3 * ((size_t)row * arm->nsite + s);
+    if (w->lean) {
+      undriven_site(w->lean, s, point);
+    } else {
+      mju_copy3(point, d->site_xpos + 3 * arm->site[s]);
+    }
   }
   if (arm->counterbalance >= 0) {
     seen->cylinder[2 * row] = -d->actuator_force[arm->counterbalance];
@@ -275,30 +297,36 @@ static void begin(Work* w, bool is_first) {
   }
   const int nstate = instance >= 0 ? m->plugin_statenum[instance] / count : 0;
   const int kept = nstate - FRICTION_STATES;
-  if (is_first || kept <= 0 || kept > MOST_KEPT) {
-    mj_resetData(m, d);
-    return;
-  }
-  const int first = m->plugin_stateadr[instance] + before * nstate + FRICTION_STATES;
+  const bool keeps = !is_first && kept > 0 && kept <= MOST_KEPT;
+  const int first = keeps ? m->plugin_stateadr[instance] + before * nstate + FRICTION_STATES : 0;
   mjtNum gas[MOST_KEPT];
-  mju_copy(gas, d->plugin_state + first, kept);
+  if (keeps) {
+    mju_copy(gas, d->plugin_state + first, kept);
+  }
   mj_resetData(m, d);
-  mju_copy(d->plugin_state + first, gas, kept);
+  if (keeps) {
+    mju_copy(d->plugin_state + first, gas, kept);
+  }
+  if (w->lean) {
+    undriven_begin(m, d);
+  }
 }
 
 // Follows the motions. Returns the index of the first instant without a balance, whose largest torque is in `seen`, or -1.
 EXPORT int bench_replay(const mjModel* model, mjData* data, const Arm* arm, const Search* search, const Course* course,
                         Seen* seen) {
   const int n = arm->n, u = arm->u, nv = model->nv;
-  const int spare = nv > model->na ? nv : model->na;
-  double* numbers = mju_malloc((size_t)(nv + spare + 7 * u) * sizeof(double));
+  double* numbers = mju_malloc((size_t)(nv + model->na + 7 * u) * sizeof(double));
   Work w = {.model = *model, .data = data, .arm = arm, .search = search};
   double** parts[] = {&w.residual, &w.before, &w.step, &w.slope, &w.unknown, &w.low, &w.high};
-  w.forces = numbers;
-  w.bias = numbers + nv;
+  w.outside = numbers;
+  w.servos = numbers + nv;
   for (int i = 0; i < 7; i++) {
-    *parts[i] = w.bias + spare + i * u;
+    *parts[i] = w.servos + model->na + i * u;
   }
+  Undriven lean;
+  undriven_read(&lean, model, arm->load_body, arm->servo, n, arm->site, arm->nsite);
+  w.lean = lean.is_known ? &lean : NULL;
   const double own_step = model->opt.timestep;
   int row = 0, failed = -1;
   for (int i = 0; i < course->length && failed < 0; i++) {

@@ -24,11 +24,6 @@ void tree_jacobian(const Tree* tree, const Point* point, const mjtNum place[3], 
   }
 }
 
-// Mass, first and second moments about the origin of the world; second: xx xy xz yy yz zz.
-typedef struct Moments {
-  mjtNum mass, first[3], second[6];
-} Moments;
-
 static void times(Spatial* result, const Moments* I, const Spatial* v) {
   const mjtNum *w = v->angular, *s = I->second;
   result->angular[0] = s[0] * w[0] + s[1] * w[1] + s[2] * w[2];
@@ -117,8 +112,7 @@ static void inertial_force(Spatial* force, const Moments* I, const Spatial* v, c
   add_cross(force->linear, v->angular, momentum.linear);
 }
 
-void tree_update(Tree* tree, const mjModel* m, const mjData* d, const Point* at, const mjtNum* push) {
-  Moments I[MAX_LINKS];
+void tree_bias(Tree* tree, const mjModel* m, const mjData* d, const mjtNum* qacc, const Point* at, const mjtNum* push) {
   Spatial velocity[MAX_LINKS], acceleration[MAX_LINKS], force[MAX_LINKS];
   int n = tree->nlink;
   for (int i = 0; i < n; i++) {
@@ -127,7 +121,7 @@ void tree_update(Tree* tree, const mjModel* m, const mjData* d, const Point* at,
     Spatial *v = velocity + i, *a = acceleration + i;
     mjtNum rate = d->qvel[link->dof];
     place_link(tree, i, d->qpos[link->qpos]);
-    moments_of(I + i, tree, i);
+    moments_of(tree->moments + i, tree, i);
     Spatial own;
     for (int k = 0; k < 3; k++) {
       own.angular[k] = axis->angular[k] * rate;
@@ -146,9 +140,13 @@ void tree_update(Tree* tree, const mjModel* m, const mjData* d, const Point* at,
       add_cross(a->linear, v->linear, own.angular);
       add(v, &own);
     }
-    inertial_force(force + i, I + i, v, a);
+    if (qacc) {
+      add_scaled(a->angular, axis->angular, qacc[link->dof]);
+      add_scaled(a->linear, axis->linear, qacc[link->dof]);
+    }
+    inertial_force(force + i, tree->moments + i, v, a);
   }
-  if (at->link >= 0) {
+  if (push && at->link >= 0) {
     mjtNum place[3];
     tree_point(tree, at, place);
     add_scaled(force[at->link].linear, push, -1);
@@ -158,6 +156,18 @@ void tree_update(Tree* tree, const mjModel* m, const mjData* d, const Point* at,
   for (int i = n - 1; i >= 0; i--) {
     int parent = tree->link[i].parent;
     tree->bias[i] = along(tree->axis + i, force + i);
+    if (parent >= 0) {
+      add(force + parent, force + i);
+    }
+  }
+}
+
+void tree_inertia(Tree* tree) {
+  Moments I[MAX_LINKS];
+  int n = tree->nlink;
+  memcpy(I, tree->moments, (size_t)n * sizeof(Moments));
+  for (int i = n - 1; i >= 0; i--) {
+    int parent = tree->link[i].parent;
     Spatial pull;
     times(&pull, I + i, tree->axis + i);
     tree->M[i][i] = along(tree->axis + i, &pull) + tree->armature[i];
@@ -165,7 +175,6 @@ void tree_update(Tree* tree, const mjModel* m, const mjData* d, const Point* at,
       tree->M[i][j] = along(tree->axis + j, &pull);
     }
     if (parent >= 0) {
-      add(force + parent, force + i);
       I[parent].mass += I[i].mass;
       add_scaled(I[parent].first, I[i].first, 1);
       for (int k = 0; k < 6; k++) {

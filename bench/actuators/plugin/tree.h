@@ -35,6 +35,11 @@ typedef struct Rotor {
   mjtNum inertia;  // with armature
 } Rotor;
 
+// Mass, first and second moments about the origin of the world; second: xx xy xz yy yz zz.
+typedef struct Moments {
+  mjtNum mass, first[3], second[6];
+} Moments;
+
 typedef struct Tree {
   int nlink, nrotor;
   Link link[MAX_LINKS];
@@ -44,6 +49,7 @@ typedef struct Tree {
   mjtNum rotation[MAX_LINKS][9];  // of the frame in the world
   mjtNum origin[MAX_LINKS][3];
   Spatial axis[MAX_LINKS];  // velocity of what moves with a link, for a joint velocity of one
+  Moments moments[MAX_LINKS];
   mjtNum M[MAX_LINKS][MAX_LINKS];  // lower triangle; zero between branches
   mjtNum bias[MAX_LINKS];
 } Tree;
@@ -57,8 +63,11 @@ typedef struct Point {
 // Describes a model. Returns false where it has other joints, or too many.
 bool tree_read(Tree* tree, const mjModel* m, Point* body_com, int body, Point* sites, const int* site_ids, int nsite);
 
-// Takes over positions and velocities; `push` acts at a point and is part of the bias.
-void tree_update(Tree* tree, const mjModel* m, const mjData* d, const Point* at, const mjtNum* push);
+// Takes over positions and velocities; accelerations and what acts at a point, unless NULL, are part of the bias.
+void tree_bias(Tree* tree, const mjModel* m, const mjData* d, const mjtNum* qacc, const Point* at, const mjtNum* push);
+
+// The joint-space inertia at the positions that `tree_bias` took over.
+void tree_inertia(Tree* tree);
 
 // World coordinates of a point.
 void tree_point(const Tree* tree, const Point* point, mjtNum result[3]);

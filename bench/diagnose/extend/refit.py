@@ -1,11 +1,13 @@
 """The last word on an extension: its parameters and all nuisances together, fitted by simulating the extended model."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from bench.diagnose.extend.fit import Fit, Key, Unknown, is_simulated, play_of, unknowns_of, world_of
+from bench.diagnose.extend.steps import HALVINGS, bounded_step, corrected, ever_shorter
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.first_order import FirstOrder
 from bench.diagnose.linearise.linearised_model import LinearisedModel, scatters_alike, with_play
@@ -15,10 +17,8 @@ from bench.record.campaign import Array
 
 MOST_ITERATIONS = 6  # effort: steps of a fit
 ENOUGH = 0.2  # effort: fall of the objective, promised or found, below which a fit has converged
-HALVINGS = 5  # effort: lengths of a step that are tried
-DAMPINGS = (0.1, 1.0, 10.0)  # effort: of the curvature of each parameter alone
 MOST_PLAYS = 4  # effort: fits in turn, each with the scatter that the play of the one before makes
-FAITHFUL = 0.7  # effort: of the promised fall; derivatives that keep less are taken anew
+FAITHFUL = 0.7  # effort: of the promised fall; derivatives that keep less are taken anew, or corrected
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,8 @@ def refit(
 ) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
 
-    Nuisances are simulated too; their derivatives are those of the design. Gears that have play in the extended model
+    Nuisances are simulated too; their derivatives are those of the design, corrected by what steps show where they do
+    not keep what they promise. Gears that have play in the extended model
     scatter their links in it; where the fit changes the play, it is repeated with the new scatter.
 
     Args:
@@ -117,17 +118,18 @@ def _fitted(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -
         residual: Array = observed - simulated - linear.sensitivities[:, :, by_sensitivity] @ x[by_sensitivity]
         return residual
 
-    def objective(residual: Array, values: Array, x: Array) -> float:
-        white = linear.whiten(residual)
+    def objective(white: Array, values: Array, x: Array) -> float:
         penalty = float(np.sum(((values - origin) / sigma) ** 2)) if len(values) else 0.0
         return float(white @ white) + float(x @ x) + penalty
 
     values, x, residual = point.values, point.nuisances, point.residual
     if residual is None:
         values, residual = _first(left, values, x, origin)
-    best = objective(residual, values, x)
+    white = linear.whiten(residual)
+    best = objective(white, values, x)
     p = len(x)
-    prior = np.diag(np.concatenate([np.ones(p), 1 / sigma**2]))
+    units = np.concatenate([np.ones(p), sigma])
+    prior = np.diag(1 / units**2)
 
     def slopes_at(values: Array, x: Array, residual: Array, known: Mapping[int, Array]) -> Array:
         def world_at(values: Array) -> World:
@@ -136,83 +138,65 @@ def _fitted(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -
         known = {**_of_torques(linear, world_at, causes, unknowns, values, known), **known}
         return _slopes(left, residual, values, x, unknowns, known)
 
-    jacobian, borrowed = slopes_at(values, x, residual, point.jacobian), bool(point.jacobian)
-    tangent = np.concatenate([linear.jacobian, linear.whiten(jacobian)], axis=1)
-    curvature = tangent.T @ tangent + prior
+    def tangent_of(jacobian: Array) -> tuple[Array, Array]:
+        tangent = np.concatenate([linear.jacobian, linear.whiten(jacobian)], axis=1)
+        return tangent, tangent.T @ tangent + prior
+
+    jacobian = slopes_at(values, x, residual, point.jacobian)
+    borrowed, is_anew, is_here = bool(point.jacobian), False, not point.jacobian  # what the derivatives are
+    is_corrected, last = False, np.zeros_like(units)
+    tangent, curvature = tangent_of(jacobian)
     fell = np.inf
     for iteration in range(MOST_ITERATIONS + 1):
-        pull = np.concatenate([x, (values - origin) / sigma**2])
-        gradient = tangent.T @ linear.whiten(residual) - pull
+        gradient = tangent.T @ white - np.concatenate([x, (values - origin) / sigma**2])
         limits = low - values, high - values
-        step = _bounded_step(curvature, gradient, p, *limits)
+        step = bounded_step(curvature, gradient, p, *limits)
         promised = float(2 * gradient @ step - step @ (curvature @ step))
         if promised < ENOUGH:  # not worth a simulation; but who leaves runs out takes a fit to be at its optimum
-            x, values, best = x + step[:p], values + step[p:], best - promised
-            residual = residual - linear.sensitivities @ step[:p] - jacobian @ step[p:]
+            last, best = step, best - promised
             break
         if fell < ENOUGH or iteration == MOST_ITERATIONS:
             break
         fell = 0.0
-        for part in _ever_shorter(step, curvature, gradient, p, *limits):
+        for part in ever_shorter(step, curvature, gradient, p, *limits):
             new_x, new_values = x + part[:p], np.clip(values + part[p:], low, high)
             try:
                 new_residual = left(new_values, new_x)
             except NOT_SIMULATED:
                 continue
-            new = objective(new_residual, new_values, new_x)
+            new_white = linear.whiten(new_residual)
+            new = objective(new_white, new_values, new_x)
             if new < best:
-                fell = best - new
-                x, values, residual, best = new_x, new_values, new_residual, new
+                taken = np.concatenate([new_x - x, new_values - values])
+                fell, missed = best - new, white - new_white - tangent @ taken
+                x, values, residual, white, best = new_x, new_values, new_residual, new_white, new
                 break
-        if fell < FAITHFUL * promised and (borrowed or fell >= ENOUGH):
-            try:
-                jacobian, borrowed = slopes_at(values, x, residual, {}), False
-            except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
-                break
-            tangent = np.concatenate([linear.jacobian, linear.whiten(jacobian)], axis=1)
-            curvature, fell = tangent.T @ tangent + prior, np.inf
-        elif fell == 0:
+        is_here = is_here and fell == 0
+        if fell >= FAITHFUL * promised or (0 < fell < ENOUGH and not borrowed):
+            continue
+        if is_anew and fell:  # new derivatives of the causes do no better: those of the nuisances are as wrong
+            tangent = corrected(tangent, missed, taken, units)
+            curvature, is_corrected = tangent.T @ tangent + prior, True
+            continue
+        if is_here:
             break
+        try:
+            jacobian = slopes_at(values, x, residual, {})
+        except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
+            break
+        tangent, curvature = tangent_of(jacobian)
+        borrowed, is_anew, is_here, is_corrected, fell = False, True, True, False, np.inf
+    if is_corrected:  # corrections lead to the optimum; what is stated there rests on derivatives
+        with suppress(*NOT_SIMULATED):
+            jacobian = slopes_at(values, x, residual, {})
+        _, curvature = tangent_of(jacobian)
+    x, values = x + last[:p], values + last[p:]
+    residual = residual - linear.sensitivities @ last[:p] - jacobian @ last[p:]
     covariance = np.asarray(np.linalg.inv(curvature)[p:, p:], dtype=np.float64)
     _, determinant = np.linalg.slogdet(curvature)
     evidence = -0.5 * best - 0.5 * float(determinant) - float(np.sum(np.log(sigma)))
     evidence += float(np.sum(linear.log_determinants))
     return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, jacobian, linear.scatter.play)
-
-
-def _ever_shorter(step: Array, curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Iterator[Array]:
-    """Yield a step, parts of it, and where none of them serves, steps that turn towards the gradient (Marquardt)."""
-    for halving in range(HALVINGS):
-        yield 0.5**halving * step
-    for damping in DAMPINGS:
-        yield _bounded_step(curvature + damping * np.diag(np.diag(curvature)), gradient, p, low, high)
-
-
-def _bounded_step(curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Array:
-    """Return the Newton step; unknowns that would leave their bounds stop there, and the rest is solved again.
-
-    Args:
-        curvature: Shape (p + k, p + k).
-        gradient: Shape (p + k,).
-        p: Number of nuisances, which come first and have no bounds.
-        low: Shape (k,), least steps of the unknowns.
-        high: Shape (k,), largest steps of the unknowns.
-    """
-    step = np.asarray(np.linalg.solve(curvature, gradient), dtype=np.float64)
-    stopped = np.zeros(len(step), dtype=bool)
-    for _ in range(len(low)):
-        inside = np.clip(step[p:], low, high)
-        out = np.zeros_like(stopped)
-        out[p:] = inside != step[p:]
-        if not np.any(out):
-            break
-        step[p:] = inside
-        stopped |= out
-        free = ~stopped
-        rest = gradient[free] - curvature[np.ix_(free, stopped)] @ step[stopped]
-        step[free] = np.linalg.solve(curvature[np.ix_(free, free)], rest)
-    step[p:] = np.clip(step[p:], low, high)
-    return step
 
 
 def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_solve, solve_triangular
+from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from bench.diagnose.linearise.marginal import JITTER, log_evidences_of, log_half_normal
@@ -82,9 +82,9 @@ class SubsetPosterior:
         root, pull = self._root(which)
         total = 0.5 * float(pull @ pull) - float(np.sum(np.log(np.diag(root)))) - float(np.sum(np.log(prior)))
         if np.any(sign):
-            covariance = cho_solve((root, True), np.eye(len(root)))
-            mean = solve_triangular(root, pull, lower=True, trans=1)
-            total += float(np.sum(log_half_normal(mean * sign, np.sqrt(np.diag(covariance)), sign)))
+            inverse = solve_triangular(root, np.eye(len(root)), lower=True, check_finite=False)
+            mean, deviation = pull @ inverse, np.sqrt(np.sum(inverse**2, axis=0))
+            total += float(np.sum(log_half_normal(mean * sign, deviation, sign)))
         return total + sum(term.log_odds for term in terms)
 
     def sizes(self, which: Sequence[int]) -> Array:
@@ -107,7 +107,7 @@ class SubsetPosterior:
         rise = np.full(len(self.terms), -np.inf)
         for members, columns, prior, sign, odds, own in self._groups:
             there = reduced[:, columns].transpose(1, 0, 2)
-            h = own - there.transpose(0, 2, 1) @ there + _diagonal(1 / prior**2)
+            h = own - there.transpose(0, 2, 1) @ there
             rise[members] = log_evidences_of(h, score[columns], prior, sign) + odds
         for i in which:
             rise[self._same[self.terms[i].key]] = -np.inf
@@ -132,7 +132,7 @@ class SubsetPosterior:
 
     @cached_property
     def _groups(self) -> list[tuple[Array, Array, Array, Array, Array, Array]]:
-        """Terms with as many columns: their indices, columns, priors, signs, prior odds, and own information."""
+        """Terms with as many columns: their indices, columns, priors, signs, prior odds, and own H."""
         by_size: dict[int, list[int]] = {}
         for i, term in enumerate(self.terms):
             by_size.setdefault(len(term.columns), []).append(i)
@@ -142,7 +142,7 @@ class SubsetPosterior:
                 np.stack([getattr(self.terms[i], name) for i in members]) for name in ("columns", "prior", "sign")
             )
             own = self.information[columns[:, :, None], columns[:, None, :]]
-            own = own + _diagonal(JITTER * np.maximum(np.diagonal(own, axis1=1, axis2=2), 1.0))
+            own = own + _diagonal(1 / prior**2 + JITTER * np.maximum(np.diagonal(own, axis1=1, axis2=2), 1.0))
             odds = np.array([self.terms[i].log_odds for i in members])
             groups.append((np.array(members), columns.reshape(-1, k), prior, sign, odds, own))
         return groups

@@ -114,11 +114,17 @@ def nearest(bodies: Bodies, parameters: Array, mean: Array, factor: Array, gram:
     precision = np.eye(factor.shape[1]) + factor.T @ gram @ factor
     inverse = np.linalg.pinv(factor, rcond=1e-12)
     best, z = inverse @ (parameters - mean), inverse @ (bodies.start - mean)
-    parts = []
+    parts: list[_Part | _Positive] = []
+    numbers: list[tuple[Array, float]] = []
     for shape, offset in zip(bodies.shapes, bodies.matrices(mean), strict=True):
         turned = np.tensordot(factor.T, shape, axes=1)
         own = np.flatnonzero(turned.any(axis=(1, 2)))
-        parts.append(_Part(own, turned[own], offset))
+        if len(offset) == 1:
+            numbers.append((turned[:, 0, 0], float(offset[0, 0])))
+        else:
+            parts.append(_Part(own, turned[own], offset))
+    if numbers:
+        parts.append(_Positive(np.stack([row for row, _ in numbers]), np.array([offset for _, offset in numbers])))
     order = sum(len(part.offset) for part in parts)
 
     def value(z: Array, sharp: float) -> float:
@@ -168,6 +174,25 @@ class _Part:
     def _matrix(self, z: Array) -> Array:
         changed = z[self.own] @ self.shape.reshape(len(self.own), -1)
         return np.asarray(changed.reshape(self.offset.shape) + self.offset)
+
+
+@dataclass(frozen=True)
+class _Positive:
+    """Constraints on single numbers over z, all at once: offset + shape z positive."""
+
+    shape: Array
+    offset: Array
+
+    def log_determinant(self, z: Array) -> float:
+        """Return the sum of the logarithms, minus infinity outside."""
+        left = self.shape @ z + self.offset
+        return float(np.log(left).sum()) if np.all(left > 0) else -np.inf
+
+    def push(self, z: Array, sharp: float, slope: Array, bend: Array) -> None:
+        """Add gradient and Hessian of -sharp times that sum."""
+        rows = self.shape / (self.shape @ z + self.offset)[:, None]
+        slope -= sharp * rows.sum(axis=0)
+        bend += sharp * rows.T @ rows
 
 
 def pseudo_inertia(link: Array) -> Array:

@@ -1,0 +1,62 @@
+"""Steps of a fit towards the least sum of squares, and what each of them tells of the derivatives."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from bench.record.campaign import Array
+
+HALVINGS = 5  # effort: lengths of a step that are tried
+DAMPINGS = (0.1, 1.0, 10.0)  # effort: of the curvature of each parameter alone
+
+
+def ever_shorter(step: Array, curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Iterator[Array]:
+    """Yield a step, parts of it, and where none of them serves, steps that turn towards the gradient (Marquardt)."""
+    for halving in range(HALVINGS):
+        yield 0.5**halving * step
+    for damping in DAMPINGS:
+        yield bounded_step(curvature + damping * np.diag(np.diag(curvature)), gradient, p, low, high)
+
+
+def bounded_step(curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Array:
+    """Return the Newton step; unknowns that would leave their bounds stop there, and the rest is solved again.
+
+    Args:
+        curvature: Shape (p + k, p + k).
+        gradient: Shape (p + k,).
+        p: Number of nuisances, which come first and have no bounds.
+        low: Shape (k,), least steps of the unknowns.
+        high: Shape (k,), largest steps of the unknowns.
+    """
+    step = np.asarray(np.linalg.solve(curvature, gradient), dtype=np.float64)
+    stopped = np.zeros(len(step), dtype=bool)
+    for _ in range(len(low)):
+        inside = np.clip(step[p:], low, high)
+        out = np.zeros_like(stopped)
+        out[p:] = inside != step[p:]
+        if not np.any(out):
+            break
+        step[p:] = inside
+        stopped |= out
+        free = ~stopped
+        rest = gradient[free] - curvature[np.ix_(free, stopped)] @ step[stopped]
+        step[free] = np.linalg.solve(curvature[np.ix_(free, free)], rest)
+    step[p:] = np.clip(step[p:], low, high)
+    return step
+
+
+def corrected(tangent: Array, missed: Array, step: Array, scale: Array) -> Array:
+    """Return derivatives that are right along a step that was simulated, as near as may be to those before.
+
+    J' = J + m s' D^-2 / s' D^-2 s, with what J missed along the step, m (Broyden, A class of methods for solving
+    nonlinear simultaneous equations, 1965), in units D, so that parameters of different units count alike.
+
+    Args:
+        tangent: Shape (m, q), change of what is simulated with each parameter.
+        missed: Shape (m,), what the step changed less what these derivatives say.
+        step: Shape (q,).
+        scale: Shape (q,), units of the parameters.
+    """
+    along = step / scale**2
+    found: Array = tangent + np.outer(missed, along / float(along @ step))
+    return found
