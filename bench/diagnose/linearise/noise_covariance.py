@@ -24,7 +24,8 @@ from bench.robot.compiled import CompiledRobot
 # assumed: shares of the Coulomb level, from the virtual robot in time (README.md): how far friction lies, anew at
 # every rest, from what the path of commands and loads alone would leave.
 MOTOR_REST, LINK_REST = 0.8, 0.15
-MOTOR_VISIT, LINK_VISIT = 2.0, 0.6  # assumed: the same for a visit; a motor may have let go of all it held
+MOTOR_VISIT = 2.0  # assumed: the same for a visit; a motor may have let go of all it held, and more
+LINK_VISIT = 3**-0.5  # exact: a link has let go of anything between none and all of what it held
 STANDING = 1.0  # assumed: a joint that stands while others move: anywhere between its two levels, changing slowly
 SLOWNESS = 5  # assumed: polynomials over the run that describe the slow change
 # effort: cosines beyond these. A joint that stands holds its friction until a load moves it, so what is not known of
@@ -39,8 +40,6 @@ PLACED = 12**-0.5
 # between the flanks, counted from that one
 BOUNCES = 3**-0.5
 LIGHT = 0.3  # assumed: of the torque that twists a gear by its gap; more holds links to the flank
-# derived: periods of a joint's own oscillation, in which bounces fade to 1/e
-RATTLES = 1 / (2 * math.pi * DAMPING_RATIO)
 NEAR = 0.5  # exact: of the change of torque in which a crossing lies: no more at the nearer of both instants
 CREEPS = 0.05  # assumed: of a gap, slowly, while other joints move
 STIRS = 0.02  # assumed: of a gap, anew at every instant
@@ -217,7 +216,7 @@ def _rattles(compiled: CompiledRobot, segment: Segment, response: TorqueResponse
     since = time - np.maximum.accumulate(np.where(begins, time, -np.inf))
     period = 2 * np.pi * np.sqrt(response.link_inertia / compiled.stiffness)
     height = light / np.maximum(np.abs(torque), np.maximum(light, TINY))
-    scatter = np.asarray(BOUNCES * height * np.exp(-since / (RATTLES * period)), dtype=np.float64)
+    scatter = np.asarray(BOUNCES * height * np.exp(-2 * np.pi * DAMPING_RATIO * since / period), dtype=np.float64)
     change = np.abs(np.diff(torque, axis=0))
     for rows in (slice(1, None), slice(None, -1)):  # after and before the crossing
         soon = np.logical_or(segment.standing, np.abs(torque[rows]) <= NEAR * change)

@@ -24,8 +24,7 @@ UNRESOLVED = 0.5  # assumed: of the difference between accelerations over one wi
 JERKY = 0.01
 # assumed: of modes with their motors held: bolted joints and gears of large arms, 0.01 to 0.05 in our models
 DAMPING_RATIO = 0.05
-# derived: periods of that mode, after which an arm rings no more: a fifth is left
-SETTLES = math.log(5.0) / (2 * math.pi * DAMPING_RATIO)
+FADED = 0.2  # assumed: of an oscillation's amplitude, which is left when an arm rings no more
 STANDS = 1e-4  # rounding: [rad/s] or [m/s]; below it a joint counts as standing
 
 
@@ -93,7 +92,7 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     worst[:, still] = 0.0
     jerky = np.any(error[:, moves] * period > JERKY * top[moves], axis=1)
     after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
-    rings = np.array([np.any(after[group] < SETTLES * period) for group in kept])
+    rings = np.array([np.any(after[group] < settling_periods() * period) for group in kept])
     felt = _drive_error(path, worst, np.where(still, 0.0, np.median(unresolved, axis=0)), period)
     yield SegmentInput(run.name, kept, motion, worst, turning, rings, path, felt)
 
@@ -119,6 +118,11 @@ def _drive_error(path: Path, worst: Array, usual: Array, period: float) -> Array
     rotors = np.minimum(usual, worst)
     links = np.maximum(np.minimum(through, 1.0) * worst, rotors)
     return np.where(alike, np.stack([links, rotors]), worst)
+
+
+def settling_periods() -> float:
+    """Return after how many periods of its lowest mode an arm rings no more."""
+    return -math.log(FADED) / (2 * math.pi * DAMPING_RATIO)
 
 
 def lowest_period(compiled: CompiledRobot, q: Array) -> float:
