@@ -1,4 +1,4 @@
-"""Friction at rest and links in gears with play: how surprising is what they do, in standard deviations?"""
+"""Friction at rest and links in gears with play: how many standard deviations what they do is."""
 
 from functools import lru_cache
 from types import SimpleNamespace
@@ -116,7 +116,7 @@ def a_joint_that_stands_holds_up_to_its_level_and_three_levels_are_no_friction()
 
 @needs("linearise.noise_covariance.SLOWNESS")
 def what_a_joint_holds_changes_slowly() -> None:
-    """Its friction may turn round four times in a run by all of its level, and not seven times."""
+    # Its friction may turn round four times in a run by all of its level, and not seven times.
     four, seven = (legendre.legval(np.linspace(-1, 1, INSTANTS), np.eye(8)[k]) for k in (4, 7))
     assert surprise(four, REFLECTOR, rests=False) < 1.5
     assert surprise(seven, REFLECTOR, rests=False) > 3
@@ -124,14 +124,14 @@ def what_a_joint_holds_changes_slowly() -> None:
 
 @needs("linearise.noise_covariance.STIRS")
 def a_loose_link_is_stirred_by_little() -> None:
-    """Two rests of a visit may differ by a twenty-fifth of the gap, not by a tenth: then a load pushed the link."""
+    # Two rests of a visit may differ by a twenty-fifth of the gap, not by a tenth: then a load pushed the link.
     assert surprise(np.array([0.02, -0.02]), REFLECTOR, rests=True, gap=3e-4) < 2
     assert surprise(np.array([0.05, -0.05]), REFLECTOR, rests=True, gap=3e-4) > 2.5
 
 
 @needs("linearise.noise_covariance.CREEPS")
 def a_loose_link_creeps_while_others_move() -> None:
-    """By a tenth of its gap either way, and not by a quarter: then it is pushed from flank to flank."""
+    # By a tenth of its gap either way, and not by a quarter: then it is pushed from flank to flank.
     drift = np.linspace(-1, 1, INSTANTS)
     assert surprise(0.1 * drift, REFLECTOR, rests=False, gap=3e-4) < 3
     assert surprise(0.25 * drift, REFLECTOR, rests=False, gap=3e-4) > 3.5
@@ -139,7 +139,7 @@ def a_loose_link_creeps_while_others_move() -> None:
 
 @needs("linearise.noise_covariance.LIGHT")
 def a_link_that_is_hardly_held_to_its_flank_bounces() -> None:
-    """With a quarter of the torque that twists the gear by its gap it may be half a gap off, with two fifths not."""
+    # With a quarter of the torque that twists the gear by its gap it may be half a gap off, with two fifths not.
     gap, first = 3e-4, INSTANTS // 2
     off = 0.5 * (np.arange(INSTANTS) == first)
 
