@@ -11,7 +11,7 @@ from bench.effects.plugin_actuators import add_torque_table
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
-LIGHTEST = -0.95  # change of a mass or an inertia, relative; none vanishes
+LIGHTEST = -0.95  # rounding: change of a mass or an inertia, relative; none vanishes
 SWEVERS = "Swevers, Verdonck and De Schutter, Dynamic model identification for industrial robots, 2007"
 
 

@@ -13,7 +13,7 @@ from bench.diagnose.linearise.linearised_model import WHITENED_TOGETHER, Lineari
 from bench.diagnose.replay.world import NOMINAL
 from bench.effects.gear_kinematics import TransmissionError
 from bench.effects.learned_readings import force_of, in_room, in_time, of_reading, under_force
-from bench.effects.learned_torques import LearnedDrag
+from bench.effects.learned_torques import LEAST_SPACING, LearnedDrag
 from bench.effects.masses import TorqueOffset
 from bench.effects.places import HEAVY_TORQUE
 from bench.effects.sensing_bench import TrackerFrame
@@ -25,6 +25,7 @@ from bench.simulate.plant import Trace
 
 ANGLE_NODES = 9  # effort: of a free shape over an angle, in a search
 SPEED_NODES = 4  # effort: of one over speed
+LOAD_NODES = 7  # effort: of one over the load
 # What is not listed is taken to be as large as what is listed at such a place; other widths are tried, too (`WIDTHS`).
 
 # derived: plausible size of an unlisted torque, of the largest that the motor pays: a listed offset of a torque
@@ -37,6 +38,7 @@ GEAR_ANGLE = TransmissionError.parameters[0].high / 3**0.5
 # shift of its frame
 TRACKER_ERROR = TrackerFrame.parameters[0].high / 3**0.5
 LEAST_FORCE = 1.0  # rounding: [N]; below, nothing pulls at the load point
+LEAST_LOAD = 1.0  # rounding: [Nm] or [N]; a joint whose load changes by less shows no dependence on it
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +167,7 @@ def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, 
                     )
             if kind != "gear angle" and np.any(moves):
                 fast = speed[moves]
-                if np.max(fast) > 1.2 * np.min(fast):
+                if np.min(fast) < (1 - LEAST_SPACING) * np.max(fast):
                     nodes = LearnedDrag.speeds(np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES)))
                     directed = hats(speed, nodes) * way[:, None]
                     yield (
@@ -173,8 +175,8 @@ def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, 
                         response[:, :, None] * directed[:, None, :],
                     )
             spread = np.max(np.abs(transmitted))
-            if spread > 1.0:
-                nodes = np.linspace(np.min(transmitted), np.max(transmitted), 7)
+            if spread > LEAST_LOAD:
+                nodes = np.linspace(np.min(transmitted), np.max(transmitted), LOAD_NODES)
                 table = hats(transmitted, nodes)
                 if kind == "gear angle":
                     yield Block(place, kind, "load", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]
