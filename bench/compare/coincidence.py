@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from bench.diagnose.replay.alike import ALIKE, passes_same
-from bench.diagnose.replay.motion_segments import TRAVELS
 from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
+from bench.record.moving import TRAVELS
 
 
 def cells_of(segments: Sequence[Segment], recording: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -13,10 +13,10 @@ from bench.diagnose.linearise.screening import Entry
 from bench.diagnose.linearise.threshold import LEAST, family_threshold
 from bench.diagnose.name.groups import IN_SET
 from bench.diagnose.name.search import Alternative, SubsetPosterior, Term, alternatives_of, exchanges, search
+from bench.diagnose.name.search_space import GREATER_PART
 from bench.record.campaign import Array
 
 MOST_TERMS = 1000  # that a search is given, the best by evidence: memory stays small with many recordings
-GREATER_PART = 0.5  # of what a free shape explains; causes that explain as much are not given up for it (as in naming)
 # effort: from one standard deviation of a change to the next that is tried. Between two of them evidence falls short by
 # at most 0.2 nats for each size.
 NARROWER = 10**-0.5

@@ -30,7 +30,8 @@ from bench.diagnose.linearise.limits import DetectionLimit as DetectionLimit  # 
 
 CONFIRMED = 0.5  # declared: of searches without a part of the runs, that find a cause again: the majority
 UNLIKELY = 0.01  # declared: what is left out of the names of a finding and beside them: names hold 99 % (DESIGN 6.2)
-# assumed: of the plausible range (DESIGN 6.1: of 16 large effects hidden in messes the smallest came out at 0.196)
+# declared: of the plausible range, as the report says (of 16 large effects hidden in messes the smallest came out at
+# 0.196: DESIGN 6.1)
 SMALL = 0.2
 
 

@@ -44,11 +44,6 @@ BETWEEN: Mapping[str, Between] = {
     "encoder_offset": "same",
     "link_encoder_offset": "anew",  # but for the part that figures say is not zeroed anew
 }
-_MOST: Mapping[str, float] = {
-    "current_gain": REMANENCE * DAY_K,
-    "torque_gain": REMANENCE * DAY_K,
-    "force_gain": MOUNTED_ANEW,
-}
 
 
 def own_part(name: str, sigma: float) -> float:
@@ -59,7 +54,8 @@ def own_part(name: str, sigma: float) -> float:
         sigma: Of the whole error, as stated.
     """
     if BETWEEN[name] == "drifts":
-        return min(_MOST.get(name, np.inf), float(np.sqrt(DRIFTING)) * sigma)
+        most = {"current_gain": REMANENCE * DAY_K, "torque_gain": REMANENCE * DAY_K, "force_gain": MOUNTED_ANEW}
+        return min(most.get(name, np.inf), float(np.sqrt(DRIFTING)) * sigma)
     return sigma if BETWEEN[name] == "anew" else 0.0
 
 

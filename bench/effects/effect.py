@@ -44,7 +44,7 @@ Family = Literal[
 Level = Literal["machine", "recording", "run"]
 Between = Literal["same", "drifts", "anew"]
 IN_RECORDING = " in recording "  # between the name of a place and that of the only recording in which something acts
-REFERENCE_K = 293.15  # temperature at which the nominal figures hold
+REFERENCE_K = 293.15  # declared: [K], temperature at which the nominal figures hold
 Values = Mapping[str, float]
 
 

@@ -12,7 +12,7 @@ from bench.robot.plugins import attributes_of, configure, number_of
 from bench.simulate.instruments import Reading
 from bench.simulate.plant import Trace
 
-SEAL_TRAVEL = 5e-5  # [m], travel in which the seals' friction builds up; assumed, below a tenth of a millimetre
+SEAL_TRAVEL = 5e-5  # assumed: [m], travel in which the seals' friction builds up, below a tenth of a millimetre
 
 
 class OfGas(Effect):

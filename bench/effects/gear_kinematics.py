@@ -13,9 +13,9 @@ from bench.effects.plugin_actuators import add_torque_table
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
-KNOTS_PER_CYCLE = 24  # linear in between is right to 1 % of the amplitude
-SAME_POINT = 1e-3  # [m]; axes of a wrist meet within this
-PARALLEL = 0.99  # cosine
+KNOTS_PER_CYCLE = 24  # rounding: linear in between is right to 1 % of the amplitude
+SAME_POINT = 1e-3  # rounding: [m]; axes of a wrist meet within this
+PARALLEL = 0.99  # rounding: cosine; axes of wrists are 30 degrees and more apart
 
 
 class TransmissionError(OnDrive):

@@ -8,12 +8,11 @@ from bench.effects.effect import REFERENCE_K, Array, Conditions, Effect, Paramet
 from bench.effects.followed import Followed, Torques
 from bench.effects.gear_kinematics import table_range
 from bench.effects.nominal import moving_bodies
-from bench.effects.places import OnDrive
+from bench.effects.places import SHORT, OnDrive
 from bench.effects.plugin_actuators import add_torque_table
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
-SHORT = 0.05  # [m]; a body nearer than this to its parent has no length to speak of
 NUBIOLA = "Nubiola and Bonev, Absolute calibration of an ABB IRB 1600 robot using a laser tracker, 2013"
 
 

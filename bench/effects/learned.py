@@ -11,7 +11,7 @@ import numpy as np
 
 from bench.effects.effect import Array, Effect, Parameter, Values
 
-SMALL = 0.1  # of the standard deviation, where a plausible size begins
+SMALL = 0.1  # effort: of the standard deviation, where a plausible size begins
 SOURCE = "this campaign"
 
 

@@ -12,7 +12,7 @@ from bench.simulate.instruments import HOUR, Reading
 from bench.simulate.plant import Trace
 
 AXES = "xyz"
-# of the largest reading, where dead bands and offsets of amplifiers are
+# effort: of the largest reading, where dead bands and offsets of amplifiers are
 NEAR_ZERO = np.array([-0.2, -0.1, -0.05, -0.02, 0.0, 0.02, 0.05, 0.1, 0.2])
 OF_READING = ("proportional", "square", "cube", "signed_square", *(f"at_{i + 1}" for i in range(len(NEAR_ZERO))))
 IN_ROOM = tuple(f"{axis}_from_{other}_squared" for axis, other in product(AXES, AXES)) + tuple(

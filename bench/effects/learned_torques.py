@@ -14,10 +14,10 @@ from bench.robot.figures import Drive
 from bench.robot.folder import Robot
 from bench.robot.plugins import number_of
 
-LEAST_SPACING = 0.1  # of the largest speed; nodes that lie closer would make a polynomial swing
-MOST_COEFFICIENTS = 4  # a friction level, and MuJoCo's damping up to the third power of speed
-STEEPEST = 2.5  # times the stiffness of the element; a gear error that stiffens it more is smoothed
-KNOTS = 241  # of a table along an element
+LEAST_SPACING = 0.1  # effort: of the largest speed; nodes that lie closer would make a polynomial swing
+MOST_COEFFICIENTS = 4  # exact: a friction level, and MuJoCo's damping up to the third power of speed
+STEEPEST = 2.5  # assumed: times the stiffness of the element; a gear error that stiffens it more is smoothed
+KNOTS = 241  # rounding: of a table along an element
 
 
 class _Nodes(Learned):

@@ -13,10 +13,10 @@ from bench.effects.plugin_actuators import add_torque_table
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
-# [rad/s^2] or [m/s^2], at least, with which a drive's torque limit spins up its own rotor. Assumed: 16 to 63 on the
+# assumed: [rad/s^2] or [m/s^2], at least, with which a drive's torque limit spins up its own rotor: 16 to 63 on the
 # KR300, the heaviest of our arms; lighter ones spin up faster
 SLOWEST_SPIN = 16.0
-LIGHTEST = -0.95  # change of a mass or an inertia, relative; none vanishes
+LIGHTEST = -0.95  # rounding: change of a mass or an inertia, relative; none vanishes
 SWEVERS = "Swevers, Verdonck and De Schutter, Dynamic model identification for industrial robots, 2007"
 
 

@@ -14,7 +14,7 @@ from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
 
-# Of a figure, to which it may shrink: a search that goes far beyond stated uncertainty still meets a robot.
+# rounding: of a figure, to which it may shrink: a search that goes far beyond stated uncertainty still meets a robot.
 LEAST = 0.05
 
 

@@ -9,7 +9,7 @@ from bench.effects.effect import Array
 from bench.effects.geometry_at_zero import AtZero
 from bench.robot.plugins import unused_name
 
-SETTLING = 2e-3  # [s]; sqrt(armature / k) and damping / k: a step of 1 ms stays at half of what is stable
+SETTLING = 2e-3  # derived: [s]; sqrt(armature / k) and damping / k: a step of 1 ms stays at half of what is stable
 _COPIED = [
     "type",
     "axis",

@@ -13,11 +13,10 @@ from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import unused_name
 
-COMPACT_M, BULKY_M = 0.05, 0.6  # [m], radii of gyration of a steel block and of a bulky workpiece, assumed
-LIGHT = 0.01  # of the largest payload, assumed: what is lighter is a part of a tool
-FARTHEST_M = (
-    np.sqrt(3) * BULKY_M
-)  # [m], centre of a uniform rod from its end, which is bolted on: L/2 with k = L/sqrt(12)
+COMPACT_M, BULKY_M = 0.05, 0.6  # assumed: [m], radii of gyration of a steel block and of a bulky workpiece
+LIGHT = 0.01  # assumed: of the largest payload; what is lighter is a part of a tool
+# derived: [m], centre of a uniform rod from its end, which is bolted on: L/2 with k = L/sqrt(12)
+FARTHEST_M = 3**0.5 * BULKY_M
 
 
 class PayloadMass(GeometryAndMass):

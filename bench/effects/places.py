@@ -12,8 +12,9 @@ from bench.robot.figures import Drive
 from bench.robot.folder import Robot
 from bench.robot.plugins import PREFIX
 
-HEAVY_TORQUE = 10e3  # [Nm]; ranges in Nm are stated for a drive of this torque limit ...
-HEAVY_SPEED = 2.0  # [rad/s]; ... and this speed limit, and scaled to each drive
+SHORT = 0.1  # assumed: [m]; a link shorter than this has no length to speak of, and does not bend
+HEAVY_TORQUE = 10e3  # declared: [Nm]; ranges in Nm are stated for a drive of this torque limit ...
+HEAVY_SPEED = 2.0  # declared: [rad/s]; ... and this speed limit, and scaled to each drive
 
 
 _POWERS_OF_SPEED = {"Nm s/rad": 1, "Nm s^2/rad^2": 2}

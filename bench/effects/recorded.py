@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.record.campaign import Run
+from bench.record.moving import TRAVELS
 
-BREAK = (
-    0.1  # of the longest pause between runs; shorter ones are ways from run to run, without a hand on anything; assumed
-)
-TRAVELS = 0.005  # [rad] or [m]; a joint that goes less far in a run only gives, as for `diagnose.replay.stretches`
-LEAST_LOAD = 0.1  # [N] or [Nm]; less is what rounding leaves of a written weight: 10 g
+# assumed: of the longest pause between runs; shorter ones are ways from run to run, without a hand on anything
+BREAK = 0.1
+LEAST_LOAD = 0.1  # rounding: [N] or [Nm]; less is what rounding leaves of a written weight: 10 g
 LateField = Literal["reflectors", "motor_torque", "gas_force"]
 
 

@@ -29,8 +29,8 @@ from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import HOUR, Reading, small_rotation
 from bench.simulate.plant import Trace
 
-LATEST_S = {TRACKER.name: 0.2, GAUGE.name: 0.2}  # [s], of instruments with a clock of their own, assumed
-LATEST_DRIVE_S = 0.02  # [s], of a drive's channel: five cycles of 4 ms on the bus, assumed
+# assumed: [s], of a drive's channel, which has the clock of the encoders: five cycles of 4 ms on the bus
+LATEST_DRIVE_S = 0.02
 
 
 class _OfRecording(OfCampaign):
@@ -61,7 +61,8 @@ class ChannelDelay(_OfRecording):
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameter with the range of a channel."""
         (delay,) = self.parameters
-        latest = LATEST_S.get(place.name, LATEST_DRIVE_S)
+        has_own_clock = place.name in (TRACKER.name, GAUGE.name)
+        latest = delay.high if has_own_clock else LATEST_DRIVE_S
         return (replace(delay, low=delay.low * latest / delay.high, high=latest),)
 
     def lateness(self, place: Place, values: Values) -> Lateness | None:

@@ -12,7 +12,9 @@ from bench.simulate.instruments import Reading
 from bench.simulate.plant import Trace
 
 GUTT = "Bittencourt and Gunnarsson, 2012; Swevers, Verdonck and De Schutter, 2007 (torque from current)"
-HEAVY_CURRENT = 50.0  # [A]; ranges per A^2 are stated for a drive that reaches its torque limit with this current
+HEAVY_CURRENT = (
+    50.0  # declared: [A]; ranges per A^2 are stated for a drive that reaches its torque limit with this current
+)
 
 
 class _OnCurrent(OnDrive):

@@ -6,7 +6,9 @@ from bench.effects.effect import Array
 from bench.effects.followed import Followed
 from bench.effects.friction_elements import Side
 
-PLAIN = 1e-3  # relative; by which sliding friction may differ from the Coulomb level where nothing else shapes it
+PLAIN = (
+    1e-3  # rounding: relative; by which sliding friction may differ from the Coulomb level where nothing else shapes it
+)
 
 
 def sliding_friction(followed: Followed, side: Side, drive: int) -> Array | None:

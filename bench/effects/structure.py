@@ -6,11 +6,9 @@ import numpy as np
 from bench.effects.effect import WHOLE, Conditions, Effect, Parameter, Place, Values
 from bench.effects.geometry_at_zero import AtZero, across
 from bench.effects.passive_hinges import add_hinges
-from bench.effects.places import OnDrive, drive_of, hinges
+from bench.effects.places import SHORT, OnDrive, drive_of, hinges
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
-
-SHORT = 0.1  # [m]; a link shorter than this does not bend
 
 
 class LinkBending(Effect):

@@ -10,8 +10,8 @@ from bench.effects.plugin_actuators import add_friction, add_torque_table
 from bench.robot.compiled import SpecEdit
 from bench.robot.folder import Robot
 
-SATURATED = 8.0  # tanh(8) is 1 - 2e-7: a table that ends there ends level
-KNOTS = 241  # 15 per knee: linear in between is right to 6e-4 of the torque that the softening takes off
+SATURATED = 8.0  # rounding: tanh(8) is 1 - 2e-7: a table that ends there ends level
+KNOTS = 241  # rounding: 15 per knee: linear in between is right to 6e-4 of the torque that the softening takes off
 
 
 class _InElement(OnDrive):

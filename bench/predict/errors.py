@@ -6,11 +6,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.cross_validation.folds import BLOCKS
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.predict.prediction import ChannelError, Stretch
 from bench.record.campaign import Array
+from bench.record.held_out import BLOCKS
 
 
 def channel_errors(

@@ -1,4 +1,4 @@
-"""Named numbers in the modules of the diagnosis: which there are, and how one is changed for a while."""
+"""Named numbers between data and verdict: which there are, and how one is changed for a while."""
 
 import ast
 import importlib
@@ -12,7 +12,11 @@ from fnmatch import fnmatch
 from types import ModuleType
 
 import bench.diagnose
+import bench.effects
 
+# What a diagnosis takes from elsewhere; effects that are only hidden, or that only print, are no part of it.
+ELSEWHERE = ("bench.record.moving", "bench.record.held_out")
+APART = ("bench.effects.unlisted", "bench.effects.listing")
 Number = int | float
 Value = Number | tuple[Number, ...]
 
@@ -33,8 +37,8 @@ class Constant:
 
     @property
     def words(self) -> str:
-        """Where it stands, in the folder of the diagnosis, and its name."""
-        return f"{self.module.removeprefix('bench.diagnose.')}.{self.name}"
+        """Where it stands, in the folder of the diagnosis or in the package, and its name."""
+        return f"{self.module.removeprefix('bench.diagnose.').removeprefix('bench.')}.{self.name}"
 
     def times(self, factor: float) -> Value:
         """Return it multiplied; a whole number stays one, and at least one."""
@@ -44,9 +48,11 @@ class Constant:
 
 
 def constants_of(pattern: str = "*") -> tuple[Constant, ...]:
-    """Return the constants of `bench.diagnose` whose words match a pattern such as "name.*" or "*.PROMISING"."""
-    infos = pkgutil.walk_packages(bench.diagnose.__path__, f"{bench.diagnose.__name__}.")
-    every = (constant for info in infos for constant in _constants(importlib.import_module(info.name)))
+    """Return the constants whose words match a pattern such as "name.*", "effects.*" or "*.PROMISING"."""
+    packages = (bench.diagnose, bench.effects)
+    infos = (info for one in packages for info in pkgutil.walk_packages(one.__path__, f"{one.__name__}."))
+    names = [*(info.name for info in infos if info.name not in APART), *ELSEWHERE]
+    every = (constant for name in names for constant in _constants(importlib.import_module(name)))
     return tuple(constant for constant in every if fnmatch(constant.words, pattern))
 
 

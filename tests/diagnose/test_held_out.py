@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from bench.diagnose.cross_validation.floor import floor_variance
-from bench.diagnose.cross_validation.folds import BLOCKS, folds_of
+from bench.diagnose.cross_validation.folds import folds_of
 from bench.diagnose.cross_validation.held_out import held_out
 from bench.diagnose.cross_validation.leave_out import (
     errors_of_folds,
@@ -25,6 +25,7 @@ from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Conditions
+from bench.record.held_out import BLOCKS
 from bench.simulate.prescribed import Motion
 
 SIGMA = 0.2  # [A]

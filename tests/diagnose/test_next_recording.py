@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.diagnose.cross_validation.folds import BLOCKS, folds_of
+from bench.diagnose.cross_validation.folds import folds_of
 from bench.diagnose.cross_validation.next_recording import apart, predicted_error
 from bench.diagnose.extend.fit import Fit, Unknown
 from bench.diagnose.linearise.candidates import Cause
@@ -14,6 +14,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE
+from bench.record.held_out import BLOCKS
 from bench.simulate.instruments import Reading
 from tests.diagnose.test_held_out import LENGTH, SIGMA, design_with, fit_of, noise, sensitivities
 

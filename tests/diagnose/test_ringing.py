@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnose.replay.motion_segments import SETTLES, lowest_period, stretches_of
+from bench.diagnose.replay.motion_segments import lowest_period, settling_periods, stretches_of
 from bench.diagnose.replay.segment_input import SegmentInput
 from bench.record.campaign import Array, Run
 from tests.diagnose.sweeps import SWEEP, made, nominal
@@ -36,8 +36,12 @@ def test_it_may_ring_after_the_beginning_and_after_a_jerk_and_no_longer() -> Non
     for segment_input, starts in ((steady, [0.0]), (jerked, [0.0, jerk])):
         begins = np.array([time[rows[0]] for rows in segment_input.groups])
         ends = np.array([time[rows[-1]] for rows in segment_input.groups])
-        surely = np.any([(begins >= start + 0.3) & (ends < start + SETTLES * period) for start in starts], axis=0)
-        hardly = np.all([(ends < start - 0.5) | (begins > start + SETTLES * period + 0.5) for start in starts], axis=0)
+        surely = np.any(
+            [(begins >= start + 0.3) & (ends < start + settling_periods() * period) for start in starts], axis=0
+        )
+        hardly = np.all(
+            [(ends < start - 0.5) | (begins > start + settling_periods() * period + 0.5) for start in starts], axis=0
+        )
         assert np.any(surely)
         assert np.any(hardly)
         assert np.all(segment_input.rings[surely])

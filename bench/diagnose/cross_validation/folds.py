@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.segments import recordings_of
 from bench.record.campaign import Array
+from bench.record.held_out import BLOCKS, GAP, MOST_FOLDS
 
-MOST_RUNS = 40  # effort: folds; beyond that, runs far apart in the campaign share one
 ALONE = 0.9  # assumed: of all that an extension changes; what shows more than that cannot be checked with the others
-BLOCKS = 8  # effort: of the only run, or of one that has to be checked with itself
-GAP = 0.25  # assumed: of a block, on both sides of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +104,7 @@ def _of_runs(run: NDArray[np.int64], power: Array) -> Folds:
     alone = int(np.argmax(power))
     if len(power) == 1 or power[alone] > ALONE * power.sum():
         return _with_blocks(run, alone)
-    n_folds = min(len(power), MOST_RUNS)
+    n_folds = min(len(power), MOST_FOLDS)
     return Folds("run", run % n_folds, np.zeros((len(run), n_folds), dtype=bool))
 
 
@@ -120,7 +118,7 @@ def _with_blocks(run: NDArray[np.int64], alone: int) -> Folds:
     mine = np.flatnonzero(run == alone)
     n_blocks = min(BLOCKS, len(mine))
     others = run - (run > alone)  # numbered without the one that is cut
-    n_others = min(int(run.max()), MOST_RUNS)
+    n_others = min(int(run.max()), MOST_FOLDS)
     fold = n_blocks + (others % n_others if n_others else others)
     position = np.arange(len(mine))
     fold[mine] = position * n_blocks // len(mine)

@@ -22,9 +22,9 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
 from bench.record.campaign import Array
 
 REACH = 4.0  # declared: standard deviations by which a figure may be off before it makes another model; one in 16000 is
-ABSURD = 20.0  # assumed: standard deviations, beyond which it does not matter by how much a stated figure is wrong
-# assumed: relative fall of a variance; below, data know a figure thirty times worse than it is stated, or not at all
-UNTOLD = 1e-3
+# assumed: times its standard deviation, beyond which a stated figure is compared no more: data that know it so much
+# worse do not tell it, and where it is off by more, something is wrong, whatever it is
+FAR = 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ def log_probability_of_figures(fit: Fit, tangent: Tangent, count: int | None = N
 
     A stated figure is a measurement too: someone weighed, somebody calibrated. Without it, nuisance i is normal with
     mean x_i / (1 - v_i) and variance v_i / (1 - v_i), if x_i and v_i are its value and variance with it; what was
-    stated is 0 with a standard deviation of 1. One that is off by more than `ABSURD` counts as off by that: beyond, it
+    stated is 0 with a standard deviation of 1. One that is off by more than `FAR` counts as off by that: beyond, it
     says that something is wrong, not what.
 
     Args:
@@ -89,8 +89,8 @@ def log_probability_of_figures(fit: Fit, tangent: Tangent, count: int | None = N
         count: Of the nuisances, the first, that are stated figures; None: all.
     """
     stated = fit.nuisances[:count]
-    rest = np.maximum(1 - np.diag(np.linalg.inv(tangent.precision))[: len(stated)], UNTOLD)
-    return float(0.5 * np.sum(np.log(rest) - np.minimum(stated**2 / rest, ABSURD**2)))
+    rest = np.maximum(1 - np.diag(np.linalg.inv(tangent.precision))[: len(stated)], FAR**-2)
+    return float(0.5 * np.sum(np.log(rest) - np.minimum(stated**2 / rest, FAR**2)))
 
 
 def errors_of_folds(

@@ -16,8 +16,9 @@ STEP = 0.05  # rounding: of a parameter's plausible size, for its derivative
 # are found within a tolerance: with a hundredth of a softening's knee, that noise made its interval three times too
 # narrow.
 SHAPE_STEP = 0.125
-# assumed: times its largest plausible size, up to where a parameter is fitted; ranges of literature are rough
-BEYOND = 1.5
+# derived: times its largest plausible size, up to where a parameter is fitted: 99 % of its prior, which is normal and
+# as wide as sizes that are evenly spread up to the largest one
+BEYOND = 2.575829 / 3**0.5
 AT_BOUND = 1e-3  # rounding: of the way to a bound, from where a fit has run into it
 
 Key = tuple[str, str, str]  # effect, place, parameter

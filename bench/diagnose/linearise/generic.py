@@ -11,21 +11,34 @@ import numpy as np
 
 from bench.diagnose.linearise.linearised_model import WHITENED_TOGETHER, LinearisedModel
 from bench.diagnose.replay.world import NOMINAL
+from bench.effects.gear_kinematics import TransmissionError
 from bench.effects.learned_readings import force_of, in_room, in_time, of_reading, under_force
-from bench.effects.learned_torques import LearnedDrag
+from bench.effects.learned_torques import LEAST_SPACING, LearnedDrag
+from bench.effects.masses import TorqueOffset
+from bench.effects.places import HEAVY_TORQUE
+from bench.effects.sensing_bench import TrackerFrame
+from bench.effects.sensing_drive import TorqueConstant
 from bench.record.campaign import Array
+from bench.record.moving import TRAVELS
 from bench.simulate.instruments import HOUR
 from bench.simulate.plant import Trace
 
 ANGLE_NODES = 9  # effort: of a free shape over an angle, in a search
 SPEED_NODES = 4  # effort: of one over speed
-TORQUE_SHARE = 0.03  # assumed: plausible size of an unlisted torque, of the largest that the motor pays
-READING_SHARE = 0.05  # assumed: plausible size of an unlisted error of a reading, of the largest reading
-GEAR_ANGLE = 3e-4  # assumed: [rad], plausible size of an unlisted error of a gear
-# assumed: [m], plausible size of an unlisted error of the tracker over its room, in an hour, under force
-TRACKER_ERROR = 3e-4
+LOAD_NODES = 7  # effort: of one over the load
+# What is not listed is taken to be as large as what is listed at such a place; other widths are tried, too (`WIDTHS`).
+
+# derived: plausible size of an unlisted torque, of the largest that the motor pays: a listed offset of a torque
+TORQUE_SHARE = TorqueOffset.parameters[0].high / HEAVY_TORQUE / 3**0.5
+# derived: plausible size of an unlisted error of a reading, of the largest reading: a listed error of a torque constant
+READING_SHARE = TorqueConstant.parameters[0].high / 3**0.5
+# derived: [rad], plausible size of an unlisted error of a gear: a listed transmission error
+GEAR_ANGLE = TransmissionError.parameters[0].high / 3**0.5
+# derived: [m], plausible size of an unlisted error of the tracker over its room, in an hour, under force: a listed
+# shift of its frame
+TRACKER_ERROR = TrackerFrame.parameters[0].high / 3**0.5
 LEAST_FORCE = 1.0  # rounding: [N]; below, nothing pulls at the load point
-LEAST_RANGE = 0.02  # assumed: [rad]; a joint that moves less shows no dependence on its angle
+LEAST_LOAD = 1.0  # rounding: [Nm] or [N]; a joint whose load changes by less shows no dependence on it
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +171,7 @@ def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, 
         ):
             if not np.any(response):
                 continue
-            if np.ptp(angle) > LEAST_RANGE:
+            if np.ptp(angle) > TRAVELS:
                 nodes = np.linspace(np.min(angle), np.max(angle), angle_nodes)
                 table = hats(angle, nodes)
                 yield Block(place, kind, "angle", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]
@@ -170,7 +183,7 @@ def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, 
                     )
             if kind != "gear angle" and np.any(moves):
                 fast = speed[moves]
-                if np.max(fast) > 1.2 * np.min(fast):
+                if np.min(fast) < (1 - LEAST_SPACING) * np.max(fast):
                     nodes = LearnedDrag.speeds(np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES)))
                     directed = hats(speed, nodes) * way[:, None]
                     yield (
@@ -178,8 +191,8 @@ def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, 
                         response[:, :, None] * directed[:, None, :],
                     )
             spread = np.max(np.abs(transmitted))
-            if spread > 1.0:
-                nodes = np.linspace(np.min(transmitted), np.max(transmitted), 7)
+            if spread > LEAST_LOAD:
+                nodes = np.linspace(np.min(transmitted), np.max(transmitted), LOAD_NODES)
                 table = hats(transmitted, nodes)
                 if kind == "gear angle":
                     yield Block(place, kind, "load", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]

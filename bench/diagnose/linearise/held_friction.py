@@ -11,8 +11,8 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.plant import Trace
 
-# assumed: standard deviations of the part of its friction that a joint lets go of at rest
-HELD_MOTOR, HELD_LINK = 0.7, 0.5
+# exact: root mean square of the part of its friction that a joint lets go of at rest: anything between none and all
+LET_GO = 3**-0.5
 
 
 def held_friction(
@@ -24,15 +24,15 @@ def held_friction(
     """
     found, sensitivities = [], []
     for j, drive in enumerate(replay.compiled.robot.figures.drives):
-        for side, sigma in (("motor", HELD_MOTOR), ("link", HELD_LINK)):
+        for side in ("motor", "link"):
             change = [
                 (segment.is_static or segment.standing[j])
                 * getattr(response, side)[:, :, j]
                 * getattr(trace, f"{side}_friction")[:, [j]]
                 for segment, trace, response in zip(replay.segments, traces, responses, strict=True)
             ]
-            found.append(Nuisance(f"{side}-side friction held at rest by {drive.joint}", "", sigma))
-            sensitivities.append(sigma * np.concatenate(change))
+            found.append(Nuisance(f"{side}-side friction held at rest by {drive.joint}", "", LET_GO))
+            sensitivities.append(LET_GO * np.concatenate(change))
     return tuple(found), np.stack(sensitivities, axis=2)
 
 

@@ -18,6 +18,8 @@ from bench.record.campaign import Array
 RIDGE = 1.0  # exact: the richest model keeps the priors of its columns
 SHARE_OF_MISSES = 0.5  # assumed: of what the present model misses, below which no standard error goes
 AT_A_TIME = 1024  # effort: readings whose leverage is found together: memory stays small
+# rounding: of a reading, that its own fit may take away; one that decides its own fit tells nothing of scatter
+MOST_LEVERAGE = 0.9
 FEW = 10  # declared: readings that say nothing of their own scatter
 
 
@@ -50,7 +52,7 @@ def unexplained(linear: LinearisedModel, white: Array, columns: Columns, prior: 
         rich = np.concatenate([linear.jacobian[rows], columns.matrix[rows] * prior], axis=1)
         own = solve_triangular(root, rich.T, lower=True, overwrite_b=True, check_finite=False)
         leverage[rows] = np.einsum("ij,ij->j", own, own)
-    return np.sqrt(_by_quantity(linear, left, 1 - np.clip(leverage, 0.0, 0.9)))
+    return np.sqrt(_by_quantity(linear, left, 1 - np.clip(leverage, 0.0, MOST_LEVERAGE)))
 
 
 def missed(linear: LinearisedModel, white: Array, *, is_last: bool = False) -> Array:

@@ -12,10 +12,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 from bench.diagnose.linearise.held_friction import held_friction, levels_of
 from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, whitening_of
+from bench.diagnose.linearise.roughness import with_roughness
 from bench.diagnose.linearise.standing_joints import shaken_share
 from bench.diagnose.linearise.torque_response import TorqueResponse, torque_response
 from bench.diagnose.replay.nuisances import Nuisance
@@ -27,8 +27,6 @@ from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError
 from bench.record.campaign import Array
 
-ROUGHNESS_WINDOW = 9  # assumed: bins, over which the roughness of a residual is averaged
-ROUGH = 2.0  # assumed: times the variance that instruments explain, from where on the data's own word counts
 SAME_PLAY = 0.1  # rounding: relative; a change of play that changes hardly any scatter
 WHITENED_TOGETHER = 64  # effort: columns at a time, where there are hundreds: memory stays small
 
@@ -206,7 +204,7 @@ def roughened(
     segments = tuple(
         segment
         if segment.is_static
-        else replace(segment, sigma=np.where(rows[:, None], _roughened(part, segment.sigma), segment.sigma))
+        else replace(segment, sigma=np.where(rows[:, None], with_roughness(part, segment.sigma), segment.sigma))
         for segment, part, rows in zip(linear.weighed, linear.split(left), chosen, strict=True)
     )
     return _reassembled(linear, segments, linear.scatter)
@@ -278,18 +276,3 @@ def _assemble(
     draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of)
     both = draft.whiten(np.concatenate([sensitivities, residual[:, :, None]], axis=2))
     return replace(draft, jacobian=both[:, :-1], white=both[:, -1])
-
-
-def _roughened(left: Array, sigma: Array) -> Array:
-    """Return the standard errors of one motion, raised to the roughness of its residuals, both shape (T, c)."""
-    raised = sigma.copy()
-    window = min(ROUGHNESS_WINDOW, len(left) - 2)
-    if window < 1:
-        return raised
-    for c in range(left.shape[1]):
-        if not np.all(np.isfinite(left[:, c])):
-            continue
-        second = np.pad(np.diff(left[:, c], 2) ** 2 / 6, 1, mode="edge")  # of white noise: its variance
-        local = uniform_filter1d(second, window, mode="nearest")
-        raised[:, c] = np.where(local > ROUGH * sigma[:, c] ** 2, np.sqrt(local), sigma[:, c])
-    return raised

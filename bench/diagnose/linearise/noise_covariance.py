@@ -14,6 +14,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from bench.diagnose.linearise.torque_response import TorqueResponse
+from bench.diagnose.replay.motion_segments import DAMPING_RATIO
 from bench.diagnose.replay.play import is_loose
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
@@ -23,22 +24,23 @@ from bench.robot.compiled import CompiledRobot
 # assumed: shares of the Coulomb level, from the virtual robot in time (README.md): how far friction lies, anew at
 # every rest, from what the path of commands and loads alone would leave.
 MOTOR_REST, LINK_REST = 0.8, 0.15
-MOTOR_VISIT, LINK_VISIT = 2.0, 0.6  # assumed: the same for a visit; a motor may have let go of all it held
+MOTOR_VISIT = 2.0  # assumed: the same for a visit; a motor may have let go of all it held, and more
+LINK_VISIT = 3**-0.5  # exact: a link has let go of anything between none and all of what it held
 STANDING = 1.0  # assumed: a joint that stands while others move: anywhere between its two levels, changing slowly
 SLOWNESS = 5  # assumed: polynomials over the run that describe the slow change
-# assumed: cosines beyond these. A joint that stands holds its friction until a load moves it, so what is not known of
+# effort: cosines beyond these. A joint that stands holds its friction until a load moves it, so what is not known of
 # it walks over its levels in steps. Cosine k of a random walk that crosses one level in a run has a standard
 # deviation of sqrt(2) / (pi k) levels (Karhunen and Loeve); what lies beyond K of them is 1 / (pi sqrt(K)), here a
 # tenth of a level. Without them corners of friction at the wrist were taken for hysteresis (37 and 45 nats on two
 # sound machines).
 WALKS = 10
-PLACED = 12**-0.5  # exact: of a gap: where a loose link rests, it may be anywhere within it
-# assumed: of a gap, anew at every instant, when a link bounces at a flank that hardly any torque holds it to
-BOUNCES = 0.7
+# exact: of a gap: where a loose link rests, and at the instant nearest to a crossing, it may be anywhere within it
+PLACED = 12**-0.5
+# exact: of a gap, anew at every instant, when a link bounces at a flank that hardly any torque holds it to: anywhere
+# between the flanks, counted from that one
+BOUNCES = 3**-0.5
 LIGHT = 0.3  # assumed: of the torque that twists a gear by its gap; more holds links to the flank
-RATTLES = 3.0  # assumed: periods of a joint's own oscillation, in which bounces fade to 1/e
-CROSSING = 0.3  # assumed: of a gap, at the instant nearest to a crossing, which may come earlier or later
-NEAR = 0.6  # assumed: of the change of torque in which the crossing lies
+NEAR = 0.5  # exact: of the change of torque in which a crossing lies: no more at the nearer of both instants
 CREEPS = 0.05  # assumed: of a gap, slowly, while other joints move
 STIRS = 0.02  # assumed: of a gap, anew at every instant
 TINY = 1e-300  # rounding: so that nothing is divided by zero
@@ -214,10 +216,10 @@ def _rattles(compiled: CompiledRobot, segment: Segment, response: TorqueResponse
     since = time - np.maximum.accumulate(np.where(begins, time, -np.inf))
     period = 2 * np.pi * np.sqrt(response.link_inertia / compiled.stiffness)
     height = light / np.maximum(np.abs(torque), np.maximum(light, TINY))
-    scatter = np.asarray(BOUNCES * height * np.exp(-since / (RATTLES * period)), dtype=np.float64)
+    scatter = np.asarray(BOUNCES * height * np.exp(-2 * np.pi * DAMPING_RATIO * since / period), dtype=np.float64)
     change = np.abs(np.diff(torque, axis=0))
     for rows in (slice(1, None), slice(None, -1)):  # after and before the crossing
         soon = np.logical_or(segment.standing, np.abs(torque[rows]) <= NEAR * change)
         is_near = np.logical_and(crosses[1:], soon)
-        scatter[rows] = np.where(is_near, np.maximum(scatter[rows], CROSSING), scatter[rows])
+        scatter[rows] = np.where(is_near, np.maximum(scatter[rows], PLACED), scatter[rows])
     return scatter

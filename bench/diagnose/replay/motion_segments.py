@@ -1,5 +1,6 @@
 """Motions, cut into bins that are short against everything that changes and long against everything that rings."""
 
+import math
 from collections.abc import Iterator, Sequence
 
 import mujoco
@@ -12,20 +13,19 @@ from bench.diagnose.replay.smooth_derivative import averaging_kernel
 from bench.diagnose.replay.static_segments import APPROACH
 from bench.diagnose.replay.uneven_derivative import derivative_over, is_even
 from bench.record.campaign import Array, Run
+from bench.record.moving import TRAVELS, TURNING
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
 LONGEST_WINDOW = 0.06  # assumed: [s], over which motion is differentiated; less where bins are shorter
 LEAST_WINDOW = 5  # exact: samples
-TURNING = 0.08  # assumed: of a joint's top speed in a run; below it, it starts, stops or turns round
 UNRESOLVED = 0.5  # assumed: of the difference between accelerations over one window and over two, that may be error
-RINGS = 0.2  # assumed: [s], for which a jerk is felt before and after
 # assumed: of a joint's top speed, by which that changes unsteadily within a period of the arm's lowest mode
 JERKY = 0.01
-# derived: periods of that mode, after which an arm rings no more: a fifth is left with a damping ratio of 0.05
-SETTLES = 5.0
+# assumed: of modes with their motors held: bolted joints and gears of large arms, 0.01 to 0.05 in our models
+DAMPING_RATIO = 0.05
+FADED = 0.2  # assumed: of an oscillation's amplitude, which is left when an arm rings no more
 STANDS = 1e-4  # rounding: [rad/s] or [m/s]; below it a joint counts as standing
-TRAVELS = 0.005  # assumed: [rad] or [m]; a joint that goes less far in a run only gives: its friction does not slide
 
 
 def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[SegmentInput]:
@@ -51,7 +51,7 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     window = int(np.clip(window, LEAST_WINDOW, 2 * ((len(run) - 1) // 2) - 1))
     velocity, acceleration = (derivative_over(angles, time, window, order) for order in (1, 2))
     unresolved = _unresolved(angles, acceleration, window, time)
-    error = _kept_up(unresolved, window, time)
+    error = _kept_up(unresolved, window, time, period)
     kernel = averaging_kernel(window) if is_even(time) else np.ones(1)
     kernel = kernel if len(kernel) <= samples else np.ones(1)  # no longer than a bin: else it would blur what is fine
     edges = np.arange(0, len(run), samples)
@@ -92,7 +92,7 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     worst[:, still] = 0.0
     jerky = np.any(error[:, moves] * period > JERKY * top[moves], axis=1)
     after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
-    rings = np.array([np.any(after[group] < SETTLES * period) for group in kept])
+    rings = np.array([np.any(after[group] < settling_periods() * period) for group in kept])
     felt = _drive_error(path, worst, np.where(still, 0.0, np.median(unresolved, axis=0)), period)
     yield SegmentInput(run.name, kept, motion, worst, turning, rings, path, felt)
 
@@ -120,6 +120,11 @@ def _drive_error(path: Path, worst: Array, usual: Array, period: float) -> Array
     return np.where(alike, np.stack([links, rotors]), worst)
 
 
+def settling_periods() -> float:
+    """Return after how many periods of its lowest mode an arm rings no more."""
+    return -math.log(FADED) / (2 * math.pi * DAMPING_RATIO)
+
+
 def lowest_period(compiled: CompiledRobot, q: Array) -> float:
     """Return the period of the arm's lowest mode with its motors held at angles q, shape (n,) [s]."""
     model, at = compiled.model, compiled.at
@@ -142,10 +147,10 @@ def _unresolved(angles: Array, acceleration: Array, window: int, time: Array) ->
     return np.asarray(UNRESOLVED * np.abs(acceleration - derivative_over(angles, time, longer, 2)))
 
 
-def _kept_up(unresolved: Array, window: int, time: Array) -> Array:
-    """Return it kept up over a few windows, for where motion jerks, links ring for a while after it."""
+def _kept_up(unresolved: Array, window: int, time: Array, period: float) -> Array:
+    """Return it kept up for half a period [s] before and after: what rings after a jerk averages out of no less."""
     longer = _twice(window, len(unresolved))
-    reach = max(longer, 2 * round(RINGS / float(np.median(np.diff(time))) / 2) + 1)
+    reach = max(longer, 2 * round(period / float(np.median(np.diff(time))) / 2) + 1)
     error: Array = maximum_filter1d(unresolved, reach, axis=0)
     return error
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.replay.quantities import Quantity
 from bench.record.campaign import Array, Campaign, Run
-from bench.robot.figures import Figures, TorqueSensor, Tracker
+from bench.robot.figures import CurrentSensor, Figures, ForceSensor, TorqueSensor, Tracker
 
 NORMAL_MAD = 1.4826  # exact: standard deviation of a normal distribution by its median absolute deviation
 FEWEST = 8  # declared: samples in a group, in which a scatter about a parabola can be seen
@@ -16,6 +16,11 @@ MOST_ALIKE = 0.8  # assumed: correlation of neighbours that is believed; beyond 
 # assumed: [K]; by which gas and the wall around it drift with the air of a workshop over hours
 GAS_DRIFT_K = 1.0
 UNIFORM = 1 / np.sqrt(12)  # exact: standard deviation of rounding to 1
+# derived: [m], noise of a tracker that the figures do not have: 10 um/m (its default) at 3 m
+UNSTATED_M = 30e-6
+LINK_ENCODER = 1e-6  # assumed: [rad] or [m], noise of a secondary encoder, at least: a fifth of an arcsecond
+# Instruments that the figures do not have scatter as such instruments do by default.
+UNSTATED_CURRENT, UNSTATED_FORCE = CurrentSensor.model_validate({}), ForceSensor.model_validate({})
 
 
 class Noise:
@@ -40,20 +45,22 @@ class Noise:
         sigma = 0.0
         match quantity.kind:
             case "current":
-                sigma = instruments.current.sigma_a if instruments.current else 0.02
+                sigma = (instruments.current or UNSTATED_CURRENT).sigma_a
             case "tau_motor":
                 sigma = torque_sigma(instruments.torque, quantity.index) if instruments.torque else 0.0
             case "reflector":
                 tracker = instruments.tracker
-                sigma = tracker.sigma_per_distance * _distance(run, quantity.index, tracker) if tracker else 30e-6
+                sigma = UNSTATED_M
+                if tracker:
+                    sigma = tracker.sigma_per_distance * _distance(run, quantity.index, tracker)
                 if quantity.index > 0 and tracker:
                     sigma = float(np.hypot(sigma, tracker.placement_sigma_m))
             case "q_link":
-                sigma = 1e-6
+                sigma = LINK_ENCODER
             case "force":
-                sigma = instruments.force.sigma_n if instruments.force else 0.5
+                sigma = (instruments.force or UNSTATED_FORCE).sigma_n
             case "moment":
-                sigma = instruments.force.sigma_nm if instruments.force else 0.2
+                sigma = (instruments.force or UNSTATED_FORCE).sigma_nm
             case _:
                 sigma = 0.0
         full: Array = np.full_like(values, sigma)

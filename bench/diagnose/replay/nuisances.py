@@ -11,6 +11,7 @@ import numpy as np
 from bench.diagnose.replay.quantities import Quantity
 from bench.effects.drifts import BETWEEN, DAY_K, VISCOUS, own_part
 from bench.effects.effect import IN_RECORDING, Between
+from bench.effects.geometry import JointZero
 from bench.effects.nominal import nominal_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
@@ -18,8 +19,9 @@ from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_
 
 # assumed: [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold
 THERMOMETER_K = 2.0
-# assumed: [rad] or [m], how well secondary encoders are zeroed where the figures do not say
-UNKNOWN_ZERO = 1e-3
+# derived: [rad] or [m], how well secondary encoders are zeroed where the figures do not say: as the catalogue expects
+# of motor encoders
+UNKNOWN_ZERO = JointZero.parameters[0].high / 3**0.5
 
 OnReading = Callable[[float, Reading], Reading]
 

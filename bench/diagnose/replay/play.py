@@ -7,11 +7,14 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.effects.friction import CoulombLevel
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.plant import Trace
 
-LOOSE = 1.5  # assumed: of its Coulomb level; a link with less load than that is not surely at a flank
+# derived: of its stated Coulomb level, below which a level may be in 95 % of what the catalogue expects of it: a link
+# with less load than that is not surely at a flank
+LOOSE = 1 + 1.645 * CoulombLevel.parameters[0].high / 3**0.5
 UNLOADED = 1e-3  # rounding: of the largest load on a link; less than that is none
 APART = 1.5  # rounding: times the usual distance of instants; beyond, something was left out between them
 TINY = 1e-300  # rounding: so that nothing is divided by zero

@@ -9,7 +9,7 @@ from bench.record.campaign import Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
-APPROACH = np.deg2rad(2.0)  # assumed: [rad]; friction is sliding long before
+APPROACH = np.deg2rad(2.0)  # rounding: [rad]; friction is sliding long before, so no reading depends on it
 
 
 def visits_of(run: Run, compiled: CompiledRobot) -> Iterator[SegmentInput]:

@@ -17,13 +17,12 @@ from bench.identify.dynamics.band import Band
 from bench.identify.dynamics.regressor import link_regressor, payload_columns
 from bench.identify.dynamics.samples import MotionSamples
 from bench.record.campaign import Array
+from bench.record.moving import TRAVELS, TURNING
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.nominal_dynamics import NominalDynamics
 
 DRIVE_COLUMNS = ("rotor", "coulomb", "viscous", "viscous_difference", "offset")
 GAS_SHAPE = ("critical_length", "dead_centre", "rho", "b")  # of `Counterbalance`
-STANDS = 0.08  # of a joint's top speed; slower, friction is not at its level: the same share as in a diagnosis
-TRAVELS = 0.005  # [rad] or [m], likewise; a joint that goes less far only gives, and its encoder's noise is no motion
 MOSTLY = (
     0.8  # share of what a thinned sample is made of in which a joint has to move (assumed; half blurs the turns in)
 )
@@ -75,7 +74,7 @@ def equations_of(samples: MotionSamples, band: Band, arm: Arm, nominal: NominalD
     kept = band.kept(samples)
     way = np.sign(velocity)
     drives = np.stack([acceleration, way, velocity, np.abs(velocity), np.ones_like(velocity)], axis=2)
-    moving = (np.abs(velocity) > STANDS * top) & (top > 0) & (np.ptp(position, axis=0) > TRAVELS)
+    moving = (np.abs(velocity) > TURNING * top) & (top > 0) & (np.ptp(position, axis=0) > TRAVELS)
     read = np.isfinite(samples.torque).all(axis=0)
     links = link_regressor(arm, position, velocity, acceleration).reshape(count, -1)
     live = np.any(links != 0, axis=0)

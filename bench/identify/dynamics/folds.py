@@ -10,10 +10,8 @@ from scipy.spatial import cKDTree
 
 from bench.identify.dynamics.equations import Equations
 from bench.record.campaign import Array
+from bench.record.held_out import BLOCKS, GAP, MOST_FOLDS
 
-BLOCKS = 8  # of a single run, as in the cross-validation of a diagnosis
-GAP = 0.25  # of a block, left out on both sides of it, likewise
-MOST = 40  # folds; of more runs, several that lie far apart share one, likewise
 SAME_PATH = 0.5  # share of the instants of one that lie on the path of the other: more than by crossing it (assumed)
 
 
@@ -47,9 +45,9 @@ def folds_of(stretches: Sequence[Equations]) -> Folds:
     """
     names = list(dict.fromkeys(part.samples.run for part in stretches))
     if len(names) > 1:
-        unit = [np.full(len(part), names.index(part.samples.run) % MOST) for part in stretches]
+        unit = [np.full(len(part), names.index(part.samples.run) % MOST_FOLDS) for part in stretches]
         near = [np.zeros((len(part), 0), dtype=np.bool_) for part in stretches]
-        labels = [", ".join(names[k::MOST]) for k in range(min(len(names), MOST))]
+        labels = [", ".join(names[k::MOST_FOLDS]) for k in range(min(len(names), MOST_FOLDS))]
         return _joined("run", labels, unit, near, stretches)
     lengths = [len(part) for part in stretches]
     total = sum(lengths)

@@ -5,8 +5,9 @@ import numpy as np
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band
 from bench.identify.dynamics.equations import Equations, equations_of
-from bench.identify.dynamics.folds import BLOCKS, folds_of
+from bench.identify.dynamics.folds import folds_of
 from bench.identify.dynamics.samples import MotionSamples
+from bench.record.held_out import BLOCKS
 from tests.identify.dynamics.rigid_world import arm, fourier, robot
 
 BAND = Band(10.0, np.nan)

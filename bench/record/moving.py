@@ -1,0 +1,6 @@
+"""When a joint moves: less than that, and it gives under load or stands, and its friction is not at its level."""
+
+# assumed: [rad] or [m]; a motor that goes less far in a run only gives under load: its friction does not slide
+TRAVELS = 0.005
+# assumed: of a joint's top speed in a run; below it, it starts, stops or turns round
+TURNING = 0.08
