@@ -29,8 +29,8 @@ from bench.robot.folder import load_robot
 from bench.store.store import Store
 from tests.diagnose.recordings_small import BINS, CHOICE, EFFECTS, ZEROED, compiled, diagnosed, recording
 
-# Times half of a 90 % interval: three standard errors, which one draw in 370 exceeds. The draw of the test has 1.95; of it
-# and five more, 11 of 12 masses lie in their 90 % intervals.
+# Times half of a 90 % interval: three standard errors, which one draw in 370 exceeds. The draw of the test has 1.95; of
+# it and five more, 11 of 12 masses lie in their 90 % intervals.
 OF_ONE_DRAW = 3 / 1.645
 EXACT = 1e-9  # of the largest reading of a channel, in SI units; balances are found from the same start
 
