@@ -47,6 +47,20 @@ def test_a_finding_on_whose_size_runs_disagree_is_refused(monkeypatch: pytest.Mo
     assert "scatter between runs" in refused[0].reason
 
 
+@pytest.mark.parametrize("rounds", [1, 2, 3])
+def test_a_search_that_does_not_settle_ends_with_findings_that_pay(
+    rounds: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An arm of which everything was a little off ran out of rounds, and its verdict had a model but no findings."""
+    monkeypatch.setattr(selection, "MOST_ROUNDS", rounds)
+    diagnosis = found({"gas_loss": 0.15}, seed=3)
+    verdict, best = diagnosis.verdict, diagnosis.naming.models[0]
+    assert {cause.effect for cause in verdict.explanations[0].causes} == {"gas_loss"}
+    assert [group.names[0].cause.effect for group in verdict.findings] == ["gas_loss"]
+    assert {(one.added[0].effect, one.accepted) for one in verdict.steps} == {("gas_loss", True)}
+    assert (verdict.unlisted is None) == (best.shape is None)
+
+
 def test_null_data_give_nothing_found() -> None:
     assert found({}, seed=4).verdict.kind == "nothing found"
 

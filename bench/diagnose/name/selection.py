@@ -154,12 +154,23 @@ class _Selection:
             else:
                 is_last, seen = True, set()  # what is missed now is noise: intervals and sets are to be honest
             self._relinearise(is_last=is_last)
+        self._end()
 
-    def _search(self, *, is_last: bool = False) -> None:
+    def _end(self) -> None:
+        """Keep what pays of the best model where the rounds are used up, and add nothing any more."""
+        self._relinearise(is_last=True)
+        while self._refuse():
+            self._relinearise(is_last=True)
+        if self.best.keys:
+            self._search(is_last=True, adds=False)
+            self._repeat()
+
+    def _search(self, *, is_last: bool = False, adds: bool = True) -> None:
         """Search about the best model, simulate the leaders, and take the most probable.
 
         Args:
             is_last: Everything that cannot be told from the best is to be known, not only the best.
+            adds: False: the best model stays, and only what the search makes of it is of interest.
         """
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
         threshold = self.screening.threshold
@@ -179,12 +190,12 @@ class _Selection:
         present = fitter.knows(self.best, about.candidate_of(about.present))
         alone = [tuple(i for i in found[0].best.terms if i not in shape)] if shape else []
         others = [*leaders, *alone, about.instead(found[0].best.terms)]
-        candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms))]
-        plays = scattering(about, found[0], self.plays) if is_last else {}
+        candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms) and adds)]
+        plays = scattering(about, found[0], self.plays) if is_last and adds else {}
         candidates += plays.values()
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
-        if not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
+        if adds and not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
             beside = about.beside()
             models += fitter.fitted([beside] if beside else [])
         models = sorted([Model(self.null), *models], key=lambda model: -model.log_posterior)
