@@ -53,6 +53,15 @@ def test_a_finding_that_may_not_be_is_less_than_certain() -> None:
     assert slope.probability == pytest.approx(0.5)
 
 
+def test_names_have_shares_far_behind_another_model_too() -> None:
+    """A verdict on a recorded motion had no probabilities: odds of e^800 are no number."""
+    posterior: dict[Keys, float] = {frozenset({"gas"}): 10.0, frozenset({"heat"}): 10.0, frozenset({"far"}): 900.0}
+    (gas,) = groups_of(("gas",), posterior, CAUSES)
+    assert gas.probability == pytest.approx(1.0)  # "far" could stand in its place
+    (gas,) = groups_of(("gas",), {frozenset({"gas"}): 10.0, frozenset(): 900.0}, CAUSES)
+    assert [member.probability for member in gas.members] == [0.0]
+
+
 def test_a_pair_of_two_of_its_names_counts_once() -> None:
     (gas,) = groups_of(
         ("gas",), {frozenset({"gas"}): 10.0, frozenset({"gas", "heat"}): 9.0, frozenset({"heat"}): 9.5}, CAUSES

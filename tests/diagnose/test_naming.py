@@ -10,7 +10,7 @@ import pytest
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.extend import relinearise
 from bench.diagnose.extend.fit import Fit
-from bench.diagnose.name import selection
+from bench.diagnose.name import paying, selection
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Naming, posterior_of, with_probabilities
 from bench.diagnose.name.search import Alternative, Subset
@@ -38,7 +38,7 @@ def test_a_finding_on_whose_size_runs_disagree_is_refused(monkeypatch: pytest.Mo
     def scattered(linear: object, fit: Fit) -> Fit:
         return replace(fit, covariance=1e6 * fit.covariance)
 
-    monkeypatch.setattr(selection, "with_jackknife", scattered)
+    monkeypatch.setattr(paying, "with_jackknife", scattered)
     verdict = found({"gas_loss": 0.15}, seed=3).verdict
     assert verdict.kind == "nothing found"
     refused = [step for step in verdict.steps if step.added[0].effect == "gas_loss"]

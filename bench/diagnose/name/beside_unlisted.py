@@ -63,9 +63,10 @@ def group_beside(group: AmbiguityGroup, odds: Mapping[Hashable, float]) -> Ambig
     if not fitted:
         return group
     acts = float(expit(fitted[0]))
-    share = min(1.0, acts / group.probability)
+    probability = min(acts, group.probability)
+    share = probability / group.probability if group.probability > 0 else 0.0
     members = tuple(replace(member, probability=member.probability * share) for member in group.members)
-    return AmbiguityGroup(members, group.probability * share, may_be_unlisted=acts < LEVEL)
+    return AmbiguityGroup(members, probability, may_be_unlisted=acts < LEVEL)
 
 
 def log_odds_of(

@@ -9,6 +9,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import logsumexp
 
 from bench.diagnose.linearise.candidates import Cause
 
@@ -79,11 +80,14 @@ def _group(
     findings are what they are, so a product of two sets of names need not have been visited. That any of them acts is
     a matter of all subsets.
     """
-    odds = {keys: float(np.exp(value - posterior[best])) for keys, value in posterior.items()}
-    alike = {keys: share for keys, share in odds.items() if keys - best <= members and keys & members}
-    any_of_them = sum(share for keys, share in odds.items() if keys & members) / sum(odds.values())
-    total = sum(alike.values()) / any_of_them
-    shares = {one: sum(share for keys, share in alike.items() if one in keys) / total for one in members & set(causes)}
+    alike = {keys: value for keys, value in posterior.items() if keys - best <= members and keys & members}
+    among_them = float(logsumexp(list(alike.values())))
+    alike = {keys: float(np.exp(value - among_them)) for keys, value in alike.items()}
+    with_any = logsumexp([value for keys, value in posterior.items() if keys & members])
+    any_of_them = float(np.exp(with_any - logsumexp(list(posterior.values()))))
+    shares = {
+        one: any_of_them * sum(share for keys, share in alike.items() if one in keys) for one in members & set(causes)
+    }
     # the finding of the best model leads among equals, so that what is shown is what was fitted
     ranked = sorted(shares, key=lambda one: (-shares[one], one != key, str(one)))
     held = np.cumsum([shares[one] for one in ranked])

@@ -5,7 +5,7 @@ and the sensitivities of S are corrected so that taking one cause away is exact 
 1965): J' = J + (d - J x) x' / x'x, where x are the cause's sizes and d is what it changes.
 """
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -59,16 +59,17 @@ class SearchSpace:
         """Indices of the free shapes."""
         return np.array([i for i, term in enumerate(self.model.terms) if not term.is_listed], dtype=np.intp)
 
-    def beside(self) -> CandidateModel | None:
+    def beside(self, refused: Set[str] = frozenset()) -> CandidateModel | None:
         """Return the model that it is linearised about with the free shape that is needed most, None where none is.
 
         What is not listed is orthogonal to what the causes at its drive can do (Plumlee, Bayesian calibration of
         inexact computer models, 2017): else it would take the constant part of a friction from the level.
         """
-        rise = self.model.additions(self.present)[self._shapes]
+        shapes = [int(i) for i in self._shapes if self.model.terms[i].key not in refused]
+        rise = self.model.additions(self.present)[shapes]
         if not len(rise) or np.max(rise) < 0:
             return None
-        found = self.what[int(self._shapes[np.argmax(rise)])]
+        found = self.what[shapes[int(np.argmax(rise))]]
         assert isinstance(found, Entry)
         assert isinstance(found.what, Block)
         mine = [cause.drive == found.drive for cause in self.about.causes]

@@ -7,29 +7,23 @@
 Every finding then has to pay on what was held out, or it is refused and the search goes on without it.
 """
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-from bench.diagnose.cross_validation.held_out import held_out
-from bench.diagnose.cross_validation.jackknife import with_jackknife
-from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
-from bench.diagnose.extend.size import is_clear_of_none
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
-from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
 from bench.diagnose.name.leaders import grown, leaders_of, scattering
 from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
+from bench.diagnose.name.paying import fit_without_cause, fit_without_shape, held_findings, shape_pays, with_scatter
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
-from bench.diagnose.name.search_space import search_space
-from bench.diagnose.name.simulation_error import SimulationError, imitated, rise_of
-from bench.errors import NOT_SIMULATED
+from bench.diagnose.name.search_space import SearchSpace, search_space
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Stopped
@@ -71,12 +65,7 @@ def name_cause(
     except Stopped as stopped:
         why = str(stopped)
     naming = selection.naming(why)
-    return replace(naming, models=tuple(_with_scatter(model, naming.linear) for model in naming.models))
-
-
-def _with_scatter(model: Model, linear: LinearisedModel) -> Model:
-    """Return a model with standard errors that count how much runs disagree on its sizes."""
-    return replace(model, fit=with_jackknife(model.linear(linear), model.fit))
+    return replace(naming, models=tuple(with_scatter(model, naming.linear) for model in naming.models))
 
 
 @dataclass(eq=False)
@@ -195,9 +184,10 @@ class _Selection:
         candidates += plays.values()
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
-        if adds and not shape and max(models, key=lambda model: model.log_posterior).keys == self.best.keys:
-            beside = about.beside()
-            models += fitter.fitted([beside] if beside else [])
+        first = max(models, key=lambda model: model.log_posterior)
+        if adds and not shape and first.keys == self.best.keys:
+            models += self._beside(about, fitter, first.log_posterior, is_last=is_last)
+            found = [one for one in found if not one.keys & self.refused_shapes]
         models = sorted([Model(self.null), *models], key=lambda model: -model.log_posterior)
         near = {model.keys for model in models if model.log_posterior > models[0].log_posterior - IN_SET}
         self.plays |= {there for there, one in plays.items() if one.keys not in near}
@@ -206,6 +196,27 @@ class _Selection:
         self.posterior = posterior_of(models, found, fell)
         self.models = with_probabilities(models, self.posterior)
         self.best = self.models[0]
+
+    def _beside(self, about: SearchSpace, fitter: Fitter, least: float, *, is_last: bool) -> list[Model]:
+        """Return the best model with the free shape that is needed most, if any; at last, with the first that pays.
+
+        Args:
+            about: The best model.
+            fitter: Of models about it.
+            least: Logarithm of the posterior odds of the best model, which a shape has to surpass.
+            is_last: As of a search.
+        """
+        while beside := about.beside(self.refused_shapes):
+            models = fitter.fitted([beside])
+            if (
+                not is_last
+                or not models
+                or models[0].log_posterior <= least
+                or shape_pays(self.linear, self.null, models[0], self.screening.threshold)
+            ):
+                return models
+            self.refused_shapes.add(str(beside.shape))
+        return []
 
     def _relinearise(self, *, is_last: bool = False) -> None:
         """Take the campaign about the best model: derivatives, standard errors, and everything weighed against it."""
@@ -229,20 +240,22 @@ class _Selection:
         findings of which either will do, one stays.
         """
         self.progress("gain of each finding on what was held out")
-        if self.best.shape and not self._shape_pays():
+        if self.best.shape and not shape_pays(self.linear, self.null, self.best, self.screening.threshold):
             self.refused_shapes.add(str(self.best.shape))
-            self.best = Model(self._without_shape(), log_posterior=self.best.log_posterior)
+            self.best = Model(fit_without_shape(self.linear, self.best), log_posterior=self.best.log_posterior)
             return True
-        held = self._held(self.best.causes)
+        known = (self.linear, self.null)
+        held = held_findings(*known, self.best, self.best.causes, self.screening.threshold)
         count = 0
         while (failed := [one for one in held.values() if not one.is_taken]) and len(self.refused) < MOST_REFUSED:
             worst = min(failed, key=lambda one: one.held_out.low)
             key = worst.cause.key
-            self.best = replace(self.best, fit=self._without(worst.cause))
+            self.best = replace(self.best, fit=fit_without_cause(self.linear, self.best, worst.cause))
             self.beside[key] = frozenset() if key in self.refused else self.best.keys  # twice is for good
             self.refused[key] = held.pop(key)
             count += 1
-            held |= self._held([one.cause for one in failed if one is not worst])
+            others = [one.cause for one in failed if one is not worst]
+            held |= held_findings(*known, self.best, others, self.screening.threshold)
         self.findings = held
         return count > 0
 
@@ -260,39 +273,3 @@ class _Selection:
         about = search_space(self.linear, self.tried, self.screening.threshold, self.best, self._barred())
         shares = repeats(self.linear, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
-
-    def _without_shape(self) -> Fit:
-        """Return the best model fitted without what is not listed."""
-        best = self.best.fit
-        return refit(self.linear, best.causes, best.start, best.nuisances[: len(self.linear.nuisances)])
-
-    def _shape_pays(self) -> bool:
-        """Whether what is not listed predicts what was held out better, beside the causes."""
-        best, without = self.best.fit, self._without_shape()
-        least = self.screening.threshold + LEAST + imitated(self.linear, self.null, best, without)
-        if best.log_evidence - without.log_evidence < least:
-            return False
-        return held_out(self.best.linear(self.linear), without, best, self.linear).is_gain
-
-    def _held(self, causes: Iterable[Cause]) -> dict[Hashable, Finding]:
-        """Return what causes of the best model are worth beside the others, if there is a balance without them."""
-        best, found = self.best.fit, dict[Hashable, Finding]()
-        error = SimulationError(self.linear, self.null, self.best)
-        as_stated = _with_scatter(self.best, self.linear).fit
-        for cause in causes:
-            try:
-                without = self._without(cause)
-            except NOT_SIMULATED:
-                continue
-            gain = held_out(self.best.linear(self.linear), without, best)
-            is_clear = is_clear_of_none(cause, as_stated)  # else runs disagree whether there is anything
-            pays = gain.is_gain and is_clear and error.is_needed(without, self.screening.threshold)
-            found[cause.key] = Finding(cause, best, rise_of(best, without), gain, pays)
-        return found
-
-    def _without(self, cause: Cause) -> Fit:
-        """Return the best model fitted without one of its causes."""
-        best = self.best.fit
-        others = tuple(other for other in best.causes if other.key != cause.key)
-        start = {key: value for key, value in best.start.items() if key[:2] != cause.key}
-        return refit(self.best.linear(self.linear), others, start, best.nuisances, best)

@@ -1,0 +1,82 @@
+"""What pays: each finding of a model held against what was held out, beside all others."""
+
+from collections.abc import Hashable, Iterable
+from dataclasses import replace
+
+from bench.diagnose.cross_validation.held_out import held_out
+from bench.diagnose.cross_validation.jackknife import with_jackknife
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.refit import refit
+from bench.diagnose.extend.size import is_clear_of_none
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.threshold import LEAST
+from bench.diagnose.name.models import Model
+from bench.diagnose.name.naming import Finding
+from bench.diagnose.name.simulation_error import SimulationError, imitated, rise_of
+from bench.errors import NOT_SIMULATED
+
+
+def held_findings(
+    linear: LinearisedModel, null: Fit, model: Model, causes: Iterable[Cause], threshold: float
+) -> dict[Hashable, Finding]:
+    """Return what causes of a model are worth beside the others, if there is a balance without them.
+
+    Args:
+        linear: The campaign about the model.
+        null: Fit of the nominal model.
+        model: With the causes.
+        causes: Of which to tell.
+        threshold: Log evidence that chance exceeds at the declared rate.
+    """
+    found = dict[Hashable, Finding]()
+    error = SimulationError(linear, null, model)
+    as_stated = with_scatter(model, linear).fit
+    for cause in causes:
+        try:
+            without = fit_without_cause(linear, model, cause)
+        except NOT_SIMULATED:
+            continue
+        gain = held_out(model.linear(linear), without, model.fit)
+        is_clear = is_clear_of_none(cause, as_stated)  # else runs disagree whether there is anything
+        pays = gain.is_gain and is_clear and error.is_needed(without, threshold)
+        found[cause.key] = Finding(cause, model.fit, rise_of(model.fit, without), gain, pays)
+    return found
+
+
+def shape_pays(linear: LinearisedModel, null: Fit, model: Model, threshold: float) -> bool:
+    """Whether what a model has that is not listed predicts what was held out better, beside the causes.
+
+    Args:
+        linear: The campaign about the model.
+        null: Fit of the nominal model.
+        model: With a free shape.
+        threshold: Log evidence that chance exceeds at the declared rate.
+    """
+    fit, without = model.fit, fit_without_shape(linear, model)
+    if fit.log_evidence - without.log_evidence < threshold + LEAST + imitated(linear, null, fit, without):
+        return False
+    return held_out(model.linear(linear), without, fit, linear).is_gain
+
+
+def fit_without_cause(linear: LinearisedModel, model: Model, cause: Cause) -> Fit:
+    """Return a model fitted without one of its causes.
+
+    Raises:
+        ConvergenceError, RobotError: It cannot be simulated.
+    """
+    fit = model.fit
+    others = tuple(other for other in fit.causes if other.key != cause.key)
+    start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
+    return refit(model.linear(linear), others, start, fit.nuisances, fit)
+
+
+def fit_without_shape(linear: LinearisedModel, model: Model) -> Fit:
+    """Return a model fitted without what is not listed."""
+    fit = model.fit
+    return refit(linear, fit.causes, fit.start, fit.nuisances[: len(linear.nuisances)])
+
+
+def with_scatter(model: Model, linear: LinearisedModel) -> Model:
+    """Return a model with standard errors that count how much runs disagree on its sizes."""
+    return replace(model, fit=with_jackknife(model.linear(linear), model.fit))
