@@ -205,6 +205,12 @@ def test_one_armature_for_weak_and_strong_drives_is_a_placeholder(menagerie: Pat
     assert any("armature 0.1 of the file stands there" in line for line in robot.robot.figures.assumed)
 
 
+def test_a_name_that_means_something_in_yaml_is_a_name(tmp_path: Path) -> None:
+    file = tmp_path / "stick.xml"
+    file.write_text(STICK)
+    assert start_robot("off", read_source(file), tmp_path / "off").compiled.robot.figures.title == "off"
+
+
 def test_links_are_those_of_the_file(menagerie: Path, tmp_path: Path) -> None:
     original = mujoco.MjModel.from_xml_path(str(menagerie))
     data = mujoco.MjData(original)

@@ -23,7 +23,7 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
     lines = [
         f"# Figures of {name}, started from {source.file.name}. What is marked default is a guess.",
         "# Keys: models/README.md and bench/robot/figures.py. Of a joint that slides, rad stands for m and nm for n.",
-        f"title: {name}",
+        f"title: {json.dumps(name)}",
         f"mjcf: {name}.xml",
         "scene: scene.xml",
         "",
