@@ -122,7 +122,8 @@ def learn(linear: LinearisedModel, block: Block, beside: Fit) -> Discrepancy:
     gain = held_out(linear, without, fit)
     # what was stated of the robot is no reason to believe a free shape: some channel that was poor has to get better
     is_better = any(gain.low > 0 and gain.before > gain.floor for gain in gain.channels)
-    if gained <= 0 or not gain.is_gain or not is_better:
+    is_worse = any(one.high < 0 for one in gain.channels)  # what predicts a channel worse for sure is not handed over
+    if gained <= 0 or not gain.is_gain or not is_better or is_worse:
         return Discrepancy(linear, fit, False, REFUSED)
     is_in_model = type(fit.causes[-1].effect).edit is not Effect.edit
     return Discrepancy(linear, with_jackknife(linear, fit), True, IN_MODEL if is_in_model else IN_READINGS)

@@ -83,7 +83,10 @@ class Naming:
 
 
 def posterior_of(
-    models: Sequence[Model], found: Sequence[Alternative], fell: Set[frozenset[Hashable]] = frozenset()
+    models: Sequence[Model],
+    found: Sequence[Alternative],
+    fell: Set[frozenset[Hashable]] = frozenset(),
+    most: float = np.inf,
 ) -> dict[frozenset[Hashable], float]:
     """Return the logarithm of the posterior odds of every subset that was visited.
 
@@ -94,6 +97,7 @@ def posterior_of(
         models: Simulated, the most probable first.
         found: By the search.
         fell: What was promised and not borne out by a simulation.
+        most: That anything counts for that was not simulated.
     """
     simulated = {model.keys: model.log_posterior for model in models}
     linear = {one.keys: one.log_posterior for one in found}
@@ -102,7 +106,7 @@ def posterior_of(
     tried += [(linear[keys], -np.inf) for keys in fell if keys in linear]
 
     def expected(value: float) -> float:
-        return min([value + offset, *(made for promised, made in tried if promised >= value)])
+        return min([value + offset, most, *(made for promised, made in tried if promised >= value)])
 
     return {keys: expected(value) for keys, value in linear.items()} | simulated
 

@@ -11,6 +11,8 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
+import numpy as np
+
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
 from bench.diagnose.linearise.candidates import Cause
@@ -159,7 +161,7 @@ class _Selection:
 
         Args:
             is_last: Everything that cannot be told from the best is to be known, not only the best.
-            adds: False: the best model stays, and only what the search makes of it is of interest.
+            adds: False: the best model stays; what would be more probable cannot be told from it, unless simulated.
         """
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
         threshold = self.screening.threshold
@@ -193,7 +195,7 @@ class _Selection:
         self.plays |= {there for there, one in plays.items() if one.keys not in near}
         # whatever was promised of those that could not be fitted, or did not need all of their causes
         fell = {keys for keys, model in fitter.models.items() if model is None or model.keys != keys}
-        self.posterior = posterior_of(models, found, fell)
+        self.posterior = posterior_of(models, found, fell, np.inf if adds else models[0].log_posterior)
         self.models = with_probabilities(models, self.posterior)
         self.best = self.models[0]
 
