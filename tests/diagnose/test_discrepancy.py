@@ -3,14 +3,17 @@
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
 from bench.diagnose.conclude import verdict_of
+from bench.diagnose.cross_validation.held_out import HeldOut, held_out
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.linearise.generic import Block, blocks_of
+from bench.diagnose.name import discrepancy as discrepancies
 from bench.diagnose.name.discrepancy import NOT_THERE, effect_of, learn
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.name.naming import Naming
@@ -149,6 +152,24 @@ def test_a_shape_that_does_not_pay_is_refused(case: Case) -> None:
     assert curve.value == tuple(p.value for p in unlisted.parameters)
     assert curve.high == pytest.approx([p.high for p in unlisted.parameters])
     assert {p.unit for p in unlisted.parameters} == {curve.unit}
+
+
+def test_a_shape_that_predicts_a_channel_worse_is_not_handed_over(case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    discrepancy = case.found.discrepancy
+    assert discrepancy
+    assert discrepancy.fit
+
+    def with_a_worse_channel(*args: Any) -> HeldOut:
+        gain = held_out(*args)
+        return replace(gain, channels=(*gain.channels[:-1], replace(gain.channels[-1], low=-0.4, high=-0.1)))
+
+    naming = case.found.naming
+    shape = naming.unlisted
+    assert shape
+    beside = naming.models[0].listed_fit(naming.linear)
+    assert learn(naming.linear, shape, beside).is_gain
+    monkeypatch.setattr(discrepancies, "held_out", with_a_worse_channel)
+    assert not learn(naming.linear, shape, beside).is_gain
 
 
 def _block(naming: Naming, *what: str) -> Block:

@@ -104,3 +104,12 @@ def test_what_has_a_finding_more_counts_for_the_finding() -> None:
     assert gas == pytest.approx((np.exp(9.0) + np.exp(8.0)) / total)
     assert both == 0.0
     assert heat == pytest.approx(np.exp(5.0) / total)
+
+
+def test_what_promises_more_and_was_not_simulated_counts_for_no_more_than_is_said() -> None:
+    """A search without rounds left does not simulate it; nobody knows that it is more probable."""
+    models = (fake(9.0, "gas"),)
+    every = ((models[0].keys, 9.0), (frozenset({"else"}), 30.0))
+    found = [Alternative(keys, Subset((), 0.0), value) for keys, value in every]
+    assert posterior_of(models, found)[frozenset({"else"})] == 30.0
+    assert set(posterior_of(models, found, most=9.0).values()) == {9.0}
