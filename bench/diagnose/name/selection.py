@@ -161,7 +161,7 @@ class _Selection:
 
         Args:
             is_last: Everything that cannot be told from the best is to be known, not only the best.
-            adds: False: the best model stays; what would be more probable cannot be told from it, unless simulated.
+            adds: False: the best model stays, and what promises more is simulated for what could stand in its place.
         """
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
         threshold = self.screening.threshold
@@ -181,8 +181,8 @@ class _Selection:
         present = fitter.knows(self.best, about.candidate_of(about.present))
         alone = [tuple(i for i in found[0].best.terms if i not in shape)] if shape else []
         others = [*leaders, *alone, about.instead(found[0].best.terms)]
-        candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms) and adds)]
-        plays = scattering(about, found[0], self.plays) if is_last and adds else {}
+        candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms))]
+        plays = scattering(about, found[0], self.plays) if is_last else {}
         candidates += plays.values()
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
@@ -190,7 +190,8 @@ class _Selection:
         if adds and not shape and first.keys == self.best.keys:
             models += self._beside(about, fitter, first.log_posterior, is_last=is_last)
             found = [one for one in found if not one.keys & self.refused_shapes]
-        models = sorted([Model(self.null), *models], key=lambda model: -model.log_posterior)
+        stays = self.best.keys
+        models = sorted([Model(self.null), *models], key=lambda one: (adds or one.keys != stays, -one.log_posterior))
         near = {model.keys for model in models if model.log_posterior > models[0].log_posterior - IN_SET}
         self.plays |= {there for there, one in plays.items() if one.keys not in near}
         # whatever was promised of those that could not be fitted, or did not need all of their causes
