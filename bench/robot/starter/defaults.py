@@ -22,9 +22,8 @@ ROTOR_SHARE = 0.5  # of the greatest mass that a slide moves: gears are chosen f
 # kNm; by what links weigh, the rotors of its wrist would be a hundred times too small
 SPIN_UP = 50.0
 ROTOR_GUESSED = 1.0  # relative uncertainty of such a guess: light arms spin up faster, from below it is three sigma
-UNLIKE = (
-    2.0  # ratio of torque limits, from where drives cannot have the same rotor: one stated for all is a placeholder
-)
+# Ratio of torque limits, from where drives cannot have the same rotor: one that is stated for all is a placeholder
+UNLIKE = 2.0
 BANDWIDTH = 2 * np.pi * 6.0  # [rad/s] of the servo on rotor and link together
 RESET = 0.2  # of the integral gain at which the servo would swing, J + M taken as one
 PRESLIDING = 1e-4  # [rad] or [m], where a friction element has reached its level
