@@ -3,8 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from bench.diagnose.replay.motion_segments import lowest_period, settling_periods, stretches_of
+from bench.diagnose.replay.motion_segments import kept_up, lowest_period, settling_periods, stretches_of
 from bench.diagnose.replay.segment_input import SegmentInput
 from bench.record.campaign import Array, Run
 from tests.diagnose.sweeps import SWEEP, made, nominal
@@ -46,3 +47,11 @@ def test_it_may_ring_after_the_beginning_and_after_a_jerk_and_no_longer() -> Non
         assert np.any(hardly)
         assert np.all(segment_input.rings[surely])
         assert not np.any(segment_input.rings[hardly])
+
+
+@pytest.mark.parametrize("period", [1e300, np.inf])
+def test_an_arm_that_swings_for_ever_is_unresolved_everywhere(period: float) -> None:
+    """A stranger's body of 1e300 kg: found by `python -m tests.poison`, as a traceback."""
+    unresolved = np.zeros((7, 1))
+    unresolved[1] = 1.0
+    np.testing.assert_array_equal(kept_up(unresolved, 1, 0.01 * np.arange(7), period), 1.0)

@@ -51,7 +51,7 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     window = int(np.clip(window, LEAST_WINDOW, 2 * ((len(run) - 1) // 2) - 1))
     velocity, acceleration = (derivative_over(angles, time, window, order) for order in (1, 2))
     unresolved = _unresolved(angles, acceleration, window, time)
-    error = _kept_up(unresolved, window, time, period)
+    error = kept_up(unresolved, window, time, period)
     kernel = averaging_kernel(window) if is_even(time) else np.ones(1)
     kernel = kernel if len(kernel) <= samples else np.ones(1)  # no longer than a bin: else it would blur what is fine
     edges = np.arange(0, len(run), samples)
@@ -147,10 +147,11 @@ def _unresolved(angles: Array, acceleration: Array, window: int, time: Array) ->
     return np.asarray(UNRESOLVED * np.abs(acceleration - derivative_over(angles, time, longer, 2)))
 
 
-def _kept_up(unresolved: Array, window: int, time: Array, period: float) -> Array:
+def kept_up(unresolved: Array, window: int, time: Array, period: float) -> Array:
     """Return it kept up for half a period [s] before and after: what rings after a jerk averages out of no less."""
     longer = _twice(window, len(unresolved))
-    reach = max(longer, 2 * round(period / float(np.median(np.diff(time))) / 2) + 1)
+    half = min(period / float(np.median(np.diff(time))) / 2, float(len(time)))  # a stranger's arm may swing for hours
+    reach = max(longer, 2 * round(half) + 1)
     error: Array = maximum_filter1d(unresolved, reach, axis=0)
     return error
 
