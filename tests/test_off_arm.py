@@ -1,4 +1,4 @@
-"""An arm of which everything is off, as real ones are against public models: no doubts, no worse than least squares."""
+"""An arm of which everything is off, as real ones are against public models: no doubts, and a first pass serves."""
 
 import json
 from pathlib import Path
@@ -8,13 +8,6 @@ import pytest
 
 from bench.cli import main
 from tests import off_arm
-
-SURE = 0.97
-# Friction laws that act in every joint, and what stands for its masses, centres, inertias, rotors, offsets and scales
-TRUE = {
-    *("coulomb_friction", "viscous_friction", "stribeck", "load_friction", "direction_friction", "torque_offset"),
-    *("link_mass", "link_com", "link_inertia", "rotor_inertia", "torque_constant", "unstated_payload"),
-}
 
 
 def campaign(folder: Path, runs: int, seconds: float) -> Path:
@@ -35,15 +28,3 @@ def test_nothing_is_doubted_and_a_first_pass_serves(tmp_path: Path, capsys: pyte
         ours < 0.2 * nominal
         for ours, nominal in zip(*(found["held_out_rms_nm"][key] for key in ("first_pass", "nominal")), strict=True)
     )
-
-
-@pytest.mark.study
-def test_a_diagnosis_predicts_no_worse_than_least_squares(tmp_path: Path) -> None:
-    made = campaign(tmp_path, runs=4, seconds=20)
-    assert main(["diagnose", str(made), "-o", str(tmp_path / "found")]) == 0
-    verdict = json.loads((tmp_path / "found" / "verdict.json").read_text())
-    for drive in verdict["baseline"]["drives"]:
-        assert drive["diagnosed"] < min(drive["plain_least_squares"], drive["first_pass"])
-    assert verdict["findings"]
-    named = [one for group in verdict["findings"] for one in group["names"] if one["probability"] >= SURE]
-    assert {one["cause"]["effect"] for one in named} <= TRUE
