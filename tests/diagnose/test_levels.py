@@ -29,9 +29,6 @@ from bench.robot.folder import load_robot
 from bench.store.store import Store
 from tests.diagnose.recordings_small import BINS, CHOICE, EFFECTS, ZEROED, compiled, diagnosed, recording
 
-# Times half of a 90 % interval: three standard errors, which one draw in 370 exceeds. The draw of the test has 1.95; of
-# it and five more, 11 of 12 masses lie in their 90 % intervals.
-OF_ONE_DRAW = 3 / 1.645
 EXACT = 1e-9  # of the largest reading of a channel, in SI units; balances are found from the same start
 
 
@@ -136,17 +133,22 @@ def test_an_encoder_that_is_zeroed_anew_is_no_scatter(both: Campaign) -> None:
 
 
 def test_payloads_that_differ_are_found_where_they_were_carried() -> None:
+    """Of three draws, so that intervals are held to what they promise: 4 of 6 hold but for one set of draws in 63."""
     true = {"A": 40.0, "B": 90.0}
-    made = {
-        name: recording(seed, {"unstated_payload": {"mass": mass, "inertia": 2.0}}, zero)
-        for (name, mass), seed, zero in zip(true.items(), (3, 4), (1e-3, -1e-3), strict=True)
-    }
-    diagnosis = diagnosed(joined(made))
-    assert named(diagnosis) == {("unstated_payload", f"robot in recording {name}", "recording") for name in true}
-    for cause in diagnosis.verdict.explanations[0].causes:
-        mass = cause.parameters[0]
-        assert abs(mass.value - true[cause.place[-1]]) < OF_ONE_DRAW * (mass.high - mass.low) / 2
-    assert "payload that is not stated (in recording B)" in "\n".join(words_of(diagnosis.verdict))
+    held = []
+    for seeds in ((3, 4), (5, 6), (7, 8)):
+        made = {
+            name: recording(seed, {"unstated_payload": {"mass": mass, "inertia": 2.0}}, zero)
+            for (name, mass), seed, zero in zip(true.items(), seeds, (1e-3, -1e-3), strict=True)
+        }
+        diagnosis = diagnosed(joined(made))
+        assert named(diagnosis) == {("unstated_payload", f"robot in recording {name}", "recording") for name in true}
+        for cause in diagnosis.verdict.explanations[0].causes:
+            mass, inertia = cause.parameters[:2]
+            assert (mass.name, inertia.name) == ("mass", "inertia")
+            held.append(mass.low < true[cause.place[-1]] < mass.high)
+        assert "payload that is not stated (in recording B)" in "\n".join(words_of(diagnosis.verdict))
+    assert sum(held) >= 4
 
 
 def test_a_cause_in_both_recordings_is_the_machines_and_confirmed_by_both() -> None:

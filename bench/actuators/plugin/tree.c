@@ -69,10 +69,6 @@ static void place_link(Tree* tree, int i, mjtNum q) {
 
 static void moments_of(Moments* result, const Tree* tree, int i) {
   const Link* link = tree->link + i;
-  if (link->mass == 0) {
-    memset(result, 0, sizeof(*result));
-    return;
-  }
   const mjtNum* R = tree->rotation[i];
   mjtNum c[3], part[9];
   apply(c, R, link->com);

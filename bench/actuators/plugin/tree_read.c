@@ -53,9 +53,6 @@ static void express(Point* point, int link, const Pose* frames, const mjtNum* pl
 // Adds a rigid body to a link; inertia is about the centre of mass of the body, in world axes, all at zero.
 static void add_body(Link* link, const Pose* frame, mjtNum mass, const mjtNum* place, const mjtNum* inertia) {
   mjtNum shift[3], local[3], turned[9], back[9], first[3], sum[9];
-  if (mass == 0) {
-    return;
-  }
   mju_sub3(shift, place, frame->place);
   mju_mulMatTVec3(local, frame->rotation, shift);
   mju_mulMatTMat(back, frame->rotation, inertia, 3, 3, 3);
@@ -66,7 +63,9 @@ static void add_body(Link* link, const Pose* frame, mjtNum mass, const mjtNum* p
   add_steiner(sum, link->mass, link->com);
   add_steiner(sum, mass, local);
   link->mass += mass;
-  mju_scl3(link->com, first, 1 / link->mass);
+  if (link->mass > 0) {  // what has an inertia alone may be anywhere
+    mju_scl3(link->com, first, 1 / link->mass);
+  }
   add_steiner(sum, -link->mass, link->com);
   mju_copy(link->inertia, sum, 9);
 }
