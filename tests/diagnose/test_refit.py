@@ -9,8 +9,9 @@ from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.diagnose import diagnose
 from bench.diagnose.extend import refit as refit_module
 from bench.diagnose.extend.fit import Fit, Unknown, unknowns_of
+from bench.diagnose.extend.objective import Derivatives, Objective, State
 from bench.diagnose.extend.refit import refit, refitted
-from bench.diagnose.extend.steps import corrected
+from bench.diagnose.extend.steps import broyden
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, raised, relinearised
 from bench.diagnose.replay.nuisances import nuisances_of
@@ -82,16 +83,16 @@ def test_a_fit_that_finds_no_balance_beside_it_keeps_its_derivatives(monkeypatch
     """Softening beside hysteresis once ended a whole diagnosis: no derivative could be taken where the fit had come."""
     linear = _design()
     causes = (_whole("gas_loss"),)
-    slopes, calls = refit_module._slopes, []
+    derivatives, calls = Objective.derivatives, []
 
-    def only_once(*arguments: object) -> object:
-        calls.append(arguments)
+    def only_once(objective: Objective, state: State, known: object = None) -> Derivatives:
+        calls.append(state)
         if len(calls) > 1:
             raise ConvergenceError("no balance")
-        return slopes(*arguments)
+        return derivatives(objective, state)
 
     monkeypatch.setattr(refit_module, "FAITHFUL", np.inf)  # derivatives are never good enough
-    monkeypatch.setattr(refit_module, "_slopes", only_once)
+    monkeypatch.setattr(Objective, "derivatives", only_once)
     fit = refit(linear, causes, {("gas_loss", "robot", "lost"): 0.02})
     assert len(calls) == 2
     assert fit.values[0] == pytest.approx(0.1, abs=4 * fit.sigma[0])
@@ -113,11 +114,11 @@ def test_what_is_stated_of_a_fit_rests_on_derivatives_where_it_ended(monkeypatch
     linear, ripple = _design(), catalogue()["friction_ripple"]
     sizes, shapes = ([p for p in ripple.parameters if p.is_shape is is_shape] for is_shape in (False, True))
     cause = Cause(ripple, ripple.places(nominal())[1], tuple(sizes), tuple(shapes))
-    places, slopes = [], refit_module._slopes
+    places, derivatives = [], Objective.derivatives
     monkeypatch.setattr(
-        refit_module,
-        "_slopes",
-        lambda left, residual, values, *known: places.append(values) or slopes(left, residual, values, *known),
+        Objective,
+        "derivatives",
+        lambda objective, state, *known: places.append(state.values) or derivatives(objective, state, *known),
     )
     wrong = relinearised(linear, range(len(linear.nuisances)), 0.3 * linear.sensitivities)
     found = refit(wrong, (_whole("gas_loss"), cause), {(*cause.key, "sin"): 0.2, (*cause.key, "period"): 0.3})
@@ -128,7 +129,7 @@ def test_what_is_stated_of_a_fit_rests_on_derivatives_where_it_ended(monkeypatch
 def test_corrected_derivatives_are_right_along_the_step_and_the_same_across_it(rng: np.random.Generator) -> None:
     tangent, step, scale = rng.normal(size=(7, 3)), rng.normal(size=3), np.array([1.0, 1e-3, 50.0])
     missed = rng.normal(size=7)
-    found = corrected(tangent, missed, step, scale)
+    found = broyden(tangent, tangent @ step + missed, step, scale)
     np.testing.assert_allclose(found @ step, tangent @ step + missed, rtol=1e-12)
     across = np.cross(step / scale, [1.0, 2.0, 3.0]) * scale  # at right angles to the step, in units of the parameters
     np.testing.assert_allclose(found @ across, tangent @ across, rtol=1e-12, atol=1e-12 * np.max(np.abs(tangent)) * 50)

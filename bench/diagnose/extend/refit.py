@@ -1,17 +1,16 @@
 """The last word on an extension: its parameters and all nuisances together, fitted by simulating the extended model."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from bench.diagnose.extend.fit import Fit, Key, Unknown, is_simulated, play_of, unknowns_of, world_of
-from bench.diagnose.extend.steps import HALVINGS, bounded_step, corrected, ever_shorter
+from bench.diagnose.extend.fit import Fit, Key, play_of, unknowns_of
+from bench.diagnose.extend.objective import Derivatives, Objective, State, bounds_of
+from bench.diagnose.extend.steps import bounded_step, ever_shorter
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.first_order import FirstOrder
 from bench.diagnose.linearise.linearised_model import LinearisedModel, scatters_alike, with_play
-from bench.diagnose.replay.world import World, moves
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
@@ -62,7 +61,7 @@ def refit(
         ConvergenceError, RobotError: The extended model cannot be simulated at all.
     """
     unknowns = unknowns_of(causes)
-    low, high = _bounds(unknowns)
+    low, high = bounds_of(unknowns)
     values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
     jacobian = known.slopes_of(unknowns) if known else {}
@@ -86,17 +85,12 @@ def _point_of(fit: Fit) -> _Point:
     return _Point(fit.values, fit.nuisances, fit.residual, fit.slopes_of(fit.unknowns))
 
 
-def _bounds(unknowns: tuple[Unknown, ...]) -> tuple[Array, Array]:
-    low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
-    return low, high
-
-
 def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -> Fit:
     """Fit an extension until the play that its scatter belongs to is the play that it finds."""
     unknowns = unknowns_of(causes)
     play = play_of(linear, causes, unknowns, point.values)
     for _ in range(MOST_PLAYS):
-        fit = _fitted(with_play(linear, play), causes, point)
+        fit = _fitted(Objective(with_play(linear, play), causes), point)
         found = play_of(linear, causes, unknowns, fit.values)
         if scatters_alike(found, play):
             break
@@ -104,155 +98,89 @@ def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _P
     return fit
 
 
-def _fitted(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -> Fit:
+def _fitted(objective: Objective, point: _Point) -> Fit:
     """Fit an extension to a design that knows its play."""
-    unknowns = unknowns_of(causes)
-    sigma = np.array([u.sigma for u in unknowns])
-    origin = np.array([u.parameter.null for u in unknowns])
-    low, high = _bounds(unknowns)
-    by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not is_simulated(nuisance)]
-    observed = np.concatenate([segment.observed for segment in linear.segments])
+    if point.residual is None:
+        first = objective.near(point.nuisances, point.values)
+    else:
+        first = objective.at(point.nuisances, point.values, point.residual)
+    state, slopes = _least(objective, first, objective.derivatives(first, point.jacobian))
+    if slopes.is_corrected:  # corrections lead to the optimum; what is stated there rests on derivatives
+        with suppress(*NOT_SIMULATED):
+            slopes = objective.derivatives(state)
+    return _fit(objective, state, slopes)
 
-    def left(values: Array, x: Array) -> Array:
-        simulated = linear.replay.predict(world_of(linear, causes, unknowns, values, x))
-        residual: Array = observed - simulated - linear.sensitivities[:, :, by_sensitivity] @ x[by_sensitivity]
-        return residual
 
-    def objective(white: Array, values: Array, x: Array) -> float:
-        penalty = float(np.sum(((values - origin) / sigma) ** 2)) if len(values) else 0.0
-        return float(white @ white) + float(x @ x) + penalty
+def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[State, Derivatives]:
+    """Return where the objective is least, and derivatives that lead no further.
 
-    values, x, residual = point.values, point.nuisances, point.residual
-    if residual is None:
-        values, residual = _first(left, values, x, origin)
-    white = linear.whiten(residual)
-    best = objective(white, values, x)
-    p = len(x)
-    units = np.concatenate([np.ones(p), sigma])
-    prior = np.diag(1 / units**2)
-
-    def slopes_at(values: Array, x: Array, residual: Array, known: Mapping[int, Array]) -> Array:
-        def world_at(values: Array) -> World:
-            return world_of(linear, causes, unknowns, values, x)
-
-        known = {**_of_torques(linear, world_at, causes, unknowns, values, known), **known}
-        return _slopes(left, residual, values, x, unknowns, known)
-
-    def tangent_of(jacobian: Array) -> tuple[Array, Array]:
-        tangent = np.concatenate([linear.jacobian, linear.whiten(jacobian)], axis=1)
-        return tangent, tangent.T @ tangent + prior
-
-    jacobian = slopes_at(values, x, residual, point.jacobian)
-    borrowed, is_anew, is_here = bool(point.jacobian), False, not point.jacobian  # what the derivatives are
-    is_corrected, last = False, np.zeros_like(units)
-    tangent, curvature = tangent_of(jacobian)
-    fell = np.inf
+    Derivatives serve as long as steps fall as far as they promise. Else they are taken anew; where those that were
+    taken on the way do no better, derivatives of the nuisances, which nobody takes anew, are as wrong as those of the
+    causes, and both are corrected by what the steps show.
+    """
+    first, is_borrowed, fell = state, slopes.at is None, np.inf
     for iteration in range(MOST_ITERATIONS + 1):
-        gradient = tangent.T @ white - np.concatenate([x, (values - origin) / sigma**2])
-        limits = low - values, high - values
-        step = bounded_step(curvature, gradient, p, *limits)
-        promised = float(2 * gradient @ step - step @ (curvature @ step))
-        if promised < ENOUGH:  # not worth a simulation; but who leaves runs out takes a fit to be at its optimum
-            last, best = step, best - promised
+        step, promised = _step(objective, state, slopes)
+        if promised < ENOUGH or fell < ENOUGH or iteration == MOST_ITERATIONS:
             break
-        if fell < ENOUGH or iteration == MOST_ITERATIONS:
-            break
-        fell = 0.0
-        for part in ever_shorter(step, curvature, gradient, p, *limits):
-            new_x, new_values = x + part[:p], np.clip(values + part[p:], low, high)
-            try:
-                new_residual = left(new_values, new_x)
-            except NOT_SIMULATED:
-                continue
-            new_white = linear.whiten(new_residual)
-            new = objective(new_white, new_values, new_x)
-            if new < best:
-                taken = np.concatenate([new_x - x, new_values - values])
-                fell, missed = best - new, white - new_white - tangent @ taken
-                x, values, residual, white, best = new_x, new_values, new_residual, new_white, new
-                break
-        is_here = is_here and fell == 0
-        if fell >= FAITHFUL * promised or (0 < fell < ENOUGH and not borrowed):
+        before, state = state, _downhill(objective, state, slopes, step)
+        fell = before.objective - state.objective
+        if fell >= FAITHFUL * promised or (0 < fell < ENOUGH and not is_borrowed):
             continue
-        if is_anew and fell:  # new derivatives of the causes do no better: those of the nuisances are as wrong
-            tangent = corrected(tangent, missed, taken, units)
-            curvature, is_corrected = tangent.T @ tangent + prior, True
+        if fell > 0 and slopes.at not in (None, first):
+            slopes = objective.corrected(slopes, before, state)
             continue
-        if is_here:
+        if slopes.at is state:
             break
         try:
-            jacobian = slopes_at(values, x, residual, {})
+            slopes = objective.derivatives(state)
         except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
             break
-        tangent, curvature = tangent_of(jacobian)
-        borrowed, is_anew, is_here, is_corrected, fell = False, True, True, False, np.inf
-    if is_corrected:  # corrections lead to the optimum; what is stated there rests on derivatives
+        is_borrowed, fell = False, np.inf
+    return state, slopes
+
+
+def _step(objective: Objective, state: State, slopes: Derivatives) -> tuple[Array, float]:
+    """Return the step to the least objective as derivatives have it, shape (p + k,), and how far that falls."""
+    downhill = objective.descent(state, slopes)
+    limits = objective.low - state.values, objective.high - state.values
+    step = bounded_step(slopes.precision, downhill, len(state.nuisances), *limits)
+    return step, float(2 * downhill @ step - step @ (slopes.precision @ step))
+
+
+def _downhill(objective: Objective, state: State, slopes: Derivatives, step: Array) -> State:
+    """Return a better state along a step, or the same where there is none."""
+    downhill = objective.descent(state, slopes)
+    limits = objective.low - state.values, objective.high - state.values
+    for part in ever_shorter(step, slopes.precision, downhill, len(state.nuisances), *limits):
         with suppress(*NOT_SIMULATED):
-            jacobian = slopes_at(values, x, residual, {})
-        _, curvature = tangent_of(jacobian)
-    x, values = x + last[:p], values + last[p:]
-    residual = residual - linear.sensitivities @ last[:p] - jacobian @ last[p:]
-    covariance = np.asarray(np.linalg.inv(curvature)[p:, p:], dtype=np.float64)
-    _, determinant = np.linalg.slogdet(curvature)
-    evidence = -0.5 * best - 0.5 * float(determinant) - float(np.sum(np.log(sigma)))
-    evidence += float(np.sum(linear.log_determinants))
-    return Fit(causes, unknowns, values, covariance, x, best, evidence, residual, jacobian, linear.scatter.play)
+            new = objective.after(state, part)
+            if new.objective < state.objective:
+                return new
+    return state
 
 
-def _first(left, values, x, origin) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
-    """Return first values that can be simulated, and what they leave; the linearised model may promise too much."""
-    for halving in range(HALVINGS):
-        try:
-            return values, left(values, x)
-        except NOT_SIMULATED:
-            values = origin + (values - origin) / 2 if halving < HALVINGS - 1 else values
-    return values, left(values, x)
+def _fit(objective: Objective, state: State, slopes: Derivatives) -> Fit:
+    """Return what a fit found, taken to its optimum by what is not worth a simulation.
 
-
-def _of_torques(
-    linear: LinearisedModel,
-    world_at: Callable[[Array], World],
-    causes: tuple[Cause, ...],
-    unknowns: tuple[Unknown, ...],
-    values: Array,
-    known: Mapping[int, Array],
-) -> dict[int, Array]:
-    """Return the change of the readings with each unknown that is not known and adds a torque, shape (T, c)."""
-    which = [i for i, one in enumerate(unknowns) if i not in known and one.cause.effect.is_additive]
-    if not which:
-        return {}
-    here = world_at(values)
-    about = FirstOrder(linear.replay, here)
-    found: dict[int, Array] = {}
-    for i in which:
-        step, moved = unknowns[i].step_from(float(values[i])), values.copy()
-        moved[i] += step
-        number = causes.index(unknowns[i].cause)
-        now, then = (about.change(world.acting[number]) for world in (here, world_at(moved)))
-        if now is not None and then is not None:
-            found[i] = (then - now) / step
-    return found
-
-
-def _slopes(left, residual, values, x, unknowns, known) -> Array:  # type: ignore[no-untyped-def]
-    """Return the change of the readings with each unknown, shape (T, c, k), by differences of simulations."""
-    columns = dict(known)
-    # what only reads differently comes first: the replay still has the motion that the residual was simulated along
-    for i in sorted(range(len(unknowns)), key=lambda i: moves(unknowns[i].cause.effect)):
-        if i in columns:
-            continue
-        step = unknowns[i].step_from(float(values[i]))
-        try:
-            columns[i] = (residual - _moved(left, values, x, i, step)) / step
-        except NOT_SIMULATED:  # no balance there; the other side is as good
-            columns[i] = (_moved(left, values, x, i, -step) - residual) / step
-    if not columns:
-        return np.zeros((*residual.shape, 0))
-    return np.stack([columns[i] for i in range(len(unknowns))], axis=2)
-
-
-def _moved(left, values, x, i, step) -> Array:  # type: ignore[no-untyped-def]
-    moved = values.copy()
-    moved[i] += step
-    residual: Array = left(moved, x)
-    return residual
+    Who leaves runs out takes a fit to be at its optimum.
+    """
+    linear, p = objective.linear, len(state.nuisances)
+    step, promised = _step(objective, state, slopes)
+    if promised >= ENOUGH:
+        step, promised = np.zeros_like(step), 0.0
+    least = state.objective - promised
+    _, determinant = np.linalg.slogdet(slopes.precision)
+    evidence = -0.5 * (least + float(determinant)) - float(np.sum(np.log(objective.sigma)))
+    return Fit(
+        causes=objective.causes,
+        unknowns=objective.unknowns,
+        values=state.values + step[p:],
+        covariance=np.asarray(np.linalg.inv(slopes.precision)[p:, p:], dtype=np.float64),
+        nuisances=state.nuisances + step[:p],
+        objective=least,
+        log_evidence=evidence + float(np.sum(linear.log_determinants)),
+        residual=state.residual - linear.sensitivities @ step[:p] - slopes.jacobian @ step[p:],
+        jacobian=slopes.jacobian,
+        play=linear.scatter.play,
+    )

@@ -45,18 +45,18 @@ def bounded_step(curvature: Array, gradient: Array, p: int, low: Array, high: Ar
     return step
 
 
-def corrected(tangent: Array, missed: Array, step: Array, scale: Array) -> Array:
+def broyden(tangent: Array, change: Array, step: Array, scale: Array) -> Array:
     """Return derivatives that are right along a step that was simulated, as near as may be to those before.
 
-    J' = J + m s' D^-2 / s' D^-2 s, with what J missed along the step, m (Broyden, A class of methods for solving
+    J' = J + (y - J s) s' D^-2 / s' D^-2 s, with what the step s changed, y (Broyden, A class of methods for solving
     nonlinear simultaneous equations, 1965), in units D, so that parameters of different units count alike.
 
     Args:
         tangent: Shape (m, q), change of what is simulated with each parameter.
-        missed: Shape (m,), what the step changed less what these derivatives say.
+        change: Shape (m,), what the step changed.
         step: Shape (q,).
         scale: Shape (q,), units of the parameters.
     """
     along = step / scale**2
-    found: Array = tangent + np.outer(missed, along / float(along @ step))
+    found: Array = tangent + np.outer(change - tangent @ step, along / float(along @ step))
     return found

@@ -132,7 +132,7 @@ class _Selection:
         """
         seen: set[frozenset[Hashable]] = set()
         is_last = False
-        for _ in range(MOST_ROUNDS):
+        for count in range(1, MOST_ROUNDS + 1):
             before = self.best.keys
             self._search(is_last=is_last)
             if self.best.keys != before and self.best.keys not in seen:
@@ -144,12 +144,11 @@ class _Selection:
                 return
             else:
                 is_last, seen = True, set()  # what is missed now is noise: intervals and sets are to be honest
-            self._relinearise(is_last=is_last)
+            self._relinearise(is_last=is_last or count == MOST_ROUNDS)
         self._end()
 
     def _end(self) -> None:
         """Keep what pays of the best model where the rounds are used up, and add nothing any more."""
-        self._relinearise(is_last=True)
         while self._refuse():
             self._relinearise(is_last=True)
         if self.best.keys:

@@ -1,0 +1,195 @@
+"""An extension as a function of its parameters: what it leaves of the readings, how far from probable, derivatives."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.diagnose.extend.fit import Unknown, is_simulated, unknowns_of, world_of
+from bench.diagnose.extend.steps import HALVINGS, broyden
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.first_order import FirstOrder
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.world import World, moves
+from bench.errors import NOT_SIMULATED
+from bench.record.campaign import Array
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Parameters of an extension, and what was simulated with them; p nuisances, k unknowns, m whitened readings.
+
+    Attributes:
+        nuisances: Shape (p,), in standard deviations of their priors.
+        values: Shape (k,), of the unknowns.
+        residual: Shape (T, c), measured less simulated.
+        white: Shape (m,), the same whitened.
+        objective: Chi-square plus penalties of the priors.
+    """
+
+    nuisances: Array
+    values: Array
+    residual: Array
+    white: Array
+    objective: float
+
+
+@dataclass(frozen=True, eq=False)
+class Derivatives:
+    """What an extension does to the readings with each parameter, to first order.
+
+    Attributes:
+        at: Where they were taken; None: by another fit, near by.
+        jacobian: Shape (T, c, k), change of the readings with each unknown.
+        tangent: Shape (m, p + k), change of whitened readings with each parameter, nuisances first.
+        precision: Shape (p + k, p + k), of the parameters, their priors included.
+        is_corrected: Whether the tangent was bent to what steps showed.
+    """
+
+    at: State | None
+    jacobian: Array
+    tangent: Array
+    precision: Array
+    is_corrected: bool = False
+
+
+class Objective:
+    """An extension of the nominal model, held against a campaign.
+
+    Args:
+        linear: The campaign; the scatter in it knows the play of the extended model.
+        causes: What is added to the nominal model.
+    """
+
+    def __init__(self, linear: LinearisedModel, causes: tuple[Cause, ...]) -> None:
+        self.linear, self.causes, self.unknowns = linear, causes, unknowns_of(causes)
+        self.sigma = np.array([unknown.sigma for unknown in self.unknowns])
+        self.origin = np.array([unknown.parameter.null for unknown in self.unknowns])
+        self.low, self.high = bounds_of(self.unknowns)
+        self.units = np.concatenate([np.ones(len(linear.nuisances)), self.sigma])
+        self._by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not is_simulated(nuisance)]
+        self._observed = np.concatenate([segment.observed for segment in linear.segments])
+
+    def at(self, nuisances: Array, values: Array, residual: Array | None = None) -> State:
+        """Return where these parameters lead.
+
+        Args:
+            nuisances: Shape (p,).
+            values: Shape (k,).
+            residual: Shape (T, c), where it is known; None: it is simulated.
+
+        Raises:
+            ConvergenceError, RobotError: The extended model cannot be simulated there.
+        """
+        if residual is None:
+            residual = self._left(nuisances, values)
+        white = self.linear.whiten(residual)
+        pull = (values - self.origin) / self.sigma
+        return State(
+            nuisances, values, residual, white, float(white @ white + nuisances @ nuisances) + float(pull @ pull)
+        )
+
+    def near(self, nuisances: Array, values: Array) -> State:
+        """Return where these values lead, or lesser ones that can be simulated; linearised models promise too much.
+
+        Raises:
+            ConvergenceError, RobotError: The nominal model with these nuisances cannot be simulated either.
+        """
+        for _ in range(HALVINGS - 1):
+            try:
+                return self.at(nuisances, values)
+            except NOT_SIMULATED:
+                values = self.origin + (values - self.origin) / 2
+        return self.at(nuisances, values)
+
+    def after(self, state: State, step: Array) -> State:
+        """Return where a step leads, shape (p + k,), within bounds.
+
+        Raises:
+            ConvergenceError, RobotError: The extended model cannot be simulated there.
+        """
+        p = len(state.nuisances)
+        return self.at(state.nuisances + step[:p], np.clip(state.values + step[p:], self.low, self.high))
+
+    def descent(self, state: State, derivatives: Derivatives) -> Array:
+        """Return half the downhill gradient of the objective, shape (p + k,)."""
+        pull = np.concatenate([state.nuisances, (state.values - self.origin) / self.sigma**2])
+        return np.asarray(derivatives.tangent.T @ state.white - pull)
+
+    def derivatives(self, state: State, known: Mapping[int, Array] | None = None) -> Derivatives:
+        """Return the derivatives at a state, those of the unknowns by simulation.
+
+        Args:
+            state: Where.
+            known: Derivatives with some unknowns as another fit had them, each by its index, shape (T, c).
+
+        Raises:
+            ConvergenceError, RobotError: There is no balance to either side of some value.
+        """
+        columns = dict(known or {})
+        columns = self._of_torques(state, columns) | columns
+        # what only reads differently comes first: the replay still has the motion that the residual was simulated along
+        order = sorted(range(len(self.unknowns)), key=lambda i: moves(self.unknowns[i].cause.effect))
+        columns |= {i: self._difference(state, i) for i in order if i not in columns}
+        jacobian = np.zeros((*state.residual.shape, 0))
+        if columns:
+            jacobian = np.stack([columns[i] for i in range(len(self.unknowns))], axis=2)
+        tangent = np.concatenate([self.linear.jacobian, self.linear.whiten(jacobian)], axis=1)
+        return Derivatives(None if known else state, jacobian, tangent, self._precision(tangent))
+
+    def corrected(self, derivatives: Derivatives, before: State, after: State) -> Derivatives:
+        """Return derivatives that are right along a step that was simulated."""
+        step = np.concatenate([after.nuisances - before.nuisances, after.values - before.values])
+        tangent = broyden(derivatives.tangent, before.white - after.white, step, self.units)
+        return replace(derivatives, tangent=tangent, precision=self._precision(tangent), is_corrected=True)
+
+    def _precision(self, tangent: Array) -> Array:
+        return np.asarray(tangent.T @ tangent + np.diag(1 / self.units**2))
+
+    def _world(self, nuisances: Array, values: Array) -> World:
+        return world_of(self.linear, self.causes, self.unknowns, values, nuisances)
+
+    def _left(self, nuisances: Array, values: Array) -> Array:
+        """Return measured less simulated, shape (T, c)."""
+        which = self._by_sensitivity
+        simulated = self.linear.replay.predict(self._world(nuisances, values))
+        return np.asarray(self._observed - simulated - self.linear.sensitivities[:, :, which] @ nuisances[which])
+
+    def _of_torques(self, state: State, known: Mapping[int, Array]) -> dict[int, Array]:
+        """Return the change of the readings with each unknown that is not known and adds a torque, shape (T, c)."""
+        which = [i for i, one in enumerate(self.unknowns) if i not in known and one.cause.effect.is_additive]
+        if not which:
+            return {}
+        here = self._world(state.nuisances, state.values)
+        about = FirstOrder(self.linear.replay, here)
+        found: dict[int, Array] = {}
+        for i in which:
+            step = self.unknowns[i].step_from(float(state.values[i]))
+            there = self._world(state.nuisances, _moved(state.values, i, step))
+            number = self.causes.index(self.unknowns[i].cause)
+            now, then = (about.change(world.acting[number]) for world in (here, there))
+            if now is not None and then is not None:
+                found[i] = (then - now) / step
+        return found
+
+    def _difference(self, state: State, i: int) -> Array:
+        """Return the change of the readings with an unknown by a difference of simulations, shape (T, c)."""
+        step = self.unknowns[i].step_from(float(state.values[i]))
+        try:
+            there = self._left(state.nuisances, _moved(state.values, i, step))
+        except NOT_SIMULATED:  # no balance there; the other side is as good
+            step = -step
+            there = self._left(state.nuisances, _moved(state.values, i, step))
+        return np.asarray((state.residual - there) / step)
+
+
+def bounds_of(unknowns: tuple[Unknown, ...]) -> tuple[Array, Array]:
+    """Return the least and the largest values of unknowns, shape (k,) each."""
+    low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
+    return low, high
+
+
+def _moved(values: Array, i: int, step: float) -> Array:
+    moved = values.copy()
+    moved[i] += step
+    return moved
