@@ -149,6 +149,44 @@ def test_held_out_error_is_that_of_a_fit_without_the_run(rng: np.random.Generato
         np.testing.assert_allclose(found[~stays, 0], expected[~stays], atol=1e-9)
 
 
+def test_what_is_held_out_does_not_depend_on_where_a_fit_stopped(rng: np.random.Generator) -> None:
+    """What pulled on a parameter there was worth 19000 nats once, with the recording that tells it left out."""
+    runs = 5
+    column = rng.standard_normal(runs * LENGTH)
+    linear = design_with(noise(rng, runs) + 0.5 * column, sensitivities(rng, runs), runs)
+    fit, aside, more = fit_of(linear, column), np.array([2.0, -1.0, 0.5]), 0.1
+    residual = fit.residual - (linear.sensitivities @ aside) - fit.jacobian @ [more]
+    stopped = replace(fit, nuisances=fit.nuisances + aside, values=fit.values + more, residual=residual)
+    folds = folds_of(linear)
+    one, two = (tangent_of(linear, each) for each in (fit, stopped))
+    expected = log_probability_of_folds(linear, one, folds)
+    np.testing.assert_allclose(log_probability_of_folds(linear, two, folds), expected, rtol=1e-9)
+    np.testing.assert_allclose(
+        errors_of_folds(linear, stopped, two, folds), errors_of_folds(linear, fit, one, folds), atol=1e-9
+    )
+    assert log_probability_of_figures(stopped, two) == pytest.approx(log_probability_of_figures(fit, one))
+
+
+def test_a_parameter_at_its_bound_stays_there_where_the_others_do_not_tell_it(rng: np.random.Generator) -> None:
+    """What pulls beyond the bound is in the run that is left out, not in the prior."""
+    runs = 5
+    column = rng.standard_normal(runs * LENGTH) * (np.arange(runs * LENGTH) < LENGTH)
+    linear = design_with(noise(rng, runs) - 10 * column, sensitivities(rng, runs), runs)
+    without = fit_of(linear)
+    free = fit_of(linear, column)
+    low, _ = UNKNOWN.bounds
+    assert free.values[0] < low  # else the test says nothing
+    at_bound = replace(
+        free, values=np.array([low]), nuisances=without.nuisances, residual=without.residual - low * column[:, None]
+    )
+    folds = folds_of(linear)
+    np.testing.assert_allclose(
+        log_probability_of_folds(linear, tangent_of(linear, at_bound), folds),
+        log_probability_of_folds(linear, tangent_of(linear, without), folds),
+        rtol=1e-9,
+    )
+
+
 def in_recordings(linear: LinearisedModel, whose: tuple[str | None, ...]) -> LinearisedModel:
     """Return a campaign of which each run is a recording, with nuisances that belong to all or to one."""
     segments = tuple(replace(segment, recording=segment.run) for segment in linear.segments)

@@ -13,7 +13,8 @@ def at_optimum(jacobian: np.ndarray, white: np.ndarray, prior: np.ndarray) -> Ta
     """Return a linear fit at its optimum, all parameters at their priors' centres before it."""
     precision = jacobian.T @ jacobian + np.diag(prior)
     value = np.linalg.solve(precision, jacobian.T @ white)
-    return Tangent(jacobian, white - jacobian @ value, precision, np.zeros(len(white)))
+    left = white - jacobian @ value
+    return Tangent(jacobian, left, precision, np.zeros(len(white)), np.arange(len(prior)), np.zeros(len(prior)))
 
 
 def folds() -> tuple[np.ndarray, np.ndarray]:

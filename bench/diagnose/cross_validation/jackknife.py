@@ -44,7 +44,7 @@ def jackknife_variance(
     """Return the variance of parameters by leaving out fold after fold, shape (p + k - first,).
 
     What priors hold a parameter back by does not show between folds; its variance is added. 0 where one fold shows
-    nearly all that is known of a parameter.
+    nearly all that is known of a parameter, and for one that stays at its bound.
 
     Args:
         tangent: A fit in the linearised model.
@@ -52,17 +52,21 @@ def jackknife_variance(
         row_gap: Shape (m, K), readings that are left out beside each of K folds.
         first: Index of the first parameter that is asked for.
     """
-    size, count = tangent.jacobian.shape[1], row_gap.shape[1]
-    asked = np.eye(size)[:, first:]
-    known = cho_solve(cho_factor(tangent.precision), asked)
-    own = known[np.arange(first, size), np.arange(size - first)]
-    scatter, is_alone = np.zeros(size - first), np.zeros(size - first, dtype=bool)
+    free, count = tangent.free, row_gap.shape[1]
+    asked = free >= first
+    jacobian, precision, unit = tangent.jacobian[:, free], tangent.free_precision, np.eye(len(free))[:, asked]
+    known = cho_solve(cho_factor(precision), unit)
+    own = np.einsum("ij,ij->j", known, unit)
+    scatter, is_alone = np.zeros(len(own)), np.zeros(len(own), dtype=bool)
     for f in range(count):
         absent = (row_fold == f) | row_gap[:, f]
-        gone = tangent.jacobian[absent]
-        rest = cho_factor(tangent.precision - gone.T @ gone)
-        scatter += (cho_solve(rest, gone.T @ tangent.white[absent])[first:]) ** 2
-        without = cho_solve(rest, asked)[np.arange(first, size), np.arange(size - first)]
+        gone = jacobian[absent]
+        rest = cho_factor(precision - gone.T @ gone)
+        scatter += (cho_solve(rest, gone.T @ tangent.white[absent])[asked]) ** 2
+        without = np.einsum("ij,ij->j", cho_solve(rest, unit), unit)
         is_alone |= own < (1 - ALONE) * without
-    prior = np.diag(tangent.precision) - np.einsum("ij,ij->j", tangent.jacobian, tangent.jacobian)
-    return np.where(is_alone, 0.0, (count - 1) / count * scatter + np.maximum(prior, 0.0) @ known**2)
+    prior = np.diag(precision) - np.einsum("ij,ij->j", jacobian, jacobian)
+    variance = (count - 1) / count * scatter + np.maximum(prior, 0.0) @ known**2
+    found = np.zeros(tangent.jacobian.shape[1] - first)
+    found[free[asked] - first] = np.where(is_alone, 0.0, variance)
+    return found

@@ -1,14 +1,16 @@
 """Leave out: every fold predicted by a model that was fitted to the others, without simulating anything again.
 
-A fit is taken as converged, and its slopes as good over the small step that leaving out a run makes. In whitened
-space, with residual r, slopes T (nuisances, then unknowns) and precision P of the priors, that step is
+The slopes of a fit are taken as good over the small step that leaving out a run makes. In whitened space, with
+residual r at the optimum, slopes T (nuisances, then unknowns) and precision P of the priors, that step is
 
     d = -H^-1 b,   H = P + T^T T over the runs that stay,   b = T^T r over those that are left out,
 
-and what is left out is normal around its prediction, with covariance I + T H^-1 T^T.
+and what is left out is normal around its prediction, with covariance I + T H^-1 T^T. The optimum is that of the slopes:
+a fit ends a little beside it, where a simulation fell by less than they promise, and whatever pull is left there would
+send a parameter that the remaining runs do not tell as far as its prior allows. A parameter at its bound stays there.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ from scipy.optimize import lsq_linear
 from bench.diagnose.cross_validation.floor import measured
 from bench.diagnose.cross_validation.folds import Folds
 from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.objective import bounds_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
 from bench.record.campaign import Array
 
@@ -25,6 +28,7 @@ REACH = 4.0  # declared: standard deviations by which a figure may be off before
 # assumed: times its standard deviation, beyond which a stated figure is compared no more: data that know it so much
 # worse do not tell it, and where it is off by more, something is wrong, whatever it is
 FAR = 30.0
+ROUNDING = 1e-9  # rounding: of the way from bound to bound
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,15 +37,24 @@ class Tangent:
 
     Attributes:
         jacobian: Shape (m, p + k), whitened.
-        white: Shape (m,), whitened residual.
+        white: Shape (m,), whitened residual at its optimum.
         precision: Shape (p + k, p + k), of all parameters given all data.
         log_determinants: Shape (m,), of whitening.
+        free: Shape (q,), indices of the parameters that are not at a bound.
+        step: Shape (p + k,), from the fit to the optimum.
     """
 
     jacobian: Array
     white: Array
     precision: Array
     log_determinants: Array
+    free: NDArray[np.int64]
+    step: Array
+
+    @property
+    def free_precision(self) -> Array:
+        """Shape (q, q), of the parameters that are not at a bound."""
+        return self.precision[np.ix_(self.free, self.free)]
 
 
 def tangent_of(linear: LinearisedModel, fit: Fit) -> Tangent:
@@ -53,9 +66,27 @@ def tangent_of(linear: LinearisedModel, fit: Fit) -> Tangent:
     """
     linear = with_play(linear, fit.play)
     jacobian = np.concatenate([linear.jacobian, linear.whiten(fit.jacobian)], axis=1)
-    prior = np.concatenate([np.ones(len(fit.nuisances)), [1 / unknown.sigma**2 for unknown in fit.unknowns]])
+    prior = _prior(fit)
     precision = jacobian.T @ jacobian + np.diag(prior)
-    return Tangent(jacobian, linear.whiten(fit.residual), precision, linear.log_determinants)
+    low, high = bounds_of(fit.unknowns)
+    inside = np.minimum(np.abs(fit.values - low), np.abs(fit.values - high)) > ROUNDING * (high - low)
+    free = np.flatnonzero(np.concatenate([np.ones(len(fit.nuisances), dtype=bool), inside]))
+    white = linear.whiten(fit.residual)
+    here = Tangent(jacobian, white, precision, linear.log_determinants, free, np.zeros(len(prior)))
+    pull = jacobian.T @ white - prior * _from_stated(fit)
+    step = here.step.copy()
+    step[free] = cho_solve(cho_factor(here.free_precision), pull[free])
+    return replace(here, white=white - jacobian @ step, step=step)
+
+
+def _prior(fit: Fit) -> Array:
+    """Return the precision of each parameter before any data, shape (p + k,)."""
+    return np.concatenate([np.ones(len(fit.nuisances)), [1 / unknown.sigma**2 for unknown in fit.unknowns]])
+
+
+def _from_stated(fit: Fit) -> Array:
+    """Return how far each parameter is from what is stated, or from none, shape (p + k,)."""
+    return np.concatenate([fit.nuisances, fit.values - [unknown.parameter.null for unknown in fit.unknowns]])
 
 
 def log_probability_of_folds(linear: LinearisedModel, tangent: Tangent, folds: Folds) -> Array:
@@ -64,12 +95,11 @@ def log_probability_of_folds(linear: LinearisedModel, tangent: Tangent, folds: F
     An extension that is sure of what it does not know loses here; one that only says it does not know, hardly.
     """
     row_fold, row_gap = folds.of_rows(linear)
-    free = np.arange(tangent.jacobian.shape[1])
     found = np.empty(len(folds))
     for f in range(len(folds)):
         mine = row_fold == f
-        step, rest = _step(tangent, tangent.white, mine | row_gap[:, f], free)
-        own = tangent.jacobian[mine]
+        step, rest = _step(tangent, tangent.white, mine | row_gap[:, f], tangent.free)
+        own = tangent.jacobian[mine][:, tangent.free]
         volume = float(np.sum(tangent.log_determinants[mine]))
         found[f] = volume + _log_density(tangent.white[mine] - own @ step, own, rest)
     return found
@@ -88,7 +118,7 @@ def log_probability_of_figures(fit: Fit, tangent: Tangent, count: int | None = N
         tangent: The same in the linearised model.
         count: Of the nuisances, the first, that are stated figures; None: all.
     """
-    stated = fit.nuisances[:count]
+    stated = (fit.nuisances + tangent.step[: len(fit.nuisances)])[:count]
     rest = np.maximum(1 - np.diag(np.linalg.inv(tangent.precision))[: len(stated)], FAR**-2)
     return float(0.5 * np.sum(np.log(rest) - np.minimum(stated**2 / rest, FAR**2)))
 
@@ -115,8 +145,8 @@ def errors_of_folds(
             that lost a tenth of its gas would be predicted well by a nominal one with a gas constant ten sigmas off.
         unknown: Shape (p,), nuisances that are fitted, but of which a prediction has none; None: it has all.
     """
-    p = len(fit.nuisances)
-    clamp, free = _clamped(fit, tangent, reach)
+    p, away = len(fit.nuisances), _from_stated(fit) + tangent.step
+    clamp, free = _clamped(away[:p], tangent, reach)
     white = tangent.white - tangent.jacobian @ clamp
     row_fold, row_gap = folds.of_rows(linear)
     error = np.where(measured(linear), fit.residual, np.nan)
@@ -125,10 +155,11 @@ def errors_of_folds(
         moved = clamp.copy()
         moved[free] += step
         if folds.recordings:
-            mine = _of_recording(linear, fit, folds.recordings[f])
-            moved[mine] = _fitted_to(tangent, fit, row_fold == f, moved, mine)
+            mine = np.intersect1d(_of_recording(linear, fit, folds.recordings[f]), tangent.free)
+            moved[mine] = _fitted_to(tangent, _prior(fit), away, row_fold == f, moved, mine)
         if unknown is not None:
-            moved[:p][unknown] = -fit.nuisances[unknown]
+            moved[:p][unknown] = -away[:p][unknown]
+        moved += tangent.step
         at = folds.of_instants == f
         error[at] -= linear.sensitivities[at] @ moved[:p] + fit.jacobian[at] @ moved[p:]
     return error
@@ -156,35 +187,43 @@ def _of_recording(linear: LinearisedModel, fit: Fit, recording: str) -> NDArray[
     return np.array([i for i, name in enumerate(whose) if name == recording], dtype=np.int64)
 
 
-def _fitted_to(tangent: Tangent, fit: Fit, rows: NDArray[np.bool_], moved: Array, which: NDArray[np.int64]) -> Array:
+def _fitted_to(
+    tangent: Tangent, prior: Array, away: Array, rows: NDArray[np.bool_], moved: Array, which: NDArray[np.int64]
+) -> Array:
     """Return the steps of some parameters that suit some readings best, shape (q,), while the others moved.
 
     Args:
         tangent: The fit.
-        fit: The same.
+        prior: Shape (p + k,), precision of each parameter.
+        away: Shape (p + k,), how far each is from what is stated.
         rows: Shape (m,), the readings.
-        moved: Shape (p + k,), steps of all parameters from the fit.
+        moved: Shape (p + k,), steps of all parameters from the optimum.
         which: Shape (q,), parameters.
     """
-    stated = np.concatenate([fit.nuisances, fit.values - [unknown.parameter.null for unknown in fit.unknowns]])
-    prior = np.concatenate([np.ones(len(fit.nuisances)), [1 / unknown.sigma**2 for unknown in fit.unknowns]])[which]
     others = moved.copy()
     others[which] = 0.0
     own = tangent.jacobian[rows][:, which]
-    pull = own.T @ (tangent.white[rows] - tangent.jacobian[rows] @ others) - prior * stated[which]
-    return np.asarray(np.linalg.solve(own.T @ own + np.diag(prior), pull), dtype=np.float64)
+    pull = own.T @ (tangent.white[rows] - tangent.jacobian[rows] @ others) - prior[which] * away[which]
+    return np.asarray(np.linalg.solve(own.T @ own + np.diag(prior[which]), pull), dtype=np.float64)
 
 
-def _clamped(fit: Fit, tangent: Tangent, reach: float) -> tuple[Array, NDArray[np.int64]]:
-    """Return the step from a fit to the best one within reach, shape (p + k,), and the parameters that stay free."""
-    p, size = len(fit.nuisances), len(tangent.precision)
-    if np.all(np.abs(fit.nuisances) <= reach):
-        return np.zeros(size), np.arange(size)
-    low, high = np.full(size, -np.inf), np.full(size, np.inf)
-    low[:p], high[:p] = -reach - fit.nuisances, reach - fit.nuisances
-    root = np.linalg.cholesky(tangent.precision).T
-    found = lsq_linear(root, np.zeros(size), (low, high), method="bvls")
-    return np.asarray(found.x, dtype=np.float64), np.flatnonzero(found.active_mask == 0)
+def _clamped(figures: Array, tangent: Tangent, reach: float) -> tuple[Array, NDArray[np.int64]]:
+    """Return the step from the optimum to the best fit within reach, shape (p + k,), and what stays free of it.
+
+    Args:
+        figures: Shape (p,), how far each is from what is stated at the optimum.
+        tangent: The fit.
+        reach: As of the errors of folds.
+    """
+    p, step, free = len(figures), np.zeros(len(tangent.precision)), tangent.free
+    if np.all(np.abs(figures) <= reach):
+        return step, free
+    low, high = np.full(len(step), -np.inf), np.full(len(step), np.inf)
+    low[:p], high[:p] = -reach - figures, reach - figures
+    root = np.linalg.cholesky(tangent.free_precision).T
+    found = lsq_linear(root, np.zeros(len(free)), (low[free], high[free]), method="bvls")
+    step[free] = found.x
+    return step, free[found.active_mask == 0]
 
 
 def _log_density(error: Array, jacobian: Array, precision: Array) -> float:
