@@ -1,10 +1,11 @@
 """A stranger's robot and logs: a three-hinge arm as MJCF with position actuators and as URDF, logs of a moving one.
 
 Torques are those of Pinocchio's recursive Newton-Euler on an arm that is put together here number by number; nothing of
-the bench has a part in it. The logs know what files do not: rotors, friction, noise, sign and gear of each drive.
+the bench has a part in it. The logs know what files do not: rotors, friction, noise, sign and gear of each drive. The
+arm may differ from its file in everything else as well, as real arms do from public models.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ PLACE = ((0.0, 0.0, 0.1), (0.0, 0.0, 0.2), (0.0, 0.0, 0.45))  # [m]
 AXIS = ("0 0 1", "0 1 0", "0 1 0")
 LIMIT, SPEED = (200.0, 250.0, 80.0), (2.5, 2.0, 3.0)  # [Nm], [rad/s]
 ROTOR = (1.2, 1.6, 0.3)  # [kg m^2]
+LIGHT_ROTOR = (0.36, 0.48, 0.09)  # [kg m^2], of the arm that is unlike its file: a tenth of what new-robot guesses
 COULOMB, VISCOUS = (9.0, 12.0, 3.0), (4.0, 6.0, 1.5)  # [Nm], [Nm s/rad]
 SIGMA = (0.5, 0.6, 0.2)  # [Nm]
 CONSTANT = (12.0, -14.0, 8.0)  # [Nm/A], at the joint; the second drive counts the other way round
@@ -34,8 +36,14 @@ def _words(values: tuple[float, ...]) -> str:
     return " ".join(f"{value:g}" for value in values)
 
 
-def mjcf(damping: str = "350", actuators: bool = True) -> str:
-    """Return the arm as menagerie writes it: position actuators, and a servo's damping at the joints."""
+def mjcf(damping: str = "350", actuators: bool = True, armature: float | None = None) -> str:
+    """Return the arm as menagerie writes it: position actuators, and a servo's damping at the joints.
+
+    Args:
+        damping: Of each joint [Nm s/rad].
+        actuators: Whether there are any.
+        armature: A placeholder that stands at every joint; None for the rotors [kg m^2].
+    """
     links = "".join(
         _LINK.format(
             i=i + 1,
@@ -44,7 +52,7 @@ def mjcf(damping: str = "350", actuators: bool = True) -> str:
             com=_words(COM[i]),
             inertia=_words(INERTIA[i]),
             axis=AXIS[i],
-            rotor=ROTOR[i],
+            rotor=ROTOR[i] if armature is None else armature,
         )
         for i in range(3)
     ).replace('damping="350"', f'damping="{damping}"')
@@ -60,16 +68,74 @@ def mjcf(damping: str = "350", actuators: bool = True) -> str:
     )
 
 
-def pinocchio_arm() -> pin.Model:
-    """Return the arm, joint by joint."""
-    model = pin.Model()
+@dataclass(frozen=True)
+class Arm:
+    """What moves: links and drives.
+
+    Attributes:
+        links: Rigid, without rotors.
+        rotor: Inertia of each [kg m^2].
+        asymmetry: Shape (3,), friction of positive velocities by that of negative ones, square root.
+        by_load: Coulomb friction by the torque of the links.
+        rise: Of Coulomb friction at standstill, by its level at speed.
+        exponent: Of the velocity in viscous friction.
+        offset: Shape (3,) [Nm], of the torque.
+        scale: Shape (3,), of the torque that is reported.
+    """
+
+    links: pin.Model
+    rotor: tuple[float, ...] = ROTOR
+    asymmetry: Array = field(default_factory=lambda: np.ones(3))
+    by_load: float = 0.0
+    rise: float = 0.0
+    exponent: float = 1.0
+    offset: Array = field(default_factory=lambda: np.zeros(3))
+    scale: Array = field(default_factory=lambda: np.ones(3))
+
+    def friction(self, velocity: Array, links: Array) -> Array:
+        """Return the friction at velocities and torques of the links, shape (T, 3) each [rad/s], [Nm]."""
+        level = np.array(COULOMB) * (1 + self.rise * np.exp(-((velocity / 0.12) ** 2))) + self.by_load * np.abs(links)
+        coulomb = level * np.tanh(velocity / 0.01) * np.where(velocity > 0, self.asymmetry, 1 / self.asymmetry)
+        return coulomb + np.array(VISCOUS) * np.sign(velocity) * np.abs(velocity) ** self.exponent
+
+
+def as_filed(payload: float = 0.0) -> Arm:
+    """Return the arm of the file, with a point mass at the tool [kg]."""
+    links = pin.Model()
     for i in range(3):
         axis = np.array([float(x) for x in AXIS[i].split()])
         joint = pin.JointModelRevoluteUnaligned(axis)
-        number = model.addJoint(i, joint, pin.SE3(np.eye(3), np.array(PLACE[i])), f"j{i + 1}")
+        number = links.addJoint(i, joint, pin.SE3(np.eye(3), np.array(PLACE[i])), f"j{i + 1}")
         inertia = pin.Inertia(MASS[i], np.array(COM[i]), np.diag(INERTIA[i]))
-        model.appendBodyToJoint(number, inertia, pin.SE3.Identity())
-    return model
+        links.appendBodyToJoint(number, inertia, pin.SE3.Identity())
+    if payload:
+        links.appendBodyToJoint(3, pin.Inertia(payload, np.zeros(3), np.zeros((3, 3))), pin.SE3(np.eye(3), _tool()))
+    return Arm(links)
+
+
+def unlike_its_file(rng: np.random.Generator) -> Arm:
+    """Return an arm of which everything is off, as real ones are against public models.
+
+    Rotors are light; masses are off by 12 %, centres by 25 mm, inertias by 30 %; Coulomb friction grows with the load
+    and towards standstill, viscous friction is not quite linear, directions differ by 6 %; there are offsets, and
+    torques are reported 2 % off.
+    """
+    links = as_filed().links
+    for joint in range(1, links.njoints):
+        body = links.inertias[joint]
+        inertia = np.diag(np.diag(body.inertia) * np.exp(0.3 * rng.normal(size=3))) + 1e-3 * np.eye(3)
+        mass, centre = body.mass * (1 + 0.12 * rng.normal()), body.lever + 0.025 * rng.normal(size=3)
+        links.inertias[joint] = pin.Inertia(mass, centre, inertia)
+    return Arm(
+        links,
+        rotor=LIGHT_ROTOR,
+        asymmetry=1 + 0.06 * rng.normal(size=3),
+        by_load=0.02,
+        rise=0.5,
+        exponent=0.9,
+        offset=0.05 * np.array(COULOMB) * rng.normal(size=3),
+        scale=1 + 0.02 * rng.normal(size=3),
+    )
 
 
 @dataclass(frozen=True)
@@ -88,12 +154,10 @@ class Motion:
     torque: Array
 
 
-def moved(rng: np.random.Generator, seconds: float = 20.0, payload: float = 0.0, torque_delay: float = 0.0) -> Motion:
-    """Move the arm along Fourier series of 0.1 to 0.5 Hz; a payload is a point mass at the tool."""
-    model = pinocchio_arm()
-    if payload:
-        model.appendBodyToJoint(3, pin.Inertia(payload, np.zeros(3), np.zeros((3, 3))), pin.SE3(np.eye(3), _tool()))
-    data = model.createData()
+def moved(rng: np.random.Generator, seconds: float = 20.0, arm: Arm | None = None, torque_delay: float = 0.0) -> Motion:
+    """Move an arm, that of the file if none is given, along Fourier series of 0.1 to 0.5 Hz."""
+    arm = arm or as_filed()
+    data = arm.links.createData()
     time = np.arange(round(seconds * RATE)) / RATE
     sines = rng.normal(size=(5, 3)) * np.array([0.28, 0.2, 0.3])
     phases = rng.uniform(0, 2 * np.pi, size=(5, 3))
@@ -108,8 +172,8 @@ def moved(rng: np.random.Generator, seconds: float = 20.0, payload: float = 0.0,
         )
 
     late = along(time - torque_delay)
-    torque = np.array([pin.rnea(model, data, *state) for state in zip(*late, strict=True)])
-    torque += np.array(ROTOR) * late[2] + np.array(VISCOUS) * late[1] + np.array(COULOMB) * np.tanh(late[1] / 0.01)
+    links = np.array([pin.rnea(arm.links, data, *state) for state in zip(*late, strict=True)])
+    torque = (links + np.array(arm.rotor) * late[2] + arm.friction(late[1], links) + arm.offset) * arm.scale
     position, velocity, _ = along(time)
     return Motion(time, position, velocity, torque + rng.normal(size=torque.shape) * np.array(SIGMA))
 

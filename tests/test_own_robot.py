@@ -15,6 +15,7 @@ from tests import stranger
 PAGE = (Path(__file__).parents[1] / "models" / "own-robot.md").read_text(encoding="utf-8")
 LINES = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL) for line in block.splitlines()]
 SECONDS, LOGS, PAYLOAD = 12.0, 3, 2.5
+PLACEHOLDER = 5.0  # [kg m^2], one armature for drives of 200, 250 and 80 Nm; their rotors have less than a tenth
 TIME_UP = 7  # exit code of a diagnosis that was ended by --at-most
 SHORT = "3s"  # in place of what the page gives a diagnosis; the test is whether the command works on such a folder
 
@@ -33,7 +34,7 @@ def test_the_page_from_its_first_command_to_its_last(
     (tmp_path / "logs").mkdir()
     rng = np.random.default_rng(11)
     for k in range(LOGS):
-        motion = stranger.moved(rng, SECONDS, payload=PAYLOAD)
+        motion = stranger.moved(rng, SECONDS, stranger.as_filed(PAYLOAD))
         stranger.ur_log(tmp_path / "logs" / f"run{k}.csv", motion, separator=";", decimal=",")
     commands = [shlex.split(line) for line in LINES]
     assert [words[1] for words in commands if words[0] == "bench"] == [
@@ -94,3 +95,29 @@ def test_drives_that_report_current(
     for joint, coulomb in enumerate(stranger.COULOMB):
         low, high = quantity(found, f"Coulomb friction (j{joint + 1})")
         assert low < coulomb < high
+
+
+def test_an_arm_unlike_its_file_is_not_doubted_and_a_first_pass_serves(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Drives were doubted where one armature stands for all, as in public models, or where rotors were a guess."""
+    rng = np.random.default_rng(7)
+    arm = stranger.unlike_its_file(rng)
+    robot, logs, campaign = tmp_path / "robot", tmp_path / "logs", tmp_path / "campaign"
+    (tmp_path / "arm.xml").write_text(stranger.mjcf(armature=PLACEHOLDER))
+    logs.mkdir()
+    for k in range(LOGS):
+        motion = stranger.moved(rng, SECONDS, arm)
+        table = np.column_stack([motion.time, motion.position, motion.torque])
+        names = ["time_s", *(f"q_motor_{j}_rad" for j in (1, 2, 3)), *(f"tau_motor_{j}_nm" for j in (1, 2, 3))]
+        np.savetxt(logs / f"run{k}.csv", table, delimiter=",", header=",".join(names), comments="", fmt="%.8g")
+    assert main(["new-robot", "unlike", "--mjcf", str(tmp_path / "arm.xml"), "-o", str(robot)]) == 0
+    assert main(["convert", str(robot), str(logs), "-o", str(campaign)]) == 0
+    assert main(["check", str(campaign)]) == 0
+    assert "0 errors, 0 warnings" in capsys.readouterr().out
+    assert main(["identify", str(campaign), "--method", "dynamics", "-o", str(tmp_path / "first")]) == 0
+    found = json.loads((tmp_path / "first" / "dynamics.json").read_text())
+    assert all(
+        ours < 0.2 * nominal
+        for ours, nominal in zip(*(found["held_out_rms_nm"][key] for key in ("first_pass", "nominal")), strict=True)
+    )

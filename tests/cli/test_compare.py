@@ -8,16 +8,15 @@ import pytest
 from bench.cli import main
 from bench.cli.compare import CHANGED
 from bench.record.write import write_campaign
-from tests.compare.pairs import recorded
-from tests.diagnose.sweeps import SWEEP
+from tests.diagnose.sweeps import SWEEP, made
 
 
 @pytest.fixture(scope="module")
 def campaigns(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("machine")
-    write_campaign(recorded(SWEEP, 5, 1), folder / "may")
-    write_campaign(recorded(SWEEP, 5, 2), folder / "june")
-    write_campaign(recorded(SWEEP, 5, 3, {"gas_loss": 0.02}), folder / "july")
+    write_campaign(made(SWEEP, 1, machine=5), folder / "may")
+    write_campaign(made(SWEEP, 2, machine=5), folder / "june")
+    write_campaign(made(SWEEP, 3, {"gas_loss": 0.02}, machine=5), folder / "july")
     return folder
 
 

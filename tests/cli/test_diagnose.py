@@ -1,23 +1,15 @@
 """`bench diagnose` with what a lab gets wrong: each ends in one named error and its exit code, and leaves nothing."""
 
 import json
-import os
 import re
-import resource
 import shutil
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import pytest
 
 from bench.cli import main
-from bench.cli.stopping import UNFINISHED, seconds_of
-from bench.record.write import write_campaign
-from bench.report.diagnosis.file_names import REPORT, VERDICT
-from tests.diagnose.sweeps import SWEEPS, made
+from bench.cli.stopping import UNFINISHED
+from bench.report.diagnosis.file_names import VERDICT
 
 OWN = """
 from bench.effects.effect import Parameter, Effect
@@ -34,14 +26,6 @@ class Own(Effect):
     def edit(self, place, values, conditions):
         return BODY
 """
-STARTED_S = 60.0  # within which a run is under way on a busy machine
-
-
-@pytest.fixture(scope="module")
-def healthy(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("campaigns") / "healthy"
-    write_campaign(made(SWEEPS, seed=5), folder)
-    return folder
 
 
 @pytest.fixture
@@ -177,73 +161,6 @@ def test_robot_with_a_mistake(
     assert said in capsys.readouterr().err
 
 
-def started(*arguments: str, **more: object) -> "subprocess.Popen[str]":
-    command = [sys.executable, "-c", "from bench.cli import main; import sys; sys.exit(main())", *arguments]
-    return subprocess.Popen(  # type: ignore[call-overload, no-any-return]
-        command,
-        start_new_session=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        **more,
-    )
-
-
-def members(group: int) -> list[int]:
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            state, _, of = stat.read_text().rpartition(")")[2].split()[:3]
-        except OSError:
-            continue
-        if int(of) == group and state != "Z":
-            found.append(int(stat.parent.name))
-    return found
-
-
-def under_way(command: str, campaign: Path, out: Path) -> "subprocess.Popen[str]":
-    """Return a run whose workers are at work."""
-    what = {"diagnose": [str(campaign)], "hide": ["--none"]}[command]
-    process = started(command, *what, "-o", str(out))
-    until = time.monotonic() + STARTED_S
-    while not list(out.parent.glob(f".{out.name}*")):
-        assert time.monotonic() < until
-        assert process.poll() is None
-        time.sleep(0.05)
-    time.sleep(0.5)
-    return process
-
-
-@pytest.mark.parametrize("command", ["diagnose", "hide"])
-def test_aborted_run_leaves_neither_files_nor_processes(command: str, healthy: Path, tmp_path: Path) -> None:
-    """A diagnosis is aborted by the second Ctrl-C only."""
-    process = under_way(command, healthy, tmp_path / "out")
-    for _ in range(2 if command == "diagnose" else 1):
-        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-        time.sleep(0.05)
-    _, said = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert "interrupted" in said
-    assert "Traceback" not in said
-    assert list(tmp_path.iterdir()) == []
-    assert members(process.pid) == []
-
-
-def test_the_first_ctrl_c_ends_with_what_was_found_so_far(healthy: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    process = under_way("diagnose", healthy, out)
-    os.killpg(process.pid, signal.SIGINT)
-    printed, said = process.communicate(timeout=120)
-    assert process.returncode == UNFINISHED
-    assert "Ctrl-C once more" in said
-    assert "Traceback" not in said
-    verdict = json.loads((out / VERDICT).read_text())
-    assert verdict["unfinished"]["why"] == "interrupted"
-    assert re.search("^Unfinished \\(interrupted, during: ", printed, re.MULTILINE)
-    assert "Unfinished (interrupted" in (out / REPORT).read_text()
-    assert members(process.pid) == []
-
-
 def test_moving_data_begin_with_a_first_pass(healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Whatever becomes of the diagnosis."""
     code = main(["diagnose", str(healthy), "-o", str(tmp_path / "out"), "--at-most", "10"])
@@ -259,46 +176,12 @@ def test_moving_data_begin_with_a_first_pass(healthy: Path, tmp_path: Path, caps
         assert [error == "-" for error in errors] == [True, False, True, True, True, True]  # joint 2 alone moves
 
 
-def test_time_that_is_over_at_once_gives_a_verdict_all_the_same(
-    healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "out"
-    assert main(["diagnose", str(healthy), "-o", str(out), "--at-most", "0.001s"]) == UNFINISHED
-    first, second, *places = capsys.readouterr().out.splitlines()
-    assert first.startswith("Unfinished (ended after 0.001 s, during: ")
-    assert first.endswith("nothing was weighed yet, so nothing is known of any cause.")
-    assert "was not looked for" in second
-    assert [place.split()[0] for place in places] == ["report", "numbers"]
-    assert sorted(entry.name for entry in out.iterdir()) == [REPORT, VERDICT]
-    assert json.loads((out / VERDICT).read_text())["kind"] == "nothing weighed"
-    assert "What would have been found" not in (out / REPORT).read_text()
-
-
-@pytest.mark.parametrize(
-    ("text", "seconds"), [("90", 90.0), ("60s", 60.0), ("2m", 120.0), (" 1.5 min", 90.0), ("1h", 3600.0), (".5", 0.5)]
-)
-def test_times_are_read(text: str, seconds: float) -> None:
-    assert seconds_of(text) == seconds
-
-
 @pytest.mark.parametrize("text", ["", "soon", "-1", "0", "5x", "1e3", "60 s s"])
 def test_what_is_no_time_is_refused(
     text: str, healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert refused(healthy, tmp_path / "out", f"--at-most={text}") == (2, [])
     assert "give seconds, minutes or hours, as 90, 60s, 2m or 1h" in capsys.readouterr().err
-
-
-def test_full_disk_is_named(tmp_path: Path) -> None:
-    """Files beyond a size cannot be written, as on a disk that is full."""
-    process = started(
-        *("hide", "--none", "--scenario", "loading", "-o", str(tmp_path / "out")),
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)),
-    )
-    _, said = process.communicate(timeout=120)
-    assert process.returncode == 2
-    assert re.search(r"out.*: cannot be written \(.*\); free some space", said)
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_given_needs_what_a_diagnosis_left(healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,8 +10,7 @@ from bench.compare.comparison import Comparison
 from bench.compare.recordings import recordings_of
 from bench.effects.catalogue import catalogue
 from bench.scenario.files import Experiment
-from tests.compare.pairs import recorded
-from tests.diagnose.sweeps import SWEEP, SWEEPS, nominal
+from tests.diagnose.sweeps import SWEEP, SWEEPS, made, nominal
 
 # The machine is wrong all the while by what no uncertainty of its figures explains
 STAYS = {"gas_loss": 0.05, "coulomb_level": 0.3}
@@ -25,8 +24,8 @@ def compared(change: tuple[tuple[str, float], ...] = (), later: str = "same", co
     for k in range(1, count + 1):
         grown = {name: size * k / count for name, size in change}
         hidden = {name: STAYS.get(name, 0.0) + grown.get(name, 0.0) for name in {**STAYS, **grown}}
-        after[f"day{k}"] = recorded(sessions[later], 11, 20 + k, hidden)
-    recordings = recordings_of({"before": recorded(SWEEPS, 11, 20, STAYS)}, after)
+        after[f"day{k}"] = made(sessions[later], 20 + k, hidden, machine=11)
+    recordings = recordings_of({"before": made(SWEEPS, 20, STAYS, machine=11)}, after)
     return compare(recordings, nominal(), catalogue(), most_bins=100)
 
 

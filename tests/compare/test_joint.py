@@ -12,8 +12,7 @@ from bench.compare.recordings import recordings_of
 from bench.compare.shared import shared_whitening
 from bench.effects.catalogue import catalogue
 from bench.scenario.files import Experiment
-from tests.compare.pairs import recorded
-from tests.diagnose.sweeps import LOADS, SWEEP, nominal
+from tests.diagnose.sweeps import LOADS, SWEEP, made, nominal
 
 FEW = {name: catalogue()[name] for name in ("gas_loss", "coulomb_level")}
 FASTER = SWEEP.model_copy(update={"speeds_deg_per_s": (30.0,)})
@@ -23,7 +22,7 @@ FASTER = SWEEP.model_copy(update={"speeds_deg_per_s": (30.0,)})
 def joint(kind: str) -> Joint:
     before: Experiment = LOADS if kind == "loads" else SWEEP
     after: Experiment = FASTER if kind == "other motion" else before
-    recordings = recordings_of({"before": recorded(before, 3, 1)}, {"after": recorded(after, 3, 2)})
+    recordings = recordings_of({"before": made(before, 1, machine=3)}, {"after": made(after, 2, machine=3)})
     return joint_of(recordings, nominal(), FEW, most_bins=60)
 
 

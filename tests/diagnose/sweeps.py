@@ -46,8 +46,14 @@ def nominal() -> CompiledRobot:
     return compile_robot(load_robot("hh150"))
 
 
-def made(session: Experiment, seed: int, hidden: Mapping[str, float] = {}, without: tuple[str, ...] = ()) -> Campaign:
-    """Return a campaign with effects hidden, those of a joint in joint 2."""
+def made(
+    session: Experiment,
+    seed: int,
+    hidden: Mapping[str, float] = {},
+    without: tuple[str, ...] = (),
+    machine: int | None = None,
+) -> Campaign:
+    """Return a campaign with effects hidden, those of a joint in joint 2; of the machine with a seed, or of any."""
     robot = load_robot("hh150")
     compiled, effects = compile_robot(robot), catalogue()
     acting = []
@@ -55,7 +61,8 @@ def made(session: Experiment, seed: int, hidden: Mapping[str, float] = {}, witho
         places = effects[name].places(compiled)
         first = effects[name].parameters[0].name
         acting.append(Acting(effects[name], places[min(1, len(places) - 1)], effects[name].complete({first: value})))
-    return hide_campaign(robot, session, acting, np.random.default_rng(seed), without=without).campaign
+    rng, own = np.random.default_rng(seed), None if machine is None else np.random.default_rng(machine)
+    return hide_campaign(robot, session, acting, rng, without=without, machine=own).campaign
 
 
 def changed(campaign: Campaign, change: Change) -> Campaign:

@@ -10,15 +10,16 @@ import pytest
 from scipy.special import expit, logsumexp
 from scipy.stats import multivariate_normal, norm
 
-from bench.diagnose.extend.fit import Fit, unknowns_of
+from bench.diagnose.extend.fit import unknowns_of
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import hats
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.beside_unlisted import free_beside, group_beside, log_odds, log_odds_as_runs_say
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, Member
 from bench.diagnose.name.search import SubsetPosterior, Term
-from bench.effects.effect import WHOLE, Effect, Parameter
+from bench.effects.effect import WHOLE
 from bench.record.campaign import Array
+from tests.diagnose.small_models import Shift, X, fit_alone
 
 ODDS = -6.0
 WIDTHS = (0.3, 1.0, 3.0)
@@ -34,16 +35,6 @@ OVER_ANGLE = hats(angle, np.linspace(-1, 1, 33))
 OVER_BOTH = hats(angle, np.linspace(-1, 1, 9)) * direction[:, None]
 KINDS = {"speed": OVER_SPEED, "angle": OVER_ANGLE, "angle and direction": OVER_BOTH}
 CAUSES = {"viscous": speed * direction, "coulomb": direction}
-
-
-class Shift(Effect):
-    """Something that moves."""
-
-    name = "shift"
-    family = "own"
-    title = "shift"
-    physics = "It moves."
-    source = "made up"
 
 
 def model_of(torque: Array, causes: Sequence[str], kinds: Sequence[str] = tuple(KINDS)) -> SubsetPosterior:
@@ -116,24 +107,11 @@ def test_names_of_a_finding_share_what_the_discrepancy_leaves_it() -> None:
 
 def test_evidence_by_standard_errors_of_runs_is_that_of_a_reading_so_exact() -> None:
     """One reading x with a standard error e of a size with the prior P: N(x; 0, e^2 + P^2) / N(x; 0, e^2)."""
-    size = Parameter("x", "m", 0.0, 1e-3, 1e-2, "shift", signed=True)
-    cause = Cause(Shift(), WHOLE, (size,), ())
+    cause = Cause(Shift(), WHOLE, (X,), ())
     (unknown,) = unknowns_of((cause,))
     reading, error = 3e-3, 1e-3
     weight = unknown.sigma**2 / (unknown.sigma**2 + error**2)
-    zero = np.zeros((1, 1))
-    fit = Fit(
-        (cause,),
-        (unknown,),
-        np.array([weight * reading]),
-        np.array([[weight * error**2]]),
-        np.zeros(0),
-        0.0,
-        0.0,
-        zero,
-        zero[:, :, None],
-        np.zeros(1),
-    )
+    fit = fit_alone(cause, [weight * reading], np.array([[weight * error**2]]))
     evidence = norm(0, np.hypot(error, unknown.sigma)).logpdf(reading) - norm(0, error).logpdf(reading)
     assert log_odds_as_runs_say(fit, cause, 5.0) == pytest.approx(evidence - 5.0)
     # where runs disagree as much as that, nothing is left

@@ -4,14 +4,11 @@ import numpy as np
 import pytest
 
 from bench.diagnose.linearise.held_friction import levels_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_friction_of
-from bench.diagnose.replay.nuisances import nuisances_of
-from bench.diagnose.replay.quantities import quantities_of
-from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import segments_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel, with_friction_of
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
+from tests.diagnose.small_models import linear_of
 from tests.diagnose.sweeps import LOADS, made, nominal
 
 JOINT = 1
@@ -19,10 +16,7 @@ JOINT = 1
 
 @pytest.fixture(scope="module")
 def linear() -> LinearisedModel:
-    compiled, campaign = nominal(), made(LOADS, seed=5)
-    quantities = quantities_of(campaign.runs, compiled)
-    replay = Replay(compiled, segments_of(campaign, compiled, quantities), quantities)
-    return linearised_model_of(replay, nuisances_of(compiled, quantities)[:2])
+    return linear_of(made(LOADS, seed=5))
 
 
 def world(name: str, **values: float) -> World:

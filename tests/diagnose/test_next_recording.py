@@ -16,7 +16,7 @@ from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE
 from bench.record.held_out import BLOCKS
 from bench.simulate.instruments import Reading
-from tests.diagnose.test_held_out import LENGTH, SIGMA, design_with, fit_of, noise, sensitivities
+from tests.diagnose.made_runs import LENGTH, SIGMA, design_with, fit_of, noise, sensitivities
 
 SEEDS = 40
 FEWEST = 31  # of 40 at 90 %: binomial, three standard deviations down

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import diagnose
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_play
+from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
 from bench.diagnose.linearise.noise_covariance import PLACED, STIRS
-from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.play import expected, is_loose, link_load
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -22,6 +21,7 @@ from bench.robot.folder import load_robot
 from bench.scenario.files import read_as
 from bench.scenario.loading import Loading
 from bench.scenario.session import SessionScenario
+from tests.diagnose.small_models import linear_of
 from tests.diagnose.sweeps import LOADS, SWEEP, SWEEPS, made, nominal
 
 ACROSS = Loading.model_validate(
@@ -34,10 +34,7 @@ JOINT = 0  # it has no load, but for a force across
 
 @pytest.fixture(scope="module")
 def linear() -> LinearisedModel:
-    compiled, campaign = nominal(), made(ACROSS, seed=5)
-    quantities = quantities_of(campaign.runs, compiled)
-    replay = Replay(compiled, segments_of(campaign, compiled, quantities), quantities)
-    return linearised_model_of(replay, nuisances_of(compiled, quantities)[:2])
+    return linear_of(made(ACROSS, seed=5))
 
 
 def with_gap(linear: LinearisedModel) -> LinearisedModel:

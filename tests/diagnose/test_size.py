@@ -6,40 +6,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bench.diagnose.extend.fit import Fit, Unknown
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.size import NORMAL_95, Size, is_clear_of_none, size_of
 from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
 from bench.diagnose.linearise.limits import DetectionLimit, detection_limits, smallest_found
 from bench.diagnose.linearise.screening import Entry, Screening
 from bench.diagnose.verdict import SMALL, NamedCause
-from bench.effects.effect import WHOLE, Effect, Parameter
-
-X = Parameter("x", "m", 0.0, 1e-3, 1e-2, "shift along x", signed=True)
-Z = Parameter("z", "m", 0.0, 1e-3, 1e-2, "shift along z", signed=True)
-WAVE = Parameter("period", "rad", 0.5, 0.1, 2.0, "of the shift", is_shape=True, ratio=2.0)
-
-
-class Shift(Effect):
-    """Something that moves along two axes."""
-
-    name = "shift"
-    family = "own"
-    title = "shift"
-    physics = "It moves."
-    source = "made up"
-    parameters = (X, Z, WAVE)
-
+from bench.effects.effect import WHOLE
+from tests.diagnose.small_models import WAVE, Shift, X, Z, fit_alone
 
 CAUSE = Cause(Shift(), WHOLE, (X, Z), (WAVE,))
 PLAIN = Cause(Shift(), WHOLE, (X,), ())
 
 
 def fitted(x: float, z: float, sigma: float) -> Fit:
-    unknowns = tuple(Unknown(CAUSE, p) for p in (X, Z, WAVE))
-    zero = np.zeros((1, 1))
-    covariance = np.diag([sigma**2, sigma**2, 1.0])
-    values = np.array([x, z, 1.9])
-    return Fit((CAUSE,), unknowns, values, covariance, np.zeros(0), 0.0, 0.0, zero, zero[:, :, None], np.zeros(1))
+    return fit_alone(CAUSE, (x, z, 1.9), np.diag([sigma**2, sigma**2, 1.0]))
 
 
 def test_a_cause_is_as_large_as_its_clear_components() -> None:
@@ -82,14 +63,7 @@ def test_shifts_against_each_other_are_clear_where_neither_is() -> None:
 
 def test_one_size_is_clear_where_its_interval_leaves_out_none() -> None:
     for share in (0.99, 1.01):
-        unknowns = (Unknown(PLAIN, X),)
-        fit = replace(
-            fitted(0.0, 0.0, 1.0),
-            causes=(PLAIN,),
-            unknowns=unknowns,
-            values=np.array([share * NORMAL_95 * 1e-3]),
-            covariance=np.array([[1e-6]]),
-        )
+        fit = fit_alone(PLAIN, [share * NORMAL_95 * 1e-3], np.array([[1e-6]]))
         assert is_clear_of_none(PLAIN, fit) is (share > 1)
     assert not is_clear_of_none(CAUSE, fit)
 

@@ -10,8 +10,7 @@ from bench.diagnose.diagnose import diagnose
 from bench.diagnose.linearise.noise_covariance import SLOWNESS, slow
 from bench.diagnose.linearise.standing_joints import ANYWHERE, shaken_share
 from bench.effects.catalogue import catalogue
-from tests.compare.pairs import recorded
-from tests.diagnose.sweeps import SWEEPS, nominal
+from tests.diagnose.sweeps import SWEEPS, made, nominal
 
 LEVELS = np.array([40.0, 100.0])  # [Nm], of two joints on the link side
 NOISE = 1e-5
@@ -64,6 +63,6 @@ def test_friction_that_walks_over_a_level_is_followed_to_a_tenth(rng: np.random.
 
 
 def test_corners_of_friction_at_the_wrist_are_no_hysteresis() -> None:
-    campaign = recorded(SWEEPS, 3000, 3_000_002)  # 37 nats for hysteresis of joint 5, with polynomials alone
+    campaign = made(SWEEPS, 3_000_002, machine=3000)  # 37 nats for hysteresis of joint 5, with polynomials alone
     effects = {name: catalogue()[name] for name in ("hysteresis", "friction_side", "softening", "gas_loss")}
     assert diagnose(campaign, nominal(), effects, proposes=False).verdict.kind == "nothing found"

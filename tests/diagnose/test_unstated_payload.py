@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from bench.diagnose.conclude import quotients_of
-from bench.diagnose.extend.fit import Fit, unknowns_of
 from bench.diagnose.linearise.candidates import Cause, causes_of
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.replay.quantities import quantities_of
@@ -14,6 +13,7 @@ from bench.diagnose.replay.world import World
 from bench.effects.catalogue import catalogue
 from bench.study.limits import Way
 from tests.diagnose.recordings_small import BINS, compiled, recording
+from tests.diagnose.small_models import fit_alone
 
 MOMENTS = ("moment_x", "moment_y", "moment_z")
 BY_MASS = 0.02  # of what is to be seen: links sag under a heavier payload, and s^2/m is inertia
@@ -25,14 +25,6 @@ DRAWS = 200_000
 def cause() -> Cause:
     (found,) = causes_of([catalogue()["unstated_payload"]], compiled(), frozenset())
     return found
-
-
-def fitted(cause: Cause, values: list[float], covariance: np.ndarray) -> Fit:
-    zero = np.zeros((1, 1))
-    unknowns = unknowns_of((cause,))
-    return Fit(
-        (cause,), unknowns, np.array(values), covariance, np.zeros(0), 0.0, 0.0, zero, zero[:, :, None], np.zeros(1)
-    )
 
 
 def test_signatures_of_first_moments_do_not_depend_on_the_mass(cause: Cause) -> None:
@@ -61,7 +53,7 @@ def test_the_centre_has_the_interval_of_a_quotient(cause: Cause) -> None:
     correlation = np.eye(5)
     correlation[0, 2] = correlation[2, 0] = 0.8
     covariance = correlation * np.outer(sigma, sigma)
-    found = {one.name: one for one in quotients_of(cause, fitted(cause, mean.tolist(), covariance))}
+    found = {one.name: one for one in quotients_of(cause, fit_alone(cause, mean.tolist(), covariance))}
     drawn = np.random.default_rng(1).multivariate_normal(mean, covariance, DRAWS)
     for axis, column in zip("xyz", (2, 3, 4), strict=True):
         centre = drawn[:, column] / drawn[:, 0]
@@ -71,7 +63,7 @@ def test_the_centre_has_the_interval_of_a_quotient(cause: Cause) -> None:
 
 
 def test_nothing_is_said_of_the_centre_of_a_mass_that_may_be_none(cause: Cause) -> None:
-    assert list(quotients_of(cause, fitted(cause, [1.0, 0.0, 4.0, 0.0, 0.0], np.eye(5)))) == []
+    assert list(quotients_of(cause, fit_alone(cause, [1.0, 0.0, 4.0, 0.0, 0.0], np.eye(5)))) == []
 
 
 def test_a_light_payload_is_drawn_with_small_first_moments(cause: Cause) -> None:

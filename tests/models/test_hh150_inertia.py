@@ -6,17 +6,12 @@ from types import ModuleType
 import mujoco
 import numpy as np
 
+from bench.robot.mass_matrix import mass_matrix
 from tests.models.conftest import HH150, JOINTS, put, random_angles, rotor_dofs, theta_dofs
 
 POSES = 50
 ROUNDING = 2e-4  # the XML holds inertias and armatures rounded to four digits
 EXACT = 1e-9  # relative
-
-
-def full_mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
-    matrix = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, matrix)
-    return matrix
 
 
 def test_first_moments_are_the_reconstructed_ones(model, data) -> None:
@@ -41,7 +36,7 @@ def test_mass_matrix_and_gravity_agree_with_the_second_model(model, data, derive
         q = random_angles(model, rng)
         put(model, data, q)
         expected = derive.arm.mass_matrix(q)
-        difference = full_mass_matrix(model, data)[np.ix_(links, links)] - expected
+        difference = mass_matrix(model, data)[np.ix_(links, links)] - expected
         assert np.abs(difference).max() < ROUNDING * np.abs(expected).max()
         np.testing.assert_allclose(data.qfrc_bias[links], derive.arm.gravity_torque(q), rtol=EXACT, atol=1e-8)
 
@@ -50,7 +45,7 @@ def test_rotors_couple_to_nothing_but_their_element(model, data, rng) -> None:
     put(model, data, random_angles(model, rng))
     data.qvel[rotor_dofs(model)] = rng.normal(size=6)
     mujoco.mj_forward(model, data)
-    matrix = full_mass_matrix(model, data)
+    matrix = mass_matrix(model, data)
     rotors, links = rotor_dofs(model), theta_dofs(model)
     armature = np.array([model.joint(f"rotor{i}").armature[0] for i in JOINTS])
     np.testing.assert_allclose(matrix[np.ix_(rotors, rotors)], np.diag(armature), rtol=1e-6, atol=1e-12)

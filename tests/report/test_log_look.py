@@ -45,7 +45,7 @@ def test_a_log_without_a_header_against_the_arm(
     tmp_path: Path, arm: NominalDynamics, separator: str, decimal: str
 ) -> None:
     """Clock, angles, speeds, currents, counter, zeros: 13 numbers a row, and a payload that nobody stated."""
-    motion = stranger.moved(np.random.default_rng(1), 20.0, payload=2.5)
+    motion = stranger.moved(np.random.default_rng(1), 20.0, stranger.as_filed(2.5))
     file = stranger.ur_log(tmp_path / "x.csv", motion, separator, decimal)
     text = look(file, nominal=arm)
     form = proposed(tmp_path, text)
@@ -69,7 +69,7 @@ def test_factors_lie_within_what_is_said_of_them(arm: NominalDynamics) -> None:
     scores = []
     for seed in range(LOOKED_AT):
         rng = np.random.default_rng(100 + seed)
-        motion = stranger.moved(rng, 15.0, payload=rng.uniform(0, 5))
+        motion = stranger.moved(rng, 15.0, stranger.as_filed(rng.uniform(0, 5)))
         names = [f"{kind}{j}" for kind in "qy" for j in range(DRIVES)]
         columns = np.hstack([motion.position, motion.torque / np.array(stranger.CONSTANT)])
         clock, slow = evenly(motion.time, dict(zip(names, columns.T, strict=True)))

@@ -11,6 +11,7 @@ from bench.effects.catalogue import catalogue
 from bench.effects.effect import Conditions
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
+from bench.robot.mass_matrix import link_mass_matrix
 from bench.simulate.equilibrium import Equilibrium
 from bench.simulate.prescribed import Motion, Prescribed
 
@@ -61,12 +62,7 @@ def test_acceleration_costs_the_mass_matrix(small_robot: Path) -> None:
     acceleration = np.full((2, n), 0.5)
     slow, _ = Prescribed(compiled).follow(_motion(q, speed, zero))
     fast, _ = Prescribed(compiled).follow(_motion(q, speed, acceleration))
-    data = mujoco.MjData(compiled.model)
-    data.qpos[compiled.at.theta] = data.qpos[compiled.at.q] = 0.3
-    mujoco.mj_forward(compiled.model, data)
-    mass = np.empty((compiled.model.nv, compiled.model.nv))
-    mujoco.mj_fullM(compiled.model, data, mass)
-    link = mass[np.ix_(compiled.at.theta_dof, compiled.at.theta_dof)] @ acceleration[1]
+    link = link_mass_matrix(compiled, q[1]) @ acceleration[1]
     rotor = compiled.model.dof_armature[compiled.at.q_dof] * acceleration[1]
     np.testing.assert_allclose(fast.motor_torque[1] - slow.motor_torque[1], link + rotor, rtol=5e-3)
 

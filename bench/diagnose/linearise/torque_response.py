@@ -14,6 +14,7 @@ from bench.diagnose.replay.play import link_load, transmitted
 from bench.diagnose.replay.quantities import Quantity
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
+from bench.robot.mass_matrix import mass_matrix
 from bench.simulate.plant import Trace
 
 
@@ -47,14 +48,13 @@ def torque_response(compiled: CompiledRobot, trace: Trace, quantities: tuple[Qua
     reflectors = sorted({quantity.index for quantity in quantities if quantity.kind == "reflector"})
     jacobians = {k: np.empty((len(trace), 3, n)) for k in reflectors}
     data = mujoco.MjData(model)
-    jacobian, inertia, mass = np.empty((3, model.nv)), np.empty((len(trace), n)), np.empty((model.nv, model.nv))
+    jacobian, inertia = np.empty((3, model.nv)), np.empty((len(trace), n))
     for i in range(len(trace)):
         data.qpos[at.theta] = trace.theta[i]
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_makeM(model, data)
-        mujoco.mj_fullM(model, data, mass)
-        inertia[i] = mass[at.theta_dof, at.theta_dof]
+        inertia[i] = mass_matrix(model, data)[at.theta_dof, at.theta_dof]
         for k in reflectors:
             mujoco.mj_jacSite(model, data, jacobian, None, int(at.reflectors[k]))
             jacobians[k][i] = jacobian[:, at.theta_dof]

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Sequence
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
@@ -15,6 +14,7 @@ from bench.diagnose.replay.uneven_derivative import derivative_over, is_even
 from bench.record.campaign import Array, Run
 from bench.record.moving import TRAVELS, TURNING
 from bench.robot.compiled import CompiledRobot
+from bench.robot.mass_matrix import link_mass_matrix
 from bench.simulate.prescribed import Motion
 
 LONGEST_WINDOW = 0.06  # assumed: [s], over which motion is differentiated; less where bins are shorter
@@ -127,16 +127,9 @@ def settling_periods() -> float:
 
 def lowest_period(compiled: CompiledRobot, q: Array) -> float:
     """Return the period of the arm's lowest mode with its motors held at angles q, shape (n,) [s]."""
-    model, at = compiled.model, compiled.at
-    data = mujoco.MjData(model)
-    data.qpos[at.theta] = data.qpos[at.q] = q
-    mujoco.mj_fwdPosition(model, data)
-    full = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, full)
-    inertia = full[np.ix_(at.theta_dof, at.theta_dof)]
     # M x'' = -K x; the largest eigenvalue of K^-1/2 M K^-1/2 is 1 / omega^2
     root = 1 / np.sqrt(compiled.stiffness)
-    return float(2 * np.pi * np.sqrt(np.linalg.eigvalsh(root[:, None] * inertia * root)[-1]))
+    return float(2 * np.pi * np.sqrt(np.linalg.eigvalsh(root[:, None] * link_mass_matrix(compiled, q) * root)[-1]))
 
 
 def _unresolved(angles: Array, acceleration: Array, window: int, time: Array) -> Array:

@@ -10,6 +10,7 @@ from bench.effects.effect import Acting, Conditions, Effect, Place
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit, read_spec
 from bench.robot.folder import Robot
+from bench.robot.mass_matrix import mass_matrix
 from bench.robot.plugins import unused_name
 from bench.simulate.payload import bolt_on
 
@@ -80,6 +81,4 @@ def _loads(compiled: CompiledRobot, edits: Sequence[SpecEdit]) -> Array:
     data = mujoco.MjData(model)
     data.qpos[:] = 0.1 * (1 + np.arange(model.nq))
     mujoco.mj_forward(model, data)
-    inertia = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, inertia)
-    return np.concatenate([inertia.ravel(), data.qfrc_bias])
+    return np.concatenate([mass_matrix(model, data).ravel(), data.qfrc_bias])

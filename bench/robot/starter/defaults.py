@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from bench.robot.bodies import Array
+from bench.robot.mass_matrix import mass_matrix
 from bench.robot.starter.source import Source, SourceJoint
 
 STEP = 2.5e-4  # [s], time step of a started robot
@@ -108,11 +109,10 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
     order = [model.joint(joint.name).dofadr[0] for joint in source.joints]
     body = model.body(source.load_body).id
     least, greatest, gravity, reach = [], [], [], []
-    mass = np.zeros((model.nv, model.nv))
     for pose in poses:
         data.qpos[order] = pose  # hinges and slides alone: qpos and qvel have the same order
         mujoco.mj_forward(model, data)
-        mujoco.mj_fullM(model, data, mass)
+        mass = mass_matrix(model, data)
         least.append(1 / np.diag(np.linalg.inv(mass))[order])
         greatest.append(np.diag(mass)[order])
         gravity.append(np.abs(data.qfrc_bias[order]))

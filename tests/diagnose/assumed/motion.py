@@ -3,7 +3,6 @@
 from dataclasses import replace
 from functools import lru_cache
 
-import mujoco
 import numpy as np
 
 from bench.diagnose.replay.motion_segments import lowest_period, stretches_of
@@ -11,6 +10,7 @@ from bench.diagnose.replay.segment_input import SegmentInput
 from bench.diagnose.replay.uneven_derivative import derivative_over
 from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
+from bench.robot.mass_matrix import link_mass_matrix
 from tests.diagnose.assumed.registry import needs
 from tests.diagnose.sweeps import SWEEP, made, nominal
 
@@ -115,17 +115,11 @@ def left_when_settled() -> float:
 
 def damping_ratio(compiled: CompiledRobot, q: Array) -> float:
     """Return the damping ratio of the lowest mode, with the motors held: the elastic elements' own."""
-    model, at = compiled.model, compiled.at
-    data = mujoco.MjData(model)
-    data.qpos[at.theta] = data.qpos[at.q] = q
-    mujoco.mj_fwdPosition(model, data)
-    full = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, full)
-    inertia = full[np.ix_(at.theta_dof, at.theta_dof)]
+    inertia = link_mass_matrix(compiled, q)
     squares, modes = np.linalg.eig(np.linalg.solve(inertia, np.diag(compiled.stiffness)))
     lowest = int(np.argmin(squares.real))
     mode = modes[:, lowest].real
-    damping = mode @ (model.tendon_damping[at.element] * mode) / (mode @ inertia @ mode)
+    damping = mode @ (compiled.model.tendon_damping[compiled.at.element] * mode) / (mode @ inertia @ mode)
     return float(damping / (2 * np.sqrt(squares[lowest].real)))
 
 

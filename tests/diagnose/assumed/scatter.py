@@ -7,17 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import legendre
 
-from bench.diagnose.linearise.linearised_model import linearised_model_of
 from bench.diagnose.linearise.noise_covariance import Scatter, whitening_of
 from bench.diagnose.linearise.torque_response import TorqueResponse
-from bench.diagnose.replay.nuisances import nuisances_of
-from bench.diagnose.replay.quantities import Quantity, quantities_of
-from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import segments_of
+from bench.diagnose.replay.quantities import Quantity
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Array
 from bench.robot.folder import load_robot
 from tests.diagnose.assumed.registry import needs
+from tests.diagnose.small_models import linear_of
 from tests.diagnose.sweeps import LOADS, nominal
 
 LOADED = 1  # index of the joint with most friction, and under load in all poses
@@ -73,10 +70,8 @@ def simulated() -> tuple[float, float]:
     for seed in range(SEEDS):
         rng = np.random.default_rng(seed)
         campaign = hide_campaign(load_robot("hh150"), LOADS, [], rng, background=False).campaign
-        quantities = quantities_of(campaign.runs, compiled)
-        replay = Replay(compiled, segments_of(campaign, compiled, quantities), quantities)
-        linear = linearised_model_of(replay, nuisances_of(compiled, quantities)[:2])
-        reflectors = [c for c, quantity in enumerate(quantities) if quantity.kind == "reflector"]
+        linear = linear_of(campaign)
+        reflectors = [c for c, quantity in enumerate(linear.quantities) if quantity.kind == "reflector"]
         for response, left in zip(linear.responses, linear.split(linear.residual), strict=True):
             motor = left[:, LOADED] / np.abs(response.motor[:, LOADED, LOADED]) / compiled.motor_coulomb[LOADED]
             link = left[:, reflectors] / np.linalg.norm(response.link[:, reflectors] * compiled.link_coulomb, axis=2)

@@ -14,7 +14,7 @@ from bench.diagnose.linearise.roughness import with_roughness
 from bench.diagnose.name.simulation_error import imitated
 from bench.record.campaign import Array
 from tests.diagnose.assumed.registry import needs
-from tests.diagnose.test_held_out import LENGTH, SIGMA, design_with, fit_of, noise, sensitivities
+from tests.diagnose.made_runs import LENGTH, SIGMA, design_with, fit_of, noise, sensitivities
 from tests.diagnose.test_search_space import toy
 
 RUNS = 5
