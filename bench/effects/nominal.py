@@ -1,11 +1,14 @@
 """What is a little wrong in every nominal model: its figures, each with a stated uncertainty.
 
 Diagnosis fits these first (nuisance parameters with priors); hidden-effect data draw their background errors from the
-same list. Each parameter is a deviation from the nominal value; zero changes nothing.
+same list. Each parameter is a deviation from the nominal value; zero changes nothing. What cannot be negative (a mass,
+a stiffness, a level of friction) is known to a factor: one standard deviation off it is 1 + sigma times as large or as
+small as stated, two of them off that squared. For a few per cent that is a relative deviation; a stiffness that is
+known to a factor of a few stays a stiffness.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -14,9 +17,6 @@ from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
 
-# rounding: of a figure, to which it may shrink: a search that goes far beyond stated uncertainty still meets a robot.
-LEAST = 0.05
-
 
 @dataclass(frozen=True)
 class NominalParameter:
@@ -24,7 +24,7 @@ class NominalParameter:
 
     Attributes:
         name: What it is, for people.
-        unit: "" for a relative deviation.
+        unit: "" for what is known to a factor (`factor_of`).
         sigma: Its standard deviation as stated in the robot's figures.
         edit: From a deviation to the change of the model.
         is_viscous: It is viscous friction, which follows the temperature of its oil.
@@ -36,34 +36,49 @@ class NominalParameter:
     edit: Callable[[float], SpecEdit]
     is_viscous: bool = False
 
+    @property
+    def is_factor(self) -> bool:
+        """Whether it is known to a factor."""
+        return self.unit == ""
+
+    def off_by(self, deviation: float) -> float:
+        """Return by how much a deviation makes the figure larger than stated, in its unit; of a factor, as a share."""
+        return factor_of(deviation, self.sigma) - 1 if self.is_factor else deviation
+
+
+def factor_of(deviation: float, sigma: float) -> float:
+    """Return what a figure is times what is stated of it, (1 + sigma)^(deviation / sigma)."""
+    return float((1 + sigma) ** (deviation / sigma))
+
+
+def deviation_of(factor: float, sigma: float) -> float:
+    """Return the deviation that makes a figure so many times what is stated of it."""
+    return float(sigma * np.log(factor) / np.log1p(sigma))
+
 
 def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
     """Return everything that may be a little wrong in the model of a robot, with a sigma above zero."""
     robot, model, known = compiled.robot, compiled.model, compiled.robot.figures.uncertainty
     found: list[NominalParameter] = []
+    friction = known.friction
     for drive in robot.figures.drives:
+        joint, rotor = drive.joint, drive.rotor
+        motor, link = drive.motor_friction, drive.link_friction
         found += [
-            NominalParameter(
-                f"motor-side Coulomb friction of {drive.joint}", "", known.friction, _coulomb(drive.motor_friction)
+            _factor(f"motor-side Coulomb friction of {joint}", friction, _scaled(motor, "coulomb", friction)),
+            _factor(f"link-side Coulomb friction of {joint}", friction, _scaled(link, "coulomb", friction)),
+            _factor(
+                f"rotor inertia of {joint}", known.rotor_inertia, _joint_scaled(rotor, "armature", known.rotor_inertia)
             ),
-            NominalParameter(
-                f"link-side Coulomb friction of {drive.joint}", "", known.friction, _coulomb(drive.link_friction)
-            ),
-            NominalParameter(
-                f"rotor inertia of {drive.joint}", "", known.rotor_inertia, _joint_scaled(drive.rotor, "armature")
-            ),
-            NominalParameter(
-                f"viscous friction of {drive.joint}",
-                "",
-                known.friction,
-                _joint_scaled(drive.rotor, "damping"),
+            replace(
+                _factor(f"viscous friction of {joint}", friction, _joint_scaled(rotor, "damping", friction)),
                 is_viscous=True,
             ),
-            NominalParameter(f"stiffness of {drive.joint}", "", known.stiffness, _stiffness(drive.element)),
+            _factor(f"stiffness of {joint}", known.stiffness, _stiffness(drive.element, known.stiffness)),
         ]
     for name in moving_bodies(compiled):
         if model.body(name).mass[0] > 0:
-            found.append(NominalParameter(f"mass of {name}", "", known.mass, _mass(name)))
+            found.append(_factor(f"mass of {name}", known.mass, _mass(name, known.mass)))
             found += [
                 NominalParameter(f"centre of mass of {name}, {axis}", "m", known.centre_of_mass_m, _com(name, i))
                 for i, axis in enumerate("xyz")
@@ -76,7 +91,7 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
     balance = robot.figures.counterbalance
     if balance and compiled.counterbalance:  # a cylinder without gas pulls at nothing, whatever its figures
         actuator = balance.actuator
-        found.append(NominalParameter("gas constant C", "", known.gas_constant, _scaled(actuator, "constant")))
+        found.append(_factor("gas constant C", known.gas_constant, _scaled(actuator, "constant", known.gas_constant)))
         found.append(
             NominalParameter("critical length l_c", "m", known.critical_length_m, _shifted(actuator, "critical_length"))
         )
@@ -87,6 +102,10 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
             if i != _across(compiled)
         ]
     return tuple(parameter for parameter in found if parameter.sigma > 0)
+
+
+def _factor(name: str, sigma: float, edit: Callable[[float], SpecEdit]) -> NominalParameter:
+    return NominalParameter(name, "", sigma, edit)
 
 
 def moving_bodies(compiled: CompiledRobot) -> tuple[str, ...]:
@@ -121,52 +140,47 @@ def _across(compiled: CompiledRobot) -> int:
     return int(np.argmax(np.abs(compiled.model.jnt_axis[compiled.at.joint[balance.joint]])))
 
 
-def _factor(deviation: float) -> float:
-    """Return 1 + deviation, but never so little that a mass, an inertia or a stiffness would vanish."""
-    return max(1 + deviation, LEAST)
+def _scaled(actuator: str, key: str, sigma: float) -> Callable[[float], SpecEdit]:
+    def change(x: float) -> SpecEdit:
+        factor = factor_of(x, sigma)
+        return lambda spec, robot: configure(spec, actuator, **{key: factor * number_of(spec, actuator, key)})
 
-
-def _coulomb(actuator: str) -> Callable[[float], SpecEdit]:
-    return _scaled(actuator, "coulomb")
-
-
-def _scaled(actuator: str, key: str) -> Callable[[float], SpecEdit]:
-    return lambda x: lambda spec, robot: configure(spec, actuator, **{key: _factor(x) * number_of(spec, actuator, key)})
+    return change
 
 
 def _shifted(actuator: str, key: str) -> Callable[[float], SpecEdit]:
     return lambda x: lambda spec, robot: configure(spec, actuator, **{key: x + number_of(spec, actuator, key)})
 
 
-def _joint_scaled(joint: str, attribute: str) -> Callable[[float], SpecEdit]:
+def _joint_scaled(joint: str, attribute: str, sigma: float) -> Callable[[float], SpecEdit]:
     def change(x: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             found = spec.joint(joint)
-            setattr(found, attribute, getattr(found, attribute) * _factor(x))
+            setattr(found, attribute, getattr(found, attribute) * factor_of(x, sigma))
 
         return edit
 
     return change
 
 
-def _stiffness(element: str) -> Callable[[float], SpecEdit]:
+def _stiffness(element: str, sigma: float) -> Callable[[float], SpecEdit]:
     def change(x: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             tendon = spec.tendon(element)
-            tendon.stiffness = np.asarray(tendon.stiffness) * _factor(x)
+            tendon.stiffness = np.asarray(tendon.stiffness) * factor_of(x, sigma)
 
         return edit
 
     return change
 
 
-def _mass(body: str) -> Callable[[float], SpecEdit]:
+def _mass(body: str, sigma: float) -> Callable[[float], SpecEdit]:
     def change(x: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            link = spec.body(body)
-            link.mass = link.mass * _factor(x)
-            link.inertia = np.asarray(link.inertia) * _factor(x)
-            link.fullinertia = np.asarray(link.fullinertia) * _factor(x)
+            link, factor = spec.body(body), factor_of(x, sigma)
+            link.mass = link.mass * factor
+            link.inertia = np.asarray(link.inertia) * factor
+            link.fullinertia = np.asarray(link.fullinertia) * factor
 
         return edit
 

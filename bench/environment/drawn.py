@@ -53,7 +53,7 @@ class PosteriorDraws:
         return Drawn(
             edits=tuple(one.edit(value) for one, value in deviations.items() if one.edit),
             errors={name: (which, shown[name]) for name, which in self._is_drawn.items()},
-            parameters={one.name: value for one, value in deviations.items()},
+            parameters={one.name: one.off_by(value / one.sigma) for one, value in deviations.items()},
         )
 
     def _errors(self, deviations: Mapping[Nuisance, float]) -> dict[str, Array]:

@@ -35,6 +35,11 @@ class Background:
         hung, bolted = (compiled.robot.figures.uncertainty.load * rng.standard_normal(2)).tolist()
         return cls(deviations, hung, bolted)
 
+    def off_by(self, compiled: CompiledRobot) -> dict[str, float]:
+        """Return by how much each figure is off, in its unit; of what is known to a factor, as a share of it."""
+        known = {one.name: one for one in nominal_parameters(compiled)}
+        return {name: known[name].off_by(deviation) for name, deviation in self.deviations.items()}
+
     def edits(self, compiled: CompiledRobot) -> tuple[SpecEdit, ...]:
         """Return the changes of the model, bolted weights among them; to be applied after a payload was bolted on."""
         known = nominal_parameters(compiled)

@@ -119,7 +119,7 @@ def hide_campaign(
     return Hidden(
         campaign=Campaign(_name(robot), written(runs, acting, compiled.model.opt.gravity), notes=session.notes),
         truth=Truth(
-            parameters=true_parameters(simulated, instruments.errors) | _values(acting, drawn),
+            parameters=true_parameters(simulated, instruments.errors) | _values(compiled, acting, drawn),
             effects=tuple(name_of(one) for one in acting),
             runs={run.name: run.columns for run in ideal},
         ),
@@ -212,14 +212,14 @@ def runs_of(compiled: CompiledRobot, log: Log, reading: Reading, extra: Mapping[
     return tuple(runs)
 
 
-def _values(acting: Iterable[Acting], background: Background) -> dict[str, TrueValue]:
+def _values(compiled: CompiledRobot, acting: Iterable[Acting], background: Background) -> dict[str, TrueValue]:
     """Return the sizes of the effects and of the background errors by name."""
     values = {
         f"effect.{name_of(one)}.{parameter.name}": TrueValue(float(one.values[parameter.name]), parameter.unit)
         for one in acting
         for parameter in one.effect.parameters
     }
-    values |= {f"background.{name}": TrueValue(size, "") for name, size in background.deviations.items()}
+    values |= {f"background.{name}": TrueValue(size, "") for name, size in background.off_by(compiled).items()}
     return values | {"load.hung": TrueValue(background.hung, ""), "load.bolted": TrueValue(background.bolted, "")}
 
 

@@ -147,7 +147,7 @@ class Uncertainty(Strict):
     geometry_m: NonNegative = Field(0.2e-3, description="[m], each coordinate of each joint's place and of the anchors")
     friction: NonNegative = Field(0.05, description="relative, of each Coulomb level and each viscous coefficient")
     rotor_inertia: NonNegative = Field(0.1, description="relative, of each rotor with its gear")
-    stiffness: NonNegative = Field(0.03, description="relative, of each elastic element")
+    stiffness: NonNegative = Field(0.03, description="relative, of each elastic element; 3: known to a factor of 4")
     gas_constant: NonNegative = Field(0.01, description="relative, of the counterbalance's C")
     critical_length_m: NonNegative = Field(0.5e-3, description="[m], of the counterbalance's l_c")
     load: NonNegative = Field(0.001, description="relative, of weights hung or bolted on")

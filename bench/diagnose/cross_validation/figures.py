@@ -90,9 +90,9 @@ _Row = tuple[str, str, float, float, float, float, float, float]
 
 def _figure(nuisance: Nuisance, x: float, spread: float) -> _Row:
     """Return what a row says of a deviation that is x standard deviations as stated, give or take `spread` of them."""
-    sigma, half = nuisance.sigma, NORMAL_95 * spread
+    found, low, high = (nuisance.off_by(x + side * NORMAL_95 * spread) for side in (0, -1, 1))
     kind = "figure" if is_simulated(nuisance) else "campaign"
-    return kind, nuisance.unit, 0.0, x * sigma, (x - half) * sigma, (x + half) * sigma, sigma, x
+    return kind, nuisance.unit, 0.0, found, low, high, nuisance.sigma, x
 
 
 def _of_constant(row: _Row, constant: float) -> _Row:

@@ -16,7 +16,6 @@ from bench.diagnose.replay.segments import Segment
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting, Conditions, Effect, Place
 from bench.effects.fitted import acting_of
-from bench.effects.nominal import LEAST
 from bench.errors import NOT_SIMULATED, RobotError
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec, read_spec
@@ -27,6 +26,7 @@ LABEL = "earlier diagnosis"
 REACH = 2.0  # declared: standard deviations of a finding, as far as which it has to make a model
 # rounding: of the information that is stated; what the earlier campaign says less about, it says nothing of
 UNTOLD = 1e-6
+LEAST = 0.05  # rounding: of what was stated, to which a torque constant or a change may have shrunk
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
     kept = np.array([_kept(nuisances[i]) if i < len(nuisances) else 1.0 for i in at])
     rows = _rows(np.outer(kept, kept) * posterior.covariance[np.ix_(which, which)] + np.diag(1 - kept**2))
     for column, i in enumerate(at):
-        sigma = _sigma_about(posterior.parameters[which[column]])
+        sigma = found[i].sigma if found[i].is_factor else _sigma_about(posterior.parameters[which[column]])
         found[i] = replace(found[i], sigma=sigma, said_before=tuple((rows[:, column] / sigma).tolist()))
     names = [found[i].name for i in at]
     n = sum(i < len(nuisances) for i in at)

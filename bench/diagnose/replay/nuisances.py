@@ -12,7 +12,7 @@ from bench.diagnose.replay.quantities import Quantity
 from bench.effects.drifts import BETWEEN, DAY_K, VISCOUS, own_part
 from bench.effects.effect import IN_RECORDING, Between
 from bench.effects.geometry import JointZero
-from bench.effects.nominal import nominal_parameters
+from bench.effects.nominal import factor_of, nominal_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
@@ -32,8 +32,9 @@ class Nuisance:
 
     Attributes:
         name: For people.
-        unit: "" for a relative deviation.
+        unit: "" for a relative deviation, or what is known to a factor.
         sigma: Standard deviation of its prior.
+        is_factor: It is known to a factor (`effects/nominal.py`).
         edit: How it changes the model, or None.
         on_reading: How it changes readings, or None.
         scales_wrench: It is the relative error of what hangs at the load point.
@@ -59,6 +60,11 @@ class Nuisance:
 
     said_before: tuple[float, ...] = ()
     own: float = 0.0
+    is_factor: bool = False
+
+    def off_by(self, sigmas: float) -> float:
+        """Return by how much something is off at so many standard deviations of its prior, in its unit."""
+        return factor_of(sigmas * self.sigma, self.sigma) - 1 if self.is_factor else sigmas * self.sigma
 
     @property
     def lasting(self) -> float:
@@ -76,11 +82,10 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     """Return everything that may be off in a robot and in the instruments that were there."""
     kinds = {quantity.kind for quantity in quantities}
     found = [
-        Nuisance(p.name, p.unit, p.sigma, edit=p.edit, between="drifts", own=VISCOUS * DAY_K)
-        if p.is_viscous
-        else Nuisance(p.name, p.unit, p.sigma, edit=p.edit)
-        for p in nominal_parameters(compiled)
+        Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor) for p in nominal_parameters(compiled)
     ]
+    viscous = {p.name for p in nominal_parameters(compiled) if p.is_viscous}
+    found = [replace(one, between="drifts", own=VISCOUS * DAY_K) if one.name in viscous else one for one in found]
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))
     found.append(Nuisance("weights bolted on", "", load, scales_payload=True, between="anew", own=load))

@@ -4,6 +4,7 @@ import csv
 from dataclasses import fields, replace
 
 import numpy as np
+import pytest
 
 from bench.diagnose.cross_validation.figures import FittedFigure, fitted_figures
 from bench.diagnose.cross_validation.leave_out import tangent_of
@@ -34,8 +35,12 @@ def test_the_table_is_the_fit(linear: LinearisedModel) -> None:
             assert row.low < row.found < row.high
             assert row.sigmas == -x
         else:
-            assert (row.found, row.sigmas, row.sigma) == (x * nuisance.sigma, x, nuisance.sigma)
-            assert row.high - row.low <= 2 * 1.96 * nuisance.sigma * (1 + 1e-9)  # data never know less than was stated
+            off, low, high = row.found, row.low, row.high
+            if nuisance.is_factor:
+                off, low, high = (nuisance.sigma * np.log1p([off, low, high]) / np.log1p(nuisance.sigma)).tolist()
+            assert (row.sigmas, row.sigma) == (x, nuisance.sigma)
+            assert off == pytest.approx(x * nuisance.sigma, abs=1e-12)
+            assert high - low <= 2 * 1.96 * nuisance.sigma * (1 + 1e-9)  # data never know less than was stated
     names = [*(nuisance.name for nuisance in linear.nuisances), found.name]
     columns = np.linalg.solve(tangent_of(linear, fit).precision, np.eye(len(names)))
     rho = columns / np.sqrt(np.outer(np.diag(columns), np.diag(columns))) - np.eye(len(names))
