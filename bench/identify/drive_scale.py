@@ -2,6 +2,7 @@
 
 For each drive y = (M(q, v, a) + p L(q, v, a) + J_r a) / factor + c_v v + c_s sign(v) + c_0 by least squares, M the
 inverse dynamics of the nominal links, L that of one kilogram at the load point, p the payload, one for all drives.
+Rotors that nobody knows (`GUESSED`) are not in that; their torque has a coefficient of its own, c_a a.
 Positions and readings have passed the same low-pass. A factor is as good as the masses are: it is told against them.
 """
 
@@ -23,6 +24,7 @@ MOST_FLIPPED = 6  # drives up to which all signs of angles are tried; 64 fits
 HALF = 0.5  # of what is unexplained: signs are turned only where that is left (assumed; symmetric signs leave all)
 NOT_SHARP = 0.02  # of the top speed, over which the direction of a slow movement is not sharp (assumed)
 SAMPLES = 400  # with which signs are tried, and centres of mass moved
+GUESSED = 1.0  # uncertainty of rotors, a factor of two, from which they are guesses; sigma of what a file states is 0.1
 NUDGE = 1e-4  # rounding: [m] by which a centre is moved for the change of the torque, in which it is linear
 
 TINY = np.finfo(float).tiny
@@ -81,7 +83,7 @@ def drive_scale(nominal: NominalDynamics, time: Array, position: Array, reading:
     scatter = np.std(parts, axis=0, ddof=1) / np.sqrt(BLOCKS) / np.abs(slopes)
     needed = np.sqrt(np.mean(_with(columns, payload)[:, :, 0] ** 2, axis=1))
     rotor = np.sqrt(np.mean((nominal.rotor_inertia * motion.acceleration) ** 2, axis=0))
-    of_rotors = nominal.uncertainty.rotor_inertia * rotor / needed
+    of_rotors = 0.0 if _is_guessed(nominal) else nominal.uncertainty.rotor_inertia * rotor / needed
     stated = np.sqrt(nominal.uncertainty.mass**2 + of_rotors**2 + _of_centres(nominal, motion, columns, payload) ** 2)
     explained = 1 - _misfit(_with(columns, payload), reading)
     return DriveScale(1 / slopes, np.hypot(scatter, stated), explained, delay, turned, payload, unsure)
@@ -108,14 +110,22 @@ class Motion:
 
 
 def _columns(nominal: NominalDynamics, motion: Motion) -> Array:
-    """Return for each drive model torque, speed, direction, one, and the torque of 1 kg of payload, shape (n, T, 5)."""
+    """Return for each drive model torque, speed, direction, one, and the torque of 1 kg of payload, shape (n, T, c).
+
+    Where rotors are guesses, acceleration stands before the payload; c is 5 or 6.
+    """
     links = _torque(nominal.bodies, motion)
     payload = _torque(with_payload(nominal.bodies, 1.0, nominal.load_point), motion) - links
-    torque = links + nominal.rotor_inertia * motion.acceleration
+    guessed = [motion.acceleration] if _is_guessed(nominal) else []
+    torque = links if guessed else links + nominal.rotor_inertia * motion.acceleration
     slow = NOT_SHARP * np.max(np.abs(motion.velocity), axis=0, initial=1e-9)
     direction = np.tanh(motion.velocity / slow)
-    stack = np.stack([torque, motion.velocity, direction, np.ones_like(torque), payload], axis=-1)
+    stack = np.stack([torque, motion.velocity, direction, np.ones_like(torque), *guessed, payload], axis=-1)
     return np.swapaxes(stack, 0, 1)
+
+
+def _is_guessed(nominal: NominalDynamics) -> bool:
+    return nominal.uncertainty.rotor_inertia >= GUESSED
 
 
 def _torque(bodies: RigidBodies, motion: Motion) -> Array:
@@ -126,14 +136,14 @@ def _torque(bodies: RigidBodies, motion: Motion) -> Array:
 
 
 def _solved(columns: Array, reading: Array) -> Array:
-    """Return the coefficients of each drive, shape (n, 4)."""
+    """Return the coefficients of each drive, shape (n, c - 1)."""
     return np.array([np.linalg.lstsq(c, y, rcond=None)[0] for c, y in zip(columns, reading.T, strict=True)])
 
 
 def _with(columns: Array, payload: float) -> Array:
-    """Return the columns of an arm that carries something, shape (n, T, 4)."""
-    torque = columns[:, :, :1] + payload * columns[:, :, 4:]
-    return np.concatenate([torque, columns[:, :, 1:4]], axis=2)
+    """Return the columns of an arm that carries something, shape (n, T, c - 1)."""
+    torque = columns[:, :, :1] + payload * columns[:, :, -1:]
+    return np.concatenate([torque, columns[:, :, 1:-1]], axis=2)
 
 
 def _payload(columns: Array, reading: Array, heaviest: float) -> float:

@@ -61,7 +61,10 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
         words = words[:-1] if unit and words and words[-1] == unit else words
         measured = FOREIGN[unit].si if unit in FOREIGN else unit
         by_word = next((kind for kind, known in WORDS if known & set(words)), None)
-        kind = by_word or BY_UNIT.get(measured, "unknown")
+        by_unit = BY_UNIT.get(measured, "unknown")
+        if by_word == "position" and by_unit != "unknown":  # "joint 1" may be any quantity of a joint
+            by_word = None if by_unit != "position" else by_word
+        kind = by_word or by_unit
         ordered = sorted(members, key=lambda member: member[0])
         numbers = tuple(number - min(first, 1) + 1 for number, _ in ordered)
         numbers = numbers if len(set(numbers)) == len(numbers) else ()  # no numbers: in the order of the log

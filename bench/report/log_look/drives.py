@@ -141,7 +141,7 @@ def _is_of_joints(family: Family, scale: DriveScale) -> bool:
         return True
     mean = float(np.average(np.log(size), weights=scale.sigma**-2.0))
     if family.kind == "torque":
-        return abs(mean) < 0.5 * np.log(SLOWEST_GEAR)
+        return bool(abs(mean) < 0.5 * np.log(SLOWEST_GEAR))
     is_sharp = NINETY * np.sum(scale.sigma**-2.0) ** -0.5 < NEAR_ONE
     return bool(is_sharp and abs(mean) < NEAR_ONE and np.all(np.abs(1 / size - 1) < NINETY * scale.sigma))
 
@@ -187,7 +187,7 @@ def _scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks
         )
     for number, source in zip(family.numbers, family.sources, strict=True):
         k = number - 1
-        told_sign = scale.sigma[k] < UNTOLD or family.kind == "current" or abs(scale.factor[k]) < SLOWEST_GEAR
+        told_sign = family.kind == "current" or NINETY * scale.sigma[k] < 1
         sign = float(np.sign(scale.factor[k])) if told_sign else 1.0
         unit = "nm" if nominal.bodies.is_hinge[k] else "n"
         told = f"{100 * scale.explained[k]:.0f} % explained"

@@ -91,7 +91,7 @@ class Survey:
         least_inertia: Shape (n,), 1 / (M^-1)_jj at its smallest.
         greatest_inertia: Shape (n,), M_jj at its largest.
         gravity: Shape (n,), greatest holding torque.
-        reach: Greatest distance of the load point from the base [m].
+        reach: Greatest distance of the load point from the first joint [m].
     """
 
     least_inertia: Array
@@ -107,7 +107,7 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
     home = np.array([joint.home for joint in source.joints])
     poses = np.vstack([home[None], rng.uniform(low, high, size=(POSES, len(home)))])
     order = [model.joint(joint.name).dofadr[0] for joint in source.joints]
-    body = model.body(source.load_body).id
+    body, first = model.body(source.load_body).id, model.joint(source.joints[0].name).id
     least, greatest, gravity, reach = [], [], [], []
     for pose in poses:
         data.qpos[order] = pose  # hinges and slides alone: qpos and qvel have the same order
@@ -116,7 +116,8 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
         least.append(1 / np.diag(np.linalg.inv(mass))[order])
         greatest.append(np.diag(mass)[order])
         gravity.append(np.abs(data.qfrc_bias[order]))
-        reach.append(np.linalg.norm(data.xpos[body]))
+        load_point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ source.load_position
+        reach.append(np.linalg.norm(load_point - data.xanchor[first]))
     return Survey(np.min(least, axis=0), np.max(greatest, axis=0), np.max(gravity, axis=0), float(np.max(reach)))
 
 

@@ -38,7 +38,8 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
             f"    speed_limit_rad_per_s: {drive.speed_limit:g}  # {drive.origins['speed_limit']}",
         ]
     turning = [drive.torque_limit / max(found.reach, 0.1) for joint, drive in pairs if not joint.is_slide]
-    force = LOAD_SHARE * max(turning or [drive.torque_limit for drive in drives])
+    strongest = max(turning or [drive.torque_limit for drive in drives])
+    force, heaviest = LOAD_SHARE * strongest, strongest / STANDARD_GRAVITY
     sigmas = ", ".join(f"{SIGMA_SHARE * drive.torque_limit:.2g}" for drive in drives)
     lines += [
         "",
@@ -65,9 +66,7 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
         "  pressure: null",
         "",
         "uncertainty:  # default: a model taken from a drawing",
-        *_defaults(
-            Uncertainty, "  ", **DRAWING, **_of_rotors(drives), payload_kg=float(f"{force / STANDARD_GRAVITY:.2g}")
-        ),
+        *_defaults(Uncertainty, "  ", **DRAWING, **_of_rotors(drives), payload_kg=float(f"{heaviest:.2g}")),
         "",
         "assumed:  # bench check shows these lines; take out what you have replaced",
         *(f"  - {json.dumps(line)}" for line in assumptions(source, drives)),
