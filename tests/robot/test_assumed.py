@@ -111,6 +111,21 @@ def test_a_line_that_is_taken_out_is_gone(tmp_path: Path) -> None:
     assert load_robot(tmp_path / "arm").figures.assumed == ("mass of the tool: by hand",)
 
 
+@pytest.mark.parametrize(("effort", "is_placeholder"), [(10000.0, True), (200.0, False)])
+def test_one_effort_for_weak_and_strong_drives_is_a_placeholder(
+    tmp_path: Path, effort: float, is_placeholder: bool
+) -> None:
+    """As in many a URDF, effort 1000 at each joint: rotors of 20 kg m^2 and noise of 2 Nm were taken for a wrist."""
+    text = re.sub(r'effort="[^"]*"', f'effort="{effort}"', stranger.urdf())
+    robot = started(tmp_path, text, "arm.urdf")
+    limits = np.array([drive.torque_limit for drive in robot.drives])
+    assert (limits.max() < effort / 3) == is_placeholder
+    assert bool(np.all(limits == effort)) != is_placeholder
+    said = [line for line in robot.compiled.robot.figures.assumed if line.startswith("torque limit")]
+    assert len(said) == int(is_placeholder)
+    assert all("10000 of the file stands there for weak and strong drives alike" in line for line in said)
+
+
 @pytest.mark.parametrize(
     ("arm", "torque", "reach", "rated"),
     [("UR5e", 150, 0.85, 5.0), ("UR10e", 330, 1.3, 12.5), ("Panda", 87, 0.855, 3.0), ("iiwa 14", 320, 0.82, 14.0)],

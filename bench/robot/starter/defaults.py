@@ -1,7 +1,7 @@
 """What a file does not say of its drives: figures to start from, each with the reason that goes into the folder."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -29,6 +29,9 @@ BANDWIDTH = 2 * np.pi * 6.0  # [rad/s] of the servo on rotor and link together
 RESET = 0.2  # of the integral gain at which the servo would swing, J + M taken as one
 PRESLIDING = 1e-4  # [rad] or [m], where a friction element has reached its level
 LEAST_FRICTION = 0.01  # of the torque limit: level for which a frictionless element is made stiff
+# Torque limits by what the neediest drive is given without one, from where one limit for all drives is a placeholder.
+# Assumed: `RESERVE` once more; arms of drives that are all alike have no ten times too strong shoulder
+IDLE = 3.0
 RESERVE = 3.0  # torque limit by what the arm alone takes, where the file limits no torque
 REACH_TIME = 0.5  # [s] to the speed limit, where the file limits no torque
 WEAKEST = 0.1  # of the strongest drive's torque limit: none is taken to be weaker where the file limits no torque.
@@ -40,15 +43,13 @@ SWALLOWED = (
 CRITICAL = 0.1  # of critical damping: damping of a joint that does more for a position servo without damping of its own
 # belongs to that servo. Assumed: friction of a geared drive does not do it alone
 # [rad/s] of a hinge, [m/s] of a slide, where the file has none. Assumed: 180 deg/s, as the joints of light arms have
-# (UR5e, iiwa: 98 to 180); data that are faster than twice that are asked whether they are in degrees
+# (UR5e, iiwa: 98 to 180)
 SPEED = {False: np.pi, True: 1.0}
 
 
 DEFAULT = "default"
-NO_TORQUE = (
-    "default: the file limits no torque; three times what gravity, friction and acceleration take, and a tenth of the "
-    "strongest drive's at least"
-)
+NEEDED = "three times what gravity, friction and acceleration take, and a tenth of the strongest drive's at least"
+NO_TORQUE = f"default: the file limits no torque; {NEEDED}"
 
 
 @dataclass(frozen=True)
@@ -125,15 +126,16 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
     """Return the figures of every drive: what the file says, and defaults for the rest."""
     drives = []
     needed = [_needed(joint, found, j) for j, joint in enumerate(source.joints)]
-    strongest = max(joint.torque_limit or needed[j] for j, joint in enumerate(source.joints))
-    rotors = _rotors(source.joints)
-    for j, joint in enumerate(source.joints):
+    joints, no_torque = _without_placeholder(source.joints, needed)
+    strongest = max(joint.torque_limit or needed[j] for j, joint in enumerate(joints))
+    rotors = _rotors(joints)
+    for j, joint in enumerate(joints):
         least, greatest = float(found.least_inertia[j]), float(found.greatest_inertia[j])
         speed = joint.speed_limit or SPEED[joint.is_slide]
         origins = {"speed_limit": "the file" if joint.speed_limit else DEFAULT}
         viscous, origins["viscous"] = _viscous(joint, speed, greatest)
         torque = joint.torque_limit or max(needed[j], WEAKEST * strongest)
-        origins["torque_limit"] = "the file" if joint.torque_limit else NO_TORQUE
+        origins["torque_limit"] = "the file" if joint.torque_limit else no_torque
         stated, origins["rotor_inertia"] = rotors[j]
         rotor = stated or (ROTOR_SHARE * greatest if joint.is_slide else torque / SPIN_UP)
         softest = min(rotor, least)
@@ -166,6 +168,16 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
         }
         drives.append(DriveFigures(**{key: float(f"{value:.4g}") for key, value in figures.items()}, origins=origins))
     return tuple(drives)
+
+
+def _without_placeholder(joints: Sequence[SourceJoint], needed: Sequence[float]) -> tuple[list[SourceJoint], str]:
+    """Return the joints without a torque limit that is the same for all and far from what any needs, and the reason."""
+    limits = {joint.torque_limit for joint in joints}
+    limit = limits.pop()
+    if limits or len(joints) == 1 or max(needed) < UNLIKE * min(needed) or limit < IDLE * max(needed):
+        return list(joints), NO_TORQUE
+    why = f"default: {limit:g} of the file stands there for weak and strong drives alike; {NEEDED}"
+    return [replace(joint, torque_limit=0.0) for joint in joints], why
 
 
 def _rotors(joints: Sequence[SourceJoint]) -> list[tuple[float, str]]:
