@@ -12,9 +12,9 @@ from bench.robot.starter.source import Source, SourceJoint
 
 STEP = 2.5e-4  # [s], time step of a started robot
 POSES = 60  # at which inertia and gravity are looked at
-TWIST = (
-    2e-3  # [rad], or [m] / 10: what the largest torque winds a gear up by; strain-wave and cycloid gears, 1 to 3 mrad
-)
+# [rad], what a drive's torque limit winds its joint up by: gear, bearings and what they are bolted to. Measured on the
+# HH-150 (Table 5 of the paper): 5 to 21 mrad, as the geometric mean 11; data sheets of gears alone say 1 to 3
+TWIST = 1e-2
 STRETCH = 2e-4  # [m], the same of a slide
 RULE = 0.35  # sqrt(k / J) * STEP stays below for every spring; 2 is unstable, and several act on one link
 ELEMENT_DAMPING = 0.05  # ratio
