@@ -57,7 +57,7 @@ def figures_count_that_data_know_twenty_times_worse_and_not_fifty_times() -> Non
 
     def known(times_worse: float) -> float:
         fit: Any = SimpleNamespace(nuisances=np.zeros(1))
-        tangent: Any = SimpleNamespace(precision=np.array([[1 / (1 - times_worse**-2)]]))
+        tangent: Any = SimpleNamespace(precision=np.array([[1 / (1 - times_worse**-2)]]), step=np.zeros(1))
         return log_probability_of_figures(fit, tangent)
 
     assert known(20) > known(1e6) + 0.1
