@@ -28,7 +28,9 @@ UNLIKE = 2.0
 BANDWIDTH = 2 * np.pi * 6.0  # [rad/s] of the servo on rotor and link together
 RESET = 0.2  # of the integral gain at which the servo would swing, J + M taken as one
 PRESLIDING = 1e-4  # [rad] or [m], where a friction element has reached its level
-LEAST_FRICTION = 0.01  # of the torque limit: level for which a frictionless element is made stiff
+# Of the torque limit: level for which a frictionless element is made stiff. Assumed: Coulomb friction of geared drives
+# is 1 to 10 % of it. Made for 1 %, friction of 5 % built up over half a milliradian and was found on the link side
+LEAST_FRICTION = 0.05
 # Torque limits by what the neediest drive is given without one, from where one limit for all drives is a placeholder.
 # Assumed: `RESERVE` once more; arms of drives that are all alike have no ten times too strong shoulder
 IDLE = 3.0
