@@ -17,6 +17,8 @@ from bench.robot.folder import Robot
 # KR300, the heaviest of our arms; lighter ones spin up faster
 SLOWEST_SPIN = 16.0
 LIGHTEST = -0.95  # rounding: change of a mass or an inertia, relative; none vanishes
+# rounding: the same of a rotor, which may be a guess: torque sensors behind the gear feel none at all
+LIGHTEST_ROTOR = -0.999
 SWEVERS = "Swevers, Verdonck and De Schutter, Dynamic model identification for industrial robots, 2007"
 
 
@@ -98,7 +100,7 @@ class RotorInertia(OnDrive):
         f"{SWEVERS}; range: data sheet against identified, brake and gear left out, assumed; where more, up to "
         "what the drive can spin up, for rotors of public models are often placeholders"
     )
-    parameters = (Parameter("change", "", 0.0, 0.03, 0.5, "relative", signed=True, least=LIGHTEST),)
+    parameters = (Parameter("change", "", 0.0, 0.03, 0.5, "relative", signed=True, least=LIGHTEST_ROTOR),)
 
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the change, up to the heaviest rotor that the drive's torque limit spins up."""

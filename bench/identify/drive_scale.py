@@ -2,10 +2,11 @@
 
 For each drive y = (M(q, v, a) + p L(q, v, a) + J_r a) / factor + c_v v + c_s sign(v) + c_0 by least squares, M the
 inverse dynamics of the nominal links, L that of one kilogram at the load point, p the payload, one for all drives.
+Rotors that nobody knows (`GUESSED`) are not in that; their torque has a coefficient of its own, c_a a.
 Positions and readings have passed the same low-pass. A factor is as good as the masses are: it is told against them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.optimize import minimize_scalar
 
 from bench.identify.arm import Arm
 from bench.record.campaign import Array
+from bench.robot.bodies import RigidBodies
 from bench.robot.nominal_dynamics import NominalDynamics
 from bench.robot.payload import with_payload
 
@@ -21,7 +23,13 @@ LATEST = 0.03  # [s], delay up to which is looked; drives report within a few co
 MOST_FLIPPED = 6  # drives up to which all signs of angles are tried; 64 fits
 HALF = 0.5  # of what is unexplained: signs are turned only where that is left (assumed; symmetric signs leave all)
 NOT_SHARP = 0.02  # of the top speed, over which the direction of a slow movement is not sharp (assumed)
-SAMPLES = 400  # with which signs are tried
+SAMPLES = 400  # with which signs are tried, and centres of mass moved
+GUESSED = 1.0  # uncertainty of rotors, a factor of two, from which they are guesses; sigma of what a file states is 0.1
+NUDGE = 1e-4  # rounding: [m] by which a centre is moved for the change of the torque, in which it is linear
+
+TINY = np.finfo(float).tiny
+
+Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
 
 
 @dataclass(frozen=True)
@@ -35,14 +43,17 @@ class DriveScale:
         delay: [s], by which readings lag positions.
         turned: Shape (n,), whether the angle of a drive seems to count the other way round than in the model.
         payload: [kg], point mass at the load point with which all drives agree best.
+        unsure: Shape (n,), drives whose direction is not told: with some of them the other way round, torques are
+            explained as well. An arm and its mirror image need the same torques.
     """
 
     factor: Array
     sigma: Array
     explained: Array
     delay: float
-    turned: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    turned: Flags
     payload: float
+    unsure: Flags
 
 
 def drive_scale(nominal: NominalDynamics, time: Array, position: Array, reading: Array) -> DriveScale:
@@ -54,7 +65,7 @@ def drive_scale(nominal: NominalDynamics, time: Array, position: Array, reading:
         position: Shape (T, n) [rad] or [m], low-passed.
         reading: Shape (T, n), in any unit, through the same low-pass.
     """
-    turned = _turned(nominal, time, position, reading)
+    turned, unsure = _turned(nominal, time, position, reading)
     motion = Motion.along(time, position * np.where(turned, -1.0, 1.0))
     columns = _columns(nominal, motion)
     heaviest = nominal.payload
@@ -72,9 +83,10 @@ def drive_scale(nominal: NominalDynamics, time: Array, position: Array, reading:
     scatter = np.std(parts, axis=0, ddof=1) / np.sqrt(BLOCKS) / np.abs(slopes)
     needed = np.sqrt(np.mean(_with(columns, payload)[:, :, 0] ** 2, axis=1))
     rotor = np.sqrt(np.mean((nominal.rotor_inertia * motion.acceleration) ** 2, axis=0))
-    stated = np.hypot(nominal.uncertainty.mass, nominal.uncertainty.rotor_inertia * rotor / needed)
+    of_rotors = 0.0 if _is_guessed(nominal) else nominal.uncertainty.rotor_inertia * rotor / needed
+    stated = np.sqrt(nominal.uncertainty.mass**2 + of_rotors**2 + _of_centres(nominal, motion, columns, payload) ** 2)
     explained = 1 - _misfit(_with(columns, payload), reading)
-    return DriveScale(1 / slopes, np.hypot(scatter, stated), explained, delay, turned, payload)
+    return DriveScale(1 / slopes, np.hypot(scatter, stated), explained, delay, turned, payload, unsure)
 
 
 @dataclass(frozen=True)
@@ -98,27 +110,40 @@ class Motion:
 
 
 def _columns(nominal: NominalDynamics, motion: Motion) -> Array:
-    """Return for each drive model torque, speed, direction, one, and the torque of 1 kg of payload, shape (n, T, 5)."""
-    arm, loaded = Arm(nominal.bodies), Arm(with_payload(nominal.bodies, 1.0, nominal.load_point))
-    states = list(zip(motion.position, motion.velocity, motion.acceleration, strict=True))
-    links = np.array([arm.inverse_dynamics(*state) for state in states])
-    payload = np.array([loaded.inverse_dynamics(*state) for state in states]) - links
-    torque = links + nominal.rotor_inertia * motion.acceleration
+    """Return for each drive model torque, speed, direction, one, and the torque of 1 kg of payload, shape (n, T, c).
+
+    Where rotors are guesses, acceleration stands before the payload; c is 5 or 6.
+    """
+    links = _torque(nominal.bodies, motion)
+    payload = _torque(with_payload(nominal.bodies, 1.0, nominal.load_point), motion) - links
+    guessed = [motion.acceleration] if _is_guessed(nominal) else []
+    torque = links if guessed else links + nominal.rotor_inertia * motion.acceleration
     slow = NOT_SHARP * np.max(np.abs(motion.velocity), axis=0, initial=1e-9)
     direction = np.tanh(motion.velocity / slow)
-    stack = np.stack([torque, motion.velocity, direction, np.ones_like(torque), payload], axis=-1)
+    stack = np.stack([torque, motion.velocity, direction, np.ones_like(torque), *guessed, payload], axis=-1)
     return np.swapaxes(stack, 0, 1)
 
 
+def _is_guessed(nominal: NominalDynamics) -> bool:
+    return nominal.uncertainty.rotor_inertia >= GUESSED
+
+
+def _torque(bodies: RigidBodies, motion: Motion) -> Array:
+    """Return the torque that links need along a motion, shape (T, n)."""
+    arm = Arm(bodies)
+    states = zip(motion.position, motion.velocity, motion.acceleration, strict=True)
+    return np.array([arm.inverse_dynamics(*state) for state in states])
+
+
 def _solved(columns: Array, reading: Array) -> Array:
-    """Return the coefficients of each drive, shape (n, 4)."""
+    """Return the coefficients of each drive, shape (n, c - 1)."""
     return np.array([np.linalg.lstsq(c, y, rcond=None)[0] for c, y in zip(columns, reading.T, strict=True)])
 
 
 def _with(columns: Array, payload: float) -> Array:
-    """Return the columns of an arm that carries something, shape (n, T, 4)."""
-    torque = columns[:, :, :1] + payload * columns[:, :, 4:]
-    return np.concatenate([torque, columns[:, :, 1:4]], axis=2)
+    """Return the columns of an arm that carries something, shape (n, T, c - 1)."""
+    torque = columns[:, :, :1] + payload * columns[:, :, -1:]
+    return np.concatenate([torque, columns[:, :, 1:-1]], axis=2)
 
 
 def _payload(columns: Array, reading: Array, heaviest: float) -> float:
@@ -133,18 +158,18 @@ def _payload(columns: Array, reading: Array, heaviest: float) -> float:
 
 def _total(columns: Array, reading: Array, payload: float) -> float:
     """Return the logarithm of what is left, summed over drives: the likelihood, each drive with its own noise."""
-    return float(np.sum(np.log(np.maximum(_misfit(_with(columns, payload), reading), np.finfo(float).tiny))))
+    return float(np.sum(np.log(np.maximum(_misfit(_with(columns, payload), reading), TINY))))
 
 
 def _slopes(columns: Array, reading: Array, payload: float) -> Array:
     slopes = _solved(_with(columns, payload), reading)[:, 0]
-    return np.where(slopes == 0, np.finfo(float).tiny, slopes)
+    return np.where(slopes == 0, TINY, slopes)
 
 
 def _misfit(columns: Array, reading: Array) -> Array:
     """Return the share of each reading's variance that is left, shape (n,)."""
     left = reading.T - np.einsum("jtc,jc->jt", columns, _solved(columns, reading))
-    return np.asarray(np.var(left, axis=1) / np.maximum(np.var(reading, axis=0), np.finfo(float).tiny))
+    return np.asarray(np.var(left, axis=1) / np.maximum(np.var(reading, axis=0), TINY))
 
 
 def _shifted(time: Array, reading: Array, delay: float) -> Array:
@@ -160,25 +185,52 @@ def _lowest(lags: Array, misfits: Array) -> float:
     return float(lags[k] + (0.5 * (before - after) / bend if bend > 0 else 0.0) * (lags[1] - lags[0]))
 
 
-def _turned(
-    nominal: NominalDynamics, time: Array, position: Array, reading: Array
-) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Return which angles have to be turned; none where that explains no more than half of what is left."""
+def _of_centres(nominal: NominalDynamics, motion: Motion, columns: Array, payload: float) -> Array:
+    """Return the relative error of each drive's factor by centres of mass that are not where they are stated."""
+    every = max(1, columns.shape[1] // SAMPLES)
+    few = motion.seen(np.ones(nominal.n_joints), every)
+    known = _with(columns[:, ::every], payload)
+    freed = [_apart(model[:, :1], model[:, 1:])[:, 0] for model in known]
+    plain = _torque(nominal.bodies, few)
+    errors = np.zeros(nominal.n_joints)
+    for body in range(nominal.n_joints):
+        for axis in range(3):
+            com = nominal.bodies.com.copy()
+            com[body, axis] += NUDGE
+            moved = (
+                (_torque(replace(nominal.bodies, com=com), few) - plain) / NUDGE * nominal.uncertainty.centre_of_mass_m
+            )
+            errors += [float(np.dot(f, d) / max(np.dot(f, f), TINY)) ** 2 for f, d in zip(freed, moved.T, strict=True)]
+    return np.asarray(np.sqrt(errors))
+
+
+def _apart(values: Array, others: Array) -> Array:
+    """Return what of some columns others cannot make, by least squares."""
+    return np.asarray(values - others @ np.linalg.lstsq(others, values, rcond=None)[0])
+
+
+def _turned(nominal: NominalDynamics, time: Array, position: Array, reading: Array) -> tuple[Flags, Flags]:
+    """Return which angles have to be turned, and of which it is not told.
+
+    None is turned where that explains no more than half of what is left; directions that explain no more than twice as
+    badly are not told apart.
+    """
     n = position.shape[1]
     plain = np.zeros(n, dtype=np.bool_)
     if n > MOST_FLIPPED:
-        return plain
+        return plain, plain
     every = max(1, len(time) // SAMPLES)
     motion, seen = Motion.along(time, position), reading[::every]
 
-    def misfit_of(turned: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> float:
+    def misfit_of(turned: Flags) -> float:
         columns = _columns(nominal, motion.seen(np.where(turned, -1.0, 1.0), every))
         return float(np.sum(_misfit(_with(columns, _payload(columns, seen, nominal.payload)), seen)))
 
-    best, least = plain, HALF * misfit_of(plain)
-    for signs in sorted(product((False, True), repeat=n), key=sum)[1:]:
-        turned = np.array(signs)
-        misfit = misfit_of(turned)
-        if misfit < least * (1.0 if best is plain else HALF):  # fewer turns first
-            best, least = turned, misfit
-    return best
+    tried = [np.array(signs) for signs in sorted(product((False, True), repeat=n), key=sum)]
+    misfits = [misfit_of(turned) for turned in tried]
+    best, least = 0, HALF * misfits[0]
+    for k in range(1, len(tried)):
+        if misfits[k] < least * (HALF if best else 1.0):  # fewer turns first
+            best, least = k, misfits[k]
+    alike = [turned for turned, misfit in zip(tried, misfits, strict=True) if HALF * misfit <= misfits[best]]
+    return tried[best], np.any([turned != tried[best] for turned in alike], axis=0)

@@ -16,6 +16,7 @@ from bench.record.rules.sheet import Sheet
 
 PAUSE_S = 60.0  # [s] between two logs whose times of day nobody wrote down
 SUFFIXES = (".csv", ".tsv", ".dat", ".parquet", ".mcap")  # of the logs in a folder; a log by its own name has any
+PLAIN_TEXT = ".txt"  # logs too where a folder has no others; beside them it is somebody's notes
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,7 @@ def _logs(source: Path, layout: LogFormat) -> list[Path]:
     if not source.is_dir():
         raise CampaignError(f"{source}: no such file or folder; give a log, or a folder of logs")
     files = sorted(path for path in source.iterdir() if path.suffix.lower() in SUFFIXES)
+    files = files or sorted(path for path in source.iterdir() if path.suffix.lower() == PLAIN_TEXT)
     besides = {
         file.with_name(table.file.replace("*", file.stem))
         for table in layout.tables.values()
@@ -83,7 +85,8 @@ def _logs(source: Path, layout: LogFormat) -> list[Path]:
     }
     if logs := [file for file in files if file not in besides]:
         return logs
-    raise CampaignError(f"{source}: holds no log ({', '.join(SUFFIXES)}); give a log, or a folder of logs")
+    known = ", ".join((*SUFFIXES, PLAIN_TEXT))
+    raise CampaignError(f"{source}: holds no log ({known}); give a log, or a folder of logs")
 
 
 def _pieces(

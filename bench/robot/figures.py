@@ -1,5 +1,6 @@
 """The figures of a robot that an MJCF has no place for: drives, ratings, instruments. One YAML file per robot."""
 
+import re
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
@@ -200,3 +201,8 @@ class Figures(Strict):
         if faults := tuple(self.fitted.faults(joints, self.reflectors)):
             raise ValueError(" ".join(faults))
         return self
+
+    def assumes(self, figure: str, joint: str) -> bool:
+        """Return whether a figure of a joint, such as "speed limit", is a guess that `assumed` still lists."""
+        listed = re.compile(rf"{re.escape(figure)} \((?:.*, )?{re.escape(joint)} [^ ,)]+[,)]")
+        return any(listed.match(line) for line in self.assumed)

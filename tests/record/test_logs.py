@@ -260,3 +260,11 @@ def test_parquet(tmp_path: Path) -> None:
 def test_a_format_that_cannot_be_is_told(tmp_path: Path, text: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         read_log_format(log(tmp_path, "log.yaml", text))
+
+
+def test_plain_text_is_a_log_where_a_folder_has_no_others(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_text("t,q\n0,1\n0.1,2\n0.2,3\n")
+    assert [run.name for run in convert(tmp_path, layout(), "mine").campaign.runs] == ["a"]
+    (tmp_path / "b.csv").write_text("t,q\n0,1\n0.1,2\n0.2,3\n")
+    (tmp_path / "a.txt").write_text("notes")
+    assert [run.name for run in convert(tmp_path, layout(), "mine").campaign.runs] == ["b"]

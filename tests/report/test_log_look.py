@@ -151,6 +151,67 @@ def test_names_units_and_currents(tmp_path: Path, arm: NominalDynamics) -> None:
     np.testing.assert_allclose(constants, np.abs(stranger.CONSTANT), rtol=0.1)
 
 
+def named_log(file: Path, motion: stranger.Motion, position: str, reading: str, readings: np.ndarray) -> Path:
+    """Write a log whose columns are named by patterns, drives from 1."""
+    names = ["time", *(position.format(j) for j in (1, 2, 3)), *(reading.format(j) for j in (1, 2, 3))]
+    rows = np.column_stack([motion.time, np.rad2deg(motion.position), readings])
+    np.savetxt(file, rows, delimiter=",", header=",".join(names), comments="", fmt="%.8g")
+    return file
+
+
+@pytest.mark.parametrize(
+    ("position", "reading"),
+    [
+        ("Axis{}_Pos_deg", "Axis{}_Cur_A"),  # an abbreviation
+        ("Axis{}_deg", "Achse{}_Wert_A"),  # no word that is known: the unit tells
+        ("Axis{}_Pos_deg", "drive{}_load"),  # neither: held against the robot
+    ],
+)
+def test_names_that_are_not_known(tmp_path: Path, arm: NominalDynamics, position: str, reading: str) -> None:
+    """Such columns were left out beside positions that had known names, as "not used"."""
+    motion = stranger.moved(np.random.default_rng(5), 15.0)
+    file = named_log(tmp_path / "x.csv", motion, position, reading, motion.torque / np.array(stranger.CONSTANT))
+    form = proposed(tmp_path, look(file, nominal=arm))
+    assert [form.columns[f"q_motor_{j}_rad"].source for j in (1, 2, 3)] == [position.format(j) for j in (1, 2, 3)]
+    quantity = "current_{}_a" if reading.endswith("A") else "tau_motor_{}_nm"
+    assert [form.columns[quantity.format(j)].source for j in (1, 2, 3)] == [reading.format(j) for j in (1, 2, 3)]
+    signs = [np.sign(form.columns[quantity.format(j)].factor) for j in (1, 2, 3)]
+    assert signs == list(np.sign(stranger.CONSTANT))
+
+
+@pytest.mark.parametrize("ratio", [1.0, 60.0])
+def test_what_is_called_a_torque_is_one_at_the_joint_or_behind_a_gear(tmp_path: Path, ratio: float) -> None:
+    """Factors were off by up to nine to one where the file has a placeholder for its rotors, and none became a line."""
+    (tmp_path / "arm.xml").write_text(stranger.mjcf(armature=5.0))
+    guessed = nominal_dynamics(start_robot("arm", read_source(tmp_path / "arm.xml"), tmp_path / "arm").compiled)
+    real = stranger.unlike_its_file(np.random.default_rng(4))
+    motion = stranger.moved(np.random.default_rng(3), 20.0, real)
+    file = named_log(tmp_path / "x.csv", motion, "joint{}_position_deg", "joint{}_torque_Nm", motion.torque / ratio)
+    text = look(file, nominal=guessed)
+    form = proposed(tmp_path, text)
+    if ratio == 1:
+        assert [form.columns[f"tau_motor_{j}_nm"].factor for j in (1, 2, 3)] == [1, 1, 1]
+        assert "taken as torques at the joints" in text
+        assert "Model by reading: j1" in text
+    else:
+        assert "taken as torques at the joints" not in text
+        factors = np.array([form.columns[f"tau_motor_{j}_nm"].factor for j in (1, 2, 3)])
+        sigma = np.array([float(told) / 100 for told in re.findall(r"explained; \+- (\d+) %", text)])
+        assert np.all(
+            np.abs(factors / ratio - 1) < 4 * sigma
+        )  # masses and centres err by 2.4 and 5 times what is stated
+
+
+def test_a_mirrored_arm_needs_the_same_torques(tmp_path: Path, arm: NominalDynamics) -> None:
+    """Of the first drive, about a vertical axis, torques tell no direction; that is said where others were turned."""
+    motion = stranger.moved(np.random.default_rng(4), 15.0)
+    turned = replace(motion, position=motion.position * [1, -1, -1], torque=motion.torque * [1, -1, -1])
+    file = named_log(tmp_path / "x.csv", turned, "pos_{}_deg", "torque_{}", turned.torque)
+    text = look(file, nominal=arm)
+    assert "angles of j2, j3 count the other way round" in text
+    assert "the direction of j1 is not told by torques" in text
+
+
 def test_joints_by_name_without_a_robot(tmp_path: Path) -> None:
     rows = "".join(f"{k},{0.1 * k},{-0.2 * k},{np.sin(k)},{np.cos(k)}\n" for k in range(50))
     header = "header.stamp,position.elbow,position.wrist,effort.elbow,effort.wrist\n"

@@ -25,6 +25,7 @@ MODELS = Path(__file__).parents[2] / "models" / "README.md"
 
 
 def started(tmp_path: Path, text: str, name: str = "arm.xml") -> Started:
+    tmp_path.mkdir(exist_ok=True)
     (tmp_path / name).write_text(text)
     return start_robot("arm", read_source(tmp_path / name), tmp_path / "arm")
 

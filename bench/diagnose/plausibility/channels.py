@@ -124,7 +124,7 @@ def _of_clock(looks: Sequence[DriveLook], compiled: CompiledRobot) -> Iterator[F
 def _beyond_speed(picture: DrivePicture, compiled: CompiledRobot) -> Iterator[Finding]:
     for j, top in enumerate(np.max(np.abs(picture.velocity), axis=0)):
         drive, limit = compiled.robot.figures.drives[j].joint, speed_limit(compiled, j)
-        if top > BEYOND * limit:
+        if top > BEYOND * limit and not compiled.robot.figures.assumes("speed limit", drive):
             message = f"{drive} moves at {top:.3g} per s, its limit is {limit:.3g}"
             remedy = "degrees or millimetres? give SI units; else correct speed_limit_rad_per_s in figures.yaml"
             yield doubt(f"q_motor_{j + 1}", message, remedy)
@@ -149,7 +149,7 @@ def _of_drive(picture: DrivePicture, compiled: CompiledRobot, j: int, rows: NDAr
     values, model, velocity = picture.observed[rows, j], picture.model[rows, j], picture.velocity[rows, j]
     columns = picture.columns(j)[rows]
     largest, limit = float(np.max(np.abs(values))), torque_limit(compiled, j)
-    if largest > BEYOND * limit:
+    if largest > BEYOND * limit and not compiled.robot.figures.assumes("torque limit", drive):
         yield doubt(
             name, f"reaches {largest / limit:.3g} times the limit of {drive}", "mNm, or divided twice? give SI units"
         )

@@ -12,7 +12,7 @@ WORDS: tuple[tuple[Kind, frozenset[str]], ...] = (
     ("temperature", frozenset({"temp", "temps", "temperature", "temperatures"})),
     ("acceleration", frozenset({"qdd", "ddq", "acc", "accel", "acceleration"})),
     ("velocity", frozenset({"qd", "dq", "vel", "velocity", "velocities", "speed", "qdot", "omega"})),
-    ("current", frozenset({"current", "currents", "curr", "amp", "amps", "i", "iq", "strom"})),
+    ("current", frozenset({"current", "currents", "curr", "cur", "amp", "amps", "i", "iq", "strom"})),
     ("torque", frozenset({"torque", "torques", "tau", "effort", "trq", "moment", "drehmoment", "m"})),
     ("link", frozenset({"link", "secondary", "abtrieb"})),
     ("position", frozenset({"q", "pos", "position", "positions", "angle", "theta", "joint", "axis", "achse", "enc"})),
@@ -20,6 +20,8 @@ WORDS: tuple[tuple[Kind, frozenset[str]], ...] = (
 CLOCKS = {"t", "time", "timestamp", "stamp", "zeit", "clock", "log"}
 STAMPS = {"time", "timestamp", "stamp"}  # "log_time", "header.stamp"
 SI = {"rad", "m", "s", "a", "nm", "n", "k"}
+# where no word tells the quantity
+BY_UNIT: dict[str, Kind] = {"a": "current", "nm": "torque", "n": "torque", "rad": "position", "m": "position"}
 LISTS = {"position", "velocity", "effort"}  # of a JointState, with the names of joints behind a dot
 _INDEX = re.compile(r"\d+")
 
@@ -40,6 +42,8 @@ def unit_of(name: str) -> str:
 def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family]:
     """Return what names tell of columns that go by the drives; columns are listed by number of the drive.
 
+    Where no word says the quantity its unit does; what has neither is unknown.
+
     Args:
         names: Of the columns.
         joints: Names of the robot's joints, if it is known.
@@ -55,14 +59,18 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
         unit = unit_of(members[0][1])
         words = _words(stem)
         words = words[:-1] if unit and words and words[-1] == unit else words
-        kind = next((kind for kind, known in WORDS if known & set(words)), None)
-        if kind is None:
-            continue
+        measured = FOREIGN[unit].si if unit in FOREIGN else unit
+        by_word = next((kind for kind, known in WORDS if known & set(words)), None)
+        by_unit = BY_UNIT.get(measured, "unknown")
+        if by_word == "position" and by_unit != "unknown":  # "joint 1" may be any quantity of a joint
+            by_word = None if by_unit != "position" else by_word
+        kind = by_word or by_unit
         ordered = sorted(members, key=lambda member: member[0])
         numbers = tuple(number - min(first, 1) + 1 for number, _ in ordered)
         numbers = numbers if len(set(numbers)) == len(numbers) else ()  # no numbers: in the order of the log
         sources = tuple(name for _, name in ordered)
-        found.append(Family(kind, bool(COMMANDED & set(words)), sources, unit, "by name", numbers))
+        why = "by name" if by_word else f"unit {unit} in its name" if kind != "unknown" else "moves with the robot"
+        found.append(Family(kind, bool(COMMANDED & set(words)), sources, unit, why, numbers))
     return found
 
 

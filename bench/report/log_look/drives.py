@@ -14,6 +14,9 @@ from bench.robot.nominal_dynamics import NominalDynamics
 
 EXPLAINED = 0.5  # share of a reading's variance, mean over drives, from which it is a torque or a current (assumed)
 NEAR_ONE = 0.25  # relative: a factor this near to one is no gear ratio; payload and masses may be off so far (assumed)
+NINETY = 1.645  # exact: standard deviations to either side that hold 90 %
+AT_LIMIT = 1e-2  # rounding: of a payload that was searched to a thousandth
+SLOWEST_GEAR = 6.0  # assumed: ratio of the quasi-direct drives of legged robots; others are geared down by 30 and more
 EDGE = 5  # samples at either end, which the low-pass sees past
 UNTOLD = 0.3  # relative standard deviation of a factor that is no proposal (assumed: gears of one arm differ by less)
 
@@ -126,22 +129,56 @@ def _measured(
     return best
 
 
+def _is_of_joints(family: Family, scale: DriveScale) -> bool:
+    """Return whether readings are torques at the joints: near to the model's, or in Nm and no gear ratio away from it.
+
+    What is called a torque is one at the joint or one at the motor. The middle between both, on a logarithmic scale, is
+    held against the mean of all drives, which counts those most that are told best. What has no name is one at the
+    joint if the mean is near to the model's and no drive is surely off.
+    """
+    size = np.abs(scale.factor)
+    if np.all(np.abs(size - 1) < NEAR_ONE):
+        return True
+    mean = float(np.average(np.log(size), weights=scale.sigma**-2.0))
+    if family.kind == "torque":
+        return bool(abs(mean) < 0.5 * np.log(SLOWEST_GEAR))
+    is_sharp = NINETY * np.sum(scale.sigma**-2.0) ** -0.5 < NEAR_ONE
+    return bool(is_sharp and abs(mean) < NEAR_ONE and np.all(np.abs(1 / size - 1) < NINETY * scale.sigma))
+
+
 def _scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks: list[str]) -> Iterator[Line]:
     """Yield the lines of one family of readings that go by the torque that the arm needs."""
     names = nominal.bodies.names
     if np.any(scale.turned):
         who = ", ".join(name for name, turned in zip(names, scale.turned, strict=True) if turned)
         remarks.append(f"angles of {who} count the other way round than the model's: their factors are turned below")
+        if np.any(scale.unsure):
+            others = ", ".join(name for name, unsure in zip(names, scale.unsure, strict=True) if unsure)
+            remarks.append(
+                f"the direction of {others} is not told by torques (an arm and its mirror image need the same): look "
+                "at the robot; an angle and its torque or current are turned together"
+            )
     remarks.append(
         f"{family.shown}: held against the masses of the robot with {scale.payload:.3g} kg of payload, with which "
         f"all drives agree best; they {'lag' if scale.delay >= 0 else 'lead'} the angles by "
-        f"{1e3 * abs(scale.delay):.1f} ms"
+        f"{1e3 * abs(scale.delay):.1f} ms (what the model gets wrong of rotors and friction looks like that too)"
     )
-    near = bool(np.all(np.abs(np.abs(scale.factor) - 1) < NEAR_ONE))
+    if 0 < nominal.payload <= scale.payload * (1 + AT_LIMIT):
+        remarks.append(
+            "that is the largest payload that may be unstated: if more hangs there, raise payload_kg in figures.yaml"
+        )
+    near = _is_of_joints(family, scale)
     if family.kind == "current":
         estimated = zip(names, scale.factor, scale.sigma, strict=True)
         constants = ", ".join(f"{name} {abs(k):.3g} +- {100 * s:.0f} %" for name, k, s in estimated)
         remarks.append(f"for figures.yaml, torque_constant_nm_per_a as estimated: {constants} (torque_constant_error)")
+    elif near and np.any(np.abs(np.abs(scale.factor) - 1) >= NEAR_ONE):
+        compared = zip(names, scale.factor, scale.sigma, strict=True)
+        factors = ", ".join(f"{name} {abs(f):.3g} +- {100 * s:.0f} %" for name, f, s in compared)
+        remarks.append(
+            f"{family.shown}: taken as torques at the joints, for they are no gear ratio away from the model's; on the "
+            f"motor's side they need gear ratios as factors. Model by reading: {factors}"
+        )
     elif not near:
         widest = float(np.max(scale.sigma[scale.sigma < UNTOLD], initial=0.01))
         remarks.append(
@@ -150,13 +187,15 @@ def _scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks
         )
     for number, source in zip(family.numbers, family.sources, strict=True):
         k = number - 1
-        sign = float(np.sign(scale.factor[k]))
+        told_sign = family.kind == "current" or NINETY * scale.sigma[k] < 1
+        sign = float(np.sign(scale.factor[k])) if told_sign else 1.0
         unit = "nm" if nominal.bodies.is_hinge[k] else "n"
         told = f"{100 * scale.explained[k]:.0f} % explained"
         if family.kind == "current":
             yield Line(f"current_{number}_a", source, sign, 0.0, f"{told}; sign as the model has it")
         elif near:
-            why = f"{told}; joint torque within {100 * abs(abs(scale.factor[k]) - 1):.0f} % of the model's"
+            off = abs(abs(scale.factor[k]) - 1)
+            why = f"{told}; joint torque" + (f" within {100 * off:.0f} % of the model's" if off < NEAR_ONE else "")
             yield Line(f"tau_motor_{number}_{unit}", source, sign, 0.0, why)
         else:
             wide = scale.sigma[k] > UNTOLD

@@ -92,8 +92,15 @@ def _families(
     n = None if nominal is None else nominal.n_joints
     if nominal is not None:
         families = [family for family in families if _fits(family, nominal.n_joints)]
-    if any(family.kind == "position" for family in families):
-        return families
+    placed = next((family for family in families if family.kind == "position"), None)
+    if placed is not None:
+        moves = set(moving(others))
+        return [
+            family
+            for family in families
+            if family.kind != "unknown" or (family.numbers == placed.numbers and moves.issuperset(family.sources))
+        ]
+    families = [family for family in families if family.kind != "unknown"]
     if n is None and families:
         n = len(families[0].sources)
     taken = {name for family in families for name in family.sources}

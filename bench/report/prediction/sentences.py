@@ -57,7 +57,7 @@ def promise_sentence(prediction: Prediction) -> str:
         return ""
     return (
         f"Each interval was promised to hold with 90 %, so of {count} about {0.1 * count:.1g} fail by chance. They are "
-        "about a recording of the same robot whose instruments were not set up anew."
+        "about a recording of the same robot that carries what the model carries, its instruments not set up anew."
     )
 
 
@@ -66,8 +66,9 @@ def broken_sentence(prediction: Prediction) -> str:
     if not prediction.is_broken:
         return ""
     return (
-        "Where more fail than that: --free lets instruments be set up anew, `bench diagnose CAMPAIGN --given MODEL` "
-        "says what the model gets wrong about these data, `bench compare` what changed since those that it was made of."
+        "Where more fail than that: `--free payload` lets the robot carry something else, --free with other names lets "
+        "instruments be set up anew, `bench diagnose CAMPAIGN --given MODEL` says what the model gets wrong about "
+        "these data, `bench compare` what changed since those that it was made of."
     )
 
 

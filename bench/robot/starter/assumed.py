@@ -35,8 +35,9 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
     return (
         *found,
         "instruments: drives that report torque with noise of 0.2 % of the torque limit, encoders, a laser tracker",
-        "payload: recordings may leave one unstated up to the rated load, a fifth of the strongest drive's torque",
-        "uncertainty of masses, centres of mass, friction and stiffness: that of a model taken from a drawing",
+        "payload: recordings may leave one unstated, up to what the strongest drive holds at full reach",
+        "uncertainty of masses, centres of mass and friction: that of a model taken from a drawing",
+        "uncertainty of stiffness: a factor of four",
     )
 
 

@@ -1,7 +1,7 @@
 """What a file does not say of its drives: figures to start from, each with the reason that goes into the folder."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -12,9 +12,9 @@ from bench.robot.starter.source import Source, SourceJoint
 
 STEP = 2.5e-4  # [s], time step of a started robot
 POSES = 60  # at which inertia and gravity are looked at
-TWIST = (
-    2e-3  # [rad], or [m] / 10: what the largest torque winds a gear up by; strain-wave and cycloid gears, 1 to 3 mrad
-)
+# [rad], what a drive's torque limit winds its joint up by: gear, bearings and what they are bolted to. Measured on the
+# HH-150 (Table 5 of the paper): 5 to 21 mrad, as the geometric mean 11; data sheets of gears alone say 1 to 3
+TWIST = 1e-2
 STRETCH = 2e-4  # [m], the same of a slide
 RULE = 0.35  # sqrt(k / J) * STEP stays below for every spring; 2 is unstable, and several act on one link
 ELEMENT_DAMPING = 0.05  # ratio
@@ -28,7 +28,12 @@ UNLIKE = 2.0
 BANDWIDTH = 2 * np.pi * 6.0  # [rad/s] of the servo on rotor and link together
 RESET = 0.2  # of the integral gain at which the servo would swing, J + M taken as one
 PRESLIDING = 1e-4  # [rad] or [m], where a friction element has reached its level
-LEAST_FRICTION = 0.01  # of the torque limit: level for which a frictionless element is made stiff
+# Of the torque limit: level for which a frictionless element is made stiff. Assumed: Coulomb friction of geared drives
+# is 1 to 10 % of it. Made for 1 %, friction of 5 % built up over half a milliradian and was found on the link side
+LEAST_FRICTION = 0.05
+# Torque limits by what the neediest drive is given without one, from where one limit for all drives is a placeholder.
+# Assumed: `RESERVE` once more; arms of drives that are all alike have no ten times too strong shoulder
+IDLE = 3.0
 RESERVE = 3.0  # torque limit by what the arm alone takes, where the file limits no torque
 REACH_TIME = 0.5  # [s] to the speed limit, where the file limits no torque
 WEAKEST = 0.1  # of the strongest drive's torque limit: none is taken to be weaker where the file limits no torque.
@@ -40,15 +45,13 @@ SWALLOWED = (
 CRITICAL = 0.1  # of critical damping: damping of a joint that does more for a position servo without damping of its own
 # belongs to that servo. Assumed: friction of a geared drive does not do it alone
 # [rad/s] of a hinge, [m/s] of a slide, where the file has none. Assumed: 180 deg/s, as the joints of light arms have
-# (UR5e, iiwa: 98 to 180); data that are faster than twice that are asked whether they are in degrees
+# (UR5e, iiwa: 98 to 180)
 SPEED = {False: np.pi, True: 1.0}
 
 
 DEFAULT = "default"
-NO_TORQUE = (
-    "default: the file limits no torque; three times what gravity, friction and acceleration take, and a tenth of the "
-    "strongest drive's at least"
-)
+NEEDED = "three times what gravity, friction and acceleration take, and a tenth of the strongest drive's at least"
+NO_TORQUE = f"default: the file limits no torque; {NEEDED}"
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ class Survey:
         least_inertia: Shape (n,), 1 / (M^-1)_jj at its smallest.
         greatest_inertia: Shape (n,), M_jj at its largest.
         gravity: Shape (n,), greatest holding torque.
-        reach: Greatest distance of the load point from the base [m].
+        reach: Greatest distance of the load point from the first joint [m].
     """
 
     least_inertia: Array
@@ -107,7 +110,7 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
     home = np.array([joint.home for joint in source.joints])
     poses = np.vstack([home[None], rng.uniform(low, high, size=(POSES, len(home)))])
     order = [model.joint(joint.name).dofadr[0] for joint in source.joints]
-    body = model.body(source.load_body).id
+    body, first = model.body(source.load_body).id, model.joint(source.joints[0].name).id
     least, greatest, gravity, reach = [], [], [], []
     for pose in poses:
         data.qpos[order] = pose  # hinges and slides alone: qpos and qvel have the same order
@@ -116,7 +119,8 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
         least.append(1 / np.diag(np.linalg.inv(mass))[order])
         greatest.append(np.diag(mass)[order])
         gravity.append(np.abs(data.qfrc_bias[order]))
-        reach.append(np.linalg.norm(data.xpos[body]))
+        load_point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ source.load_position
+        reach.append(np.linalg.norm(load_point - data.xanchor[first]))
     return Survey(np.min(least, axis=0), np.max(greatest, axis=0), np.max(gravity, axis=0), float(np.max(reach)))
 
 
@@ -124,15 +128,16 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
     """Return the figures of every drive: what the file says, and defaults for the rest."""
     drives = []
     needed = [_needed(joint, found, j) for j, joint in enumerate(source.joints)]
-    strongest = max(joint.torque_limit or needed[j] for j, joint in enumerate(source.joints))
-    rotors = _rotors(source.joints)
-    for j, joint in enumerate(source.joints):
+    joints, no_torque = _without_placeholder(source.joints, needed)
+    strongest = max(joint.torque_limit or needed[j] for j, joint in enumerate(joints))
+    rotors = _rotors(joints)
+    for j, joint in enumerate(joints):
         least, greatest = float(found.least_inertia[j]), float(found.greatest_inertia[j])
         speed = joint.speed_limit or SPEED[joint.is_slide]
         origins = {"speed_limit": "the file" if joint.speed_limit else DEFAULT}
         viscous, origins["viscous"] = _viscous(joint, speed, greatest)
         torque = joint.torque_limit or max(needed[j], WEAKEST * strongest)
-        origins["torque_limit"] = "the file" if joint.torque_limit else NO_TORQUE
+        origins["torque_limit"] = "the file" if joint.torque_limit else no_torque
         stated, origins["rotor_inertia"] = rotors[j]
         rotor = stated or (ROTOR_SHARE * greatest if joint.is_slide else torque / SPIN_UP)
         softest = min(rotor, least)
@@ -165,6 +170,16 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
         }
         drives.append(DriveFigures(**{key: float(f"{value:.4g}") for key, value in figures.items()}, origins=origins))
     return tuple(drives)
+
+
+def _without_placeholder(joints: Sequence[SourceJoint], needed: Sequence[float]) -> tuple[list[SourceJoint], str]:
+    """Return the joints without a torque limit that is the same for all and far from what any needs, and the reason."""
+    limits = {joint.torque_limit for joint in joints}
+    limit = limits.pop()
+    if limits or len(joints) == 1 or max(needed) < UNLIKE * min(needed) or limit < IDLE * max(needed):
+        return list(joints), NO_TORQUE
+    why = f"default: {limit:g} of the file stands there for weak and strong drives alike; {NEEDED}"
+    return [replace(joint, torque_limit=0.0) for joint in joints], why
 
 
 def _rotors(joints: Sequence[SourceJoint]) -> list[tuple[float, str]]:

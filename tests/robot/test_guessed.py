@@ -1,0 +1,112 @@
+"""What a started robot is guessed to be where its file says nothing: guesses hold for real arms, and doubt no data."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.cli import main
+from bench.diagnose.plausibility.channels import BEYOND as SPEED_BEYOND
+from bench.diagnose.plausibility.channels import doubts_of
+from bench.effects.masses import RotorInertia
+from bench.record.campaign import Campaign, Run
+from bench.record.read import read_campaign
+from bench.record.write import write_campaign
+from bench.robot.compiled import compile_robot
+from bench.robot.folder import load_robot
+from bench.robot.starter.defaults import PRESLIDING, TWIST
+from tests import stranger
+from tests.robot.test_assumed import MODELS, figures_of, started
+
+NINETY = 1.645  # standard deviations to either side that hold 90 %
+
+
+@pytest.mark.parametrize(("effort", "is_placeholder"), [(10000.0, True), (200.0, False)])
+def test_one_effort_for_weak_and_strong_drives_is_a_placeholder(
+    tmp_path: Path, effort: float, is_placeholder: bool
+) -> None:
+    """As in many a URDF, effort 1000 at each joint: rotors of 20 kg m^2 and noise of 2 Nm were taken for a wrist."""
+    text = re.sub(r'effort="[^"]*"', f'effort="{effort}"', stranger.urdf())
+    robot = started(tmp_path, text, "arm.urdf")
+    limits = np.array([drive.torque_limit for drive in robot.drives])
+    assert (limits.max() < effort / 3) == is_placeholder
+    assert bool(np.all(limits == effort)) != is_placeholder
+    said = [line for line in robot.compiled.robot.figures.assumed if line.startswith("torque limit")]
+    assert len(said) == int(is_placeholder)
+    assert all("10000 of the file stands there for weak and strong drives alike" in line for line in said)
+
+
+@pytest.mark.parametrize(
+    ("arm", "torque", "reach", "rated"),
+    [("UR5e", 150, 0.85, 5.0), ("UR10e", 330, 1.3, 12.5), ("Panda", 87, 0.855, 3.0), ("iiwa 14", 320, 0.82, 14.0)],
+)
+def test_a_payload_may_be_what_the_arm_carries(
+    tmp_path: Path, arm: str, torque: float, reach: float, rated: float
+) -> None:
+    """Data sheets; on a pedestal. A fifth of the strongest drive's torque was less than each of these arms carries."""
+    text = (
+        f'<mujoco><worldbody><body pos="0 0 2"><inertial mass="10" pos="0 0 {reach / 3}" diaginertia="1 1 0.1"/>'
+        f'<joint name="j" axis="0 1 0" range="-2 2"/><site name="tool" pos="0 0 {reach}"/></body></worldbody>'
+        f'<actuator><motor joint="j" ctrlrange="-{torque} {torque}"/></actuator></mujoco>'
+    )
+    started(tmp_path, text)
+    uncertainty = figures_of(tmp_path / "arm")["uncertainty"]
+    assert isinstance(uncertainty, dict)
+    assert 1.5 * rated < uncertainty["payload_kg"] < 5 * rated
+
+
+def test_limits_that_were_made_up_are_known_as_such(tmp_path: Path) -> None:
+    figures = started(tmp_path, stranger.mjcf("0", actuators=False)).compiled.robot.figures
+    for joint in ("j1", "j2", "j3"):
+        assert figures.assumes("speed limit", joint)
+        assert figures.assumes("torque limit", joint)
+    assert not figures.assumes("speed limit", "j")
+    with_actuators = started(tmp_path / "other", stranger.mjcf()).compiled.robot.figures
+    assert not with_actuators.assumes("torque limit", "j1")
+
+
+def test_data_beyond_a_limit_that_was_made_up_are_not_doubted(tmp_path: Path) -> None:
+    """A wrist at 9 rad/s on a file that says nothing of speed was "degrees or millimetres?"."""
+    (tmp_path / "arm.xml").write_text(stranger.mjcf())
+    main(["new-robot", "arm", "--mjcf", str(tmp_path / "arm.xml"), "-o", str(tmp_path / "arm")])
+    motion = stranger.moved(np.random.default_rng(1), 10.0)
+    quick = 1.1 * SPEED_BEYOND * 3.142 / np.max(np.abs(motion.velocity))
+    columns = {"time_s": motion.time / quick}
+    columns |= {f"q_motor_{j + 1}_rad": motion.position[:, j] for j in range(3)}
+    columns |= {f"tau_motor_{j + 1}_nm": motion.torque[:, j] for j in range(3)}
+    write_campaign(Campaign(str(tmp_path / "arm"), (Run("a", "motion", 0.0, columns),)), tmp_path / "campaign")
+    compiled = compile_robot(load_robot(tmp_path / "arm"))
+    campaign = read_campaign(tmp_path / "campaign")
+    assert not [found for found in doubts_of(campaign, compiled) if "its limit is" in str(found)]
+    figures = compiled.robot.figures.model_copy(update={"assumed": ()})
+    stated = replace(compiled, robot=replace(compiled.robot, figures=figures))
+    assert [found for found in doubts_of(campaign, stated) if "its limit is" in str(found)]
+
+
+def test_stiffness_is_guessed_as_well_as_is_said(tmp_path: Path) -> None:
+    """The measured joints of the HH-150. They were guessed 2.5 to 10 times too stiff, and said to be known to 50 %."""
+    robot = started(tmp_path, stranger.mjcf())
+    known_to = 1 + robot.compiled.robot.figures.uncertainty.stiffness
+    measured = compile_robot(load_robot(MODELS.parent / "hh150"))
+    limits = measured.model.actuator_forcerange[measured.at.servo, 1]
+    assert np.all(np.abs(np.log(limits / TWIST / measured.stiffness)) < NINETY * np.log(known_to))
+    assert np.mean(np.abs(np.log(limits / TWIST / measured.stiffness)) < np.log(known_to)) > 0.5
+    assert f"winds it up by {TWIST * 1e3:g} mrad" in " ".join(robot.compiled.robot.figures.assumed)
+
+
+def test_a_guessed_rotor_may_be_hardly_there() -> None:
+    """Joint torque sensors sit behind it. With 5 % of the guess at least, 0.4 Nm stayed that nobody measured."""
+    robot = compile_robot(load_robot(MODELS.parent / "hh150"))
+    effect = RotorInertia()
+    (change,) = effect.parameters_at(robot, effect.places(robot)[0])
+    assert change.least is not None
+    assert 0 < 1 + change.least < 0.01
+
+
+def test_friction_that_is_found_later_builds_up_as_fast_as_real_friction(tmp_path: Path) -> None:
+    """A slide's friction of 4.5 % of its limit built up over 0.45 mm; half of it was found on the link side for it."""
+    for drive in started(tmp_path, stranger.mjcf("0")).drives:
+        assert drive.coulomb == 0
+        assert 0.045 * drive.torque_limit / drive.motor_presliding < 1.1 * PRESLIDING
