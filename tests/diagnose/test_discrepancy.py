@@ -12,7 +12,7 @@ import pytest
 from bench.diagnose.conclude import verdict_of
 from bench.diagnose.cross_validation.held_out import HeldOut, held_out
 from bench.diagnose.diagnose import Diagnosis, diagnose
-from bench.diagnose.linearise.generic import Block, blocks_of
+from bench.diagnose.linearise.generic import ANGLE_NODES, Block, blocks_of
 from bench.diagnose.name import discrepancy as discrepancies
 from bench.diagnose.name.discrepancy import NOT_THERE, effect_of, learn
 from bench.diagnose.name.learned_shape import learned_of
@@ -146,7 +146,7 @@ def test_a_shape_that_does_not_pay_is_refused(case: Case) -> None:
     drawn = learned_of(naming, again)
     assert drawn  # as the linearised model has it
     (curve,) = drawn.curves
-    assert len(curve.at) == len(drawn.block.nodes) == 9
+    assert len(curve.at) == len(drawn.block.nodes) == ANGLE_NODES
     unlisted = verdict_of(naming, 0.01, {}, (), discrepancy=again).unlisted
     assert unlisted
     assert curve.value == tuple(p.value for p in unlisted.parameters)
