@@ -17,6 +17,8 @@ from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
 
+E_FOLDS = 30.0  # rounding: a factor of 10^13; a search that goes far beyond stated uncertainty still meets numbers
+
 
 @dataclass(frozen=True)
 class NominalParameter:
@@ -48,7 +50,7 @@ class NominalParameter:
 
 def factor_of(deviation: float, sigma: float) -> float:
     """Return what a figure is times what is stated of it, (1 + sigma)^(deviation / sigma)."""
-    return float((1 + sigma) ** (deviation / sigma))
+    return float(np.exp(np.clip(np.log1p(sigma) * deviation / sigma, -E_FOLDS, E_FOLDS)))
 
 
 def deviation_of(factor: float, sigma: float) -> float:

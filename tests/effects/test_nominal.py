@@ -21,6 +21,13 @@ def test_one_standard_deviation_is_one_factor_up_or_down(sigma: float) -> None:
     assert deviation_of(factor_of(0.7 * sigma, sigma), sigma) == pytest.approx(0.7 * sigma)
 
 
+@pytest.mark.parametrize("sigma", [0.02, 3.0])
+def test_a_hopeless_fit_still_meets_numbers(sigma: float) -> None:
+    """Four to the power of a thousand is none."""
+    low, high = factor_of(-1e3 * sigma, sigma), factor_of(1e3 * sigma, sigma)
+    assert 0 < low < 1 < high < np.inf
+
+
 def test_what_is_known_to_a_few_per_cent_is_off_by_a_share() -> None:
     assert factor_of(0.03, 0.02) - 1 == pytest.approx(0.03, abs=0.02**2)
 

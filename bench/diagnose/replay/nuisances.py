@@ -81,11 +81,10 @@ class Nuisance:
 def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[Nuisance, ...]:
     """Return everything that may be off in a robot and in the instruments that were there."""
     kinds = {quantity.kind for quantity in quantities}
-    found = [
-        Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor) for p in nominal_parameters(compiled)
-    ]
-    viscous = {p.name for p in nominal_parameters(compiled) if p.is_viscous}
-    found = [replace(one, between="drifts", own=VISCOUS * DAY_K) if one.name in viscous else one for one in found]
+    found = []
+    for p in nominal_parameters(compiled):
+        one = Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor)
+        found.append(replace(one, between="drifts", own=VISCOUS * DAY_K) if p.is_viscous else one)
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))
     found.append(Nuisance("weights bolted on", "", load, scales_payload=True, between="anew", own=load))
