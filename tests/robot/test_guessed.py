@@ -85,6 +85,23 @@ def test_data_beyond_a_limit_that_was_made_up_are_not_doubted(tmp_path: Path) ->
     assert [found for found in doubts_of(campaign, stated) if "its limit is" in str(found)]
 
 
+def test_another_unit_is_doubted_all_the_same(tmp_path: Path) -> None:
+    """Torques in mNm passed as Nm on a file that limits no torque."""
+    (tmp_path / "arm.xml").write_text(stranger.mjcf("0", actuators=False))
+    main(["new-robot", "arm", "--mjcf", str(tmp_path / "arm.xml"), "-o", str(tmp_path / "arm")])
+    motion = stranger.moved(np.random.default_rng(1), 10.0)
+    columns = {"time_s": motion.time}
+    columns |= {f"q_motor_{j + 1}_rad": motion.position[:, j] for j in range(3)}
+    compiled = compile_robot(load_robot(tmp_path / "arm"))
+    for unit in (1.0, 1000.0):
+        torques = {f"tau_motor_{j + 1}_nm": unit * motion.torque[:, j] for j in range(3)}
+        folder = tmp_path / f"campaign-{unit:g}"
+        write_campaign(Campaign(str(tmp_path / "arm"), (Run("a", "motion", 0.0, columns | torques),)), folder)
+        found = [str(doubt) for doubt in doubts_of(read_campaign(folder), compiled)]
+        assert len(found) == (0 if unit == 1 else 3)
+        assert all("mNm" in one for one in found)
+
+
 def test_stiffness_is_guessed_as_well_as_is_said(tmp_path: Path) -> None:
     """The measured joints of the HH-150. They were guessed 2.5 to 10 times too stiff, and said to be known to 50 %."""
     robot = started(tmp_path, stranger.mjcf())

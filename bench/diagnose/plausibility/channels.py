@@ -35,6 +35,9 @@ LEAST = 30  # readings of a drive in motion
 GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
 SURE_OF_CLOCK = 0.999  # level of the interval of a clock's rate: one healthy campaign in a thousand is doubted
 BEYOND = 2.0  # times the limits of a drive
+# Times a limit that was made up: nearer, on a logarithmic scale, to what another unit would make of data (degrees, mNm)
+# than to data in SI units
+BEYOND_GUESS = {"speed limit": (180 / np.pi) ** 0.5, "torque limit": 1e3**0.5}
 TURNED = 0.5  # part of the misfit that is left with the sign turned, before friction is believed to give energy
 FEEBLE = 0.1  # of the torque that the model needs; friction only adds to it, no counterbalance takes so much away
 ANOTHERS, FAR_BETTER = 0.8, 0.3  # variance explained by another joint's motion; part of the own misfit that this leaves
@@ -124,10 +127,15 @@ def _of_clock(looks: Sequence[DriveLook], compiled: CompiledRobot) -> Iterator[F
 def _beyond_speed(picture: DrivePicture, compiled: CompiledRobot) -> Iterator[Finding]:
     for j, top in enumerate(np.max(np.abs(picture.velocity), axis=0)):
         drive, limit = compiled.robot.figures.drives[j].joint, speed_limit(compiled, j)
-        if top > BEYOND * limit and not compiled.robot.figures.assumes("speed limit", drive):
+        if top > _tolerated(compiled, "speed limit", drive) * limit:
             message = f"{drive} moves at {top:.3g} per s, its limit is {limit:.3g}"
             remedy = "degrees or millimetres? give SI units; else correct speed_limit_rad_per_s in figures.yaml"
             yield doubt(f"q_motor_{j + 1}", message, remedy)
+
+
+def _tolerated(compiled: CompiledRobot, figure: str, drive: str) -> float:
+    """Return how many times a limit of a drive data may reach without a doubt."""
+    return BEYOND_GUESS[figure] if compiled.robot.figures.assumes(figure, drive) else BEYOND
 
 
 def _dead(picture: DrivePicture) -> Iterator[Finding]:
@@ -149,7 +157,7 @@ def _of_drive(picture: DrivePicture, compiled: CompiledRobot, j: int, rows: NDAr
     values, model, velocity = picture.observed[rows, j], picture.model[rows, j], picture.velocity[rows, j]
     columns = picture.columns(j)[rows]
     largest, limit = float(np.max(np.abs(values))), torque_limit(compiled, j)
-    if largest > BEYOND * limit and not compiled.robot.figures.assumes("torque limit", drive):
+    if largest > _tolerated(compiled, "torque limit", drive) * limit:
         yield doubt(
             name, f"reaches {largest / limit:.3g} times the limit of {drive}", "mNm, or divided twice? give SI units"
         )
