@@ -113,3 +113,26 @@ def test_what_promises_more_and_was_not_simulated_counts_for_no_more_than_is_sai
     found = [Alternative(keys, Subset((), 0.0), value) for keys, value in every]
     assert posterior_of(models, found)[frozenset({"else"})] == 30.0
     assert set(posterior_of(models, found, most=9.0).values()) == {9.0}
+
+
+def test_what_a_last_search_loses_is_weighed_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A friction that does not act beside the others: what the repeated searches find of it was asked for in vain."""
+    kind = selection._Selection
+    mine = object.__new__(kind)
+    mine.best = fake(9.0, "gas", "heat")
+    held = []
+
+    def refuse(self: Any) -> bool:
+        held.append(self.best.keys)
+        return False
+
+    def search(self: Any, *, is_last: bool, adds: bool) -> None:
+        assert is_last
+        assert not adds
+        self.best = fake(8.0, "gas")
+
+    monkeypatch.setattr(kind, "_refuse", refuse)
+    monkeypatch.setattr(kind, "_search", search)
+    monkeypatch.setattr(kind, "_repeat", lambda self: held.append(self.best.keys))
+    mine._end()
+    assert held == [{"gas", "heat"}, {"gas"}, {"gas"}]

@@ -149,18 +149,22 @@ class _Selection:
 
     def _end(self) -> None:
         """Keep what pays of the best model where the rounds are used up, and add nothing any more."""
-        while self._refuse():
-            self._relinearise(is_last=True)
-        if self.best.keys:
+        before = None
+        while self.best.keys != before:  # what does not act beside the others is lost in a search
+            while self._refuse():
+                self._relinearise(is_last=True)
+            if not (before := self.best.keys):
+                return
             self._search(is_last=True, adds=False)
-            self._repeat()
+        self._repeat()
 
     def _search(self, *, is_last: bool = False, adds: bool = True) -> None:
         """Search about the best model, simulate the leaders, and take the most probable.
 
         Args:
             is_last: Everything that cannot be told from the best is to be known, not only the best.
-            adds: False: the best model stays, and what promises more is simulated for what could stand in its place.
+            adds: False: the best model stays, as far as its causes act, and what promises more is simulated for what
+                could stand in its place.
         """
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
         threshold = self.screening.threshold
@@ -190,7 +194,9 @@ class _Selection:
             models += self._beside(about, fitter, first.log_posterior, is_last=is_last)
             found = [one for one in found if not one.keys & self.refused_shapes]
         stays = self.best.keys
-        models = sorted([Model(self.null), *models], key=lambda one: (adds or one.keys != stays, -one.log_posterior))
+        models = sorted(
+            [Model(self.null), *models], key=lambda one: (not adds and not one.keys <= stays, -one.log_posterior)
+        )
         near = {model.keys for model in models if model.log_posterior > models[0].log_posterior - IN_SET}
         self.plays |= {there for there, one in plays.items() if one.keys not in near}
         # whatever was promised of those that could not be fitted, or did not need all of their causes
