@@ -63,6 +63,24 @@ def test_the_page_from_its_first_command_to_its_last(
     assert (tmp_path / "found" / "verdict.json").is_file()
 
 
+def test_a_file_without_actuators_leads_to_friction_as_it_is(tmp_path: Path) -> None:
+    """Friction of 9 Nm was too large to be plausible in a drive of which nobody had said more than a guessed 30 Nm."""
+    (tmp_path / "arm.xml").write_text(stranger.mjcf("0", actuators=False))
+    motion = stranger.moved(np.random.default_rng(1), SECONDS)
+    columns = [motion.time, motion.position, motion.torque]
+    names = ["time_s", *(f"q_motor_{j}_rad" for j in (1, 2, 3)), *(f"tau_motor_{j}_nm" for j in (1, 2, 3))]
+    np.savetxt(tmp_path / "run.csv", np.column_stack(columns), delimiter=",", header=",".join(names), comments="")
+    assert main(["new-robot", "arm", "--mjcf", str(tmp_path / "arm.xml"), "-o", str(tmp_path / "arm")]) == 0
+    assert main(["convert", str(tmp_path / "arm"), str(tmp_path / "run.csv"), "-o", str(tmp_path / "campaign")]) == 0
+    assert main(["diagnose", str(tmp_path / "campaign"), "-o", str(tmp_path / "found")]) == 0
+    verdict = json.loads((tmp_path / "found" / "verdict.json").read_text())
+    found = {(one["effect"], one["place"]): one for one in verdict["explanations"][0]["causes"]}
+    for effect, true in (("coulomb_friction", stranger.COULOMB), ("viscous_friction", stranger.VISCOUS)):
+        for joint, size in enumerate(true, start=1):
+            (value,) = found[effect, f"joint {joint}"]["parameters"]
+            assert value["low"] < size < value["high"]
+
+
 def test_drives_that_report_current(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from bench.actuators.laws import TorqueTable
 from bench.effects.effect import Array, Conditions, Effect, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
-from bench.effects.places import OnDrive, drive_of, links, torque_limit
+from bench.effects.places import OnDrive, drive_of, links, most_torque
 from bench.effects.plugin_actuators import add_torque_table
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
@@ -106,7 +106,7 @@ class RotorInertia(OnDrive):
         """Return the change, up to the heaviest rotor that the drive's torque limit spins up."""
         (change,) = self.parameters
         stated = float(compiled.model.dof_armature[compiled.at.q_dof[place.index]])
-        heaviest = torque_limit(compiled, place.index) / SLOWEST_SPIN
+        heaviest = most_torque(compiled, place.index) / SLOWEST_SPIN
         return (replace(change, high=max(change.high, heaviest / stated - 1)),) if stated > 0 else (change,)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:

@@ -11,11 +11,12 @@ from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import Drive
 from bench.robot.folder import Robot
 from bench.robot.plugins import PREFIX
+from bench.robot.starter.defaults import ROTOR_GUESSED
 
 SHORT = 0.1  # assumed: [m]; a link shorter than this has no length to speak of, and does not bend
 HEAVY_TORQUE = 10e3  # declared: [Nm]; ranges in Nm are stated for a drive of this torque limit ...
 HEAVY_SPEED = 2.0  # declared: [rad/s]; ... and this speed limit, and scaled to each drive
-
+GUESSED = 1 + ROTOR_GUESSED  # derived: of a limit that `bench new-robot` made up, as well known as rotors guessed by it
 
 _POWERS_OF_SPEED = {"Nm s/rad": 1, "Nm s^2/rad^2": 2}
 
@@ -33,7 +34,7 @@ class OnDrive(Effect):
 
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameters with ranges and units of a drive."""
-        limit, speed = torque_limit(compiled, place.index), speed_limit(compiled, place.index)
+        limit, speed = most_torque(compiled, place.index), speed_limit(compiled, place.index)
         slides = compiled.model.jnt_type[compiled.at.joint[place.index]] == mujoco.mjtJoint.mjJNT_SLIDE
         return tuple(_scaled(parameter, limit, speed, bool(slides)) for parameter in self.parameters)
 
@@ -70,6 +71,13 @@ def torque_limit(compiled: CompiledRobot, index: int) -> float:
     if model.actuator_forcelimited[servo]:
         return float(np.max(np.abs(model.actuator_forcerange[servo])))
     return compiled.robot.figures.rating.force_n  # at an arm of 1 m
+
+
+def most_torque(compiled: CompiledRobot, index: int) -> float:
+    """Return how great the torque limit of a drive may be [Nm], [N]: as stated, or as far as a guess may be off."""
+    figures = compiled.robot.figures
+    is_guess = figures.assumes("torque limit", figures.drives[index].joint)
+    return torque_limit(compiled, index) * (GUESSED if is_guess else 1.0)
 
 
 def speed_limit(compiled: CompiledRobot, index: int) -> float:

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from bench.effects.effect import Array, Effect, Place
-from bench.effects.places import torque_limit
+from bench.effects.places import most_torque
 from bench.effects.recorded import NOTHING_RECORDED, Recorded, RecordedRun
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
@@ -81,7 +81,7 @@ def from_each_run(places: Iterable[Place], recorded: Recorded) -> tuple[Place, .
 
 def full_scale(compiled: CompiledRobot, place: Place) -> tuple[float, str]:
     """Return what a channel with one number shows at most in use, and its unit."""
-    limit, slides = torque_limit(compiled, place.index), compiled.is_slide[place.index]
+    limit, slides = most_torque(compiled, place.index), compiled.is_slide[place.index]
     if place.name.startswith("current"):
         return limit / float(compiled.torque_constant[place.index]), "A"
     if place.name.startswith("tau"):

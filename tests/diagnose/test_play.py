@@ -135,7 +135,9 @@ def test_play_of_an_unloaded_joint_is_named(unloaded: Naming) -> None:
     assert [cause.key for cause in unloaded.models[0].fit.causes] == [("backlash", "joint 1")]
 
 
-@pytest.mark.xfail(strict=True, reason="a quarter too small: what the scatter of rests tells of the gap is not used")
+@pytest.mark.xfail(
+    strict=True, reason="a quarter too small: links that bounce under little load are not at their flank"
+)
 def test_play_of_an_unloaded_joint_is_as_large_as_it_is(unloaded: Naming) -> None:
     """Seeds 3 to 8: 0.19 to 0.23 mrad of 0.30, give or take 0.02; with some it came out right by chance before."""
     best = unloaded.models[0].fit
