@@ -129,6 +129,13 @@ class LearnedDrag(_Nodes):
             del kept[1]
         return np.array(kept[::-1])
 
+    @staticmethod
+    def through(nodes: Array, speeds: Array) -> Array:
+        """Return polynomials over speeds, shape (T,), each 1 at one of the nodes and 0 at the others, shape (T, k)."""
+        top = nodes[-1]
+        powers = np.vander(nodes / top, increasing=True)
+        return np.asarray(np.linalg.solve(powers.T, np.vander(speeds / top, len(nodes), increasing=True).T).T)
+
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         torque = self.sizes(values)
 

@@ -1,10 +1,11 @@
 """What is a little wrong in every nominal model: its figures, each with a stated uncertainty.
 
 Diagnosis fits these first (nuisance parameters with priors); hidden-effect data draw their background errors from the
-same list. Each parameter is a deviation from the nominal value; zero changes nothing. What cannot be negative (a mass,
-a stiffness, a level of friction) is known to a factor: one standard deviation off it is 1 + sigma times as large or as
-small as stated, two of them off that squared. For a few per cent that is a relative deviation; a stiffness that is
-known to a factor of a few stays a stiffness.
+same list. Each parameter is a deviation from the nominal value; zero changes nothing. Torques are linear in masses,
+inertias, levels of friction and the gas, which are off by a share of what is stated and may as good as vanish: a torque
+sensor behind the gear feels no rotor. Links give by torque over stiffness, so a stiffness is known to a factor: one
+standard deviation off it is 1 + sigma times as large or as small as stated, two of them off that squared. For a few per
+cent that is the same; a stiffness that is known to a factor of a few stays a stiffness.
 """
 
 from collections.abc import Callable
@@ -17,6 +18,7 @@ from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
 
+LEAST_SHARE = -0.999  # rounding: by which a figure that cannot be negative is off at most; MuJoCo needs rotors to weigh
 E_FOLDS = 30.0  # rounding: a factor of 10^13; a search that goes far beyond stated uncertainty still meets numbers
 
 
@@ -26,9 +28,11 @@ class NominalParameter:
 
     Attributes:
         name: What it is, for people.
-        unit: "" for what is known to a factor (`factor_of`).
+        unit: "" for a share of what is stated, or what is known to a factor (`factor_of`).
         sigma: Its standard deviation as stated in the robot's figures.
         edit: From a deviation to the change of the model.
+        is_factor: It is known to a factor.
+        least: Least deviation.
         is_viscous: It is viscous friction, which follows the temperature of its oil.
     """
 
@@ -36,26 +40,18 @@ class NominalParameter:
     unit: str
     sigma: float
     edit: Callable[[float], SpecEdit]
+    is_factor: bool = False
+    least: float = -np.inf
     is_viscous: bool = False
-
-    @property
-    def is_factor(self) -> bool:
-        """Whether it is known to a factor."""
-        return self.unit == ""
 
     def off_by(self, deviation: float) -> float:
         """Return by how much a deviation makes the figure larger than stated, in its unit; of a factor, as a share."""
-        return factor_of(deviation, self.sigma) - 1 if self.is_factor else deviation
+        return factor_of(deviation, self.sigma) - 1 if self.is_factor else max(deviation, self.least)
 
 
 def factor_of(deviation: float, sigma: float) -> float:
     """Return what a figure is times what is stated of it, (1 + sigma)^(deviation / sigma)."""
     return float(np.exp(np.clip(np.log1p(sigma) * deviation / sigma, -E_FOLDS, E_FOLDS)))
-
-
-def deviation_of(factor: float, sigma: float) -> float:
-    """Return the deviation that makes a figure so many times what is stated of it."""
-    return float(sigma * np.log(factor) / np.log1p(sigma))
 
 
 def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
@@ -67,20 +63,17 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
         joint, rotor = drive.joint, drive.rotor
         motor, link = drive.motor_friction, drive.link_friction
         found += [
-            _factor(f"motor-side Coulomb friction of {joint}", friction, _scaled(motor, "coulomb", friction)),
-            _factor(f"link-side Coulomb friction of {joint}", friction, _scaled(link, "coulomb", friction)),
-            _factor(
-                f"rotor inertia of {joint}", known.rotor_inertia, _joint_scaled(rotor, "armature", known.rotor_inertia)
-            ),
+            _share(f"motor-side Coulomb friction of {joint}", friction, _scaled(motor, "coulomb")),
+            _share(f"link-side Coulomb friction of {joint}", friction, _scaled(link, "coulomb")),
+            _share(f"rotor inertia of {joint}", known.rotor_inertia, _joint_scaled(rotor, "armature")),
             replace(
-                _factor(f"viscous friction of {joint}", friction, _joint_scaled(rotor, "damping", friction)),
-                is_viscous=True,
+                _share(f"viscous friction of {joint}", friction, _joint_scaled(rotor, "damping")), is_viscous=True
             ),
-            _factor(f"stiffness of {joint}", known.stiffness, _stiffness(drive.element, known.stiffness)),
+            _factor(f"stiffness of {joint}", known.stiffness, _stiffness(drive.element)),
         ]
     for name in moving_bodies(compiled):
         if model.body(name).mass[0] > 0:
-            found.append(_factor(f"mass of {name}", known.mass, _mass(name, known.mass)))
+            found.append(_share(f"mass of {name}", known.mass, _mass(name)))
             found += [
                 NominalParameter(f"centre of mass of {name}, {axis}", "m", known.centre_of_mass_m, _com(name, i))
                 for i, axis in enumerate("xyz")
@@ -93,7 +86,7 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
     balance = robot.figures.counterbalance
     if balance and compiled.counterbalance:  # a cylinder without gas pulls at nothing, whatever its figures
         actuator = balance.actuator
-        found.append(_factor("gas constant C", known.gas_constant, _scaled(actuator, "constant", known.gas_constant)))
+        found.append(_share("gas constant C", known.gas_constant, _scaled(actuator, "constant")))
         found.append(
             NominalParameter("critical length l_c", "m", known.critical_length_m, _shifted(actuator, "critical_length"))
         )
@@ -106,8 +99,12 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
     return tuple(parameter for parameter in found if parameter.sigma > 0)
 
 
-def _factor(name: str, sigma: float, edit: Callable[[float], SpecEdit]) -> NominalParameter:
-    return NominalParameter(name, "", sigma, edit)
+def _share(name: str, sigma: float, times: Callable[[float], SpecEdit]) -> NominalParameter:
+    return NominalParameter(name, "", sigma, lambda x: times(1 + max(x, LEAST_SHARE)), least=LEAST_SHARE)
+
+
+def _factor(name: str, sigma: float, times: Callable[[float], SpecEdit]) -> NominalParameter:
+    return NominalParameter(name, "", sigma, lambda x: times(factor_of(x, sigma)), is_factor=True)
 
 
 def moving_bodies(compiled: CompiledRobot) -> tuple[str, ...]:
@@ -142,44 +139,42 @@ def _across(compiled: CompiledRobot) -> int:
     return int(np.argmax(np.abs(compiled.model.jnt_axis[compiled.at.joint[balance.joint]])))
 
 
-def _scaled(actuator: str, key: str, sigma: float) -> Callable[[float], SpecEdit]:
-    def change(x: float) -> SpecEdit:
-        factor = factor_of(x, sigma)
-        return lambda spec, robot: configure(spec, actuator, **{key: factor * number_of(spec, actuator, key)})
-
-    return change
+def _scaled(actuator: str, key: str) -> Callable[[float], SpecEdit]:
+    return lambda factor: lambda spec, robot: configure(
+        spec, actuator, **{key: factor * number_of(spec, actuator, key)}
+    )
 
 
 def _shifted(actuator: str, key: str) -> Callable[[float], SpecEdit]:
     return lambda x: lambda spec, robot: configure(spec, actuator, **{key: x + number_of(spec, actuator, key)})
 
 
-def _joint_scaled(joint: str, attribute: str, sigma: float) -> Callable[[float], SpecEdit]:
-    def change(x: float) -> SpecEdit:
+def _joint_scaled(joint: str, attribute: str) -> Callable[[float], SpecEdit]:
+    def change(factor: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             found = spec.joint(joint)
-            setattr(found, attribute, getattr(found, attribute) * factor_of(x, sigma))
+            setattr(found, attribute, getattr(found, attribute) * factor)
 
         return edit
 
     return change
 
 
-def _stiffness(element: str, sigma: float) -> Callable[[float], SpecEdit]:
-    def change(x: float) -> SpecEdit:
+def _stiffness(element: str) -> Callable[[float], SpecEdit]:
+    def change(factor: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             tendon = spec.tendon(element)
-            tendon.stiffness = np.asarray(tendon.stiffness) * factor_of(x, sigma)
+            tendon.stiffness = np.asarray(tendon.stiffness) * factor
 
         return edit
 
     return change
 
 
-def _mass(body: str, sigma: float) -> Callable[[float], SpecEdit]:
-    def change(x: float) -> SpecEdit:
+def _mass(body: str) -> Callable[[float], SpecEdit]:
+    def change(factor: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            link, factor = spec.body(body), factor_of(x, sigma)
+            link = spec.body(body)
             link.mass = link.mass * factor
             link.inertia = np.asarray(link.inertia) * factor
             link.fullinertia = np.asarray(link.fullinertia) * factor

@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 
 from bench.effects.drifts import DAY_K, VISCOUS, own_shares
-from bench.effects.nominal import deviation_of, factor_of, nominal_parameters
+from bench.effects.nominal import nominal_parameters
 from bench.hide.background import Background
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.fitted_errors import fitted_errors
@@ -30,7 +30,7 @@ def background_in(
     for one in nominal_parameters(compiled):
         if one.is_viscous:
             day = VISCOUS * DAY_K * float(rng.standard_normal())
-            deviations[one.name] = deviation_of(factor_of(deviations[one.name], one.sigma) * (1 + day), one.sigma)
+            deviations[one.name] = (1 + deviations[one.name]) * (1 + day) - 1
     return Background(deviations, machine.hung, own.bolted)
 
 

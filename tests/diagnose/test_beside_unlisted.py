@@ -74,11 +74,14 @@ def test_odds_are_those_of_all_variances_enumerated(rng: np.random.Generator) ->
     assert found_odds == pytest.approx(expected, abs=LEFT_OUT)
 
 
-@pytest.mark.parametrize("size", [0.5, 2.0])
+@pytest.mark.parametrize("size", [0.5, 2.0, 30.0])
 def test_viscous_friction_is_not_named_beside_a_drag_with_the_square_of_the_speed(
     size: float, rng: np.random.Generator
 ) -> None:
-    """Quadratic drag came out as viscous friction at 100 %, and a shape for the rest."""
+    """Quadratic drag came out as viscous friction at 100 %, and a shape for the rest.
+
+    The largest is ten times what the widest shape expects, and viscous friction stood for what it did not reach.
+    """
     model = model_of(noisy(size * speed**2 * direction, rng), ("viscous",))
     alone = SubsetPosterior(model.information, model.scores, model.terms[-1:])
     assert expit(alone.log_posterior((0,))) > 0.99

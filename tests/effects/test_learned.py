@@ -79,11 +79,14 @@ def test_friction_never_drives(small: Robot, small_compiled: CompiledRobot) -> N
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_drag_goes_through_its_nodes(small: Robot, sign: int) -> None:
+def test_drag_goes_through_its_nodes_and_in_between_as_the_shape_in_which_it_was_found(
+    small: Robot, sign: int
+) -> None:
     speeds = np.array([0.05, 0.1, 0.2, 0.4])
     sizes = (4.0, 1.0, -3.0, -20.0)
     edit = edit_of(LearnedDrag(*nodes(at=speeds), "motor"), sizes)
-    for speed, size in zip(speeds[1:], sizes[1:], strict=True):
+    (between,) = LearnedDrag.through(speeds, np.array([0.3])) @ sizes
+    for speed, size in zip([*speeds[1:], 0.3], [*sizes[1:], between], strict=True):
         (with_it, _), (without, _) = (paid(small, e, sign * float(speed)) for e in ([edit], []))
         np.testing.assert_allclose(with_it[-1] - without[-1], -sign * size, rtol=0.02)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.effects.nominal import deviation_of, factor_of, nominal_parameters
+from bench.effects.nominal import LEAST_SHARE, factor_of, nominal_parameters
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 
@@ -18,7 +18,6 @@ def test_one_standard_deviation_is_one_factor_up_or_down(sigma: float) -> None:
     assert factor_of(0.0, sigma) == 1
     assert factor_of(sigma, sigma) == pytest.approx(1 + sigma)
     assert factor_of(-2 * sigma, sigma) == pytest.approx((1 + sigma) ** -2)
-    assert deviation_of(factor_of(0.7 * sigma, sigma), sigma) == pytest.approx(0.7 * sigma)
 
 
 @pytest.mark.parametrize("sigma", [0.02, 3.0])
@@ -41,6 +40,16 @@ def test_a_stiffness_that_is_known_to_a_factor_of_a_few_stays_one(compiled: Comp
         for x in (-3.0, -1.0, 1.0)
     ]
     np.testing.assert_allclose(made, [4.0**-3, 1 / 4, 4])
+
+
+def test_torques_are_linear_in_inertias_and_these_may_as_good_as_vanish(compiled: CompiledRobot) -> None:
+    """As a factor, a rotor that a torque sensor does not feel was never reached, and slopes about it led nowhere."""
+    (rotor,) = (one for one in nominal_parameters(compiled) if one.name == "rotor inertia of joint5")
+    dof = compiled.model.joint(compiled.robot.figures.drives[4].rotor).dofadr[0]
+    stated = compiled.model.dof_armature[dof]
+    made = [compile_robot(compiled.robot, (rotor.edit(x),)).model.dof_armature[dof] for x in (-5.0, -0.5, 2.0)]
+    np.testing.assert_allclose(made, stated * np.array([1 + LEAST_SHARE, 0.5, 3.0]))
+    assert rotor.off_by(-5.0) == rotor.least == LEAST_SHARE
 
 
 def test_a_deviation_says_by_how_much_a_figure_is_off(compiled: CompiledRobot) -> None:

@@ -28,7 +28,7 @@ REACH = 4.0  # declared: standard deviations by which a figure may be off before
 # assumed: times its standard deviation, beyond which a stated figure is compared no more: data that know it so much
 # worse do not tell it, and where it is off by more, something is wrong, whatever it is
 FAR = 30.0
-ROUNDING = 1e-9  # rounding: of the way from bound to bound
+ROUNDING = 1e-9  # rounding: of a value; nearer to a bound it is at it
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,9 +68,9 @@ def tangent_of(linear: LinearisedModel, fit: Fit) -> Tangent:
     jacobian = np.concatenate([linear.jacobian, linear.whiten(fit.jacobian)], axis=1)
     prior = _prior(fit)
     precision = jacobian.T @ jacobian + np.diag(prior)
-    low, high = bounds_of(fit.unknowns)
-    inside = np.minimum(np.abs(fit.values - low), np.abs(fit.values - high)) > ROUNDING * (high - low)
-    free = np.flatnonzero(np.concatenate([np.ones(len(fit.nuisances), dtype=bool), inside]))
+    low, high = bounds_of(linear.nuisances, fit.unknowns)
+    values = np.concatenate([fit.nuisances, fit.values])
+    free = np.flatnonzero(np.minimum(np.abs(values - low), np.abs(values - high)) > ROUNDING * np.abs(values))
     white = linear.whiten(fit.residual)
     here = Tangent(jacobian, white, precision, linear.log_determinants, free, np.zeros(len(prior)))
     pull = jacobian.T @ white - prior * _from_stated(fit)

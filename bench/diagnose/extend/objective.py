@@ -1,6 +1,6 @@
 """An extension as a function of its parameters: what it leaves of the readings, how far from probable, derivatives."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ from bench.diagnose.extend.steps import HALVINGS, broyden
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.first_order import FirstOrder
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World, moves
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
@@ -65,7 +66,7 @@ class Objective:
         self.linear, self.causes, self.unknowns = linear, causes, unknowns_of(causes)
         self.sigma = np.array([unknown.sigma for unknown in self.unknowns])
         self.origin = np.array([unknown.parameter.null for unknown in self.unknowns])
-        self.low, self.high = bounds_of(self.unknowns)
+        self.low, self.high = bounds_of(linear.nuisances, self.unknowns)
         self.units = np.concatenate([np.ones(len(linear.nuisances)), self.sigma])
         self._by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not is_simulated(nuisance)]
         self._observed = np.concatenate([segment.observed for segment in linear.segments])
@@ -108,8 +109,13 @@ class Objective:
         Raises:
             ConvergenceError, RobotError: The extended model cannot be simulated there.
         """
-        p = len(state.nuisances)
-        return self.at(state.nuisances + step[:p], np.clip(state.values + step[p:], self.low, self.high))
+        here = np.concatenate([state.nuisances, state.values])
+        return self.at(*np.split(np.clip(here + step, self.low, self.high), [len(state.nuisances)]))
+
+    def limits(self, state: State) -> tuple[Array, Array]:
+        """Return the least and the largest steps from a state, shape (p + k,) each."""
+        here = np.concatenate([state.nuisances, state.values])
+        return self.low - here, self.high - here
 
     def descent(self, state: State, derivatives: Derivatives) -> Array:
         """Return half the downhill gradient of the objective, shape (p + k,)."""
@@ -183,9 +189,10 @@ class Objective:
         return np.asarray((state.residual - there) / step)
 
 
-def bounds_of(unknowns: tuple[Unknown, ...]) -> tuple[Array, Array]:
-    """Return the least and the largest values of unknowns, shape (k,) each."""
-    low, high = np.array([u.bounds for u in unknowns]).reshape(-1, 2).T
+def bounds_of(nuisances: Sequence[Nuisance], unknowns: Sequence[Unknown]) -> tuple[Array, Array]:
+    """Return the least and the largest values of nuisances, in standard deviations, then unknowns, shape (p + k,)."""
+    bounds = [(n.least / n.sigma, np.inf) for n in nuisances] + [u.bounds for u in unknowns]
+    low, high = np.array(bounds).reshape(-1, 2).T
     return low, high
 
 

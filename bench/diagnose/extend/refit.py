@@ -61,7 +61,7 @@ def refit(
         ConvergenceError, RobotError: The extended model cannot be simulated at all.
     """
     unknowns = unknowns_of(causes)
-    low, high = bounds_of(unknowns)
+    low, high = bounds_of((), unknowns)
     values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
     jacobian = known.slopes_of(unknowns) if known else {}
@@ -143,16 +143,14 @@ def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[Sta
 def _step(objective: Objective, state: State, slopes: Derivatives) -> tuple[Array, float]:
     """Return the step to the least objective as derivatives have it, shape (p + k,), and how far that falls."""
     downhill = objective.descent(state, slopes)
-    limits = objective.low - state.values, objective.high - state.values
-    step = bounded_step(slopes.precision, downhill, len(state.nuisances), *limits)
+    step = bounded_step(slopes.precision, downhill, *objective.limits(state))
     return step, float(2 * downhill @ step - step @ (slopes.precision @ step))
 
 
 def _downhill(objective: Objective, state: State, slopes: Derivatives, step: Array) -> State:
     """Return a better state along a step, or the same where there is none."""
     downhill = objective.descent(state, slopes)
-    limits = objective.low - state.values, objective.high - state.values
-    for part in ever_shorter(step, slopes.precision, downhill, len(state.nuisances), *limits):
+    for part in ever_shorter(step, slopes.precision, downhill, *objective.limits(state)):
         with suppress(*NOT_SIMULATED):
             new = objective.after(state, part)
             if new.objective < state.objective:

@@ -10,39 +10,36 @@ HALVINGS = 5  # effort: lengths of a step that are tried
 DAMPINGS = (0.1, 1.0, 10.0)  # effort: of the curvature of each parameter alone
 
 
-def ever_shorter(step: Array, curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Iterator[Array]:
+def ever_shorter(step: Array, curvature: Array, gradient: Array, low: Array, high: Array) -> Iterator[Array]:
     """Yield a step, parts of it, and where none of them serves, steps that turn towards the gradient (Marquardt)."""
     for halving in range(HALVINGS):
         yield 0.5**halving * step
     for damping in DAMPINGS:
-        yield bounded_step(curvature + damping * np.diag(np.diag(curvature)), gradient, p, low, high)
+        yield bounded_step(curvature + damping * np.diag(np.diag(curvature)), gradient, low, high)
 
 
-def bounded_step(curvature: Array, gradient: Array, p: int, low: Array, high: Array) -> Array:
-    """Return the Newton step; unknowns that would leave their bounds stop there, and the rest is solved again.
+def bounded_step(curvature: Array, gradient: Array, low: Array, high: Array) -> Array:
+    """Return the Newton step; parameters that would leave their bounds stop there, and the rest is solved again.
 
     Args:
-        curvature: Shape (p + k, p + k).
-        gradient: Shape (p + k,).
-        p: Number of nuisances, which come first and have no bounds.
-        low: Shape (k,), least steps of the unknowns.
-        high: Shape (k,), largest steps of the unknowns.
+        curvature: Shape (q, q).
+        gradient: Shape (q,).
+        low: Shape (q,), least steps.
+        high: Shape (q,), largest steps.
     """
     step = np.asarray(np.linalg.solve(curvature, gradient), dtype=np.float64)
     stopped = np.zeros(len(step), dtype=bool)
-    for _ in range(len(low)):
-        inside = np.clip(step[p:], low, high)
-        out = np.zeros_like(stopped)
-        out[p:] = inside != step[p:]
+    for _ in range(len(step)):
+        inside = np.clip(step, low, high)
+        out = inside != step
         if not np.any(out):
             break
-        step[p:] = inside
+        step = inside
         stopped |= out
         free = ~stopped
         rest = gradient[free] - curvature[np.ix_(free, stopped)] @ step[stopped]
         step[free] = np.linalg.solve(curvature[np.ix_(free, free)], rest)
-    step[p:] = np.clip(step[p:], low, high)
-    return step
+    return np.clip(step, low, high)
 
 
 def broyden(tangent: Array, change: Array, step: Array, scale: Array) -> Array:

@@ -185,7 +185,7 @@ def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, 
                 fast = speed[moves]
                 if np.min(fast) < (1 - LEAST_SPACING) * np.max(fast):
                     nodes = LearnedDrag.speeds(np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES)))
-                    directed = hats(speed, nodes) * way[:, None]
+                    directed = LearnedDrag.through(nodes, speed) * way[:, None]
                     yield (
                         Block(place, kind, "speed", j, unit, nodes, prior),
                         response[:, :, None] * directed[:, None, :],

@@ -7,9 +7,10 @@ calibration of computer models, 2001). It is integrated out together with all li
 
     odds of a cause C = sum of p(data | S, discrepancy) / sum of p(data | S - C, discrepancy), over its variances
 
-C has the evidence that the discrepancy cannot take, and pays its prior odds from that. Viscous friction beside a drag
-over speed has none left: the shape is needed in any case, and holds a straight line as well. Coulomb friction beside a
-torque over the angle keeps its own, for a second shape would be needed in its place, with one value at each node.
+C has the evidence that the discrepancy cannot take, and pays its prior odds from that. A shape that is needed in any
+case takes all that it can hold, however large that is: viscous friction beside a drag over speed has no evidence left,
+for the shape holds a straight line as well. Coulomb friction beside a torque over the angle keeps its own, for a second
+shape would be needed in its place, with one value at each node.
 """
 
 from collections import Counter
@@ -32,6 +33,7 @@ from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.search import SubsetPosterior, Term, search
 from bench.diagnose.name.search_space import search_space
 
+FLAT = 1e3  # rounding: times its prior; a shape that is needed in any case holds whatever it can
 EXPANDED = 8  # effort: sums of shapes whose neighbours are looked at
 
 
@@ -134,11 +136,17 @@ def free_beside(shapes: Sequence[Term], causes: Sequence[Term], threshold: float
 def log_odds(model: SubsetPosterior) -> dict[Hashable, float]:
     """Return the logarithm of the posterior odds of each cause beside all others, summed over what is free.
 
+    Odds are no better than where the shapes that are needed beside all causes have any size: how large what is not
+    listed may be is known of its kind at best, and a cause that differs from it by its prior alone is not told from it.
+
     Args:
         model: Causes, and what a search may add to them.
     """
     every = tuple(i for i, term in enumerate(model.terms) if not term.is_listed)
     with_all = search(model, (), every, EXPANDED)
+    needed = _free(model, with_all[0].terms)
+    terms = [replace(term, prior=FLAT * term.prior) if term.is_listed else term for term in model.terms]
+    wide = SubsetPosterior(model.information, model.scores, terms)
     found = {}
     for cause in every:
         others = tuple(i for i in every if i != cause)
@@ -152,7 +160,8 @@ def log_odds(model: SubsetPosterior) -> dict[Hashable, float]:
         has, has_not = (
             logsumexp([model.log_posterior((*free, *causes)) for free in near]) for causes in (every, others)
         )
-        found[model.terms[cause].key] = float(has - has_not)
+        alone = wide.log_posterior((*needed, *every)) - wide.log_posterior((*needed, *others))
+        found[model.terms[cause].key] = float(min(has - has_not, alone))
     return found
 
 

@@ -35,6 +35,7 @@ class Nuisance:
         unit: "" for a relative deviation, or what is known to a factor.
         sigma: Standard deviation of its prior.
         is_factor: It is known to a factor (`effects/nominal.py`).
+        least: Least deviation, in its unit.
         edit: How it changes the model, or None.
         on_reading: How it changes readings, or None.
         scales_wrench: It is the relative error of what hangs at the load point.
@@ -61,10 +62,12 @@ class Nuisance:
     said_before: tuple[float, ...] = ()
     own: float = 0.0
     is_factor: bool = False
+    least: float = -np.inf
 
     def off_by(self, sigmas: float) -> float:
         """Return by how much something is off at so many standard deviations of its prior, in its unit."""
-        return factor_of(sigmas * self.sigma, self.sigma) - 1 if self.is_factor else sigmas * self.sigma
+        deviation = sigmas * self.sigma
+        return factor_of(deviation, self.sigma) - 1 if self.is_factor else max(deviation, self.least)
 
     @property
     def lasting(self) -> float:
@@ -83,7 +86,7 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     kinds = {quantity.kind for quantity in quantities}
     found = []
     for p in nominal_parameters(compiled):
-        one = Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor)
+        one = Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor, least=p.least)
         found.append(replace(one, between="drifts", own=VISCOUS * DAY_K) if p.is_viscous else one)
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))

@@ -22,7 +22,7 @@ ROTOR_SHARE = 0.5  # of the greatest mass that a slide moves: gears are chosen f
 # [rad/s^2], with which the torque limit of a hinge spins up its own rotor. Assumed: 16 to 63 on the KR300, of 2.6 to 20
 # kNm; by what links weigh, the rotors of its wrist would be a hundred times too small
 SPIN_UP = 50.0
-ROTOR_GUESSED = 3.0  # uncertainty of such a guess, a factor of four: light arms spin up with up to 400, 1.5 sigma
+ROTOR_GUESSED = 3.0  # uncertainty of such a guess, a share of it: from none to what spins up with 50 / 4 (HH-150: 16)
 # Ratio of torque limits, from where drives cannot have the same rotor: one that is stated for all is a placeholder
 UNLIKE = 2.0
 BANDWIDTH = 2 * np.pi * 6.0  # [rad/s] of the servo on rotor and link together
