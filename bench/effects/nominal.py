@@ -66,9 +66,7 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
             _share(f"motor-side Coulomb friction of {joint}", friction, _scaled(motor, "coulomb")),
             _share(f"link-side Coulomb friction of {joint}", friction, _scaled(link, "coulomb")),
             _share(f"rotor inertia of {joint}", known.rotor_inertia, _joint_scaled(rotor, "armature")),
-            replace(
-                _share(f"viscous friction of {joint}", friction, _joint_scaled(rotor, "damping")), is_viscous=True
-            ),
+            replace(_share(f"viscous friction of {joint}", friction, _joint_scaled(rotor, "damping")), is_viscous=True),
             _factor(f"stiffness of {joint}", known.stiffness, _stiffness(drive.element)),
         ]
     for name in moving_bodies(compiled):
@@ -140,8 +138,8 @@ def _across(compiled: CompiledRobot) -> int:
 
 
 def _scaled(actuator: str, key: str) -> Callable[[float], SpecEdit]:
-    return lambda factor: lambda spec, robot: configure(
-        spec, actuator, **{key: factor * number_of(spec, actuator, key)}
+    return lambda factor: (
+        lambda spec, robot: configure(spec, actuator, **{key: factor * number_of(spec, actuator, key)})
     )
 
 

@@ -115,6 +115,18 @@ def test_what_promises_more_and_was_not_simulated_counts_for_no_more_than_is_sai
     assert set(posterior_of(models, found, most=9.0).values()) == {9.0}
 
 
+def test_a_cause_that_comes_to_nothing_takes_none_but_those_that_have_it_along() -> None:
+    """Friction of one direction in the place of an offset needs more than there is; at another joint both will do."""
+    models = (fake(9.0, "friction 2", "offset 3"),)
+    lost, other, both = (
+        frozenset(keys) for keys in (("friction 2", "friction 3"), ("offset 2", "offset 3"), ("offset 2", "friction 3"))
+    )
+    promised = {models[0].keys: 9.0, lost: 8.0, other: 7.0, both: 6.0}
+    found = [Alternative(keys, Subset((), 0.0), value) for keys, value in promised.items()]
+    weighed = posterior_of(models, found, {lost: frozenset({"friction 3"})})
+    assert weighed == {models[0].keys: 9.0, lost: -np.inf, other: 7.0, both: -np.inf}
+
+
 def test_what_a_last_search_loses_is_weighed_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
     """A friction that does not act beside the others: what the repeated searches find of it was asked for in vain."""
     kind = selection._Selection

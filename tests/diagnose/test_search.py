@@ -1,5 +1,6 @@
 """The posterior over subsets against dense algebra, quadrature and enumeration."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -8,7 +9,7 @@ from scipy.integrate import trapezoid
 from scipy.stats import multivariate_normal, norm
 
 from bench.diagnose.linearise.marginal import Nuisances
-from bench.diagnose.name.search import WINDOW, SubsetPosterior, Term, alternatives_of, search
+from bench.diagnose.name.search import WINDOW, SubsetPosterior, Term, alternatives_of, exchanges, search
 
 M, P = 40, 3
 ODDS = -3.0
@@ -120,3 +121,16 @@ def test_shapes_of_one_cause_exclude_each_other_and_count_together(
     same = [s.log_posterior for s in subsets if {keys[i] for i in s.terms} == first.keys]
     assert first.log_posterior == pytest.approx(np.logaddexp.reduce(same))
     assert first.best.log_posterior == max(same)
+
+
+def test_what_has_no_place_without_a_finding_does_not_stand_in_its_place() -> None:
+    """More of a friction acts as the friction does; a robot that has none cannot have more of it."""
+    column = np.random.default_rng(3).standard_normal((M, 1))
+    products = Nuisances(np.zeros((M, 1))).products(column[:, 0], np.concatenate([column, column], axis=1))
+    friction = Term("friction", np.array([0]), np.ones(1), ODDS, np.zeros(1))
+    more = replace(friction, key="more", columns=np.array([1]), needs=frozenset({"friction"}))
+    model = SubsetPosterior(products.information, products.scores, [friction, more])
+    assert model.log_posterior((0,)) > 0 > model.additions((0,))[1] > model.additions(())[1] == -np.inf
+    visited = search(model, [(0,)])
+    weighed = {one.terms for one in (*visited, *exchanges(model, visited[0])) if np.isfinite(one.log_posterior)}
+    assert weighed == {(), (0,), (0, 1)}

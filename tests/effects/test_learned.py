@@ -79,9 +79,7 @@ def test_friction_never_drives(small: Robot, small_compiled: CompiledRobot) -> N
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_drag_goes_through_its_nodes_and_in_between_as_the_shape_in_which_it_was_found(
-    small: Robot, sign: int
-) -> None:
+def test_drag_goes_through_its_nodes_and_in_between_as_the_shape_in_which_it_was_found(small: Robot, sign: int) -> None:
     speeds = np.array([0.05, 0.1, 0.2, 0.4])
     sizes = (4.0, 1.0, -3.0, -20.0)
     edit = edit_of(LearnedDrag(*nodes(at=speeds), "motor"), sizes)

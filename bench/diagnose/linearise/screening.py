@@ -1,8 +1,8 @@
 """Everything that was tried on a campaign, in the linearised model: evidence for each candidate and each free shape."""
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -65,10 +65,12 @@ class Tried:
     Attributes:
         entries: Not weighed yet.
         columns: Of all entries.
+        needs: Key of a cause -> keys of findings of the model, without any of which it has no place.
     """
 
     entries: tuple[Entry, ...]
     columns: Columns
+    needs: Mapping[Hashable, frozenset[Hashable]] = field(default_factory=dict)
 
     @property
     def prior(self) -> Array:

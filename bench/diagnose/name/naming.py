@@ -1,7 +1,8 @@
 """Name: what the data say. Causes, sets of what cannot be told apart, several causes, or none that is listed."""
 
-from collections.abc import Hashable, Mapping, Sequence, Set
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -17,6 +18,7 @@ from bench.diagnose.name.groups import IN_SET, AmbiguityGroup
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.search import Alternative
 
+NOTHING: Mapping[frozenset[Hashable], frozenset[Hashable]] = MappingProxyType({})
 Kind = Literal["nothing found", "cause", "several causes", "unlisted cause", "nothing found so far"]
 
 
@@ -85,30 +87,32 @@ class Naming:
 def posterior_of(
     models: Sequence[Model],
     found: Sequence[Alternative],
-    fell: Set[frozenset[Hashable]] = frozenset(),
+    fell: Mapping[frozenset[Hashable], frozenset[Hashable]] = NOTHING,
     most: float = np.inf,
 ) -> dict[frozenset[Hashable], float]:
     """Return the logarithm of the posterior odds of every subset that was visited.
 
     What was not simulated counts as linearised, shifted by what simulation made of the best, and for no more than the
-    least of those that promised more.
+    least of those that promised more. A cause that came to nothing where more was promised counts for nothing.
 
     Args:
         models: Simulated, the most probable first.
         found: By the search.
-        fell: What was promised and not borne out by a simulation.
+        fell: What was promised and not borne out by a simulation -> which of its causes came to nothing.
         most: That anything counts for that was not simulated.
     """
     simulated = {model.keys: model.log_posterior for model in models}
     linear = {one.keys: one.log_posterior for one in found}
     offset = simulated[models[0].keys] - linear.get(models[0].keys, simulated[models[0].keys])
     tried = [(linear[keys], value) for keys, value in simulated.items() if keys in linear]
-    tried += [(linear[keys], -np.inf) for keys in fell if keys in linear]
+    lost = [(linear[keys], gone) for keys, gone in fell.items() if keys in linear]
 
-    def expected(value: float) -> float:
+    def expected(keys: frozenset[Hashable], value: float) -> float:
+        if keys in fell or any(promised >= value and keys & gone for promised, gone in lost):
+            return -np.inf
         return min([value + offset, most, *(made for promised, made in tried if promised >= value)])
 
-    return {keys: expected(value) for keys, value in linear.items()} | simulated
+    return {keys: expected(keys, value) for keys, value in linear.items()} | simulated
 
 
 def with_probabilities(models: Sequence[Model], every: Mapping[frozenset[Hashable], float]) -> tuple[Model, ...]:

@@ -1,6 +1,6 @@
 """What can be tried about an extended model: a robot that has friction may have more of it at low speed, and so on."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, r
 from bench.diagnose.linearise.screening import Screening, Tried, screen, tried_of
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
 from bench.diagnose.name.models import Model, without_shape
+from bench.diagnose.replay.world import World, moves
 from bench.effects.effect import Effect
 from bench.effects.recorded import NOTHING_RECORDED, Recorded
 from bench.errors import InputError
@@ -86,7 +87,7 @@ class Neighbourhood:
         nominal = model.linear(linear)
         world = fit.world(nominal)
         own, before = with_friction_of(nominal, world, fit.play), self._changes
-        causes = causes_of(self.catalogue.values(), own.replay.robot(world), self.measured, self.recorded)
+        causes = self._causes_of(own.replay.robot(world))
         taken = {cause.key for cause in fit.causes}
         if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
             which = [i for i, nuisance in enumerate(own.nuisances) if is_simulated(nuisance)]
@@ -100,7 +101,36 @@ class Neighbourhood:
             own = self._looked_around(own, lambda other: pseudo_residual(other, fit))
         own = _settled(own, lambda other: pseudo_residual(other, fit), is_last=is_last)
         linear = without_shape(own, count)
-        return linear, self._everything(linear)
+        return linear, replace(self._everything(linear), needs=self.needs(fit.causes, world, own.replay.robot))
+
+    def needs(
+        self, found: Sequence[Cause], world: World, robot_of: Callable[[World], CompiledRobot]
+    ) -> dict[Hashable, frozenset[Hashable]]:
+        """Return what has no place on the nominal robot: its key -> keys of the findings that it cannot do without.
+
+        Args:
+            found: Causes of a model.
+            world: The same with their sizes.
+            robot_of: The robot of a world.
+        """
+
+        def there(world: World) -> set[Hashable]:
+            return {cause.key for cause in self._causes_of(robot_of(world))}
+
+        here, nominal = there(world), {cause.key for cause in self._causes_of(self.compiled)}
+        new = here - nominal
+        # what had a place beside earlier models alone cannot be added: it needs itself
+        gone = [one.key for one in self._causes if one.key not in here | nominal]
+        needs: dict[Hashable, frozenset[Hashable]] = {key: frozenset({key}) for key in gone}
+        for cause, acting in zip(found, world.acting, strict=True):
+            if new and moves(cause.effect):
+                others = tuple(one for one in world.acting if one is not acting)
+                for key in new - there(replace(world, acting=others)) - {cause.key}:
+                    needs[key] = needs.get(key, frozenset()) | frozenset({cause.key})
+        return needs
+
+    def _causes_of(self, robot: CompiledRobot) -> tuple[Cause, ...]:
+        return causes_of(self.catalogue.values(), robot, self.measured, self.recorded)
 
     def _looked_around(self, linear: LinearisedModel, white_of: Callable[[LinearisedModel], Array]) -> LinearisedModel:
         """Return the design with what not even everything together explains, by the instruments' standard errors."""

@@ -38,6 +38,7 @@ class Term:
         log_odds: Logarithm of its prior odds.
         sign: Shape (k,), of the columns whose size can only be positive (1) or negative (-1); 0: either.
         is_listed: Whether a search may add it; other terms are in its subsets only where it is told so.
+        needs: Keys of the terms without which it has no place: more friction needs friction that was found.
     """
 
     key: Hashable
@@ -46,6 +47,7 @@ class Term:
     log_odds: float
     sign: Array
     is_listed: bool = True
+    needs: frozenset[Hashable] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -74,10 +76,12 @@ class SubsetPosterior:
         self.information, self.scores, self.terms = information, scores, tuple(terms)
 
     def log_posterior(self, which: Sequence[int]) -> float:
-        """Return the log posterior odds of some terms against none."""
+        """Return the log posterior odds of some terms against none; -inf where one of them has no place."""
         if not which:
             return 0.0
         terms = [self.terms[i] for i in which]
+        if not frozenset().union(*(term.needs for term in terms)) <= {term.key for term in terms}:
+            return -np.inf
         prior, sign = np.concatenate([t.prior for t in terms]), np.concatenate([t.sign for t in terms])
         root, pull = self._root(which)
         total = 0.5 * float(pull @ pull) - float(np.sum(np.log(np.diag(root)))) - float(np.sum(np.log(prior)))
@@ -96,7 +100,7 @@ class SubsetPosterior:
         """Return by how much the log posterior odds rise with each term added to some, shape (number of terms,).
 
         What a size with one sign says of the terms that are there already is left out. -inf where a term excludes
-        one that is there.
+        one that is there, or has no place.
         """
         score, reduced = self.scores, np.zeros((0, len(self.scores)))
         if which:
@@ -111,6 +115,8 @@ class SubsetPosterior:
             rise[members] = log_evidences_of(h, score[columns], prior, sign) + odds
         for i in which:
             rise[self._same[self.terms[i].key]] = -np.inf
+        taken = {self.terms[i].key for i in which}
+        rise[[i for i, term in enumerate(self.terms) if not term.needs <= taken]] = -np.inf
         return rise
 
     def _root(self, which: Sequence[int]) -> tuple[Array, Array]:

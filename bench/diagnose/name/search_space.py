@@ -204,7 +204,8 @@ def search_space(
             continue
         for prior, log_odds in entry.priors:
             log_odds -= threshold if entry.cause else threshold + LEAST
-            terms.append(Term(key, entry.columns, prior, log_odds, entry.sign, entry.cause is not None))
+            needs = tried.needs.get(key, frozenset())
+            terms.append(Term(key, entry.columns, prior, log_odds, entry.sign, entry.cause is not None, needs))
             what.append(entry)
     start = len(marginal.scores)
     for cause, tangent in zip(about.causes, own, strict=True):
@@ -216,7 +217,8 @@ def search_space(
         widths = widths_of(cause)
         width = widths[int(np.argmax(log_of_widths(fit, cause)))]
         prior = np.where([u.parameter.is_shape for u in unknowns], 1.0, width) * sigma
-        terms.append(Term(cause.key, columns, prior, -threshold - float(np.log(len(widths))), sign))
+        log_odds, needs = -threshold - float(np.log(len(widths))), tried.needs.get(cause.key, frozenset())
+        terms.append(Term(cause.key, columns, prior, log_odds, sign, needs=needs))
         what.append(cause)
     if about.shape:
         log_odds = -float(np.log(len(WIDTHS)))

@@ -200,7 +200,11 @@ class _Selection:
         near = {model.keys for model in models if model.log_posterior > models[0].log_posterior - IN_SET}
         self.plays |= {there for there, one in plays.items() if one.keys not in near}
         # whatever was promised of those that could not be fitted, or did not need all of their causes
-        fell = {keys for keys, model in fitter.models.items() if model is None or model.keys != keys}
+        fell = {
+            keys: keys - (model or self.best).keys
+            for keys, model in fitter.models.items()
+            if model is None or model.keys != keys
+        }
         self.posterior = posterior_of(models, found, fell, np.inf if adds else models[0].log_posterior)
         self.models = with_probabilities(models, self.posterior)
         self.best = self.models[0]
