@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from bench import paths
 from bench.errors import RobotError, unknown_name
+from bench.record.schema_words import words_of
 from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.figures import Figures
 
@@ -75,6 +76,5 @@ def problems_of(error: ValidationError, file: str) -> list[str]:
     for fault in error.errors():
         place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in fault["loc"]).lstrip(".")
         given = "" if fault["type"] == "missing" else f", not {str(fault['input'])[:80]!r}"
-        message = fault["msg"].removeprefix("Value error, ")
-        sentences.append(f"{file}: {place or 'top level'}: {message}{given}")
+        sentences.append(f"{file}: {place or 'top level'}: {words_of(fault)}{given}")
     return sentences
