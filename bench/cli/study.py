@@ -65,9 +65,9 @@ class Study:
         from contextlib import nullcontext
 
         from bench.cli.progress import progress_bar
+        from bench.cli.seeds import checked_seed
         from bench.errors import InputError
         from bench.executor.cluster import Cluster
-        from bench.cli.seeds import checked_seed
         from bench.executor.local import on_cores
         from bench.report.study.words import measured_words, met_words
         from bench.report.study.write import PAGE, write_study

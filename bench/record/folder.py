@@ -36,7 +36,8 @@ def new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
         with _new_folder(folder, mark, replace) as partial:
             yield partial
     except OSError as error:
-        if error.errno not in UNWRITABLE:
+        is_gone = error.errno == errno.ENOENT and ".partial" in str(error.filename)  # as in /proc, or taken away
+        if error.errno not in UNWRITABLE and not is_gone:
             raise
         seen = re.sub(r"\.([^/]+)\.[0-9a-f]{8}\.partial", r"\1", str(folder))  # inside of one that is being filled
         message = f"{seen}: cannot be written ({error.strerror}); free some space or choose another"

@@ -5,6 +5,7 @@ from typing import Any
 
 BLOCK = "is no list of `key: value` lines"
 WORDS: Mapping[str, str] = {
+    "missing": "is missing",
     "model_type": BLOCK,
     "dict_type": BLOCK,
     "list_type": "is no list",

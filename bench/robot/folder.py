@@ -75,6 +75,6 @@ def problems_of(error: ValidationError, file: str) -> list[str]:
     sentences = []
     for fault in error.errors():
         place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in fault["loc"]).lstrip(".")
-        given = "" if fault["type"] == "missing" else f", not {str(fault['input'])[:80]!r}"
+        given = "" if isinstance(fault["input"], dict | list) else f", not {str(fault['input'])[:80]!r}"
         sentences.append(f"{file}: {place or 'top level'}: {words_of(fault)}{given}")
     return sentences
