@@ -1,13 +1,16 @@
 """A robot is a folder: MJCF, `figures.yaml`, README. This finds one and reads its figures."""
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from bench import paths
 from bench.errors import RobotError, unknown_name
+from bench.record.rules.values import IMPOSSIBLE
 from bench.record.schema_words import words_of
 from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.figures import Figures
@@ -59,7 +62,10 @@ def load_robot(name_or_folder: str | Path) -> Robot:
         )
     source = folder / FIGURES_FILE
     try:
-        figures = Figures.model_validate(load_typed_yaml(source))
+        content = load_typed_yaml(source)
+        if faults := [f"{source.name}: {key}: {value} is no figure of a robot." for key, value in _too_large(content)]:
+            raise RobotError(faults)
+        figures = Figures.model_validate(content)
     except YamlFault as fault:
         raise RobotError(f"{source}: {fault}; {fault.remedy}.") from fault
     except ValidationError as error:
@@ -68,6 +74,18 @@ def load_robot(name_or_folder: str | Path) -> Robot:
     if not robot.mjcf.is_file():
         raise RobotError(f"{source}: mjcf: there is no file {figures.mjcf!r} beside it.")
     return robot
+
+
+def _too_large(content: object, key: str = "") -> Iterator[tuple[str, float]]:
+    """Yield key and value of each number that no figure reaches, in what stands in a YAML file."""
+    if isinstance(content, dict):
+        for name, part in content.items():
+            yield from _too_large(part, f"{key}.{name}".lstrip("."))
+    elif isinstance(content, list):
+        for i, part in enumerate(content):
+            yield from _too_large(part, f"{key}[{i}]")
+    elif isinstance(content, int | float) and IMPOSSIBLE < abs(content) < inf:
+        yield key, content
 
 
 def problems_of(error: ValidationError, file: str) -> list[str]:

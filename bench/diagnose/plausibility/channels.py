@@ -189,7 +189,7 @@ def _of_drive(picture: DrivePicture, compiled: CompiledRobot, j: int, rows: NDAr
     if ratio < FEEBLE:
         yield doubt(
             name,
-            f"is {1 / ratio:.3g} times smaller than what {drive} needs",
+            f"is {1 / ratio if ratio else np.inf:.3g} times smaller than what {drive} needs",
             "on the motor side of the gear, or in kNm? multiply by the gear ratio, give SI units",
         )
     gains = [_energy(columns[kept], values[kept], velocity[kept]) for kept in _leaving_out(len(values))]
