@@ -62,14 +62,15 @@ def load_robot(name_or_folder: str | Path) -> Robot:
         )
     source = folder / FIGURES_FILE
     try:
-        content = load_typed_yaml(source)
-        if faults := [f"{source.name}: {key}: {value} is no figure of a robot." for key, value in _too_large(content)]:
-            raise RobotError(faults)
-        figures = Figures.model_validate(content)
+        figures = Figures.model_validate(load_typed_yaml(source))
     except YamlFault as fault:
         raise RobotError(f"{source}: {fault}; {fault.remedy}.") from fault
     except ValidationError as error:
         raise RobotError(problems_of(error, source.name)) from error
+    if faults := [
+        f"{source.name}: {key}: {value:g} is no figure of a robot." for key, value in _too_large(figures.model_dump())
+    ]:
+        raise RobotError(faults)
     robot = Robot(folder.resolve().name, folder.resolve(), figures)
     if not robot.mjcf.is_file():
         raise RobotError(f"{source}: mjcf: there is no file {figures.mjcf!r} beside it.")
@@ -77,11 +78,11 @@ def load_robot(name_or_folder: str | Path) -> Robot:
 
 
 def _too_large(content: object, key: str = "") -> Iterator[tuple[str, float]]:
-    """Yield key and value of each number that no figure reaches, in what stands in a YAML file."""
+    """Yield key and value of each number that no figure reaches, in what a model holds."""
     if isinstance(content, dict):
         for name, part in content.items():
             yield from _too_large(part, f"{key}.{name}".lstrip("."))
-    elif isinstance(content, list):
+    elif isinstance(content, list | tuple):
         for i, part in enumerate(content):
             yield from _too_large(part, f"{key}[{i}]")
     elif isinstance(content, int | float) and IMPOSSIBLE < abs(content) < inf:
