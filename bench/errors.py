@@ -4,8 +4,12 @@ Every error that a user can cause is a `BenchError`. The command line prints it 
 `exit_code`; the codes are part of the interface and stand in README.md.
 """
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
+
+MOST_OF_NAME = 100  # characters of a name that a message repeats; some files have one of a million
+UNPRINTABLE = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 
 class BenchError(Exception):
@@ -29,7 +33,7 @@ class InputError(BenchError):
 
     def __init__(self, problems: str | Iterable[str]) -> None:
         self.problems: tuple[str, ...] = (problems,) if isinstance(problems, str) else tuple(problems)
-        super().__init__("\n".join(self.problems))
+        super().__init__(printable("\n".join(self.problems)))
 
 
 class CampaignError(InputError):
@@ -60,9 +64,14 @@ class MissingPluginError(BenchError):
     exit_code = 6
 
 
+def printable(text: str) -> str:
+    """Return a text with control characters escaped: names in files of strangers must not steer a terminal."""
+    return UNPRINTABLE.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
 def unknown_name(what: str, name: str, known: Iterable[str]) -> str:
     """Return the sentence for an unknown name: what it is, the nearest known one, and all known ones."""
     names = sorted(known)
     near = get_close_matches(name, names, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
-    return f"unknown {what} {name!r}.{hint} Known: {', '.join(names) or 'none'}."
+    return f"unknown {what} {name[:MOST_OF_NAME]!r}.{hint} Known: {', '.join(names) or 'none'}."

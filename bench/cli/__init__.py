@@ -1,5 +1,6 @@
 """The `bench` command: one file per subcommand, each importing what it needs only when it runs."""
 
+import errno
 import io
 import os
 import sys
@@ -28,7 +29,7 @@ from bench.cli.stopping import TerminatedError, ending_on_terminate
 from bench.cli.store import Store
 from bench.cli.study import Study
 from bench.cli.view import View
-from bench.errors import BenchError
+from bench.errors import BenchError, InputError
 
 Command = (
     Annotated[Paper, tyro.conf.subcommand("paper")]
@@ -55,6 +56,7 @@ Command = (
 INTERRUPTED = 130
 TERMINATED = 143
 NOT_READ = 141
+UNPRINTED = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EIO)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -71,9 +73,14 @@ def main(arguments: list[str] | None = None) -> int:
         word = "interrupted" if is_typed else "terminated"
         print(f"bench: {word}; nothing half-written was left behind.", file=sys.stderr)
         return INTERRUPTED if is_typed else TERMINATED
-    except BrokenPipeError:  # as with `bench ... | head`: nobody reads on
+    except OSError as error:
+        if error.filename is not None or error.errno not in UNPRINTED:  # of files, it is an error of the bench
+            raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left is flushed at the end
-        return NOT_READ
+        if error.errno == errno.EPIPE:  # as with `bench ... | head`: nobody reads on
+            return NOT_READ
+        print(f"bench: what it prints cannot be written: {error.strerror}", file=sys.stderr)
+        return InputError.exit_code
 
 
 def _run(arguments: list[str] | None) -> int:

@@ -52,6 +52,7 @@ class Compare:
         from bench.executor.watched import Watched
         from bench.record.folder import new_folder
         from bench.record.joined import names_of
+        from bench.record.rules.repeated_runs import no_campaign_twice
         from bench.report.comparison.words import words_of
         from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
         from bench.report.joint_campaign import open_doubted
@@ -67,6 +68,8 @@ class Compare:
         read = list(zip(folders, opened, strict=True))
         warnings = [(place, finding) for place, one in read for finding in one.warnings]
         doubts = [(place, finding) for place, one in read for finding in one.doubts]
+        named = {name: one.campaign for name, one in zip(names, opened, strict=True)}
+        doubts += [(folders[names.index(name)], finding) for name, finding in no_campaign_twice(named)]
         heed(warnings, doubts, despite_doubts=self.despite_doubts)
         compiled = opened[0].compiled
         try_out([effect for name, effect in effects.items() if name not in known], compiled)

@@ -24,6 +24,7 @@ class Demo:
         import sys
         import time
 
+        from bench.cli.seeds import checked_seed
         from bench.executor.local import on_cores
         from bench.hide.write import CAMPAIGN, write_hidden
         from bench.record.folder import new_folder
@@ -31,7 +32,7 @@ class Demo:
         from bench.report.diagnosis.write import write_diagnosis
         from bench.study.demo import hide_and_seek, judgement
 
-        seed = int(time.time()) % 100_000 if self.seed is None else self.seed
+        seed = int(time.time()) % 100_000 if self.seed is None else checked_seed(self.seed)
         out = self.out or Path(f"demo-{seed}")
         with new_folder(out, CAMPAIGN, replace=False) as folder:
             demo = hide_and_seek(seed, lambda words: print(f"... {words}", file=sys.stderr), on_cores())

@@ -44,8 +44,9 @@ class Hide:
         """Make and write the campaign; return the exit code."""
         import numpy as np
 
+        from bench.cli.seeds import checked_seed
         from bench.effects.catalogue import catalogue
-        from bench.errors import InputError
+        from bench.errors import InputError, RobotError
         from bench.hide.campaign import hide_campaign
         from bench.hide.recorded import recorded_of
         from bench.hide.request import effects_of
@@ -56,6 +57,8 @@ class Hide:
         from bench.scenario.complementary import Complementary
         from bench.scenario.files import read_scenario
 
+        rng = np.random.default_rng(checked_seed(self.seed))
+        machine = None if self.machine is None else np.random.default_rng(checked_seed(self.machine, "--machine"))
         if bool(self.effects) == self.none:
             raise InputError("name an effect to hide, or give --none for data without one; not both.")
         session = read_scenario(self.scenario)
@@ -65,15 +68,18 @@ class Hide:
         recorded = recorded_of(robot, session, self.without, self.channels)
         acting = effects_of(self.effects, compile_robot(robot), catalogue(), self.joint, recorded)
         with new_folder(self.out, CAMPAIGN, replace=False) as folder:
-            hidden = hide_campaign(
-                robot,
-                session,
-                acting,
-                np.random.default_rng(self.seed),
-                without=self.without,
-                channels=self.channels,
-                machine=None if self.machine is None else np.random.default_rng(self.machine),
-            )
+            try:
+                hidden = hide_campaign(
+                    robot,
+                    session,
+                    acting,
+                    rng,
+                    without=self.without,
+                    channels=self.channels,
+                    machine=machine,
+                )
+            except RobotError as error:  # the robot was sound before
+                raise InputError(f"no robot can be simulated with {', '.join(self.effects)}: {error}") from error
             write_hidden(hidden, folder, "parquet" if self.parquet else "csv")
         for one in acting:
             print(f"hidden     {one}")

@@ -26,6 +26,7 @@ class Run:
     def run(self) -> int:
         """Run the scenario; return the exit code."""
         from bench.cli.progress import progress_bar
+        from bench.cli.seeds import checked_seed
         from bench.record.folder import new_folder
         from bench.report.paper.complementary.run import NUMBERS, run_complementary
         from bench.report.results import RECORDING, write_session
@@ -40,7 +41,7 @@ class Run:
             print(f"numbers and figures  {self.out}")
             return 0
         if self.seed is not None:
-            scenario = type(scenario).model_validate(scenario.model_dump() | {"seed": self.seed})
+            scenario = type(scenario).model_validate(scenario.model_dump() | {"seed": checked_seed(self.seed)})
         with new_folder(self.out, RECORDING, replace=False) as folder:
             with progress_bar(f"{scenario.experiment} on {scenario.robot}") as progress:
                 session = run_session(scenario, progress)

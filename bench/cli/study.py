@@ -65,6 +65,7 @@ class Study:
         from contextlib import nullcontext
 
         from bench.cli.progress import progress_bar
+        from bench.cli.seeds import checked_seed
         from bench.errors import InputError
         from bench.executor.cluster import Cluster
         from bench.executor.local import on_cores
@@ -85,7 +86,7 @@ class Study:
         counts = Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins, self.effects, self.world)
         if self.small:
             counts = replace(SMALL, worlds=self.world)
-        settings = Settings(self.seed, counts=counts)
+        settings = Settings(checked_seed(self.seed), counts=counts)
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:

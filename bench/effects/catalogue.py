@@ -178,6 +178,9 @@ def _run(file: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:  # a user's file may raise anything; none of it is worth a traceback through the bench
+    except (
+        Exception,
+        SystemExit,
+    ) as error:  # a user's file may raise anything, and end
         raise InputError(f"{line_in(file, error)}: does not run: {type(error).__name__}: {error}") from error
     return module

@@ -59,7 +59,7 @@ class GasLoss(OfGas):
         "Gas leaks through seals and valve over months; with a share x lost, F falls to (1 - x) F at every length."
     )
     source = "range: usual service limits of nitrogen accumulators (refill below 70 to 90 % of the charge); assumed"
-    parameters = (Parameter("lost", "", 0.0, 0.01, 0.3, "share of the charge that is gone"),)
+    parameters = (Parameter("lost", "", 0.0, 0.01, 0.3, "share of the charge that is gone", most=1.0),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         return amount_scaled(1 - values["lost"])

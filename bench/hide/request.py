@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from math import inf
+from math import inf, isfinite, nan
 
 from bench.effects.effect import Acting, Effect, Place
 from bench.effects.recorded import NOTHING_RECORDED, Recorded
@@ -71,8 +71,10 @@ def _one(
         raise InputError(f"effect {name!r}: {unknown_name('parameter', chosen, parameters)}")
     try:
         value = parameters[chosen].typical if match["value"] is None else float(match["value"])
-    except ValueError as error:
-        raise InputError(f"{word!r}: {match['value']!r} is not a number; {GRAMMAR}.") from error
+    except ValueError:
+        value = nan
+    if not isfinite(value):
+        raise InputError(f"{word!r}: {match['value']!r} is not a number; {GRAMMAR}.")
     least, most = parameters[chosen].least, parameters[chosen].most
     if not least <= value <= most:
         allowed = f"at least {least:g}" if most == inf else f"between {least:g} and {most:g}"

@@ -120,7 +120,7 @@ def parse_column(name: str) -> Column | None:
 
 def known_names(like: str) -> list[str]:
     """Return every column name, numbered as `like` is ("q_cmd_i_rad" as "q_cmd_3_rad" if a 3 stands in `like`)."""
-    number = re.search(r"\d+", like)
+    number = re.search("[1-9][0-9]{0,3}", like)
     return [re.sub(r"_[ik](?=_)", f"_{number[0] if number else 1}", name) for name in NAMES]
 
 

@@ -13,7 +13,7 @@ from bench.record.limits import CAMPAIGN_CELLS, FOLDER_ENTRIES
 from bench.record.manifest import SUFFIXES, Manifest, RunEntry, read_manifest
 from bench.record.rules import examine, suits_arm
 from bench.record.rules.names import SET_ASIDE
-from bench.record.rules.session import no_overlap
+from bench.record.rules.session import examine_session
 from bench.record.rules.sheet import Sheet
 from bench.record.table import Table, read_table
 
@@ -39,7 +39,7 @@ class _Content:
     def report(self, of_sheets: Sequence[Sequence[Finding]]) -> Report:
         """Return the report, given what the rules find in each sheet."""
         in_tables = [finding for found in of_sheets for finding in found]
-        findings = (*self.manifest.findings, *self.faults, *in_tables, *no_overlap(self.sheets), *self.forgotten)
+        findings = (*self.manifest.findings, *self.faults, *in_tables, *examine_session(self.sheets), *self.forgotten)
         head = self.manifest.head
         if head is None or any(finding.level == "error" for finding in findings):
             return Report(self.folder, findings, None)
@@ -84,7 +84,7 @@ def check_with_robot(folder: Path, arm_of: Callable[[str], Arm]) -> Report:
 
 def examine_all(sheets: Sequence[Sheet]) -> list[Finding]:
     """Put all runs of one campaign through the rules."""
-    return [finding for sheet in sheets for finding in _examine(sheet)] + list(no_overlap(sheets))
+    return [finding for sheet in sheets for finding in _examine(sheet)] + examine_session(sheets)
 
 
 def _examine(sheet: Sheet) -> list[Finding]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from bench.errors import CampaignError
+from bench.errors import MOST_OF_NAME, CampaignError, printable
 from bench.record.campaign import Campaign
 
 Level = Literal["error", "doubt", "warning"]
@@ -48,8 +48,8 @@ class Finding:
         if self.row is not None:
             place += f": row {self.row}" + (f" (line {self.line})" if self.line else "")
         if self.column:
-            place += f": {self.column}"
-        return f"{place}: {self.message}; {self.remedy}"
+            place += f": {self.column[:MOST_OF_NAME]}"
+        return printable(f"{place}: {self.message}; {self.remedy}".replace("\n", "\\n"))
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,8 @@ def new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
         with _new_folder(folder, mark, replace) as partial:
             yield partial
     except OSError as error:
-        if error.errno not in UNWRITABLE:
+        is_gone = error.errno == errno.ENOENT and ".partial" in str(error.filename)  # as in /proc, or taken away
+        if error.errno not in UNWRITABLE and not is_gone:
             raise
         seen = re.sub(r"\.([^/]+)\.[0-9a-f]{8}\.partial", r"\1", str(folder))  # inside of one that is being filled
         message = f"{seen}: cannot be written ({error.strerror}); free some space or choose another"
@@ -64,9 +65,10 @@ def _new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
         yield partial
         if replace and folder.exists():
             folder.rename(old)
-        elif folder.exists():
-            _remove_empty(folder)
-        partial.rename(folder)
+        with _first_to_fill(folder):
+            if folder.exists():
+                folder.rmdir()
+            partial.rename(folder)
     finally:
         if old.exists() and not folder.exists():
             old.rename(folder)
@@ -76,8 +78,11 @@ def _new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
         replaced.let_go()
 
 
-def _remove_empty(folder: Path) -> None:
+@contextmanager
+def _first_to_fill(folder: Path) -> Iterator[None]:
     try:
-        folder.rmdir()
+        yield
     except OSError as error:
+        if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+            raise
         raise InputError(f"{folder}: was filled by somebody else meanwhile; choose another name") from error

@@ -15,6 +15,7 @@ from bench.record.channels import NOISY, known_names, parse_column
 from bench.record.logs.cuts import Cuts
 from bench.record.logs.dialect import PLAIN, Dialect
 from bench.record.logs.resample import Fill, Resampling
+from bench.record.schema_words import words_of
 from bench.record.units import right_name
 from bench.record.yaml_text import YamlFault, load_yaml
 
@@ -134,5 +135,5 @@ def read_log_format(path: Path) -> LogFormat:
         faults = []
         for detail in error.errors():
             place = ".".join(str(part) for part in detail["loc"]) or "top level"
-            faults.append(f"{path}: {place}: {detail['msg'].removeprefix('Value error, ')}")
+            faults.append(f"{path}: {place}: {words_of(detail)}")
         raise InputError(faults) from error

@@ -15,6 +15,8 @@ from bench.record.channels import NOISY
 from bench.record.finding import Finding
 from bench.record.known import Known, KnownQuantity
 from bench.record.limits import CAMPAIGN_RUNS
+from bench.record.rules.values import IMPOSSIBLE
+from bench.record.schema_words import words_of
 from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
 
 MANIFEST = "campaign.yaml"
@@ -27,7 +29,14 @@ def _moment(value: object) -> object:
     try:
         return datetime.combine(date.fromisoformat(str(value)), time())
     except ValueError:
+        pass
+    try:
         return datetime.fromisoformat(str(value))
+    except ValueError:
+        raise ValueError("is no moment; write it as 2024-05-13T09:00") from None
+
+
+Deviation = Annotated[float, Field(gt=0), Field(ge=1 / IMPOSSIBLE, le=IMPOSSIBLE)]  # of a reading
 
 
 class _Strict(BaseModel):
@@ -38,8 +47,10 @@ class RunEntry(_Strict):
     """One run of the list."""
 
     name: str = Field(pattern=RUN_NAME, max_length=100, description="letters, digits, '_', '-' and '.'")
-    kind: RunKind
-    start_s: float = Field(ge=0, description="seconds from the start of its recording; file dates are good enough")
+    kind: RunKind = Field(description="static or motion")
+    start_s: float = Field(
+        ge=0, le=IMPOSSIBLE, description="seconds from the start of its recording; file dates are good enough"
+    )
     recording: str = Field("", max_length=100, description="name of the recording that the run belongs to")
     file: str = Field("", pattern=r"^[^\x00]*$", description="default: runs/<name>.csv")
     note: str = ""
@@ -54,8 +65,8 @@ class KnownEntry(_Strict):
     """One thing that the lab knows besides."""
 
     quantity: KnownQuantity = Field(description=f"one of {', '.join(get_args(KnownQuantity))}")
-    value: float = Field(description="the reading, in the unit of the quantity")
-    sigma: float = Field(gt=0, description="its standard deviation, above 0")
+    value: float = Field(le=IMPOSSIBLE, description="the reading, in the unit of the quantity")
+    sigma: Deviation = Field(description="its standard deviation, above 0")
     joint: int = Field(0, ge=0, description="number of the joint, from 1, of a stiffness")
     at: tuple[float, ...] = Field((), description="position of every joint [rad], of a slide [m], of a gas pressure")
     recording: str = Field("", max_length=100, description="name of the recording in which it was so")
@@ -68,7 +79,7 @@ class Head(_Strict):
     format: Literal["1"] = Field(description="write 1")
     robot: str = Field(min_length=1, description="name of a robot folder, or a path to one")
     started: Annotated[datetime | None, BeforeValidator(_moment)] = None
-    noise: dict[str, Annotated[float, Field(gt=0)]] = {}
+    noise: dict[str, Deviation] = Field({}, description="of each quantity the standard deviation of one reading")
     notes: str = ""
 
 
@@ -171,7 +182,7 @@ def _finding(model: type[_Strict], detail: Mapping[str, Any], where: str) -> Fin
         case "missing":
             return _fault(key, "is missing", f"add it: {expected}")
         case _:
-            return _fault(key, f"{str(detail['input'])[:60]!r}: {detail['msg']}", expected)
+            return _fault(key, f"{str(detail['input'])[:60]!r}: {words_of(detail)}", expected)
 
 
 def _is_inside(folder: Path, run: RunEntry, findings: list[Finding]) -> bool:

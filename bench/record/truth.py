@@ -15,6 +15,7 @@ from bench.errors import CampaignError, InputError
 from bench.record.campaign import Array, Run
 from bench.record.folder import new_folder
 from bench.record.manifest import MANIFEST
+from bench.record.schema_words import words_of
 from bench.record.table import FORMATS, read_table
 from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
 
@@ -79,7 +80,7 @@ def read_truth(folder: Path) -> Truth:
     except YamlFault as fault:
         raise CampaignError(f"{folder / TRUTH}: {fault}; {fault.remedy}") from fault
     except ValidationError as error:
-        places = (f"{'.'.join(map(str, detail['loc']))}: {detail['msg']}" for detail in error.errors())
+        places = (f"{'.'.join(map(str, detail['loc']))}: {words_of(detail)}" for detail in error.errors())
         raise CampaignError(f"{folder / TRUTH}: {place}" for place in places) from error
     tables = {name: read_table(folder, _file(name)) for name in content.runs}
     if faults := [f"{folder}/{finding}" for table in tables.values() for finding in table.findings]:

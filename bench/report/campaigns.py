@@ -1,15 +1,18 @@
 """A campaign folder together with the robot that it names."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
+from bench.diagnose.replay.known import known_faults
 from bench.record.campaign import Arm, Campaign
 from bench.record.check import check_with_robot
 from bench.record.finding import Finding, Report
 from bench.record.logs.likewise import listed
+from bench.record.manifest import MANIFEST
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 
@@ -36,25 +39,31 @@ def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot 
     report = check_with_robot(folder, arm_of)
     if not found or report.campaign is None:
         return report, found[0] if found else None
-    if unknown := _unknown_constants(report.campaign, found[0]):
-        return Report(folder, (unknown, *report.findings), None), found[0]
+    if faults := (*_unknown_constants(report.campaign, found[0]), *_unknown_to_robot(report.campaign, found[0])):
+        return Report(folder, (*faults, *report.findings), None), found[0]
     return report, found[0]
 
 
-def _unknown_constants(campaign: Campaign, compiled: CompiledRobot) -> Finding | None:
-    """Return an error where currents are logged of drives whose torque constant nobody wrote down."""
+def _unknown_to_robot(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+    """Yield an error for each thing known besides that the robot cannot have."""
+    for key, words in known_faults(campaign, compiled):
+        yield Finding("error", MANIFEST, None, key, words, "correct it, or leave it out")
+
+
+def _unknown_constants(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+    """Yield an error where currents are logged of drives whose torque constant nobody wrote down."""
     drives = compiled.robot.figures.drives
     columns = [f"current_{j}_a" for j, drive in enumerate(drives, start=1) if not drive.states_torque_constant]
     logged = [name for name in columns if any(name in run.columns for run in campaign.runs)]
     if not logged:
-        return None
+        return
     place = f"{compiled.robot.folder.name}/figures.yaml"
     message = f"states no torque_constant_nm_per_a of its drives, and the campaign has {listed(logged)}"
     remedy = (
         "write how many Nm at the joint one A makes (motor constant times gear ratio), or let "
         "`bench convert --look LOG --robot DIR` estimate it against the masses; leave out currents that are not needed"
     )
-    return Finding("error", place, None, "drives", message, remedy)
+    yield Finding("error", place, None, "drives", message, remedy)
 
 
 def robot_of(folder: Path, name: str) -> str:

@@ -9,6 +9,7 @@ from bench.errors import CampaignError
 from bench.record.campaign import Campaign
 from bench.record.finding import Finding
 from bench.record.joined import joined, names_of
+from bench.record.rules.repeated_runs import no_campaign_twice
 from bench.report.campaigns import open_campaign
 from bench.robot.compiled import CompiledRobot
 
@@ -94,5 +95,7 @@ def open_joint(folders: Sequence[Path], robot: str = "") -> JointCampaign:
         campaigns[name] = replace(campaign, robot=next(iter(campaigns.values()), campaign).robot)
         warnings += [(folder, warning) for warning in one.warnings]
         doubts += [(folder, doubt) for doubt in one.doubts]
+    folder_of = dict(zip(names, folders, strict=True))
+    doubts += [(folder_of[name], doubt) for name, doubt in no_campaign_twice(campaigns)]
     assert first
     return JointCampaign(joined(campaigns), first, tuple(warnings), tuple(doubts))

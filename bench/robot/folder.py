@@ -1,13 +1,17 @@
 """A robot is a folder: MJCF, `figures.yaml`, README. This finds one and reads its figures."""
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from bench import paths
 from bench.errors import RobotError, unknown_name
+from bench.record.rules.values import IMPOSSIBLE
+from bench.record.schema_words import words_of
 from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.figures import Figures
 
@@ -63,10 +67,26 @@ def load_robot(name_or_folder: str | Path) -> Robot:
         raise RobotError(f"{source}: {fault}; {fault.remedy}.") from fault
     except ValidationError as error:
         raise RobotError(problems_of(error, source.name)) from error
+    if faults := [
+        f"{source.name}: {key}: {value:g} is no figure of a robot." for key, value in _too_large(figures.model_dump())
+    ]:
+        raise RobotError(faults)
     robot = Robot(folder.resolve().name, folder.resolve(), figures)
     if not robot.mjcf.is_file():
         raise RobotError(f"{source}: mjcf: there is no file {figures.mjcf!r} beside it.")
     return robot
+
+
+def _too_large(content: object, key: str = "") -> Iterator[tuple[str, float]]:
+    """Yield key and value of each number that no figure reaches, in what a model holds."""
+    if isinstance(content, dict):
+        for name, part in content.items():
+            yield from _too_large(part, f"{key}.{name}".lstrip("."))
+    elif isinstance(content, list | tuple):
+        for i, part in enumerate(content):
+            yield from _too_large(part, f"{key}[{i}]")
+    elif isinstance(content, int | float) and IMPOSSIBLE < abs(content) < inf:
+        yield key, content
 
 
 def problems_of(error: ValidationError, file: str) -> list[str]:
@@ -74,7 +94,6 @@ def problems_of(error: ValidationError, file: str) -> list[str]:
     sentences = []
     for fault in error.errors():
         place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in fault["loc"]).lstrip(".")
-        given = "" if fault["type"] == "missing" else f", not {str(fault['input'])[:80]!r}"
-        message = fault["msg"].removeprefix("Value error, ")
-        sentences.append(f"{file}: {place or 'top level'}: {message}{given}")
+        given = "" if isinstance(fault["input"], dict | list) else f", not {str(fault['input'])[:80]!r}"
+        sentences.append(f"{file}: {place or 'top level'}: {words_of(fault)}{given}")
     return sentences

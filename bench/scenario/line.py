@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from bench.errors import InputError, unknown_name
+from bench.record.rules.scale import MAX_LENGTH
 from bench.robot.bodies import Array, Point, RigidBodies, read_only
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import Robot
@@ -16,6 +17,8 @@ from bench.scenario.rotation import CONTROL_PERIOD_S
 from bench.scenario.types import NonNegative, Positive, ScenarioBase, Strict
 
 Triple = tuple[float, float, float]
+Coordinate = Annotated[float, Field(ge=-MAX_LENGTH, le=MAX_LENGTH)]
+Place = tuple[Coordinate, Coordinate, Coordinate]  # [m]
 
 LEAD_IN_SHARE = 0.75  # of speed times lead-in time is the way: half the time at a mean of half the speed, half at speed
 WHOLE = 1e-6  # how far from a whole number of samples the line may be
@@ -48,9 +51,9 @@ class LinePart(Strict):
     A wrench hangs at the robot's load point and is constant while the arm moves.
     """
 
-    origin_m: Triple = Field((0.0, 0.0, 0.0), description="[m], origin of the points below, world axes")
-    start_m: Triple
-    end_m: Triple
+    origin_m: Place = Field((0.0, 0.0, 0.0), description="[m], origin of the points below, world axes")
+    start_m: Place
+    end_m: Place
     tool_point: str | Triple = Field(description="named point, or position in the frame of the last link [m]")
     tool_axis: Triple = (0.0, 0.0, 1.0)
     approach: Triple | None = (0.0, 0.0, -1.0)
@@ -62,7 +65,7 @@ class LinePart(Strict):
     lead_in_s: Positive = Field(3.0, description="at both ends: half of it from rest to speed, half at speed")
     settle_s: NonNegative = 2.0
     load_ramp_s: Positive = 2.0
-    sample_period_s: Annotated[float, Field(gt=0, multiple_of=CONTROL_PERIOD_S)] = 0.1
+    sample_period_s: Annotated[float, Field(ge=CONTROL_PERIOD_S, multiple_of=CONTROL_PERIOD_S)] = 0.1
     corrections: Corrections | None = None
 
     @property

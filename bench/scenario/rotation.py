@@ -29,7 +29,7 @@ class RotationPart(Strict):
     ramp_s: Positive = Field(1.0, description="time in which the joint reaches its speed, and in which it stops")
     settle_s: NonNegative = Field(1.0, description="standstill before each traverse")
     repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = 1
-    sample_period_s: Annotated[float, Field(gt=0, multiple_of=CONTROL_PERIOD_S)] = 0.02
+    sample_period_s: Annotated[float, Field(ge=CONTROL_PERIOD_S, multiple_of=CONTROL_PERIOD_S)] = 0.02
     move_speed: Positive = Field(0.3, le=1.0, description="share of the drives' speed limit, between traverses")
     acceleration_deg_per_s2: Positive = Field(30.0, description="between traverses")
 

@@ -22,7 +22,16 @@ from bench.cli import main
 from bench.hide.campaign import hide_campaign
 from bench.record.write import write_campaign
 from bench.robot.folder import load_robot
-from tests.poison import in_channels, in_files, in_manifests, in_parquet, in_robots, in_scenarios, in_tables
+from tests.poison import (
+    in_channels,
+    in_files,
+    in_manifests,
+    in_parquet,
+    in_readings,
+    in_robots,
+    in_scenarios,
+    in_tables,
+)
 from tests.poison.variant import Family, Variant
 from tests.simulate.session_small import QUICK, small_session
 from tests.small_robot import write_small_robot
@@ -31,7 +40,7 @@ LONGEST_S = 20.0  # the wall clock of one variant
 SEED = 20261122
 FAMILIES: Sequence[Family] = (
     *(*in_tables.FAMILIES, *in_channels.FAMILIES, *in_manifests.FAMILIES, *in_files.FAMILIES),
-    *(*in_parquet.FAMILIES, *in_robots.FAMILIES, *in_scenarios.FAMILIES),
+    *(*in_parquet.FAMILIES, *in_readings.FAMILIES, *in_robots.FAMILIES, *in_scenarios.FAMILIES),
 )
 Kind = Literal["right", "silent", "wrong", "traceback", "hang"]
 

@@ -101,7 +101,7 @@ def test_no_log(tmp_path: Path, source: str) -> None:
         ("columns: {time_s: {from: a, factor: two}}", r"columns\.time_s\.factor"),
         ("columns: {time_s: {from: a}}\nnoise: {currant: 1}", r"unknown quantity 'currant'"),
         ("columns: [", r"not YAML"),
-        ("kind: motion", r"columns: Field required"),
+        ("kind: motion", r"columns: is missing"),
     ],
 )
 def test_a_broken_format_is_told_what_is_wrong(tmp_path: Path, text: str, said: str) -> None:

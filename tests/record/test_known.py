@@ -26,7 +26,12 @@ KNOWN = (
 def run(name: str, recording: str = "", **more: float) -> Run:
     time = np.linspace(0.0, 2.0, 40)
     wave = np.sin(time)
-    columns = {"time_s": time, "q_cmd_1_rad": wave, "q_cmd_2_rad": -wave, "current_1_a": 3 * np.cos(time)}
+    columns = {
+        "time_s": time,
+        "q_cmd_1_rad": wave,
+        "q_cmd_2_rad": -wave,
+        "current_1_a": 3 * np.cos(time + (name == "two")),
+    }
     return Run(name, "motion", 0.0, columns | {k: np.full(40, v) for k, v in more.items()}, recording=recording)
 
 

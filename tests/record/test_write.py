@@ -169,3 +169,19 @@ def test_stack_fills_missing_columns_with_nan() -> None:
 def test_arm_needs_limits_for_each_joint() -> None:
     with pytest.raises(CampaignError, match="2 joints cannot have 1"):
         Arm((False, True), ((0.0, 1.0),))
+
+
+def test_who_comes_second_is_told(tmp_path: Path) -> None:
+    def fill_what_another_fills() -> None:
+        with new_folder(tmp_path / "a", "x", replace=False):
+            (tmp_path / "a").mkdir()
+            (tmp_path / "a" / "x").touch()
+
+    with pytest.raises(InputError, match="was filled by somebody else meanwhile"):
+        fill_what_another_fills()
+    assert names_in(tmp_path) == ["a"]
+
+
+def test_a_place_where_no_folder_can_be_is_told() -> None:
+    with pytest.raises(InputError, match="cannot be written"), new_folder(Path("/proc/x"), "x", replace=False):
+        pass

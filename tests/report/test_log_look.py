@@ -258,3 +258,25 @@ def test_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert main(["convert", "--look", str(file), "-o", str(tmp_path / "log.yaml")]) == 2
     assert main(["convert", "emps"]) == 2
     assert main(["convert", "--look", str(tmp_path / "no.csv")]) == 3
+
+
+def light_log(tmp_path: Path) -> tuple[Path, list[list[str]]]:
+    motion = stranger.moved(np.random.default_rng(1), 10.0, stranger.as_filed(2.5))
+    file = stranger.ur_log(tmp_path / "x.csv", motion, ",", ".")
+    return file, [line.split(",") for line in file.read_text().splitlines()]
+
+
+@pytest.mark.parametrize("cell", ["", "nan", "1e250"])
+def test_a_log_with_a_hole_is_looked_at(tmp_path: Path, arm: NominalDynamics, cell: str) -> None:
+    file, rows = light_log(tmp_path)
+    rows[700][2] = cell
+    file.write_text("\n".join(",".join(row) for row in rows) + "\n")
+    assert "no number in every row: 3; of a slow instrument" in look(file, nominal=arm)
+
+
+def test_a_log_with_a_pause_of_years_is_looked_at_up_to_there(tmp_path: Path, arm: NominalDynamics) -> None:
+    file, rows = light_log(tmp_path)
+    for row in rows[4000:]:
+        row[0] = repr(float(row[0]) + 1e9)
+    file.write_text("\n".join(",".join(row) for row in rows) + "\n")
+    assert "q_motor_1_rad" in look(file, nominal=arm)

@@ -4,6 +4,7 @@ import csv
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from bench.errors import InputError
 from bench.robot.bodies import Point, read_only
@@ -107,3 +108,10 @@ def test_deflection_by_table_6_is_the_reconstructed_one(table_8: Line, row: str,
         jacobian = place_and_jacobian(bodies, tip, q)[1][:3]
         deflection = jacobian @ (jacobian.T @ [0, 0, -table_8.force_n] / k)
         assert 1e3 * deflection[2] == pytest.approx(expected, abs=0.02)
+
+
+@pytest.mark.parametrize(("key", "value"), [("start_m", [0.0, -1e300, 0.0]), ("sample_period_s", 1e-9)])
+def test_numbers_beyond_any_line_are_refused(table_8: Line, key: str, value: object) -> None:
+    content = table_8.model_dump()
+    with pytest.raises(ValidationError, match=key):
+        Line.model_validate(content | {key: value})

@@ -24,8 +24,9 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, segments_of
 from bench.effects.places import speed_limit, torque_limit
 from bench.errors import ConvergenceError
-from bench.record.campaign import Array, Campaign
+from bench.record.campaign import Array, Campaign, Run
 from bench.record.carried import with_payloads
+from bench.record.channels import columns_of
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
@@ -34,6 +35,7 @@ BLOCKS = 6  # of the readings; what is said has to hold with any of them left ou
 LEAST = 30  # readings of a drive in motion
 GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
 SURE_OF_CLOCK = 0.999  # level of the interval of a clock's rate: one healthy campaign in a thousand is doubted
+PARTS = 20  # of a run; no noise or resolution of an encoder looks like a speed over so long
 BEYOND = 2.0  # times the limits of a drive
 # Times a limit that was made up: nearer, on a logarithmic scale, to what another unit would make of data (degrees, mNm)
 # than to data in SI units
@@ -58,6 +60,8 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
     try:
+        if too_fast := tuple(_beyond_speed(campaign, compiled)):
+            return too_fast
         segments = segments_of(campaign, compiled, every, BINS)
         drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
         found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told))
@@ -87,9 +91,6 @@ def _of_drives(
     if not segments:
         return
     picture = drive_picture(Replay(compiled, segments, quantities))
-    if too_fast := tuple(_beyond_speed(picture, compiled)):
-        yield from too_fast
-        return
     if wrong_clock := tuple(_of_clock(first_look(picture, resting_torque(compiled, segments, quantities)), compiled)):
         yield from wrong_clock
         return
@@ -124,13 +125,31 @@ def _of_clock(looks: Sequence[DriveLook], compiled: CompiledRobot) -> Iterator[F
         yield doubt("time_s", message, "look at the sampling rate that was stated")
 
 
-def _beyond_speed(picture: DrivePicture, compiled: CompiledRobot) -> Iterator[Finding]:
-    for j, top in enumerate(np.max(np.abs(picture.velocity), axis=0)):
+def _beyond_speed(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+    """Yield joints that came further in a time than their drives can; a clock may be wrong as well as an angle."""
+    for j in range(compiled.n_joints):
         drive, limit = compiled.robot.figures.drives[j].joint, speed_limit(compiled, j)
+        top, run = max(
+            ((_least_top_speed(run, j + 1), run.name) for run in campaign.of_kind("motion")), default=(0.0, "")
+        )
         if top > _tolerated(compiled, "speed limit", drive) * limit:
-            message = f"{drive} moves at {top:.3g} per s, its limit is {limit:.3g}"
-            remedy = "degrees or millimetres? give SI units; else correct speed_limit_rad_per_s in figures.yaml"
+            message = f"{drive} moves at {top:.3g} per s in run {run!r}, its limit is {limit:.3g}"
+            remedy = (
+                "degrees or millimetres? give SI units; milliseconds in time_s? else correct speed_limit_rad_per_s in "
+                "figures.yaml"
+            )
             yield doubt(f"q_motor_{j + 1}", message, remedy)
+
+
+def _least_top_speed(run: Run, number: int) -> float:
+    """Return a speed that a joint surely reached: the largest mean one over a `PARTS`-th of a run."""
+    columns = columns_of(run.columns, "q_motor", "q_cmd")
+    angles = next((run.columns[column.name] for column in columns if column.index == number), None)
+    span = max(len(run) // PARTS, 1)
+    if angles is None or len(run) < LEAST:
+        return 0.0
+    time = run.columns["time_s"]
+    return float(np.max(np.abs(angles[span:] - angles[:-span]) / (time[span:] - time[:-span])))
 
 
 def _tolerated(compiled: CompiledRobot, figure: str, drive: str) -> float:
@@ -170,7 +189,7 @@ def _of_drive(picture: DrivePicture, compiled: CompiledRobot, j: int, rows: NDAr
     if ratio < FEEBLE:
         yield doubt(
             name,
-            f"is {1 / ratio:.3g} times smaller than what {drive} needs",
+            f"is {1 / ratio if ratio else np.inf:.3g} times smaller than what {drive} needs",
             "on the motor side of the gear, or in kNm? multiply by the gear ratio, give SI units",
         )
     gains = [_energy(columns[kept], values[kept], velocity[kept]) for kept in _leaving_out(len(values))]

@@ -20,6 +20,7 @@ TRAVEL = 0.01  # [m] that no tracker misses
 LENGTHS: Mapping[float, str] = {1e3: "millimetres", 100.0: "centimetres", 39.37: "inches", 3.281: "feet", 1e-3: "km"}
 PRESSURES: Mapping[float, str] = {1e-6: "MPa", 1e-5: "bar", 1e-3: "kPa"}
 LEAST, MOST = 0.3, 3.0  # of the nominal pressure; gas lost, warmed, or overfilled
+STANDS = 0.25  # of a run; a channel that is late may repeat its first reading for a while
 STEPS = 5.0  # of a gauge's resolution, that the pressure has to change by
 
 
@@ -45,7 +46,7 @@ def displaced(replay: Replay) -> Iterator[Finding]:
 
 
 def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
-    """Return columns that repeat one number through a run in which the model's goes far -> that run."""
+    """Return columns that repeat one number while the model's goes far -> the run."""
     gauge = replay.compiled.robot.figures.instruments.pressure
     far = {"reflector": TRAVEL, "gas_pressure": STEPS * gauge.resolution_pa if gauge else np.inf}
     run_of = _runs(replay)
@@ -53,9 +54,10 @@ def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
     for run in dict.fromkeys(segment.run for segment in replay.segments):
         for c, quantity in enumerate(replay.quantities):
             rows = (run_of == run) & np.isfinite(observed[:, c])
-            goes_far = np.any(rows) and np.ptp(nominal[rows, c]) > far.get(quantity.kind, np.inf)
-            if goes_far and np.ptp(observed[rows, c]) == 0:
-                found.setdefault(quantity.column, run)
+            edges = np.flatnonzero(np.diff(observed[rows, c])) + 1
+            for still in np.split(nominal[rows, c], edges):
+                if len(still) > STANDS * rows.sum() and np.ptp(still) > far.get(quantity.kind, np.inf):
+                    found.setdefault(quantity.column, run)
     return found
 
 

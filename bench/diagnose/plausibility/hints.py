@@ -1,6 +1,6 @@
-"""What a fast look shows of errors that a diagnosis weighs itself, in numbers: channels that are scaled or late."""
+"""What a fast look shows of errors that a diagnosis weighs itself, in numbers: channels scaled, late, not explained."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from bench.diagnose.plausibility.channels import BINS, readings_of
 from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_reflectors
+from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -22,7 +23,7 @@ SCALED = 0.2  # beyond it a channel's scale is likelier than a torque constant (
 
 
 def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = ()) -> tuple[Finding, ...]:
-    """Return a warning for each channel that looks scaled or late, as far as a linear look can tell.
+    """Return a warning for each channel that looks scaled, late or unlike its drive, as far as a linear look can tell.
 
     Args:
         campaign: A checked campaign.
@@ -36,6 +37,11 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
     found: list[Finding] = []
     try:
         segments = segments_of(campaign, compiled, every, BINS)
+        if not segments:
+            words = (
+                "nothing can be held against the model: there is no rest, and no motion that goes on for long enough"
+            )
+            return (Finding("warning", "all runs", None, "time_s", words, "look at the clock; move for longer"),)
         drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
         if paid := readings_of(segments, every, drives):
             replay = Replay(compiled, paid, drives)
@@ -43,6 +49,8 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
             at_rest = resting_torque(compiled, paid, drives)
             found += _scaled(first_look(picture, at_rest), compiled)
             found += _late(late_drives(replay, picture, at_rest), LATEST_DRIVE_S)
+            told = {hint.column for hint in found}
+            found += [hint for hint in unexplained(picture, paid) if hint.column not in told]
         if seen := readings_of(segments, every, others):
             found += _late(late_reflectors(Replay(compiled, seen, others)), ChannelDelay.parameters[0].low)
     except ConvergenceError:
@@ -53,6 +61,9 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
 def _scaled(looks: Sequence[DriveLook], compiled: CompiledRobot) -> Iterator[Finding]:
     factors = {look.column: _factor(look, compiled) for look in looks if look.fits}
     told = {column: factor for column, factor in factors.items() if np.isfinite(factor.relative)}
+    if alike := _all_alike(told):
+        yield alike
+        return
     for column, factor in told.items():
         others = [other.value for name, other in told.items() if name != column]
         as_stated = [abs(value - 1) < SCALED for value in others]
@@ -62,6 +73,21 @@ def _scaled(looks: Sequence[DriveLook], compiled: CompiledRobot) -> Iterator[Fin
             word = "looks halved" if abs(2 * factor.value - 1) < SCALED / 2 else word
             message = f"{word}: {factor.value:.2f} ± {factor.sigma:.2f} times what the model needs, others as stated"
             yield _hint(column, message, "channel_scale")
+
+
+def _all_alike(told: Mapping[str, Factor]) -> Finding | None:
+    """Return a warning where all channels have one factor that is not 1; no defect of a robot does that to all."""
+    factors = [factor.value for factor in told.values()]
+    if len(factors) < 2:
+        return None
+    middle = float(np.median(factors))
+    if not all(abs(factor.value - 1) > max(SCALED, SURE * factor.sigma) for factor in told.values()):
+        return None
+    if max(abs(np.log(np.array(factors) / middle))) > SCALED:
+        return None
+    message = f"looks scaled, and so do {', '.join([*told][1:])}: about {middle:.2f} times what the model needs"
+    remedy = "per cent of a rated value? the torque constants of another robot?"
+    return Finding("warning", "all runs", None, next(iter(told)), message, remedy)
 
 
 def _factor(look: DriveLook, compiled: CompiledRobot) -> Factor:

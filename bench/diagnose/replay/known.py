@@ -5,7 +5,7 @@ A known value is one more measured row with a column of its own. What a world sa
 held out. No error of an instrument that the campaign logs is in it.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +17,8 @@ from bench.diagnose.replay.static_segments import visits_of
 from bench.errors import CampaignError
 from bench.record.campaign import Array, Campaign, Run
 from bench.record.known import PAYLOAD, Known
+from bench.record.manifest import MANIFEST
+from bench.record.rules.scale import BESIDE
 from bench.robot.compiled import CompiledRobot
 
 KINDS = {
@@ -38,9 +40,16 @@ def known_quantities(campaign: Campaign, compiled: CompiledRobot) -> tuple[Quant
     Raises:
         CampaignError: The robot has no such joint, cylinder or gauge; every fault is listed.
     """
-    if faults := [f"known[{i}].{words}" for i, one in enumerate(campaign.known) for words in _faults(one, compiled)]:
-        raise CampaignError(faults)
+    if faults := known_faults(campaign, compiled):
+        raise CampaignError(f"{MANIFEST}: {key}: {words}" for key, words in faults)
     return tuple(dict.fromkeys(_quantity_of(one, compiled) for one in campaign.known))
+
+
+def known_faults(campaign: Campaign, compiled: CompiledRobot) -> list[tuple[str, str]]:
+    """Return key and fault of all that is known besides and that the robot cannot have."""
+    return [
+        (f"known[{i}].{key}", words) for i, one in enumerate(campaign.known) for key, words in _faults(one, compiled)
+    ]
 
 
 def with_known_segments(
@@ -128,17 +137,20 @@ def _quantity_of(one: Known, compiled: CompiledRobot) -> Quantity:
     return Quantity(f"{kind}_{unit.lower()}", kind, unit)
 
 
-def _faults(one: Known, compiled: CompiledRobot) -> list[str]:
-    n, name, found = compiled.n_joints, compiled.robot.name, []
+def _faults(one: Known, compiled: CompiledRobot) -> Iterator[tuple[str, str]]:
+    n, name = compiled.n_joints, compiled.robot.name
     if one.joint > n:
-        found.append(f"joint: {name} has {n} joints, not {one.joint}")
+        yield "joint", f"{name} has {n} joints, not {one.joint}"
     if one.at and len(one.at) != n:
-        found.append(f"at: needs a position for each of the {n} joints of {name}, not {len(one.at)}")
+        yield "at", f"needs a position for each of the {n} joints of {name}, not {len(one.at)}"
+    limited = compiled.model.jnt_limited[compiled.at.joint]
+    for number, (q, (low, high)) in enumerate(zip(one.at, compiled.limits, strict=False), start=1):
+        if limited[number - 1] and not low - BESIDE["rad"] <= q <= high + BESIDE["rad"]:
+            yield "at", f"joint {number} of {name} goes from {low:.4g} to {high:.4g} [rad, m], not to {q:g}"
     if one.quantity in OF_GAS and compiled.counterbalance is None:
-        found.append(f"quantity: {name} has no counterbalance with gas in it")
+        yield "quantity", f"{name} has no counterbalance with gas in it"
     elif one.quantity == "gas_pressure_pa" and compiled.robot.figures.instruments.pressure is None:
-        found.append(f"quantity: figures.yaml of {name} has no instruments.pressure.piston_area_m2")
-    return found
+        yield "quantity", f"figures.yaml of {name} has no instruments.pressure.piston_area_m2"
 
 
 def _rest(one: Known, run: Run, label: str, compiled: CompiledRobot, quantities: Sequence[Quantity]) -> Segment:

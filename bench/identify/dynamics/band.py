@@ -21,6 +21,7 @@ POSITION_CUTOFF = (
     2.0  # times that, so that differentiation does not shape what is kept; on EMPS this makes 80 and 40 Hz
 )
 ORDER = 4  # of each Butterworth filter, run forth and back
+LEAST = 30  # samples that are kept of all runs; fewer tell no drive from its friction (assumed)
 HIGHEST = 0.8  # of half the sampling rate; a cut-off beyond that filters nothing
 
 
@@ -76,7 +77,11 @@ def band_of(runs: Sequence[MotionSamples], cutoff_hz: float | None = None) -> Ba
     if cutoff_hz is not None:
         if not cutoff_hz > 0:
             raise InputError(f"cut-off {cutoff_hz:g} Hz: must be positive.")
-        return Band(cutoff_hz, np.nan)
+        band = Band(cutoff_hz, np.nan)
+        if sum(len(band.kept(run)) for run in runs) < LEAST:
+            longest = max(len(run) / run.rate for run in runs)
+            raise InputError(f"cut-off {cutoff_hz:g} Hz: leaves next to nothing of runs of {longest:.3g} s; give more.")
+        return band
     velocities = [_commanded_velocity(run) for run in runs]
     top = np.max([np.abs(velocity).max(axis=0) for velocity in velocities], axis=0)
     scale = np.where(top > 0, top, 1.0)  # each joint counts by its own top speed, and one that hardly moves hardly does

@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bench.record.campaign import Array
-from bench.record.logs.resample import at_times
+from bench.record.logs.resample import at_times, filled
 from bench.record.look.families import Family
+from bench.record.rules.values import IMPOSSIBLE
 
 LOOK_RATE = 50.0  # [Hz] at which columns are compared; arms move below 5 Hz (assumed)
 MOST = 6000  # samples that are compared: two minutes
@@ -14,7 +15,8 @@ DERIVATIVE = 0.95  # correlation of a column with the slope of another from whic
 # differentiated encoders at 50 Hz leaves 0.99, another joint's velocity 0.5)
 SLOPES = (0.8, 1.25)  # between a velocity and a slope in the same unit (assumed; other units lie a factor of 57 away)
 SMOOTH = 0.01  # share of a column that is faster than 20 Hz: less in encoders, more in currents (assumed)
-HUGE = 1e30  # no instrument reads more, and its square is still a number
+HUGE = IMPOSSIBLE  # no instrument reads more
+PAUSE = 1000  # steps; a log that is interrupted for so long is looked at up to there (assumed)
 ALIKE = 0.1  # of its own spread, by which a command differs from what it commands (assumed; following errors are 1 %)
 
 
@@ -41,10 +43,18 @@ def clock_factor(values: Array, unit: str) -> tuple[float, str]:
 
 
 def evenly(time: Array, columns: Mapping[str, Array]) -> tuple[Array, dict[str, Array]]:
-    """Return a clock of 50 Hz and columns on it, low-passed at 20 Hz; two minutes of it."""
-    until = min(float(time[-1]), float(time[0]) + MOST / LOOK_RATE)
-    even = np.arange(float(time[0]), until, 1 / LOOK_RATE)
-    return even, at_times(time, columns, even)
+    """Return a clock of 50 Hz and columns on it, low-passed at 20 Hz; two minutes, or up to a pause."""
+    steps = np.diff(time)
+    ends = np.flatnonzero((time[1:] > time[0] + MOST / LOOK_RATE) | (steps > PAUSE * np.median(steps)))
+    rows = slice(0, int(ends[0]) + 1 if len(ends) else len(time))
+    time = time[rows]
+    even = np.arange(float(time[0]), float(time[-1]), 1 / LOOK_RATE)
+    return even, at_times(time, {name: values[rows] for name, values in columns.items()}, even)
+
+
+def without_holes(values: Array, time: Array) -> Array:
+    """Return a column with straight lines where it has no number, or one that no instrument reads."""
+    return filled(np.where(np.abs(values) < HUGE, values, np.nan), "line", time)
 
 
 def moving(columns: Mapping[str, Array]) -> list[str]:

@@ -19,7 +19,7 @@ def identical(sheet: Sheet) -> Iterator[Finding]:
     Two drives that are commanded alike may move alike.
     """
     for quantity in ("q_motor", "q_link", "current", "tau_motor"):
-        rich = [(column, values) for column, values in sheet.columns(quantity) if _is_rich(values)]
+        rich = [(column, values) for column, values in sheet.columns(quantity) if is_rich(values)]
         for place, (column, values) in enumerate(rich):
             for other, others in rich[:place]:
                 if np.array_equal(values, others) and not _commanded_alike(sheet, column.index, other.index):
@@ -28,12 +28,12 @@ def identical(sheet: Sheet) -> Iterator[Finding]:
     for quantity, source in (("q_motor", "q_cmd"), ("q_link", "q_cmd"), ("q_link", "q_motor")):
         for column, values in sheet.columns(quantity) if sheet.run.kind == "motion" else ():
             own = sheet.joint(column.index, source)
-            if own and np.array_equal(values, own[1]) and _is_rich(values):
+            if own and np.array_equal(values, own[1]) and is_rich(values):
                 yield sheet.doubt(column.name, f"is a copy of {own[0].name}", "record the encoder")
 
 
-def _is_rich(values: Array) -> bool:
-    """Whether there are many different values; a few rows often tell."""
+def is_rich(values: Array) -> bool:
+    """Return whether there are many different values; a few rows often tell."""
     return len(np.unique(values[:FEW])) >= DIFFERENT or len(np.unique(values)) >= DIFFERENT
 
 

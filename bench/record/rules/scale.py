@@ -14,6 +14,9 @@ MAX_LENGTH = 100.0  # [m]; no arm stands on a longer track, and no tracker sees 
 MAX_CURRENT = 1000.0  # [A]; drives of the heaviest arms stay below 200
 MIN_TEMPERATURE = 200.0  # [K]; colder than any place with a robot, and above any temperature there in degrees Celsius
 MAX_TEMPERATURE = 1000.0  # [K]; iron glows, and no winding or gas seal lasts
+MAX_FORCE = 1e6  # [N], [Nm]; the strongest arms carry 2.3 t, 4 m out
+MAX_MASS = 1e5  # [kg]; weighs as much
+VACUUM = -1.1e5  # [Pa] above ambient pressure; the highest ambient pressure ever measured is 1.085e5 (Tosontsengel)
 MAX_PRESSURE = 1e9  # [Pa]; no cylinder holds it
 MIN_PRESSURE = 5e4  # [Pa]; counterbalances hold 2 to 30 MPa, and 30 MPa are 3e4 in kPa
 
@@ -41,7 +44,7 @@ def angles(sheet: Sheet) -> Iterator[Finding]:
 
 
 def magnitudes(sheet: Sheet) -> Iterator[Finding]:
-    """Positions, currents, temperatures and pressures have a size that occurs in a laboratory."""
+    """Positions, currents, loads, temperatures and pressures have a size that occurs in a laboratory."""
     for column, values in sheet.columns("reflector"):
         if not sheet.within(column.name, -MAX_LENGTH, MAX_LENGTH) and (rows := rows_where(np.abs(values) > MAX_LENGTH)):
             yield sheet.error(column.name, f"over {MAX_LENGTH:g} m", "millimetres? multiply by 0.001", rows)
@@ -50,6 +53,13 @@ def magnitudes(sheet: Sheet) -> Iterator[Finding]:
             rows := rows_where(np.abs(values) > MAX_CURRENT)
         ):
             yield sheet.error(column.name, f"over {MAX_CURRENT:g} A", "milliamperes? multiply by 0.001", rows)
+    for column, values in sheet.columns("load", "force", "moment"):
+        if not sheet.within(column.name, -MAX_FORCE, MAX_FORCE) and (rows := rows_where(np.abs(values) > MAX_FORCE)):
+            yield sheet.error(column.name, f"over {MAX_FORCE:g} {column.unit.capitalize()}", "look at its unit", rows)
+    for column, values in sheet.columns("load_mass"):
+        if not sheet.within(column.name, 0.0, MAX_MASS) and (rows := rows_where((values < 0) | (values > MAX_MASS))):
+            message = f"{values[rows[0] - 1]:g} kg is no mass that hangs on an arm"
+            yield sheet.error(column.name, message, "correct it; a weight has its sign in load_z_n", rows)
     temperatures = ("motor_temperature", "gear_temperature", "gas_temperature", "ambient_temperature")
     for column, values in sheet.columns(*temperatures):
         if not sheet.within(column.name, MIN_TEMPERATURE, inf) and (rows := rows_where(values < MIN_TEMPERATURE)):
@@ -59,6 +69,8 @@ def magnitudes(sheet: Sheet) -> Iterator[Finding]:
     for column, values in sheet.columns("gas_pressure"):
         if not sheet.within(column.name, -inf, MAX_PRESSURE) and (rows := rows_where(values > MAX_PRESSURE)):
             yield sheet.error(column.name, f"over {MAX_PRESSURE:g} Pa", "look at its unit", rows)
+        if not sheet.within(column.name, VACUUM, inf) and (rows := rows_where(values < VACUUM)):
+            yield sheet.error(column.name, "under that of a vacuum", "give pascals above ambient pressure", rows)
         if 0 < np.max(np.abs(values), initial=0.0) < MIN_PRESSURE:
             message = f"never reaches {MIN_PRESSURE:g} Pa, an empty cylinder"
             yield sheet.doubt(column.name, message, "bar? multiply by 100000; MPa? by 1000000")

@@ -4,9 +4,15 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from bench.record.finding import Finding
+from bench.record.rules.repeated_runs import no_run_twice
 from bench.record.rules.sheet import Sheet
 
 ROUNDING_S = 1.0  # dates of files come in whole seconds
+
+
+def examine_session(sheets: Sequence[Sheet]) -> list[Finding]:
+    """Put the runs of one campaign, or of several of one machine, through the rules together."""
+    return [*no_overlap(sheets), *no_run_twice(sheets)]
 
 
 def no_overlap(sheets: Sequence[Sheet]) -> Iterator[Finding]:

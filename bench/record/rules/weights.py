@@ -10,6 +10,7 @@ from bench.record.rules.sheet import Sheet, rows_where
 from bench.record.units import STANDARD_GRAVITY
 
 APART = 0.05  # force sensors are good to 0.5 to 3 %, weights to 0.1 %; the least error of a load tried as a defect
+UNSTATED_N = 10 * LOAD_N  # beyond what a cable or a hand on the sensor makes; assumed
 HEAVY_N = 10.0  # [N]; below, rounding of either may be what differs
 
 
@@ -35,6 +36,11 @@ def loads_are_felt(sheet: Sheet) -> Iterator[Finding]:
         return
     force, load = (np.stack([columns[f"{name}_{axis}_n"] for axis in axes]) for name in ("force", "load"))
     if np.max(np.ptp(load, axis=1)) <= LOAD_N:
+        felt_n = float(np.max(np.ptp(force, axis=1)))
+        if felt_n > UNSTATED_N:
+            axis = axes[int(np.argmax(np.ptp(force, axis=1)))]
+            message = f"changes by {felt_n:.4g} N while no load is stated to change"
+            yield sheet.warning(f"force_{axis}_n", message, f"write what hung into load_{axis}_n")
         return
     felt, hung = (values - values.mean(axis=1, keepdims=True) for values in (force, load))
     along = float(np.sum(hung * felt))

@@ -6,11 +6,13 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
+from bench.errors import CampaignError
 from bench.identify.dynamics.advice import Motion, advise
 from bench.identify.dynamics.first_pass import FirstPass, Torques, first_pass
 from bench.identify.dynamics.quantities import Quantity, quantities
 from bench.record.campaign import Campaign
 from bench.record.joined import joined, names_of
+from bench.record.rules.repeated_runs import no_campaign_twice
 from bench.report.campaigns import open_campaign
 from bench.robot.compiled import CompiledRobot
 from bench.robot.nominal_dynamics import nominal_dynamics
@@ -47,13 +49,15 @@ def identify_dynamics(
         cutoff_hz: Of the filter on model and data [Hz]; None: from the bandwidth of the motion.
 
     Raises:
-        CampaignError: A folder is not a usable campaign, or they are of different machines.
+        CampaignError: A folder is not a usable campaign or a copy of another, or they are of different machines.
         InputError: A folder is given twice, or the data do not serve; the message says why.
     """
     named: dict[str, Campaign] = {}
     for name, folder in zip(names_of(folders), folders, strict=True):
         named[name], compiled = _opened(folder, robot)
     others = {folder: _opened(folder, robot)[0] for folder in held_out}
+    for name, doubt in no_campaign_twice(named | {str(folder): campaign for folder, campaign in others.items()}):
+        raise CampaignError(f"{name}: {doubt}")
     with threadpool_limits(1, "blas"):  # the matrices are small: threads cost more than they give
         found = first_pass(joined(named), nominal_dynamics(compiled), cutoff_hz)
         told = quantities(found)

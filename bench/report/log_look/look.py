@@ -12,7 +12,7 @@ from bench.record.logs.dialect import PLAIN, Dialect, guess_dialect, read_log_ta
 from bench.record.logs.mcap_table import MCAP, read_topic
 from bench.record.look.families import Family, span
 from bench.record.look.names import clocks, families_by_name, unit_of
-from bench.record.look.values import clock_factor, clock_of, families_by_value, moving
+from bench.record.look.values import clock_factor, clock_of, families_by_value, moving, without_holes
 from bench.record.plain_file import FileFault, read_plain
 from bench.record.table import Table
 from bench.report.log_look.drives import drives
@@ -42,12 +42,18 @@ def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) ->
         )
     factor, why = clock_factor(columns[clock], unit_of(clock))
     time = factor * (columns[clock] - columns[clock][0])
-    others = {name: values for name, values in columns.items() if name != clock}
+    if "" in table.names:
+        raise CampaignError(f"{file.name}: a column has no name; name it in the first line")
+    read = {name: values for name, values in columns.items() if name != clock}
+    others = {name: without_holes(values, time) for name, values in read.items()}
+    others = {name: values for name, values in others.items() if np.all(np.isfinite(values))}
+    remarks: list[str] = []
+    if holes := [name for name, values in read.items() if name not in others or np.any(others[name] != values)]:
+        remarks.append(f"no number in every row: {', '.join(holes)}; of a slow instrument write `fill: hold` behind it")
     is_slide = None if nominal is None else [not bool(hinge) for hinge in nominal.bodies.is_hinge]
     families = _families(time, others, dialect, nominal)
     lines = [Line("time_s", clock, factor, 0.0, f"rises evenly; {why}")]
     lines += positions(families, others, is_slide)
-    remarks: list[str] = []
     found = drives(families, lines, time, others, nominal, remarks)
     lines = [*(line.turned() if line.number in found.turned else line for line in lines), *found.lines]
     lines += temperatures(families, others)

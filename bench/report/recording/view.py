@@ -20,7 +20,7 @@ def view(path: Path) -> None:
     """
     recordings = [str(recording) for recording in recordings_in(path)]
     if not has_display():
-        raise BenchError(
+        raise InputError(
             "there is no display for the viewer. Open the recording in a browser instead: run `rerun "
             f"--web-viewer --bind 127.0.0.1 {' '.join(recordings)}` and go to the address that it prints; or copy "
             "the file to a computer with a screen and run `rerun FILE` there (`pip install rerun-sdk`)."

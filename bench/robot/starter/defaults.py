@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
+from bench.errors import RobotError
 from bench.robot.bodies import Array
 from bench.robot.mass_matrix import mass_matrix
 from bench.robot.starter.source import Source, SourceJoint
 
+LARGEST = 1e9  # [kg m^2], [kg]; a thousand tonnes 30 m out, and no arm moves them
 STEP = 2.5e-4  # [s], time step of a started robot
 POSES = 60  # at which inertia and gravity are looked at
 # [rad], what a drive's torque limit winds its joint up by: gear, bearings and what they are bolted to. Measured on the
@@ -125,12 +127,25 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
 
 
 def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
-    """Return the figures of every drive: what the file says, and defaults for the rest."""
+    """Return the figures of every drive: what the file says, and defaults for the rest.
+
+    Raises:
+        RobotError: No arm has such an inertia or limit.
+    """
     drives = []
     needed = [_needed(joint, found, j) for j, joint in enumerate(source.joints)]
     joints, no_torque = _without_placeholder(source.joints, needed)
     strongest = max(joint.torque_limit or needed[j] for j, joint in enumerate(joints))
     rotors = _rotors(joints)
+    if faults := [
+        f"{source.file}: joint {joint.name!r}: what moves with it has an inertia of {least:.3g} to {greatest:.3g}, its "
+        f"rotor {rotor:.3g} and its torque limit is {joint.torque_limit:.3g}; correct masses, inertias and limits."
+        for joint, least, greatest, (rotor, _) in zip(
+            joints, found.least_inertia, found.greatest_inertia, rotors, strict=True
+        )
+        if not (0 < least < LARGEST and 0 < greatest < LARGEST and rotor >= 0 and joint.torque_limit >= 0)
+    ]:
+        raise RobotError(faults)
     for j, joint in enumerate(joints):
         least, greatest = float(found.least_inertia[j]), float(found.greatest_inertia[j])
         speed = joint.speed_limit or SPEED[joint.is_slide]

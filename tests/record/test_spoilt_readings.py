@@ -1,0 +1,131 @@
+"""Readings that were lost, copied from another run, or that no instrument gives."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.errors import MOST_OF_NAME, InputError, printable
+from bench.record.check import check_campaign, examine_all
+from bench.record.finding import Finding
+from bench.record.rules.repeated_runs import no_campaign_twice
+from bench.record.rules.sheet import Sheet
+from tests.record.build import examine, loading, motion, only, session, static, sweep, write_folder
+
+ROW = 700
+
+
+def spoilt(column: str, value: float, rows: slice | list[int]) -> list[Finding]:
+    columns = {name: values.copy() for name, values in sweep().items()}
+    columns[column][rows] = value
+    return [finding for finding in examine(motion(columns)) if finding.column == column]
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [("current_2_a", 60.0), ("reflector_1_x_m", 5.0), ("gas_pressure_pa", 3e7), ("q_motor_2_rad", 2.0)],
+)
+def test_a_reading_that_stands_alone_is_told(column: str, value: float) -> None:
+    finding = only(spoilt(column, value, [ROW]))
+    assert (finding.level, finding.row) == ("warning", ROW + 1)
+    assert f"reads {value:.6g} between" in finding.message
+
+
+def test_lost_readings_of_one_number_are_told_though_small() -> None:
+    rows = [300, 700, 1500]
+    finding = only(spoilt("tau_motor_2_nm", 700.0, rows))
+    assert finding.row == rows[0] + 1
+    assert "rows 301, 701 and 1501" in finding.message
+
+
+def test_a_step_is_no_spike() -> None:
+    assert not [f for f in spoilt("current_2_a", 15.0, slice(ROW, None)) if "between" in f.message]
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "words"),
+    [
+        ("load_mass_kg", -5.0, "-5 kg is no mass that hangs on an arm"),
+        ("load_z_n", -1e10, "over 1e+06 N"),
+        ("gas_pressure_pa", -1e10, "under that of a vacuum"),
+    ],
+)
+def test_what_no_instrument_gives_is_an_error_at_its_row(column: str, value: float, words: str) -> None:
+    columns = {name: values.copy() for name, values in sweep().items()}
+    columns.setdefault(column, np.zeros(len(columns["time_s"])))[ROW] = value
+    errors = [finding for finding in examine(motion(columns)) if finding.level == "error"]
+    assert [(finding.column, finding.row) for finding in errors] == [(column, ROW + 1)]
+    assert words in errors[0].message
+
+
+def sheet(name: str, seed: int) -> Sheet:
+    columns = sweep(seed)
+    return Sheet(motion(columns, name, 100.0 * seed), f"runs/{name}.csv", tuple(columns))
+
+
+def test_a_run_under_two_names_is_doubted() -> None:
+    assert examine_all([sheet("a", 1), sheet("b", 2)]) == []
+    copy = replace(sheet("c", 1), run=replace(sheet("c", 1).run, start_s=900.0))
+    finding = only(examine_all([sheet("a", 1), sheet("b", 2), copy]))
+    assert (finding.level, finding.file) == ("doubt", "runs/c.csv")
+    assert "holds the same readings as runs/a.csv" in finding.message
+
+
+def test_runs_without_noise_may_be_alike() -> None:
+    columns = {"time_s": np.arange(40.0), "q_cmd_1_rad": np.zeros(40), "q_motor_1_rad": np.zeros(40)}
+    runs = [motion(columns, name, start) for name, start in (("a", 0.0), ("b", 100.0))]
+    assert not [f for f in examine_all([Sheet(r, r.name, tuple(columns)) for r in runs]) if "same" in f.message]
+
+
+def test_a_copied_campaign_is_no_second_recording() -> None:
+    assert list(no_campaign_twice({"may": session(1), "june": session(2)})) == []
+    ((name, doubt),) = no_campaign_twice({"may": session(1), "june": session(2), "july": session(1)})
+    assert (name, doubt.level) == ("july", "doubt")
+    assert "2 of 2 runs hold the same readings as those of may" in doubt.message
+
+
+def test_a_force_without_a_stated_load_is_told() -> None:
+    columns = loading()
+    columns["load_z_n"] = np.zeros_like(columns["load_z_n"])
+    (finding,) = (f for f in examine(static(columns)) if f.column == "force_z_n")
+    assert finding.level == "warning"
+    assert "while no load is stated to change" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("line", "key", "words"),
+    [
+        ("runs: [{name: a, kind: motion, start_s: 1e300}]", "runs[0].start_s", "less than or equal"),
+        ("noise: {current: 1e300}", "noise.current", "less than or equal"),
+        ("noise: {current: 1e-300}", "noise.current", "greater than"),
+        ("started: yesterday", "started", "is no moment; write it as 2024-05-13T09:00"),
+        ("runs: [5]", "runs[0]", "is no list of `key: value` lines"),
+        ("known: [{quantity: payload_kg, value: 1, sigma: 1.0e-300}]", "known[0].sigma", "greater than"),
+    ],
+)
+def test_a_manifest_is_told_in_plain_words(tmp_path: Path, line: str, key: str, words: str) -> None:
+    folder = write_folder(tmp_path / "campaign", motion(sweep()))
+    text = "format: 1\nrobot: small\n" + line
+    text += "" if line.startswith("runs") else "\nruns: [{name: a, kind: motion, start_s: 0}]"
+    (folder / "campaign.yaml").write_text(text)
+    (error,) = (finding for finding in check_campaign(folder).errors if finding.column == key)
+    assert words in error.message
+
+
+def test_names_of_strangers_do_not_steer_a_terminal() -> None:
+    finding = Finding("error", "runs/a.csv", None, "\x1b[31m\ncurrent" + 10_000 * "x", "unknown", "rename it")
+    assert "\x1b" not in str(finding)
+    assert "\n" not in str(finding)
+    assert len(str(finding)) < 2 * MOST_OF_NAME
+    assert str(InputError(["a\x1b[2Jb", "c"])) == "a\\x1b[2Jb\nc"
+    assert printable("5 °C, µm, \u202e") == "5 °C, µm, \\u202e"
+
+
+@pytest.mark.parametrize("name", ["current_0_a", "current_02_a", "current_99999999_a"])
+def test_a_wrong_number_is_not_proposed_again(name: str) -> None:
+    columns = sweep()
+    columns[name] = columns.pop("current_2_a")
+    messages = [finding.message for finding in examine(motion(columns)) if finding.column == name]
+    assert messages
+    assert f"did you mean {name!r}" not in messages[0]
