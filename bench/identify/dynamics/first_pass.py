@@ -14,7 +14,7 @@ from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
 from bench.identify.dynamics.equations import Equations, equations_of
 from bench.identify.dynamics.folds import Folds, folds_of
 from bench.identify.dynamics.held_out import HeldOut, Missed, Problems, hold_out, missed
-from bench.identify.dynamics.normal import Weighed, normal_of
+from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.prior import NARROWEST, Prior, prior_of
 from bench.identify.dynamics.rival import Rival, rival_of
@@ -176,6 +176,8 @@ def first_pass(
     if find_delay:
         late, later = _solved(rows, prior, band, folds, find_delay=True)
         solution = late if later.surely_less_than(at_once) else solution
+    unsure = width_errors(solution.normal, prior, solution.widths)
+    solution = replace(solution, covariance=solution.covariance + unsure)
     reach = float(np.linalg.norm(arm.point(nominal.load_point).position))
     bodies = bodies_of(layout, arm.joint_names, prior.mean, solution.prior_sigma, nominal.payload, reach)
     factor = prior.factor(solution.widths)

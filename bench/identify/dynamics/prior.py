@@ -57,6 +57,24 @@ class Widths:
                     found.append(replace(self, direction=(*self.direction[:i], changed, *self.direction[i + 1 :])))
         return tuple(found)
 
+    def lines(self) -> tuple[tuple["Widths", ...], ...]:
+        """Return all values of each width with the others as they are: of figures, friction, and each direction."""
+        figures = tuple(replace(self, figures=k) for k in range(WIDEST + 1))
+        friction = tuple(replace(self, friction=k) for k in range(WIDEST + 1))
+        directions = (
+            tuple(
+                replace(self, direction=(*self.direction[:i], k, *self.direction[i + 1 :])) for k in range(NARROWEST, 1)
+            )
+            for i in range(len(self.direction))
+        )
+        return figures, friction, *directions
+
+    def wider_than(self, other: "Widths") -> bool:
+        """Return whether these allow for more."""
+        return sum((self.figures, self.friction, *self.direction)) > sum(
+            (other.figures, other.friction, *other.direction)
+        )
+
 
 @dataclass(frozen=True)
 class Prior:
