@@ -6,7 +6,7 @@ from bench.identify.dynamics.band import band_of, derivative
 from bench.identify.dynamics.first_pass import first_pass
 from bench.identify.dynamics.quantities import quantities
 from bench.identify.dynamics.samples import MotionSamples
-from tests.identify.dynamics.rigid_world import N, Friction, arm, recorded, robot
+from tests.identify.dynamics.rigid_world import Friction, N, arm, recorded, robot
 
 RATE, STEP = 100.0, 1e-4  # [Hz], [rad] of an encoder
 
