@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from bench.identify.dynamics.first_pass import first_pass
+from bench.identify.dynamics.prior import NONE
 from bench.identify.dynamics.quantities import quantities
 from bench.record.campaign import Campaign, Run
-from tests.identify.dynamics.rigid_world import Friction, N, arm, fourier, robot, torque_of
+from tests.identify.dynamics.rigid_world import Friction, N, arm, fourier, recorded, robot, torque_of
 
 FRICTION = Friction(np.array([12.0, 9.0, 4.0]), np.array([15.0, 10.0, 6.0]), np.array([0.5, -1.0, 6.0]))
 
@@ -39,3 +40,27 @@ def test_what_one_direction_does_not_tell_is_not_claimed() -> None:
     low, high = told["torque offset (shoulder)"].interval(quantile)
     assert low <= -1.0 <= high
     assert high - low < 3.0  # [Nm]: both directions tell it
+
+
+def uneven(extra: float) -> Campaign:
+    """Return runs of an arm whose base takes `extra` [Nm s/rad] more in one direction and less in the other."""
+    campaign = recorded(robot(arm()), FRICTION, np.random.default_rng(4), seconds=10.0, rate=100.0)
+    runs = []
+    for run in campaign.runs:
+        speed = np.gradient(run.columns["q_motor_1_rad"], run.columns["time_s"])
+        torque = run.columns["tau_motor_1_nm"] + extra * np.abs(speed)
+        runs.append(replace(run, columns={**run.columns, "tau_motor_1_nm": torque}))
+    return Campaign("rigid", tuple(runs))
+
+
+def test_friction_differs_between_directions_only_where_that_predicts() -> None:
+    nominal = robot(arm(), mass=0.02, centre_of_mass_m=0.005)
+    for extra in (0.0, 5.0):
+        found = first_pass(uneven(extra), nominal, find_delay=False)
+        assert [width != NONE for width in found.solution.widths.difference] == [extra > 0, False, False]
+        told = {one.name: one for one in quantities(found)}
+        for joint, truth in (("base", extra), ("shoulder", 0.0), ("elbow", 0.0)):
+            one = told[f"viscous friction, half the difference of directions ({joint})"]
+            low, high = one.interval(found.quantile(0.9))
+            assert low < truth < high, joint
+            assert one.told
