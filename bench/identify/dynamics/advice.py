@@ -1,7 +1,7 @@
 """Which motion to add, for parameters that these data do not tell."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,7 +50,8 @@ def advise(found: FirstPass, quantities: Sequence[Quantity]) -> tuple[Motion, ..
     open_ones = [one for one in quantities if not one.told and one.kind != "drive"]
     motions = list(_candidates(found))
     information = [_information(found, motion) for motion in motions]
-    factor = found.prior.factor(found.solution.widths)
+    free = (0,) * found.layout.n  # a motion has to tell offsets and differences however large they are
+    factor = found.prior.factor(replace(found.solution.widths, offset=free, difference=free))
     inner = np.eye(len(factor)) + factor.T @ found.solution.normal.gram @ factor
     chosen: list[Motion] = []
     while open_ones and len(chosen) < MOST:

@@ -1,8 +1,9 @@
 """The filter that model and data pass alike, chosen from the spectrum of the motion.
 
 Parallel filtering (M. Gautier, "Dynamic identification of robots with power model", ICRA 1997): positions pass a
-zero-phase low-pass and are differentiated by central differences; then every column of the regression and the torque
-pass one and the same zero-phase low-pass and are thinned to twice its cut-off.
+zero-phase low-pass and are differentiated; then every column of the regression and the torque pass one and the same
+zero-phase low-pass and are thinned to twice its cut-off. Derivatives are those of cubic splines: at a quarter of the
+sampling rate central differences lose 36 % of a velocity and 59 % of an acceleration, splines 4.5 and 9 %.
 """
 
 from collections.abc import Sequence
@@ -10,10 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import signal
+from scipy.interpolate import CubicSpline
 
 from bench.errors import InputError
 from bench.identify.dynamics.samples import MotionSamples
 from bench.record.campaign import Array
+from bench.record.moving import TRAVELS
 
 BANDWIDTH = 0.99  # share of the power of the velocity that lies below the bandwidth of a motion (assumed)
 TORQUE_CUTOFF = 10.0  # bandwidths up to which columns and torque are kept: the rule of Gautier and Janot's IDIM-LS
@@ -40,8 +43,8 @@ class Band:
     def smooth(self, samples: MotionSamples) -> tuple[Array, Array, Array]:
         """Return position, velocity and acceleration of a stretch, none of them late, each of shape (T, n)."""
         position = low_pass(samples.position, samples.rate, POSITION_CUTOFF * self.cutoff_hz)
-        velocity = np.gradient(position, 1 / samples.rate, axis=0)
-        return position, velocity, np.gradient(velocity, 1 / samples.rate, axis=0)
+        velocity = derivative(position, samples.rate)
+        return position, velocity, derivative(velocity, samples.rate)
 
     def kept(self, samples: MotionSamples) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
         """Return the indices of the samples that are kept after filtering.
@@ -57,6 +60,12 @@ class Band:
         return np.asarray(low_pass(values, samples.rate, self.cutoff_hz)[self.kept(samples)])
 
 
+def derivative(values: Array, rate: float) -> Array:
+    """Return the derivative over time of evenly sampled columns, shape (T, n) [1/s of their unit], by cubic splines."""
+    time = np.arange(len(values)) / rate
+    return np.asarray(CubicSpline(time, values)(time, 1))
+
+
 def low_pass(values: Array, rate: float, cutoff_hz: float) -> Array:
     """Return values, shape (T, ...), through a zero-phase Butterworth low-pass; as they are where it lies too high."""
     if cutoff_hz >= HIGHEST * rate / 2:
@@ -67,7 +76,7 @@ def low_pass(values: Array, rate: float, cutoff_hz: float) -> Array:
 
 
 def band_of(runs: Sequence[MotionSamples], cutoff_hz: float | None = None) -> Band:
-    """Return the filter for a campaign: as stated, or five times the bandwidth of its motion.
+    """Return the filter for a campaign: as stated, or ten times the bandwidth of its motion.
 
     The bandwidth is read from the commands, which are not noisy, and from the encoders where no command was logged.
 
@@ -84,14 +93,16 @@ def band_of(runs: Sequence[MotionSamples], cutoff_hz: float | None = None) -> Ba
         return band
     velocities = [_commanded_velocity(run) for run in runs]
     top = np.max([np.abs(velocity).max(axis=0) for velocity in velocities], axis=0)
-    scale = np.where(top > 0, top, 1.0)  # each joint counts by its own top speed, and one that hardly moves hardly does
-    spectra = (_spectrum(v / scale, run.rate) for v, run in zip(velocities, runs, strict=True))
+    travel = np.max([np.ptp(run.position, axis=0) for run in runs], axis=0)
+    moves = (top > 0) & (travel > TRAVELS)
+    scale = np.where(moves, 1 / np.where(moves, top, 1.0), 0.0)  # each joint counts by its own top speed
+    spectra = (_spectrum(v * scale, run.rate) for v, run in zip(velocities, runs, strict=True))
     frequency, power = zip(*spectra, strict=True)
     edges = np.unique(np.concatenate(frequency))
     total = sum(np.interp(edges, f, np.cumsum(p)) for f, p in zip(frequency, power, strict=True))
     if not total[-1] > 0:
         raise InputError("method 'dynamics' needs joints that move; all stand still in this campaign.")
-    bandwidth = float(edges[np.searchsorted(total, BANDWIDTH * total[-1])])
+    bandwidth = float(edges[np.argmax(total >= BANDWIDTH * total[-1])])
     slowest = min(len(run) / run.rate for run in runs)
     bandwidth = max(bandwidth, 1 / slowest)
     return Band(TORQUE_CUTOFF * bandwidth, bandwidth)
@@ -103,6 +114,13 @@ def _commanded_velocity(run: MotionSamples) -> Array:
 
 
 def _spectrum(velocity: Array, rate: float) -> tuple[Array, Array]:
-    """Return frequencies [Hz], and the energy of all velocities there."""
+    """Return frequencies [Hz], and the energy of all velocities there, less what white noise of the angles adds.
+
+    Steps of an encoder, differentiated, have a power that rises with the frequency: of slow motion that is more than
+    1 %, and would pass for its bandwidth. Its level is that of the upper half of all frequencies, where no motion is.
+    """
     frequency, power = signal.periodogram(velocity, rate, window="hann", detrend=False, axis=0)
-    return frequency, np.asarray(power.sum(axis=1) * len(velocity))
+    differentiated = np.sin(np.pi * frequency / rate)[:, None] ** 2
+    upper = frequency > rate / 4
+    level = power[upper].sum(axis=0) / differentiated[upper].sum()
+    return frequency, np.asarray((power - level * differentiated).sum(axis=1) * len(velocity))

@@ -14,9 +14,9 @@ from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
 from bench.identify.dynamics.equations import Equations, equations_of
 from bench.identify.dynamics.folds import Folds, folds_of
 from bench.identify.dynamics.held_out import HeldOut, Missed, Problems, hold_out, missed
-from bench.identify.dynamics.normal import Weighed, normal_of
+from bench.identify.dynamics.normal import Weighed, log_evidence, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.prior import NARROWEST, Prior, prior_of
+from bench.identify.dynamics.prior import NARROWEST, NONE, Prior, Widths, prior_of
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, drive_rows
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
@@ -176,6 +176,8 @@ def first_pass(
     if find_delay:
         late, later = _solved(rows, prior, band, folds, find_delay=True)
         solution = late if later.surely_less_than(at_once) else solution
+    unsure = width_errors(solution.normal, prior, solution.widths)
+    solution = replace(solution, covariance=solution.covariance + unsure)
     reach = float(np.linalg.norm(arm.point(nominal.load_point).position))
     bodies = bodies_of(layout, arm.joint_names, prior.mean, solution.prior_sigma, nominal.payload, reach)
     factor = prior.factor(solution.widths)
@@ -208,22 +210,38 @@ def _solved(
         inflation = inflation * beside.excess
     solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay)
     beside = missed(solution, prior, folds)
-    if held := _without_direction(solution, beside, prior, folds):
-        solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay, held)
+    widths = _with_directions(solution, beside, prior, folds)
+    if widths != solution.widths:
+        solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay, widths)
         beside = missed(solution, prior, folds)
     return solution, beside
 
 
-def _without_direction(solution: Solution, beside: Missed, prior: Prior, folds: Folds) -> frozenset[int]:
-    """Return the drives whose torque is predicted no worse without what differs between the directions."""
-    for drive, width in enumerate(solution.widths.direction):
+def _with_directions(solution: Solution, beside: Missed, prior: Prior, folds: Folds) -> Widths:
+    """Return the widths with what differs between the directions.
+
+    An offset is held where its drive's torque is predicted no worse without it. Viscous friction differs between the
+    directions where the evidence wants that and the drive is predicted better: it bends in what a model misses.
+    """
+    for drive, width in enumerate(solution.widths.offset):
         if width == NARROWEST or solution.noise[drive] is None:
             continue
         without = replace(solution, widths=solution.widths.holding(drive))
         tried = missed(without, prior, folds)
         if tried.squares[:, drive].sum() <= beside.squares[:, drive].sum():
             solution, beside = without, tried
-    return solution.widths.held
+    for drive, noise in enumerate(solution.noise):
+        if noise is None:
+            continue
+        line = [solution.widths.differing(drive, width) for width in range(NONE, 1)]
+        best = max(line, key=lambda widths: log_evidence(solution.normal, prior, widths))
+        if best == solution.widths:
+            continue
+        uneven = replace(solution, widths=best)
+        tried = missed(uneven, prior, folds)
+        if tried.squares[:, drive].sum() < beside.squares[:, drive].sum():
+            solution, beside = uneven, tried
+    return solution.widths
 
 
 def _equations(

@@ -93,6 +93,26 @@ def likeliest_widths(normal: Normal, prior: Prior, best: Widths) -> Widths:
         best, value = widths, top
 
 
+def width_errors(normal: Normal, prior: Prior, chosen: Widths) -> Array:
+    """Return what the covariance of the parameters lacks because one set of widths was chosen, shape (p, p).
+
+    Each width is varied alone, and each value counts by its evidence. Of wider ones the larger covariance and the other
+    mean are counted (law of total variance). Where data do not tell a parameter they do not tell its width either: then
+    the narrowest would claim to know it.
+    """
+    mean, covariance = posterior(normal, prior, chosen)
+    added = np.zeros_like(covariance)
+    for line in chosen.lines():
+        evidence = np.array([log_evidence(normal, prior, widths) for widths in line])
+        share = np.exp(evidence - evidence.max())
+        share /= share.sum()
+        for widths, weight in zip(line, share, strict=True):
+            if weight > ROUNDING and widths.wider_than(chosen):
+                other, wider = posterior(normal, prior, widths)
+                added += weight * (wider - covariance + np.multiply.outer(other - mean, other - mean))
+    return added
+
+
 def _inverse(normal: Normal, factor: Array) -> Array:
     inner = np.eye(len(factor)) + factor.T @ normal.gram @ factor
     return np.asarray(np.linalg.inv((inner + inner.T) / 2))

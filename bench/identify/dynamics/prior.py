@@ -18,6 +18,7 @@ WIDER = np.sqrt(10.0)  # between one width and the next that is tried
 
 WIDEST = 6  # a thousand times what was stated: as good as unknown
 NARROWEST = -4  # a hundredth of the whole torque: less would claim to know that there is none (assumed)
+NONE = NARROWEST - 1  # no difference of the directions at all
 
 
 @dataclass(frozen=True)
@@ -27,35 +28,64 @@ class Widths:
     Attributes:
         figures: Of masses, centres and rotors; 0 or more, for what is stated is at least as uncertain as stated.
         friction: Of friction that is stated, likewise.
-        direction: For each drive, of friction that differs between the directions, which with an offset is what a first
-            pass most easily takes for gravity; 0 or less.
-        held: Drives whose width of direction stays at its least.
+        offset: For each drive, of its torque offset, which a first pass most easily takes for gravity; 0 or less.
+        difference: For each drive, of viscous friction that differs between the directions; 0 or less. At `NONE`, where
+            it begins, there is none: it bends in what a model misses at low speed.
+        held: Drives whose width of the offset stays at its least.
     """
 
     figures: int
     friction: int
-    direction: tuple[int, ...]
+    offset: tuple[int, ...]
+    difference: tuple[int, ...]
     held: frozenset[int] = frozenset()
 
     @classmethod
-    def usual(cls, n: int, held: frozenset[int] = frozenset()) -> "Widths":
-        """Return those of n drives to begin with: figures as stated, offsets and directions as free as all friction."""
-        return cls(0, 0, tuple(NARROWEST if i in held else 0 for i in range(n)), held)
+    def usual(cls, n: int) -> "Widths":
+        """Return those of n drives to begin with: figures as stated, offsets as free as friction, no differences."""
+        return cls(0, 0, (0,) * n, (NONE,) * n)
 
     def holding(self, drive: int) -> "Widths":
-        """Return these with the direction of one more drive held."""
-        narrow = (*self.direction[:drive], NARROWEST, *self.direction[drive + 1 :])
-        return replace(self, direction=narrow, held=self.held | {drive})
+        """Return these with the offset of one more drive held."""
+        return replace(self, offset=_with(self.offset, drive, NARROWEST), held=self.held | {drive})
+
+    def differing(self, drive: int, width: int) -> "Widths":
+        """Return these with another width of a drive's difference between the directions."""
+        return replace(self, difference=_with(self.difference, drive, width))
 
     def neighbours(self) -> tuple["Widths", ...]:
         """Return the widths one step away."""
         found = [replace(self, figures=self.figures + way) for way in (1, -1) if 0 <= self.figures + way <= WIDEST]
         found += [replace(self, friction=self.friction + way) for way in (1, -1) if 0 <= self.friction + way <= WIDEST]
-        for i, width in enumerate(self.direction):
+        for i, width in enumerate(self.offset):
             for changed in (width + 1, width - 1):
                 if NARROWEST <= changed <= 0 and i not in self.held:
-                    found.append(replace(self, direction=(*self.direction[:i], changed, *self.direction[i + 1 :])))
+                    found.append(replace(self, offset=_with(self.offset, i, changed)))
         return tuple(found)
+
+    def lines(self) -> tuple[tuple["Widths", ...], ...]:
+        """Return all values of each width with the others as they are: figures, friction, offsets, differences."""
+        figures = tuple(replace(self, figures=k) for k in range(WIDEST + 1))
+        friction = tuple(replace(self, friction=k) for k in range(WIDEST + 1))
+        return figures, friction, *self.by_drive()
+
+    def by_drive(self) -> tuple[tuple["Widths", ...], ...]:
+        """Return all values of the width of each offset, then of each difference, with the others as they are."""
+        drives = range(len(self.offset))
+        offsets = (tuple(replace(self, offset=_with(self.offset, i, k)) for k in range(NARROWEST, 1)) for i in drives)
+        differences = (tuple(self.differing(i, k) for k in range(NONE, 1)) for i in drives)
+        return *offsets, *differences
+
+    def wider_than(self, other: "Widths") -> bool:
+        """Return whether these allow for more."""
+        return self._total() > other._total()
+
+    def _total(self) -> int:
+        return sum((self.figures, self.friction, *self.offset, *self.difference))
+
+
+def _with(values: tuple[int, ...], place: int, value: int) -> tuple[int, ...]:
+    return (*values[:place], value, *values[place + 1 :])
 
 
 @dataclass(frozen=True)
@@ -66,21 +96,33 @@ class Prior:
         mean: Shape (p,), nominal figures.
         figures: Shape (p, p), of link and rotor inertia.
         friction: Shape (p, p), of friction that is stated.
-        direction: Shape (n, p, p), of each drive's offset and viscous friction that differs between the directions.
+        offset: Shape (n, p, p), of each drive's offset.
+        difference: Shape (n, p, p), of each drive's viscous friction that differs between the directions.
         free: Shape (p, p), of all others.
     """
 
     mean: Array
     figures: Array
     friction: Array
-    direction: Array
+    offset: Array
+    difference: Array
     free: Array
 
     def factor(self, widths: Widths) -> Array:
         """Return L, shape (p, p)."""
-        direction = np.tensordot(WIDER ** np.array(widths.direction, dtype=float), self.direction, axes=1)
+        offset = np.tensordot(WIDER ** np.array(widths.offset, dtype=float), self.offset, axes=1)
+        uneven = np.array([0.0 if width == NONE else WIDER ** float(width) for width in widths.difference])
         stated = WIDER**widths.figures * self.figures + WIDER**widths.friction * self.friction
-        return np.asarray(stated + direction + self.free)
+        return np.asarray(stated + offset + np.tensordot(uneven, self.difference, axes=1) + self.free)
+
+    def covariance(self, widths: Widths) -> Array:
+        """Return the covariance before the data, shape (p, p), with any width of offsets and differences alike."""
+        chosen = self.factor(widths) @ self.factor(widths).T
+        total = chosen.copy()
+        for line in widths.by_drive():
+            factors = [self.factor(other) for other in line]
+            total += sum(factor @ factor.T for factor in factors) / len(factors) - chosen
+        return total
 
 
 def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Array, speed_rms: Array) -> Prior:
@@ -98,7 +140,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     """
     u, n = nominal.uncertainty, layout.n
     mean = np.zeros(layout.size)
-    figures, friction, direction, free = (np.zeros((layout.size, layout.size)) for _ in range(4))
+    figures, friction, free = (np.zeros((layout.size, layout.size)) for _ in range(3))
     mean[layout.links] = standard_parameters(arm)
     for i in range(n):
         own = slice(N_INERTIAL * i, N_INERTIAL * (i + 1))
@@ -116,9 +158,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     for name, stated, most in (("coulomb", nominal.coulomb, torque_rms), ("viscous", nominal.viscous, drag)):
         put(layout.of_drives(name), stated, u.friction * stated, friction)
         put(layout.of_drives(name), stated, np.where(stated > 0, 0.0, most), free)
-    put(layout.of_drives("viscous_difference"), 0.0, drag, direction)
     put(layout.of_drives("offset"), 0.0, nominal.torque_offset_sigma, free)
-    put(layout.of_drives("offset"), 0.0, torque_rms, direction)
     put(layout.gain, 0.0, nominal.torque_gain_sigma, free)
     if layout.has_payload:
         reach = np.linalg.norm(arm.point(nominal.load_point).position)
@@ -134,11 +174,12 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
             np.array([amount, *(shape[k] for k in GAS_SHAPE)]),
             free,
         )
-    each = np.zeros((n, layout.size, layout.size))
-    for name in ("viscous_difference", "offset"):
-        for drive, where in enumerate(np.arange(layout.size)[layout.of_drives(name)]):
-            each[drive, where, where] = direction[where, where]
-    return Prior(mean, figures, friction, each, free)
+    offset, difference = (np.zeros((n, layout.size, layout.size)) for _ in range(2))
+    every = np.arange(layout.size)
+    for into, name, most in ((offset, "offset", torque_rms), (difference, "viscous_difference", drag)):
+        where = every[layout.of_drives(name)]
+        into[np.arange(n), where, where] = most
+    return Prior(mean, figures, friction, offset, difference, free)
 
 
 def _link_covariance(arm: Arm, link: int, mass_sigma: float, centre_sigma: float) -> Array:

@@ -1,6 +1,6 @@
 """What the first pass tells, as named quantities with intervals."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -31,8 +31,8 @@ class Quantity:
         nominal: As stated.
         value: As found.
         sigma: Standard error.
-        prior_sigma: How well it was known beforehand, with the widths that the evidence chose; offsets and directions
-            as free as they may be.
+        prior_sigma: How well it was known beforehand, with the widths that the evidence chose, and any width of offsets
+            and differences.
         combine: Shape (p,), its factors of the parameters.
         meaning: What is lumped in it; "": nothing else.
     """
@@ -61,7 +61,7 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
     """Return all quantities of a first pass: payload and gas, friction, base inertial parameters, torque scales."""
     layout, every = found.layout, np.eye(found.layout.size)
     result: list[Quantity] = []
-    factor = found.prior.factor(replace(found.solution.widths, direction=(0,) * layout.n))
+    beforehand = found.prior.covariance(found.solution.widths)
 
     def add(kind: Kind, name: str, unit: str, combine: Array, meaning: str = "") -> None:
         result.append(
@@ -72,7 +72,7 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
                 nominal=float(combine @ found.prior.mean),
                 value=float(combine @ found.parameters),
                 sigma=float(np.sqrt(max(float(combine @ found.solution.covariance @ combine), 0.0))),
-                prior_sigma=float(np.linalg.norm(combine @ factor)),
+                prior_sigma=float(np.sqrt(combine @ beforehand @ combine)),
                 combine=combine,
                 meaning=meaning,
             )

@@ -61,7 +61,7 @@ def solve(
     cutoff_hz: float,
     inflation: Array,
     find_delay: bool = True,
-    held: frozenset[int] = frozenset(),
+    begin: Widths | None = None,
 ) -> Solution:
     """Return the posterior of the parameters.
 
@@ -71,10 +71,10 @@ def solve(
         cutoff_hz: Of the filter [Hz]; bounds the delay that is looked for.
         inflation: Shape (n,), by how much the variance of each drive's noise exceeds that of its residuals.
         find_delay: Whether torques may be later than angles.
-        held: Drives whose friction is not to differ between the directions, but for a little.
+        begin: Widths to begin with, by default the usual; what they hold, and differences between directions, stay.
     """
     size, parameters, delay = len(prior.mean), prior.mean, 0.0
-    widths = Widths.usual(len(rows), held)
+    widths = begin or Widths.usual(len(rows))
     noise = [_as_measured(one) for one in rows]
     for trial in range(2 * PASSES):
         # By variance alone at first. Then the memory is known and counts; were it found anew each time, a drive that

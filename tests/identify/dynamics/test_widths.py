@@ -1,0 +1,66 @@
+"""How wide the prior is follows from data; where data do not tell that, intervals say so."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.identify.dynamics.first_pass import first_pass
+from bench.identify.dynamics.prior import NONE
+from bench.identify.dynamics.quantities import quantities
+from bench.record.campaign import Campaign, Run
+from tests.identify.dynamics.rigid_world import Friction, N, arm, fourier, recorded, robot, torque_of
+
+FRICTION = Friction(np.array([12.0, 9.0, 4.0]), np.array([15.0, 10.0, 6.0]), np.array([0.5, -1.0, 6.0]))
+
+
+def one_way(rng: np.random.Generator, name: str) -> Run:
+    """Return a run in which the elbow turns one way only, faster and slower."""
+    time, q, velocity, acceleration = fourier(rng, rate=100.0)
+    speed, swing, w = 0.15, 0.1, 2 * np.pi * 0.3
+    q[:, 2] = speed * (time - time.mean()) + swing / w * np.sin(w * time)
+    velocity[:, 2], acceleration[:, 2] = speed + swing * np.cos(w * time), -swing * w * np.sin(w * time)
+    torque = torque_of(robot(arm()), q, velocity, acceleration) + FRICTION.torque(velocity)
+    torque += rng.standard_normal(torque.shape)
+    columns = {"time_s": time}
+    columns |= {f"q_motor_{j + 1}_rad": q[:, j] for j in range(N)}
+    columns |= {f"tau_motor_{j + 1}_nm": torque[:, j] for j in range(N)}
+    return Run(name, "motion", 0.0, columns)
+
+
+def test_what_one_direction_does_not_tell_is_not_claimed() -> None:
+    """Of a joint that turns one way, friction and offset are one number: neither is known to 1 % of its torque."""
+    rng = np.random.default_rng(1)
+    runs = tuple(replace(one_way(rng, f"run{k}"), start_s=100.0 * k) for k in range(3))
+    found = first_pass(Campaign("rigid", runs), robot(arm(), mass=0.02, centre_of_mass_m=0.005), find_delay=False)
+    told = {one.name: one for one in quantities(found)}
+    quantile = found.quantile(0.9)
+    for name, truth in (("torque offset (elbow)", 6.0), ("Coulomb friction (elbow)", 4.0)):
+        low, high = told[name].interval(quantile)
+        assert low <= truth <= high, (name, low, high)
+    low, high = told["torque offset (shoulder)"].interval(quantile)
+    assert low <= -1.0 <= high
+    assert high - low < 3.0  # [Nm]: both directions tell it
+
+
+def uneven(extra: float) -> Campaign:
+    """Return runs of an arm whose base takes `extra` [Nm s/rad] more in one direction and less in the other."""
+    campaign = recorded(robot(arm()), FRICTION, np.random.default_rng(4), seconds=10.0, rate=100.0)
+    runs = []
+    for run in campaign.runs:
+        speed = np.gradient(run.columns["q_motor_1_rad"], run.columns["time_s"])
+        torque = run.columns["tau_motor_1_nm"] + extra * np.abs(speed)
+        runs.append(replace(run, columns={**run.columns, "tau_motor_1_nm": torque}))
+    return Campaign("rigid", tuple(runs))
+
+
+def test_friction_differs_between_directions_only_where_that_predicts() -> None:
+    nominal = robot(arm(), mass=0.02, centre_of_mass_m=0.005)
+    for extra in (0.0, 5.0):
+        found = first_pass(uneven(extra), nominal, find_delay=False)
+        assert [width != NONE for width in found.solution.widths.difference] == [extra > 0, False, False]
+        told = {one.name: one for one in quantities(found)}
+        for joint, truth in (("base", extra), ("shoulder", 0.0), ("elbow", 0.0)):
+            one = told[f"viscous friction, half the difference of directions ({joint})"]
+            low, high = one.interval(found.quantile(0.9))
+            assert low < truth < high, joint
+            assert one.told
