@@ -78,6 +78,9 @@ def test_chance_is_that_of_folds() -> None:
     chances = np.array([chance_of(np.exp(one), np.exp(other)) for one, other in errors])
     assert np.mean(chances < 0.01) == pytest.approx(0.01, abs=4 * np.sqrt(0.01 / 4000))
     assert chance_of(np.array([1.0, 2.0, 3.0]), np.array([4.0, 8.1, 11.9])) < 1e-3
+    two = np.array([[1.0, 2.0, 3.0], [1.0, 1.0, 1.0]])
+    assert chance_of(two, two * [[8, 2, 4], [2, 8, 4]]) == 0.0  # a factor of four in each run, over both drives
+    assert chance_of(two[0], two[0] * [8, 2, 4]) > 0.02
     assert chance_of(np.array([1.0]), np.array([100.0])) == 1.0  # one fold proves nothing
     assert chance_of(np.array([1.0, 1.0]), np.array([2.0, 2.0])) == 0.0
     assert chance_of(np.array([2.0, 2.0]), np.array([1.0, 1.0])) == 1.0

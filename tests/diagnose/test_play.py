@@ -124,7 +124,7 @@ def unloaded() -> Naming:
     session = session.model_copy(update={"rotations": turns, "line": None, "dwell": None, "repeat_at_end": None})
     effect = effects["backlash"]
     acting = Acting(effect, effect.places(compiled)[JOINT], {"gap": GAP})
-    campaign = hide_campaign(robot, session, [acting], np.random.default_rng(4)).campaign
+    campaign = hide_campaign(robot, session, [acting], np.random.default_rng(3)).campaign
     choice = ("backlash", "softening", "hysteresis", "joint_compliance", "friction_side", "transmission_error")
     return diagnose(campaign, compiled, {name: effects[name] for name in choice}, proposes=False).naming
 
@@ -139,7 +139,7 @@ def test_play_of_an_unloaded_joint_is_named(unloaded: Naming) -> None:
     strict=True, reason="a quarter too small: links that bounce under little load are not at their flank"
 )
 def test_play_of_an_unloaded_joint_is_as_large_as_it_is(unloaded: Naming) -> None:
-    """Seeds 3 to 8: 0.19 to 0.23 mrad of 0.30, give or take 0.02; with some it came out right by chance before."""
+    """Seeds 3 to 10: 0.12 to 0.28 mrad of 0.30, give or take 0.02; with some it comes out right by chance."""
     best = unloaded.models[0].fit
     assert abs(best.values[0] - GAP) < 3 * best.sigma[0]
 

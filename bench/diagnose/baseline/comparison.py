@@ -16,6 +16,8 @@ from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.held_out import SAME
 from bench.record.campaign import Array
 
+LEAST_SQUARES = ("plain_least_squares", "first_pass")
+
 
 @dataclass(frozen=True)
 class DriveErrors:
@@ -33,8 +35,8 @@ class DriveErrors:
         diagnosed: Of what the diagnosed model leaves.
         chance: Probability that least squares, the better of the two, seems so much better than the diagnosed model by
             chance, over what was held out at a time.
-        is_missed: Whether least squares is better by more than chance brings about on any drive at the declared rate,
-            and by more than counts as the same.
+        is_missed: Whether least squares is better, here or on all drives together, by more than chance brings about
+            anywhere at the declared rate, and here by more than counts as the same.
     """
 
     drive: int
@@ -110,14 +112,20 @@ def baseline_of(linear: LinearisedModel, fit: Fit, first: FirstPass, rate: float
             found.append((j, int(used.sum()), squares))
     if not found:
         return None
-    drives = tuple(_drive(first, j, count, squares, rate / len(found)) for j, count, squares in found)
+    # one half of the rate is for all drives together, for few runs say little of one; the other for each by itself
+    together = min(
+        2 * chance_of(*(np.array([squares[name] for _, _, squares in found]) for name in (rival, "diagnosed")))
+        for rival in LEAST_SQUARES
+    )
+    alone = 1.0 if together < rate / 2 else rate / (2 * len(found))
+    drives = tuple(_drive(first, j, count, squares, alone) for j, count, squares in found)
     return Baseline(folds.by, len(folds), drives)
 
 
 def _drive(first: FirstPass, drive: int, count: int, squares: dict[str, Array], rate: float) -> DriveErrors:
     """Return the errors of a drive from sums of squares per fold, shape (K,) each."""
     rms = {name: float(np.sqrt(square.sum() / count)) for name, square in squares.items()}
-    better = min(("plain_least_squares", "first_pass"), key=lambda name: rms[name])
+    better = min(LEAST_SQUARES, key=lambda name: rms[name])
     chance = min(1.0, 2 * chance_of(squares[better], squares["diagnosed"]))  # the better of two: Bonferroni
     return DriveErrors(
         drive=drive + 1,
@@ -138,10 +146,11 @@ def chance_of(least: Array, diagnosed: Array) -> float:
     """Return how likely chance makes least squares so much better, of squared errors per fold, shape (K,) each.
 
     Student's t of the logarithms of the ratio, one-sided: ratios, for a drive errs more in one run than in another;
-    1 with less than two folds.
+    1 with less than two folds. Of several drives, shape (n, K), the mean in each fold counts.
     """
-    there = (least > 0) & (diagnosed > 0)
-    gain = np.log(diagnosed[there] / least[there])
+    both = (np.atleast_2d(least), np.atleast_2d(diagnosed))
+    there = np.all([one > 0 for one in both], axis=(0, 1))
+    gain = np.mean(np.log(both[1][:, there] / both[0][:, there]), axis=0)
     if len(gain) < 2:
         return 1.0
     error = float(gain.std(ddof=1)) / np.sqrt(len(gain))
