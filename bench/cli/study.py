@@ -87,6 +87,7 @@ class Study:
         if self.small:
             counts = replace(SMALL, worlds=self.world)
         settings = Settings(checked_seed(self.seed), counts=counts)
+        where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -95,7 +96,6 @@ class Study:
             return self._vary(self.vary)
         if self.recordings:
             return self._several()
-        where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
         with where as executor, progress_bar("campaigns") as progress:
             outcomes = run_study(settings, self.out, executor, progress, warn)
         scores = scores_of(outcomes)

@@ -16,6 +16,7 @@ from bench.cli import main
         (["run", "loading", "--seed", "-1"], "--seed -1: a seed is a whole number from 0 on"),
         (["demo", "--seed", "-1"], "--seed -1: a seed is a whole number from 0 on"),
         (["study", "--seed", "-1"], "--seed -1: a seed is a whole number from 0 on"),
+        (["study", "--cores", "-1"], "--cores -1: give how many cores to use, or 0 for all"),
         (["hide", "gas_loss=nan"], "'nan' is not a number"),
         (["hide", "gas_loss=inf"], "'inf' is not a number"),
         (["hide", "gas_loss=5"], "beyond it means nothing"),
