@@ -150,7 +150,7 @@ def log_odds(model: SubsetPosterior) -> dict[Hashable, float]:
     found = {}
     for cause in every:
         others = tuple(i for i in every if i != cause)
-        without = search(model, [_free(model, with_all[0].terms)], others, EXPANDED)
+        without = search(model, [needed], others, EXPANDED)
         near = {
             _free(model, one.terms)
             for some in (with_all, without)
