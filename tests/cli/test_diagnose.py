@@ -93,9 +93,14 @@ def test_a_recording_that_is_given_twice(healthy: Path, tmp_path: Path, capsys: 
     assert "given twice" in capsys.readouterr().err
 
 
-def test_recordings_are_called_by_their_folders(healthy: Path, campaign: Path, tmp_path: Path) -> None:
+def test_recordings_are_called_by_their_folders(
+    healthy: Path, campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "out"
-    assert main(["diagnose", str(healthy), str(campaign), "-o", str(out), "--at-most", "0.01"]) == UNFINISHED
+    command = ["diagnose", str(healthy), str(campaign), "-o", str(out), "--at-most", "0.01"]
+    assert main(command) == 3  # one is a copy of the other
+    assert "hold the same readings as those of healthy" in capsys.readouterr().err
+    assert main([*command, "--despite-doubts"]) == UNFINISHED
     runs = json.loads((out / VERDICT).read_text())["data"]["runs"]
     assert {run["name"].split(".")[0] for run in runs} == {"healthy", "campaign"}
 
