@@ -24,7 +24,7 @@ def spoilt(column: str, value: float, rows: slice | list[int]) -> list[Finding]:
 
 @pytest.mark.parametrize(
     ("column", "value"),
-    [("current_2_a", 60.0), ("reflector_1_x_m", 5.0), ("gas_pressure_pa", 3e7), ("q_motor_2_rad", 2.0)],
+    [("current_2_a", 60.0), ("reflector_1_x_m", 5.0), ("gas_pressure_pa", 1e8), ("q_motor_2_rad", 2.0)],
 )
 def test_a_reading_that_stands_alone_is_told(column: str, value: float) -> None:
     finding = only(spoilt(column, value, [ROW]))
@@ -37,6 +37,23 @@ def test_lost_readings_of_one_number_are_told_though_small() -> None:
     finding = only(spoilt("tau_motor_2_nm", 700.0, rows))
     assert finding.row == rows[0] + 1
     assert "rows 301, 701 and 1501" in finding.message
+
+
+@pytest.mark.parametrize("freedom", [4.0, 6.0, np.inf])
+def test_tails_of_noise_are_no_spikes(freedom: float) -> None:
+    rng = np.random.default_rng(3)
+    for rows in (50, 300, 3000):
+        columns = {"time_s": np.arange(rows) * 0.01}
+        columns |= {f"current_{joint}_a": rng.standard_t(freedom, rows) for joint in range(1, 100)}
+        assert not [finding for finding in examine(motion(columns)) if "lost or spoilt" in finding.message]
+
+
+def test_a_few_readings_far_off_are_more_than_tails_of_noise() -> None:
+    noise = np.random.default_rng(4).standard_t(4.0, 300)
+    columns = {"time_s": np.arange(300) * 0.01, "current_1_a": noise}
+    columns["current_1_a"][[50, 150, 200]] += 30.0
+    finding = only([f for f in examine(motion(columns)) if f.column == "current_1_a"])
+    assert "rows 51, 151 and 201" in finding.message
 
 
 def test_a_step_is_no_spike() -> None:

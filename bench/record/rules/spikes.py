@@ -10,10 +10,10 @@ from bench.record.finding import Finding
 from bench.record.rules.sheet import TRAVEL, Sheet, rows_where
 
 QUANTITIES = ("q_motor", "q_link", "current", "tau_motor", "force", "moment", "reflector", "gas_pressure")
-USUAL = 0.9  # of the rows; up to a tenth of them may be spoilt
-# Times what nine rows in ten, and half of those around, stand out by. Of normal noise a row in ten stands out by 1.6 of
-# its standard deviation and one in a million by 6, so that is 3.8 times.
-FAR = 10.0
+# Noise of real instruments has tails as of Student's t with about four degrees of freedom (Lange, Little & Taylor, Robust
+# statistical modeling using the t distribution, J. Am. Stat. Assoc. 84, 1989); half the median step is its scale, roughly.
+TAILS = 4.0
+CHANCE = 1e-6  # declared: of a healthy channel of a run to be told; a session has a thousand of them
 AROUND = 10  # rows on either side; a robot that shakes stands out there again and again
 LARGE = 0.2  # of the range of all other rows; assumed: what is smaller spoils a mean over several rows by little
 STANDS_FOR_NONE = 3  # rows with the same number, which a logger writes where it has none
@@ -40,17 +40,35 @@ def _alone(values: Array, travel: float) -> NDArray[np.bool_]:
     """
     step = np.diff(values)
     out = np.where(step[:-1] * step[1:] < 0, np.minimum(np.abs(step[:-1]), np.abs(step[1:])), 0.0)
-    far = out > FAR * np.quantile(out, USUAL)
+    far = _more_than_chance(out, np.abs(step))
     if not far.any():
         return np.zeros(len(values), dtype=np.bool_)
-    size = np.abs(step)
-    elsewhere = size[~(np.append(far, False) | np.append(False, far)) & (size > 0)]
-    resolution = float(elsewhere.min()) if len(elsewhere) else 0.0
-    for row in np.flatnonzero(far):
-        around = size[max(row - AROUND, 0) : row + AROUND + 2]
-        far[row] = out[row] > FAR * max(resolution, float(np.median(around)))
-    others = values[1:-1][~far]
-    is_large = out > LARGE * float(np.ptp(others))
+    is_large = out > LARGE * float(np.ptp(values[1:-1][~far]))
     _, which, count = np.unique(values[1:-1][far], return_inverse=True, return_counts=True)
     is_large[far] |= (count >= STANDS_FOR_NONE)[which]
     return np.pad(far & is_large & (out > travel), 1)
+
+
+def _more_than_chance(out: Array, size: Array) -> NDArray[np.bool_]:
+    """Return which of the inner rows stand out by more than as many would by noise, shape (n - 2,).
+
+    One row has to stand out by some two hundred times the noise to be more than its tails, three by twenty times.
+
+    Args:
+        out: How far a row stands out of those before and after it, shape (n - 2,).
+        size: Steps from row to row, shape (n - 1,).
+    """
+    from scipy.special import pdtrc, stdtr  # here: other commands need not wait for it
+
+    rough = out > np.median(size)
+    elsewhere = size[~(np.append(rough, False) | np.append(False, rough)) & (size > 0)]
+    resolution = float(elsewhere.min()) if len(elsewhere) else float(np.max(size, initial=0.0))
+    around = np.pad(size, AROUND, mode="reflect")
+    noise = np.median(np.lib.stride_tricks.sliding_window_view(around, 2 * AROUND + 2), axis=1)
+    times = out / np.maximum(noise, resolution) if resolution else np.zeros_like(out)
+    order = np.argsort(-times)
+    expected = len(out) * 2 * stdtr(TAILS, -times[order])
+    told = np.flatnonzero(pdtrc(np.arange(len(out)), expected) < CHANCE)
+    far = np.zeros(len(out), dtype=np.bool_)
+    far[order[: told[-1] + 1 if len(told) else 0]] = True
+    return far
