@@ -64,7 +64,7 @@ def tangent_of(linear: LinearisedModel, fit: Fit) -> Tangent:
         linear: The campaign.
         fit: To all of it.
     """
-    linear = with_play(linear, fit.play)
+    linear = with_play(fit.design(linear), fit.play)
     jacobian = np.concatenate([linear.jacobian, linear.whiten(fit.jacobian)], axis=1)
     prior = _prior(fit)
     precision = jacobian.T @ jacobian + np.diag(prior)
@@ -161,7 +161,7 @@ def errors_of_folds(
             moved[:p][unknown] = -away[:p][unknown]
         moved += tangent.step
         at = folds.of_instants == f
-        error[at] -= linear.sensitivities[at] @ moved[:p] + fit.jacobian[at] @ moved[p:]
+        error[at] -= (fit.change(linear, moved[:p]) + fit.jacobian @ moved[p:])[at]
     return error
 
 

@@ -121,7 +121,7 @@ def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "an
         fit: The model.
         between: Which of the two.
     """
-    recordings = recordings_of(linear.segments)
+    linear, recordings = fit.design(linear), recordings_of(linear.segments)
     lasting = {one.name: one.sigma**2 for one in linear.nuisances if one.recording is None}
     found = {}
     for i, one in enumerate(linear.nuisances):

@@ -1,11 +1,12 @@
 """A fitted extension: causes with values, what they leave, and how sure of them it is."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
 from bench.effects.effect import Parameter
@@ -71,6 +72,7 @@ class Fit:
         residual: Shape (T, c), measured less simulated; nan where not measured.
         jacobian: Shape (T, c, k), change of the readings with each unknown.
         play: Shape (n,) [rad] or [m], of the gears, within which links were taken to rest anywhere.
+        renewed: Derivatives of nuisances that are not those of the design, each by its index, shape (T, c).
     """
 
     causes: tuple[Cause, ...]
@@ -83,6 +85,7 @@ class Fit:
     residual: Array
     jacobian: Array
     play: Array
+    renewed: Mapping[int, Array] = field(default_factory=dict)
 
     @property
     def sigma(self) -> Array:
@@ -93,6 +96,24 @@ class Fit:
     def start(self) -> dict[Key, float]:
         """Its values, for another fit to start from."""
         return {(*u.cause.key, u.parameter.name): float(v) for u, v in zip(self.unknowns, self.values, strict=True)}
+
+    def design(self, linear: LinearisedModel) -> LinearisedModel:
+        """Return a design with the derivatives of nuisances that this fit took anew."""
+        if not self.renewed:
+            return linear
+        return relinearised(linear, list(self.renewed), np.stack(list(self.renewed.values()), axis=2))
+
+    def change(self, linear: LinearisedModel, nuisances: Array) -> Array:
+        """Return what nuisances change to first order, shape (T, c).
+
+        Args:
+            linear: The campaign.
+            nuisances: Shape (p,), in standard deviations of their priors.
+        """
+        found: Array = linear.sensitivities @ nuisances
+        for i, renewed in self.renewed.items():
+            found += (renewed - linear.sensitivities[:, :, i]) * nuisances[i]
+        return found
 
     def slopes_of(self, unknowns: tuple[Unknown, ...]) -> dict[int, Array]:
         """Return its derivatives with those of some unknowns that it has, each by its index, shape (T, c)."""
@@ -177,4 +198,4 @@ def fit_without(linear: LinearisedModel, fit: Fit, cause: Cause) -> Fit:
 
 def pseudo_residual(linear: LinearisedModel, fit: Fit) -> Array:
     """Return the whitened residual of a fit as it would be with all nuisances at zero, shape (m,)."""
-    return linear.whiten(fit.residual) + linear.jacobian @ fit.nuisances
+    return linear.whiten(fit.residual) + linear.whiten(fit.change(linear, fit.nuisances))

@@ -15,6 +15,9 @@ from bench.diagnose.replay.world import World, moves
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
+STEP_OF_NUISANCE = 0.5  # rounding: of its standard deviation, for its derivative about an extension
+TELLS = 1.0  # rounding: what readings tell of a nuisance, times what was known of it before, from where it matters
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -40,10 +43,12 @@ class Derivatives:
     """What an extension does to the readings with each parameter, to first order.
 
     Attributes:
-        at: Where they were taken; None: by another fit, near by.
+        at: Where those of the unknowns were taken; None: by another fit, near by.
         jacobian: Shape (T, c, k), change of the readings with each unknown.
         tangent: Shape (m, p + k), change of whitened readings with each parameter, nuisances first.
         precision: Shape (p + k, p + k), of the parameters, their priors included.
+        renewed: Derivatives of nuisances that are not those of the design, each by its index, shape (T, c).
+        renewed_at: Where these were taken in this fit; None: they were not.
         is_corrected: Whether the tangent was bent to what steps showed.
     """
 
@@ -51,6 +56,8 @@ class Derivatives:
     jacobian: Array
     tangent: Array
     precision: Array
+    renewed: Mapping[int, Array]
+    renewed_at: State | None = None
     is_corrected: bool = False
 
 
@@ -122,12 +129,15 @@ class Objective:
         pull = np.concatenate([state.nuisances, (state.values - self.origin) / self.sigma**2])
         return np.asarray(derivatives.tangent.T @ state.white - pull)
 
-    def derivatives(self, state: State, known: Mapping[int, Array] | None = None) -> Derivatives:
+    def derivatives(
+        self, state: State, known: Mapping[int, Array] | None = None, nuisances: Mapping[int, Array] | None = None
+    ) -> Derivatives:
         """Return the derivatives at a state, those of the unknowns by simulation.
 
         Args:
             state: Where.
             known: Derivatives with some unknowns as another fit had them, each by its index, shape (T, c).
+            nuisances: Derivatives with some nuisances that are not those of the design, each by its index, shape (T, c).
 
         Raises:
             ConvergenceError, RobotError: There is no balance to either side of some value.
@@ -140,8 +150,25 @@ class Objective:
         jacobian = np.zeros((*state.residual.shape, 0))
         if columns:
             jacobian = np.stack([columns[i] for i in range(len(self.unknowns))], axis=2)
+        renewed = nuisances or {}
         tangent = np.concatenate([self.linear.jacobian, self.linear.whiten(jacobian)], axis=1)
-        return Derivatives(None if known else state, jacobian, tangent, self._precision(tangent))
+        if renewed:
+            tangent[:, list(renewed)] = self.linear.whiten(np.stack(list(renewed.values()), axis=2))
+        return Derivatives(None if known else state, jacobian, tangent, self._precision(tangent), renewed)
+
+    def all_derivatives(self, state: State) -> Derivatives:
+        """Return the derivatives at a state, those of nuisances that the readings tell of by simulation as well.
+
+        Raises:
+            ConvergenceError, RobotError: There is no balance to either side of some value.
+        """
+        told = np.linalg.norm(self.linear.jacobian, axis=0) > TELLS
+        which = [i for i, one in enumerate(self.linear.nuisances) if told[i] and is_simulated(one)]
+        nuisances = {}
+        for i in which:
+            moved = _moved(state.nuisances, i, STEP_OF_NUISANCE)
+            nuisances[i] = (state.residual - self._left(moved, state.values)) / STEP_OF_NUISANCE
+        return replace(self.derivatives(state, nuisances=nuisances), renewed_at=state)
 
     def corrected(self, derivatives: Derivatives, before: State, after: State) -> Derivatives:
         """Return derivatives that are right along a step that was simulated."""

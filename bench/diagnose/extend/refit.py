@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from bench.record.campaign import Array
 MOST_ITERATIONS = 6  # effort: steps of a fit
 ENOUGH = 0.2  # effort: fall of the objective, promised or found, below which a fit has converged
 MOST_PLAYS = 4  # effort: fits in turn, each with the scatter that the play of the one before makes
+MATTERS = 2.0  # effort: what a step falls short of its promise by, from where derivatives of nuisances are taken too
 FAITHFUL = 0.7  # effort: of the promised fall; derivatives that keep less are taken anew, or corrected
 
 
@@ -29,12 +30,14 @@ class _Point:
         nuisances: Shape (p,).
         residual: Shape (T, c); None: to be simulated.
         jacobian: Unknown, by its index -> shape (T, c); others are to be simulated.
+        renewed: As of a fit.
     """
 
     values: Array
     nuisances: Array
     residual: Array | None = None
     jacobian: Mapping[int, Array] = field(default_factory=dict)
+    renewed: Mapping[int, Array] = field(default_factory=dict)
 
 
 def refit(
@@ -64,8 +67,8 @@ def refit(
     low, high = bounds_of((), unknowns)
     values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
-    jacobian = known.slopes_of(unknowns) if known else {}
-    return _with_its_play(linear, causes, _Point(np.clip(values, low, high), x, None, jacobian))
+    slopes = (known.slopes_of(unknowns), known.renewed) if known else ()
+    return _with_its_play(linear, causes, _Point(np.clip(values, low, high), x, None, *slopes))
 
 
 def refitted(linear: LinearisedModel, fit: Fit) -> Fit:
@@ -82,7 +85,7 @@ def refitted(linear: LinearisedModel, fit: Fit) -> Fit:
 
 
 def _point_of(fit: Fit) -> _Point:
-    return _Point(fit.values, fit.nuisances, fit.residual, fit.slopes_of(fit.unknowns))
+    return _Point(fit.values, fit.nuisances, fit.residual, fit.slopes_of(fit.unknowns), fit.renewed)
 
 
 def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -> Fit:
@@ -104,39 +107,41 @@ def _fitted(objective: Objective, point: _Point) -> Fit:
         first = objective.near(point.nuisances, point.values)
     else:
         first = objective.at(point.nuisances, point.values, point.residual)
-    state, slopes = _least(objective, first, objective.derivatives(first, point.jacobian))
+    state, slopes = _least(objective, first, objective.derivatives(first, point.jacobian, point.renewed))
     if slopes.is_corrected:  # corrections lead to the optimum; what is stated there rests on derivatives
         with suppress(*NOT_SIMULATED):
-            slopes = objective.derivatives(state)
+            slopes = objective.derivatives(state, nuisances=slopes.renewed)
     return _fit(objective, state, slopes)
 
 
 def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[State, Derivatives]:
     """Return where the objective is least, and derivatives that lead no further.
 
-    Derivatives serve as long as steps fall as far as they promise. Else they are taken anew; where those that were
-    taken on the way do no better, derivatives of the nuisances, which nobody takes anew, are as wrong as those of the
-    causes, and both are corrected by what the steps show.
+    Derivatives serve as long as steps fall as far as they promise. Else those of the unknowns are taken anew, where they
+    are another fit's; then those of the nuisances too; then all are corrected by what the steps show.
     """
-    first, is_borrowed, fell = state, slopes.at is None, np.inf
     for iteration in range(MOST_ITERATIONS + 1):
         step, promised = _step(objective, state, slopes)
-        if promised < ENOUGH or fell < ENOUGH or iteration == MOST_ITERATIONS:
+        if promised < ENOUGH or iteration == MOST_ITERATIONS:
             break
         before, state = state, _downhill(objective, state, slopes, step)
         fell = before.objective - state.objective
-        if fell >= FAITHFUL * promised or (0 < fell < ENOUGH and not is_borrowed):
+        if fell >= FAITHFUL * promised:
             continue
-        if fell > 0 and slopes.at not in (None, first):
-            slopes = objective.corrected(slopes, before, state)
-            continue
-        if slopes.at is state:
-            break
+        matters = promised - fell > MATTERS
         try:
-            slopes = objective.derivatives(state)
+            if slopes.at is None:
+                slopes = objective.derivatives(state, nuisances=slopes.renewed)
+            elif slopes.renewed_at is None and matters:
+                slopes = objective.all_derivatives(state)
+            elif fell >= ENOUGH:
+                slopes = objective.corrected(slopes, before, state)
+            elif slopes.renewed_at is not state and matters:
+                slopes = objective.all_derivatives(state)
+            else:
+                break
         except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
             break
-        is_borrowed, fell = False, np.inf
     return state, slopes
 
 
@@ -170,7 +175,7 @@ def _fit(objective: Objective, state: State, slopes: Derivatives) -> Fit:
     least = state.objective - promised
     _, determinant = np.linalg.slogdet(slopes.precision)
     evidence = -0.5 * (least + float(determinant)) - float(np.sum(np.log(objective.sigma)))
-    return Fit(
+    found = Fit(
         causes=objective.causes,
         unknowns=objective.unknowns,
         values=state.values + step[p:],
@@ -178,7 +183,10 @@ def _fit(objective: Objective, state: State, slopes: Derivatives) -> Fit:
         nuisances=state.nuisances + step[:p],
         objective=least,
         log_evidence=evidence + float(np.sum(linear.log_determinants)),
-        residual=state.residual - linear.sensitivities @ step[:p] - slopes.jacobian @ step[p:],
+        residual=state.residual,
         jacobian=slopes.jacobian,
         play=linear.scatter.play,
+        renewed=slopes.renewed,
     )
+    moved = found.change(linear, step[:p]) + slopes.jacobian @ step[p:]
+    return replace(found, residual=state.residual - moved)

@@ -96,7 +96,7 @@ def learn(linear: LinearisedModel, block: Block, beside: Fit) -> Discrepancy:
         block: The free shape.
         beside: What the model has already.
     """
-    linear = with_play(linear, beside.play)
+    linear = with_play(beside.design(linear), beside.play)
     # where a shape changes within a bin, no table can follow: what is rough by the instruments' errors is noise
     plain = roughened(raised(linear, 1 / linear.inflation), beside.residual)
     linear = raised(plain, np.maximum(missed(plain, pseudo_residual(plain, beside)), 1.0))

@@ -56,6 +56,7 @@ class Model:
 
     def linear(self, plain: LinearisedModel) -> LinearisedModel:
         """Return the design that it is fitted in."""
+        plain = self.fit.design(plain)
         return with_shape(plain, self.shape) if self.shape else plain
 
     def listed_fit(self, plain: LinearisedModel) -> Fit:
