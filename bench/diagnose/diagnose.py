@@ -31,20 +31,22 @@ from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import MOST_BINS, segments_of
+from bench.diagnose.replay.segments import MOST_BINS, Segment, segments_of
 from bench.diagnose.verdict import Proposal, UndetectableEffect, Unfinished, Verdict
 from bench.effects.effect import Effect
 from bench.effects.recorded import Recorded, recorded_in
-from bench.errors import BenchError, InputError
+from bench.errors import NOT_SIMULATED, BenchError, InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Check, Stopped, Watched, never
 from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.held_out import SAME
 from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
+UNKNOWN_MASS = 1.0  # derived: relative uncertainty of a mass that nobody knows: none is one standard deviation away
 FALSE_ALARM_RATE = 0.01  # declared: of the whole catalogue at once, where the caller declares no other
 
 
@@ -126,8 +128,13 @@ def diagnose(
             raise ValueError(
                 "these signatures are of other channels or other causes than this campaign and catalogue have"
             )
-        known = (signatures or own, most_bins, proposes, watched, first)
-        return _diagnose(campaign, compiled, catalogue, rate, phases, *known)
+        task = _Task(campaign, compiled, catalogue, rate, phases, most_bins, watched, first)
+        found = _explained(task, signatures or own)
+        if found.baseline and found.baseline.lags and not found.unfinished:
+            found = _beside_unknown_links(
+                task, found, lambda robot: signatures_of(campaign, robot, catalogue, store, given)
+            )
+        return _concluded(task, found, proposes=proposes)
 
 
 class _Phases:
@@ -143,20 +150,54 @@ class _Phases:
         self._progress(words)
 
 
-def _diagnose(
-    campaign: Campaign,
-    compiled: CompiledRobot,
-    catalogue: Mapping[str, Effect],
-    rate: float,
-    progress: _Phases,
-    signatures: Signatures,
-    most_bins: int,
-    proposes: bool,
-    executor: Executor,
-    first: FirstPass | None,
-) -> Diagnosis:
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What is asked, as of `diagnose`."""
+
+    campaign: Campaign
+    compiled: CompiledRobot
+    catalogue: Mapping[str, Effect]
+    rate: float
+    progress: _Phases
+    most_bins: int
+    executor: Executor
+    first: FirstPass | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Explained:
+    """What explains a campaign.
+
+    Attributes:
+        signatures: That were weighed.
+        segments: Of the campaign.
+        naming: What was found.
+        about: The campaign linearised about it.
+        discrepancy: What became of what is not listed.
+        gain: Of the model on what was held out.
+        baseline: The model beside least squares.
+        unfinished: Why it ended before it was done.
+    """
+
+    signatures: Signatures
+    segments: tuple[Segment, ...]
+    naming: Naming
+    about: LinearisedModel
+    discrepancy: Discrepancy | None = None
+    gain: HeldOut | None = None
+    baseline: Baseline | None = None
+    unfinished: Unfinished | None = None
+
+    @property
+    def fit(self) -> Fit:
+        """The model with what was found."""
+        return extension_of(self.naming, self.discrepancy) or self.naming.null
+
+
+def _explained(task: _Task, signatures: Signatures) -> _Explained:
+    campaign, compiled, progress = task.campaign, signatures.compiled, task.progress
     quantities = signatures.quantities
-    segments = segments_of(campaign, compiled, quantities, most_bins)
+    segments = segments_of(campaign, compiled, quantities, task.most_bins)
     segments = with_known_segments(segments, campaign, compiled, quantities)
     segments = with_earlier(segments, quantities, signatures.nuisances)
     if not segments or not quantities:
@@ -165,22 +206,14 @@ def _diagnose(
             "encoder, or the gas pressure, beside the motor angles."
         )
     progress(f"signatures of {len(signatures.causes)} causes")
-    sensitivities = signatures.sensitivities(segments, executor)
+    sensitivities = signatures.sensitivities(segments, task.executor)
     linear = linearised_model_of(Replay(compiled, segments, quantities), signatures.nuisances, sensitivities.nuisances)
     progress("naming")
-    around = Neighbourhood(
-        compiled, catalogue, measured_by(campaign), rate, executor, recorded=recorded_by(campaign, compiled)
-    )
+    recorded = recorded_by(campaign, compiled)
+    around = Neighbourhood(compiled, task.catalogue, measured_by(campaign), task.rate, task.executor, recorded=recorded)
     linear, screening = around.weighed(linear, signatures.causes, sensitivities)
-    naming = name_cause(linear, screening, around.about, progress, executor)
-    gain: HeldOut | None = None
-    discrepancy: Discrepancy | None = None
-    proposals: tuple[Proposal, ...] = ()
-    predicted: tuple[PredictedError, ...] = ()
-    blind: tuple[UndetectableEffect, ...] = ()
-    baseline: Baseline | None = None
-    unfinished: Unfinished | None = None
-    about = naming.linear
+    naming = name_cause(linear, screening, around.about, progress, task.executor)
+    found = _Explained(signatures, segments, naming, naming.linear)
     try:
         if naming.stopped:
             raise Stopped(naming.stopped)
@@ -188,31 +221,75 @@ def _diagnose(
             progress("learning what is not listed")
             discrepancy = discrepancy_of(naming)
             naming = beside_unlisted(naming, discrepancy)
-        extension = extension_of(naming, discrepancy)
-        about = discrepancy.linear if discrepancy and discrepancy.is_gain else naming.linear
-        if extension:
+            about = discrepancy.linear if discrepancy and discrepancy.is_gain else naming.linear
+            found = replace(found, naming=naming, discrepancy=discrepancy, about=about)
+        if extension := extension_of(naming, found.discrepancy):
             progress("gain on what was held out")
-            null = naming.null if about is naming.linear else refit(about, (), {})
-            gain = held_out(about, null, extension)
-        if first:
+            null = naming.null if found.about is naming.linear else refit(found.about, (), {})
+            found = replace(found, gain=held_out(found.about, null, extension))
+        if task.first:
             progress("least squares beside it")
             with suppress(np.linalg.LinAlgError):  # without a part of the data, its equations may be singular
-                baseline = baseline_of(about, extension or naming.null, first, rate)
-        if proposes:
-            predicted = predicted_error(about, extension or naming.null)
+                baseline = baseline_of(found.about, extension or naming.null, task.first, task.rate)
+                found = replace(found, baseline=baseline)
+    except Stopped as stopped:
+        found = replace(found, unfinished=unfinished_of(naming, str(stopped), progress.now))
+    return found
+
+
+def _beside_unknown_links(
+    task: _Task, found: _Explained, signatures_about: Callable[[CompiledRobot], Signatures]
+) -> _Explained:
+    """Return what explains a campaign if nobody knew how the links weigh, where that predicts torques better.
+
+    Least squares, which believes nothing of what is stated, predicted better: then masses, centres of mass and moments
+    of inertia may be off everywhere by more than is stated, which is no list of single causes.
+    """
+    task.progress("once more, with links as good as unknown")
+    uncertainty = task.compiled.robot.figures.uncertainty
+    if not 0 < uncertainty.links * uncertainty.mass < UNKNOWN_MASS:
+        return found
+    figures = task.compiled.robot.figures.model_copy(
+        update={"uncertainty": uncertainty.model_copy(update={"links": UNKNOWN_MASS / uncertainty.mass})}
+    )
+    compiled = replace(task.compiled, robot=replace(task.compiled.robot, figures=figures))
+    try:
+        other = _explained(task, signatures_about(compiled))
+    except Stopped as stopped:
+        return replace(found, unfinished=unfinished_of(found.naming, str(stopped), task.progress.now))
+    except NOT_SIMULATED:
+        return found
+    if other.unfinished:
+        return replace(found, unfinished=other.unfinished)
+    assert found.baseline
+    return other if other.baseline and other.baseline.over(found.baseline) < 1 / SAME else found
+
+
+def _concluded(task: _Task, found: _Explained, *, proposes: bool) -> Diagnosis:
+    """Return the verdict, with what to measure next and what could not be seen."""
+    naming, signatures, executor = found.naming, found.signatures, task.executor
+    proposals: tuple[Proposal, ...] = ()
+    predicted: tuple[PredictedError, ...] = ()
+    blind: tuple[UndetectableEffect, ...] = ()
+    unfinished = found.unfinished
+    try:
+        if proposes and not unfinished:
+            predicted = predicted_error(found.about, found.fit)
             if naming.models:
-                progress("the next experiment")
+                task.progress("the next experiment")
                 with suppress(BenchError):  # an explanation that finds no balance elsewhere proposes nothing
                     fits = [one.listed_fit(naming.linear) for one in naming.alternatives]
                     proposals = propose(naming.linear, fits, executor)
-            progress("what this campaign could not show")
-            blind = undetectable_effects(compiled, segments, quantities, screening, signatures.causes, executor)
+            task.progress("what this campaign could not show")
+            about = (signatures.compiled, found.segments, signatures.quantities, naming.screening, signatures.causes)
+            blind = undetectable_effects(*about, executor)
     except Stopped as stopped:
-        unfinished = unfinished_of(naming, str(stopped), progress.now)
-    missing = unseen_of(catalogue.values(), around.measured)
-    verdict = verdict_of(naming, rate, missing, signatures.unbalanced, gain, proposals, discrepancy)
-    verdict = replace(verdict, blind=blind, predicted=predicted, unfinished=unfinished, baseline=baseline)
-    return Diagnosis(about, naming, verdict, discrepancy)
+        unfinished = unfinished_of(naming, str(stopped), task.progress.now)
+    missing = unseen_of(task.catalogue.values(), measured_by(task.campaign))
+    verdict = verdict_of(naming, task.rate, missing, signatures.unbalanced, found.gain, proposals, found.discrepancy)
+    links = (one.robot.figures.uncertainty.links for one in (signatures.compiled, task.compiled))
+    verdict = replace(verdict, blind=blind, predicted=predicted, unfinished=unfinished, baseline=found.baseline)
+    return Diagnosis(found.about, naming, replace(verdict, links=next(links) / next(links)), found.discrepancy)
 
 
 def signatures_of(

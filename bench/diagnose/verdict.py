@@ -244,6 +244,8 @@ class Verdict:
         noisy: Channels that scatter far more than their instruments, the worst first; causes hide in them.
         unfinished: Why it ended before it was done; None: it is done.
         baseline: Held-out errors of each drive's torque beside those of least squares; None: there is no first pass.
+        links: Times that masses and centres of mass were taken to be less certain than stated, moments of inertia
+            likewise; 1: as stated.
     """
 
     kind: str
@@ -266,6 +268,7 @@ class Verdict:
     noisy: tuple[NoisyChannel, ...] = ()
     unfinished: Unfinished | None = None
     baseline: Baseline | None = None
+    links: float = 1.0
 
     @property
     def other_explanations(self) -> tuple[Explanation, ...]:

@@ -8,12 +8,13 @@ standard deviation off it is 1 + sigma times as large or as small as stated, two
 cent that is the same; a stiffness that is known to a factor of a few stays a stiffness.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 
+from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
@@ -34,6 +35,7 @@ class NominalParameter:
         is_factor: It is known to a factor.
         least: Least deviation.
         is_viscous: It is viscous friction, which follows the temperature of its oil.
+        widened: Times that sigma is larger than what is stated of it (`uncertainty.links`).
     """
 
     name: str
@@ -43,6 +45,7 @@ class NominalParameter:
     is_factor: bool = False
     least: float = -np.inf
     is_viscous: bool = False
+    widened: float = 1.0
 
     def off_by(self, deviation: float) -> float:
         """Return by how much a deviation makes the figure larger than stated, in its unit; of a factor, as a share."""
@@ -71,11 +74,7 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
         ]
     for name in moving_bodies(compiled):
         if model.body(name).mass[0] > 0:
-            found.append(_share(f"mass of {name}", known.mass, _mass(name)))
-            found += [
-                NominalParameter(f"centre of mass of {name}, {axis}", "m", known.centre_of_mass_m, _com(name, i))
-                for i, axis in enumerate("xyz")
-            ]
+            found += _of_link(compiled, name)
     for name in placed_bodies(compiled):
         found += [
             NominalParameter(f"place of {name}, {axis}", "m", known.geometry_m, _place(name, i))
@@ -95,6 +94,37 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
             if i != _across(compiled)
         ]
     return tuple(parameter for parameter in found if parameter.sigma > 0)
+
+
+def _of_link(compiled: CompiledRobot, name: str) -> Iterator[NominalParameter]:
+    """Yield what is uncertain in the mass of a link and where it sits.
+
+    Who knows lengths to s knows a radius of gyration g to s, and the share of a second moment in m g^2 to sqrt(2) s / g
+    (so the first pass takes it: an inertia to 2 m g s). It matters where links are known far worse than usual.
+    """
+    known = compiled.robot.figures.uncertainty
+    length = known.links * known.centre_of_mass_m
+    yield replace(_share(f"mass of {name}", known.links * known.mass, _mass(name)), widened=known.links)
+    for i, axis in enumerate("xyz"):
+        one = NominalParameter(f"centre of mass of {name}, {axis}", "m", length, _com(name, i))
+        yield replace(one, widened=known.links)
+    body = compiled.model.body(name)
+    second = _second_moments(body.inertia)
+    if known.links == 1 or second.sum() <= 0:
+        return
+    sigma = float(np.sqrt(2) * length / np.sqrt(second.sum() / body.mass[0]))
+    axes = np.empty(9)
+    mujoco.mju_quat2Mat(axes, body.iquat)
+    for i in range(3):
+        least = LEAST_SHARE * float(second[i] / second.sum())
+        edit = _spread(name, i, axes.reshape(3, 3))
+        title = f"spread of the mass of {name} along its principal axis {i + 1}"
+        yield NominalParameter(title, "", sigma, edit, least=least)
+
+
+def _second_moments(inertia: Array) -> Array:
+    """Return the second moments of mass along the principal axes from the moments of inertia about them, shape (3,)."""
+    return np.asarray(np.maximum(np.sum(inertia) / 2 - inertia, 0.0))
 
 
 def _share(name: str, sigma: float, times: Callable[[float], SpecEdit]) -> NominalParameter:
@@ -176,6 +206,37 @@ def _mass(body: str) -> Callable[[float], SpecEdit]:
             link.mass = link.mass * factor
             link.inertia = np.asarray(link.inertia) * factor
             link.fullinertia = np.asarray(link.fullinertia) * factor
+
+        return edit
+
+    return change
+
+
+def _spread(body: str, axis: int, axes: Array) -> Callable[[float], SpecEdit]:
+    """Return how a link's mass is spread wider along a principal axis; bodies that can exist stay so (A + B >= C).
+
+    Args:
+        body: Of the link.
+        axis: Which of the three.
+        axes: Shape (3, 3), principal axes of the nominal link, columns.
+    """
+
+    def change(x: float) -> SpecEdit:
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            link = spec.body(body)
+            is_full = not np.isnan(link.fullinertia[0])
+            inertia = np.asarray(link.inertia)
+            if is_full:
+                xx, yy, zz, xy, xz, yz = link.fullinertia
+                inertia = np.diag(axes.T @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ axes)
+            second = _second_moments(inertia)
+            second[axis] = max(second[axis] + x * second.sum(), (1 + LEAST_SHARE) * second[axis])
+            inertia = second.sum() - second
+            if is_full:
+                full = (axes * inertia) @ axes.T
+                link.fullinertia = np.array([*np.diag(full), full[0, 1], full[0, 2], full[1, 2]])
+            else:
+                link.inertia = inertia
 
         return edit
 

@@ -144,6 +144,9 @@ class Uncertainty(Strict):
 
     mass: NonNegative = Field(0.01, description="relative, of each link")
     centre_of_mass_m: NonNegative = Field(1e-3, description="[m], each coordinate, of each link")
+    links: float = Field(
+        1.0, ge=1, description="times that these two are larger; above 1, moments of inertia of links are as unknown"
+    )
     geometry_m: NonNegative = Field(0.2e-3, description="[m], each coordinate of each joint's place and of the anchors")
     friction: NonNegative = Field(0.05, description="relative, of each Coulomb level and each viscous coefficient")
     rotor_inertia: NonNegative = Field(0.1, description="relative, of each rotor with its gear")

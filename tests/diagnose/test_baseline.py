@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.diagnose import diagnose as diagnosing
 from bench.diagnose.baseline import first_look as looking
 from bench.diagnose.baseline.comparison import Baseline, chance_of
 from bench.diagnose.baseline.first_look import first_look
@@ -27,13 +28,24 @@ def beside(campaign: Campaign, effects: Mapping[str, object]) -> Baseline:
     return found
 
 
-def test_a_cause_that_no_effect_names_is_said_to_be_missing() -> None:
+def test_a_cause_that_no_effect_names_is_said_to_be_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Least squares has a parameter for the gas; a diagnosis without an effect for its loss bends other figures."""
+    monkeypatch.setattr(diagnosing, "_beside_unknown_links", lambda task, found, signatures: found)
     found = beside(made(SWEEPS, SEED, GAS), {})
     (drive,) = found.drives  # the others stand
     assert (drive.drive, drive.unit, found.by, found.folds) == (2, "Nm", "run", 4)
     assert found.missed == (drive,)
     assert drive.least_squares < 0.5 * drive.diagnosed < drive.nominal < drive.measured
+
+
+def test_where_least_squares_predicts_better_nothing_stated_of_links_is_believed() -> None:
+    compiled = nominal()
+    campaign = made(SWEEPS, SEED, GAS)
+    found = diagnose(campaign, compiled, {}, proposes=False, first=first_look(campaign, compiled).found)
+    assert found.verdict.links * compiled.robot.figures.uncertainty.mass == pytest.approx(1.0)
+    assert found.linear.replay.compiled.robot.figures.uncertainty.links == found.verdict.links
+    assert found.verdict.baseline
+    assert not found.verdict.baseline.missed
 
 
 @pytest.mark.parametrize("hidden", [{}, GAS])

@@ -77,6 +77,18 @@ class Baseline:
         found = [drive for drive in self.drives if drive.is_missed]
         return tuple(sorted(found, key=lambda drive: drive.least_squares / drive.diagnosed))
 
+    @property
+    def lags(self) -> bool:
+        """Whether least squares predicts all drives better, geometric mean, sure or not."""
+        ratios = [drive.diagnosed / drive.least_squares for drive in self.drives]
+        return bool(self.missed) or float(np.exp(np.mean(np.log(ratios)))) > SAME
+
+    def over(self, other: "Baseline") -> float:
+        """Return the diagnosed errors over those of another diagnosis of this campaign, geometric mean of drives."""
+        known = {drive.drive: drive.diagnosed for drive in other.drives}
+        shared = [drive for drive in self.drives if drive.drive in known]
+        return float(np.exp(np.mean([np.log(drive.diagnosed / known[drive.drive]) for drive in shared])))
+
 
 def baseline_of(linear: LinearisedModel, fit: Fit, first: FirstPass, rate: float) -> Baseline | None:
     """Return the diagnosed model beside least squares; None where they have no reading in common.

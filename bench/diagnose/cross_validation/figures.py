@@ -92,7 +92,8 @@ def _figure(nuisance: Nuisance, x: float, spread: float) -> _Row:
     """Return what a row says of a deviation that is x standard deviations as stated, give or take `spread` of them."""
     found, low, high = (nuisance.off_by(x + side * NORMAL_95 * spread) for side in (0, -1, 1))
     kind = "figure" if is_simulated(nuisance) else "campaign"
-    return kind, nuisance.unit, 0.0, found, low, high, nuisance.sigma, x
+    stated = nuisance.sigma / nuisance.widened
+    return kind, nuisance.unit, 0.0, found, low, high, stated, x * nuisance.widened
 
 
 def _of_constant(row: _Row, constant: float) -> _Row:

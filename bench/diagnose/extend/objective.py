@@ -137,7 +137,7 @@ class Objective:
         Args:
             state: Where.
             known: Derivatives with some unknowns as another fit had them, each by its index, shape (T, c).
-            nuisances: Derivatives with some nuisances that are not those of the design, each by its index, shape (T, c).
+            nuisances: Derivatives of nuisances that are not those of the design, each by its index, shape (T, c).
 
         Raises:
             ConvergenceError, RobotError: There is no balance to either side of some value.

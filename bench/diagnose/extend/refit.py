@@ -18,6 +18,7 @@ MOST_ITERATIONS = 6  # effort: steps of a fit
 ENOUGH = 0.2  # effort: fall of the objective, promised or found, below which a fit has converged
 MOST_PLAYS = 4  # effort: fits in turn, each with the scatter that the play of the one before makes
 MATTERS = 2.0  # effort: what a step falls short of its promise by, from where derivatives of nuisances are taken too
+POOR = 0.3  # effort: of the promised fall; corrected derivatives that keep less are taken anew
 FAITHFUL = 0.7  # effort: of the promised fall; derivatives that keep less are taken anew, or corrected
 
 
@@ -117,8 +118,9 @@ def _fitted(objective: Objective, point: _Point) -> Fit:
 def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[State, Derivatives]:
     """Return where the objective is least, and derivatives that lead no further.
 
-    Derivatives serve as long as steps fall as far as they promise. Else those of the unknowns are taken anew, where they
-    are another fit's; then those of the nuisances too; then all are corrected by what the steps show.
+    Derivatives serve as long as steps fall as far as they promise. Else those of the unknowns are taken anew, where
+    they are another fit's; then all are corrected by what the steps show. Where that does not help either, those of
+    the nuisances are taken anew too.
     """
     for iteration in range(MOST_ITERATIONS + 1):
         step, promised = _step(objective, state, slopes)
@@ -132,11 +134,9 @@ def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[Sta
         try:
             if slopes.at is None:
                 slopes = objective.derivatives(state, nuisances=slopes.renewed)
-            elif slopes.renewed_at is None and matters:
-                slopes = objective.all_derivatives(state)
-            elif fell >= ENOUGH:
+            elif fell >= ENOUGH and (fell >= POOR * promised or not matters):
                 slopes = objective.corrected(slopes, before, state)
-            elif slopes.renewed_at is not state and matters:
+            elif matters and slopes.renewed_at is not state:
                 slopes = objective.all_derivatives(state)
             else:
                 break

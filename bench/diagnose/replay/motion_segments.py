@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
+from bench.diagnose.replay.resolution import LEAST_WINDOW, angle_noise, finest_window
 from bench.diagnose.replay.segment_input import Path, SegmentInput, angles_of, centre_weights, wrench_of
 from bench.diagnose.replay.smooth_derivative import averaging_kernel
 from bench.diagnose.replay.static_segments import APPROACH
@@ -18,7 +19,7 @@ from bench.robot.mass_matrix import link_mass_matrix
 from bench.simulate.prescribed import Motion
 
 LONGEST_WINDOW = 0.06  # assumed: [s], over which motion is differentiated; less where bins are shorter
-LEAST_WINDOW = 5  # exact: samples
+LEAST_BINS = 30  # declared: of a run; with fewer no figure is told from another, however exactly each is read
 UNRESOLVED = 0.5  # assumed: of the difference between accelerations over one window and over two, that may be error
 # assumed: of a joint's top speed, by which that changes unsteadily within a period of the arm's lowest mode
 JERKY = 0.01
@@ -28,7 +29,9 @@ FADED = 0.2  # assumed: of an oscillation's amplitude, which is left when an arm
 STANDS = 1e-4  # rounding: [rad/s] or [m/s]; below it a joint counts as standing
 
 
-def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[SegmentInput]:
+def stretches_of(
+    run: Run, compiled: CompiledRobot, width: float, torque_noise: Array | None = None
+) -> Iterator[SegmentInput]:
     """Yield the motion of a run as one piece, cut into bins.
 
     The links follow quasi-statically in a replay, so bins are no narrower than half a period of the arm's lowest
@@ -38,6 +41,8 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
         run: A motion.
         compiled: Its robot.
         width: [s], of the bins at least.
+        torque_noise: Shape (n,), of a sample of what each drive reports [Nm] or [N], nan where it was not read; bins
+            are so wide that angles add no more to it. None: nothing was read.
     """
     if len(run) < LEAST_WINDOW:
         return
@@ -46,8 +51,16 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     angles, wrenches = angles_of(run, compiled), wrench_of(run, compiled)
     period = lowest_period(compiled, angles.mean(axis=0))
     width = max(width, period / 2)
+    longest = LONGEST_WINDOW
+    if torque_noise is not None:
+        inertia = link_mass_matrix(compiled, angles.mean(axis=0)) + np.diag(
+            compiled.model.dof_armature[compiled.at.q_dof]
+        )
+        least = min(LONGEST_WINDOW, width)
+        finest = finest_window(angle_noise(angles), inertia, torque_noise, dt, least, np.ptp(time) / LEAST_BINS)
+        longest, width = max(longest, finest), max(width, finest)
     samples = max(1, round(width / dt))
-    window = 2 * round(min(LONGEST_WINDOW, samples * dt) / dt / 2) + 1
+    window = 2 * round(min(longest, samples * dt) / dt / 2) + 1
     window = int(np.clip(window, LEAST_WINDOW, 2 * ((len(run) - 1) // 2) - 1))
     velocity, acceleration = (derivative_over(angles, time, window, order) for order in (1, 2))
     unresolved = _unresolved(angles, acceleration, window, time)
@@ -67,7 +80,7 @@ def stretches_of(run: Run, compiled: CompiledRobot, width: float) -> Iterator[Se
     kept = tuple(group for group, is_useful in zip(groups, useful, strict=True) if is_useful)
     shapes = maximum_filter1d(useful.astype(np.int8), 3) > 0  # the bins beside them tell where friction turned round
     followed = tuple(group for group, shapes_friction in zip(groups, shapes, strict=True) if shapes_friction)
-    path = Path(time, angles, kept, kernel, round(LONGEST_WINDOW / dt))
+    path = Path(time, angles, kept, kernel, round(longest / dt))
     near = np.stack([np.min(np.abs(velocity[rows]), axis=0) for rows, _ in path.of_torque])  # torques feel a turn there
     turning = moves & (np.minimum(slowest[useful], near) < TURNING * top)
 

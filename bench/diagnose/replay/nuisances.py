@@ -36,6 +36,7 @@ class Nuisance:
         sigma: Standard deviation of its prior.
         is_factor: It is known to a factor (`effects/nominal.py`).
         least: Least deviation, in its unit.
+        widened: Times that sigma is larger than what is stated of it.
         edit: How it changes the model, or None.
         on_reading: How it changes readings, or None.
         scales_wrench: It is the relative error of what hangs at the load point.
@@ -63,6 +64,7 @@ class Nuisance:
     own: float = 0.0
     is_factor: bool = False
     least: float = -np.inf
+    widened: float = 1.0
 
     def off_by(self, sigmas: float) -> float:
         """Return by how much something is off at so many standard deviations of its prior, in its unit."""
@@ -86,7 +88,7 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     kinds = {quantity.kind for quantity in quantities}
     found = []
     for p in nominal_parameters(compiled):
-        one = Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor, least=p.least)
+        one = Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor, least=p.least, widened=p.widened)
         found.append(replace(one, between="drifts", own=VISCOUS * DAY_K) if p.is_viscous else one)
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))

@@ -94,7 +94,9 @@ def segments_of(
     found: list[Segment] = []
     for run in campaign.runs:
         width = max(lasts.get(run.name, 0.0) / most_bins, least)
-        for segment_input in visits_of(run, compiled) if run.kind == "static" else stretches_of(run, compiled, width):
+        moving = run.kind != "static"
+        felt = _torque_noise(run, compiled, quantities, noise) if moving else None
+        for segment_input in stretches_of(run, compiled, width, felt) if moving else visits_of(run, compiled):
             observed, sigma = _means(run, segment_input, quantities, noise)
             motion = segment_input.motion
             if not np.any(np.isfinite(observed)):
@@ -201,6 +203,19 @@ def _means(
         turning = segment_input.turning[:, quantity.index] if quantity.is_of_drive else any_turning
         mean[turning, c] = np.nan
     return mean, sigma
+
+
+def _torque_noise(run: Run, compiled: CompiledRobot, quantities: tuple[Quantity, ...], noise: Noise) -> Array:
+    """Return the standard deviation of a sample of what each drive reports, shape (n,) [Nm] or [N]; nan: not read."""
+    found = np.full(compiled.n_joints, np.nan)
+    for quantity in quantities:
+        if quantity.is_drive and quantity.column in run.columns:
+            values = run.columns[quantity.column][:, None]
+            drive = compiled.robot.figures.drives[quantity.index]
+            to_torque = drive.torque_constant_nm_per_a if quantity.kind == "current" else 1.0
+            one = max(float(noise.of(quantity, values[:1, 0], run)[0]), float(noise.of_samples(values)[0]))
+            found[quantity.index] = np.fmin(found[quantity.index], to_torque * one)
+    return found
 
 
 def _swayed(values: Array, groups: tuple[Index, ...], one: Array) -> Array:

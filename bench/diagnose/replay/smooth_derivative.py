@@ -42,6 +42,16 @@ def averaging_kernel(window: int) -> Array:
     return np.asarray(np.cumsum(np.cumsum(_weights(window, 2)[window // 2]))[:-2])
 
 
+def noise_gain(window: int, order: int) -> float:
+    """Return the standard deviation of a derivative for white noise of 1 and samples that are 1 s apart.
+
+    Args:
+        window: Number of samples that one cubic goes through.
+        order: Of the derivative.
+    """
+    return float(np.linalg.norm(_weights(window, order)[window // 2]))
+
+
 @lru_cache(maxsize=256)
 def _weights(window: int, order: int) -> Array:
     """Return what makes the derivative at each sample of a window out of its samples, shape (window, window)."""

@@ -144,7 +144,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     mean[layout.links] = standard_parameters(arm)
     for i in range(n):
         own = slice(N_INERTIAL * i, N_INERTIAL * (i + 1))
-        figures[own, own] = _root(_link_covariance(arm, i, u.mass, u.centre_of_mass_m))
+        figures[own, own] = _root(_link_covariance(arm, i, u.links * u.mass, u.links * u.centre_of_mass_m))
 
     def put(where: slice | int, at: Array | float, sigma: Array | float, into: Array) -> None:
         index = np.arange(layout.size)[where]

@@ -10,8 +10,9 @@ from bench.record.finding import Finding
 from bench.record.rules.sheet import TRAVEL, Sheet, rows_where
 
 QUANTITIES = ("q_motor", "q_link", "current", "tau_motor", "force", "moment", "reflector", "gas_pressure")
-# Noise of real instruments has tails as of Student's t with about four degrees of freedom (Lange, Little & Taylor, Robust
-# statistical modeling using the t distribution, J. Am. Stat. Assoc. 84, 1989); half the median step is its scale, roughly.
+# Noise of real instruments has tails as of Student's t with about four degrees of freedom (Lange, Little & Taylor,
+# Robust statistical modeling using the t distribution, J. Am. Stat. Assoc. 84, 1989); the median step is its scale, or
+# a little more.
 TAILS = 4.0
 CHANCE = 1e-6  # declared: of a healthy channel of a run to be told; a session has a thousand of them
 AROUND = 10  # rows on either side; a robot that shakes stands out there again and again

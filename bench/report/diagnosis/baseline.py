@@ -57,6 +57,8 @@ def baseline_lines(verdict: Verdict) -> Iterator[str]:
     yield from table_lines([f"drive {drive.drive}" for drive in baseline.drives], rows)
     if words := missed_sentence(verdict):
         yield words
+    if words := links_sentence(verdict):
+        yield words
 
 
 def baseline_words(verdict: Verdict) -> str:
@@ -79,6 +81,17 @@ def missed_sentence(verdict: Verdict) -> str:
     more = f" (and {len(missed) - 1} more)" if len(missed) > 1 else ""
     errors = f"least squares predicts {least} {worst.unit}, {model} {ours}"
     return f"Drive {worst.drive}{more}: {errors}: something is missing here."
+
+
+def links_sentence(verdict: Verdict) -> str:
+    """Return that links were taken as good as unknown, "" where they were not."""
+    if verdict.links == 1:
+        return ""
+    return (
+        "With masses and centres of mass of the links as certain as stated, least squares predicted better. They are "
+        f"taken {verdict.links:.0f} times as uncertain here, and moments of inertia with them; what moved stands in "
+        "figures.csv."
+    )
 
 
 def number(value: float) -> str:
