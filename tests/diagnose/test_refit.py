@@ -98,7 +98,7 @@ def test_a_fit_that_finds_no_balance_beside_it_keeps_its_derivatives(monkeypatch
     assert fit.values[0] == pytest.approx(0.1, abs=4 * fit.sigma[0])
 
 
-@pytest.mark.parametrize("share", [0.3, 3.0])
+@pytest.mark.parametrize("share", [0.3, 3.0, -1.0])
 def test_steps_correct_derivatives_of_nuisances_that_are_wrong(share: float) -> None:
     """Derivatives of nuisances are not simulated; a fit that trusts them throughout misses its optimum by 55 to 672."""
     linear, causes = _design(), (_whole("gas_loss"), _whole("payload_mass"))

@@ -1,5 +1,7 @@
 """Figures that are a little wrong: what a deviation makes of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -56,3 +58,26 @@ def test_a_deviation_says_by_how_much_a_figure_is_off(compiled: CompiledRobot) -
     named = {one.name: one for one in nominal_parameters(compiled)}
     assert named["stiffness of joint2"].off_by(-3.0) == pytest.approx(-0.75)
     assert named["centre of mass of wrist, x"].off_by(0.002) == 0.002
+
+
+@pytest.mark.parametrize("name", ["hh150", "kr300"])  # diagonal inertias, and full ones
+def test_links_that_nobody_knows_have_moments_of_inertia_that_can_exist(name: str) -> None:
+    robot = load_robot(name)
+    stated = {one.name: one for one in nominal_parameters(compile_robot(robot))}
+    known = robot.figures.uncertainty.model_copy(update={"links": 1 / robot.figures.uncertainty.mass})
+    robot = replace(robot, figures=robot.figures.model_copy(update={"uncertainty": known}))
+    compiled = compile_robot(robot)
+    unknown = {one.name: one for one in nominal_parameters(compiled)}
+    spreads = [one for one in unknown.values() if one.name not in stated]
+    assert len(spreads) >= 3 * compiled.n_joints
+    for one in stated.values():
+        times = known.links if one.name.startswith(("mass of", "centre of mass of")) else 1.0
+        assert (unknown[one.name].sigma, unknown[one.name].widened) == pytest.approx((times * one.sigma, times))
+    for one in spreads:
+        body = one.name.removeprefix("spread of the mass of ").split(" along")[0]
+        before = np.sort(compiled.model.body(body).inertia)
+        np.testing.assert_allclose(np.sort(compile_robot(robot, [one.edit(0.0)]).model.body(body).inertia), before)
+        for deviation in (one.least, -3 * one.sigma, one.sigma, 10.0):
+            low, middle, high = np.sort(compile_robot(robot, [one.edit(deviation)]).model.body(body).inertia)
+            assert low + middle - high > 0
+            assert not np.allclose([low, middle, high], before, rtol=1e-3)

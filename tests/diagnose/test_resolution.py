@@ -1,0 +1,50 @@
+"""Motions are differentiated over as long as their angles need, and no longer."""
+
+import numpy as np
+import pytest
+
+from bench.diagnose.replay.resolution import angle_noise, finest_window
+from bench.diagnose.replay.smooth_derivative import averaging_kernel, smooth_derivative
+
+STEP, SHORTEST, LONGEST = 0.008, 0.04, 1.0
+TIME = np.arange(3000) * STEP
+MOTION = np.stack([np.sin(2 * np.pi * 0.5 * TIME), 0.3 * np.cos(2 * np.pi * 1.1 * TIME)], axis=1)
+INERTIA = np.array([[30.0, 4.0], [4.0, 6.0]])
+
+
+def test_noise_of_angles_is_read_beside_a_motion(rng: np.random.Generator) -> None:
+    sigma = np.array([3e-5, 1e-4])
+    np.testing.assert_allclose(angle_noise(MOTION + sigma * rng.normal(size=MOTION.shape)), sigma, rtol=0.1)
+    step = 2e-4  # as logs with four digits have it
+    np.testing.assert_allclose(angle_noise(np.round(MOTION / step) * step), step / np.sqrt(12), rtol=0.1)
+    assert np.all(angle_noise(MOTION) < 1e-9)
+
+
+def test_jumps_and_a_joint_that_stands_are_no_noise(rng: np.random.Generator) -> None:
+    angles = MOTION + 1e-5 * rng.normal(size=MOTION.shape)
+    angles[1000:, 0] += 0.5
+    angles[:2000, 1] = angles[2000, 1]
+    np.testing.assert_allclose(angle_noise(angles), 1e-5, rtol=0.3)
+
+
+@pytest.mark.parametrize("sigma", [5e-7, 3e-5, 3e-4])
+def test_angles_add_no_more_to_torques_than_their_own_noise(sigma: float, rng: np.random.Generator) -> None:
+    torque_noise = np.array([0.5, 0.2])
+    window = finest_window(np.full(2, sigma), INERTIA, torque_noise, STEP, SHORTEST, LONGEST)
+
+    def felt(seconds: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        samples = 2 * round(seconds / STEP / 2) + 1
+        noise = sigma * rng.normal(size=(20_000, 2))
+        acceleration = smooth_derivative(noise, samples, 2, STEP)[samples:-samples]
+        own = np.linalg.norm(averaging_kernel(samples)) * torque_noise
+        return np.asarray((acceleration @ INERTIA).std(axis=0) / own)
+
+    assert np.all(felt(window) < 1.05)
+    assert window == SHORTEST or np.any(felt(window / 1.5) > 1)
+    assert (window == SHORTEST) == (sigma < 1e-5)
+
+
+def test_drives_that_were_not_read_ask_for_nothing() -> None:
+    unread = np.array([np.nan, np.nan])
+    assert finest_window(np.full(2, 1e-3), INERTIA, unread, STEP, SHORTEST, LONGEST) == SHORTEST
+    assert finest_window(np.full(2, 1.0), INERTIA, np.ones(2), STEP, SHORTEST, 0.3) == 0.3
