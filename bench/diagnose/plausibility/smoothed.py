@@ -29,7 +29,8 @@ def smoothed(campaign: Campaign, compiled: CompiledRobot, quantities: Sequence[Q
     seen: dict[Quantity, list[tuple[float, float]]] = {}
     for run in campaign.of_kind("motion"):
         for quantity in quantities:
-            if quantity.kind not in READ_ALIKE or quantity.column not in run.columns or len(run) < LEAST:
+            is_read = quantity.column in run.columns and noise.is_stated(quantity)
+            if quantity.kind not in READ_ALIKE or not is_read or len(run) < LEAST:
                 continue
             values = run.columns[quantity.column]
             stated = float(np.median(noise.of(quantity, values, run)))

@@ -66,6 +66,13 @@ class Noise:
         full: Array = np.full_like(values, sigma)
         return full
 
+    def is_stated(self, quantity: Quantity) -> bool:
+        """Whether anybody stated what a drive's sensor scatters; a default that nobody looked at says nothing."""
+        if quantity.kind in self._given or quantity.kind != "current":
+            return True
+        sensor = self._instruments.current
+        return sensor is not None and "sigma_a" in sensor.model_fields_set
+
     def rounding(self, quantity: Quantity) -> float:
         """Return what does not average out because readings are rounded coarsely."""
         if quantity.kind == "gas_pressure" and self._instruments.pressure:
