@@ -11,7 +11,7 @@ import numpy as np
 from bench.benchmark.campaigns import hidden_gas_loss, with_rows, with_runs
 from bench.benchmark.clock import exponent, interleaved
 from bench.benchmark.section import Row
-from bench.diagnose.diagnose import measured_by
+from bench.diagnose.explain import measured_by
 from bench.diagnose.linearise.candidates import causes_of
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.plausibility.channels import doubts_of

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.compare.recordings import Recording
-from bench.diagnose.diagnose import measured_by
+from bench.diagnose.explain import measured_by
 from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,9 +11,13 @@ from bench.diagnose import diagnose as diagnosing
 from bench.diagnose.baseline import first_look as looking
 from bench.diagnose.baseline.comparison import Baseline, chance_of
 from bench.diagnose.baseline.first_look import first_look
+from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.diagnose import diagnose
 from bench.effects.catalogue import catalogue
 from bench.record.campaign import Campaign
+from bench.report.diagnosis.words import words_of
+from bench.report.handover.robot_folder import hand_over
+from bench.robot.folder import load_robot
 from tests.diagnose.sweeps import LOADS, SWEEPS, made, nominal
 
 GAS = {"gas_loss": 0.12}
@@ -30,7 +35,7 @@ def beside(campaign: Campaign, effects: Mapping[str, object]) -> Baseline:
 
 def test_a_cause_that_no_effect_names_is_said_to_be_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Least squares has a parameter for the gas; a diagnosis without an effect for its loss bends other figures."""
-    monkeypatch.setattr(diagnosing, "_beside_unknown_links", lambda task, found, signatures: found)
+    monkeypatch.setattr(diagnosing, "beside_unknown_links", lambda task, found, signatures: found)
     found = beside(made(SWEEPS, SEED, GAS), {})
     (drive,) = found.drives  # the others stand
     assert (drive.drive, drive.unit, found.by, found.folds) == (2, "Nm", "run", 4)
@@ -38,7 +43,7 @@ def test_a_cause_that_no_effect_names_is_said_to_be_missing(monkeypatch: pytest.
     assert drive.least_squares < 0.5 * drive.diagnosed < drive.nominal < drive.measured
 
 
-def test_where_least_squares_predicts_better_nothing_stated_of_links_is_believed() -> None:
+def test_where_least_squares_predicts_better_nothing_stated_of_links_is_believed(tmp_path: Path) -> None:
     compiled = nominal()
     campaign = made(SWEEPS, SEED, GAS)
     found = diagnose(campaign, compiled, {}, proposes=False, first=first_look(campaign, compiled).found)
@@ -46,6 +51,12 @@ def test_where_least_squares_predicts_better_nothing_stated_of_links_is_believed
     assert found.linear.replay.compiled.robot.figures.uncertainty.links == found.verdict.links
     assert found.verdict.baseline
     assert not found.verdict.baseline.missed
+    assert "as certain as stated, least squares predicted better" in " ".join(words_of(found.verdict))
+    handed = hand_over(found.linear, found.extension or found.naming.null, tmp_path / "robot", tmp_path / "nominal.xml")
+    assert handed.disagreement < 1e-6
+    assert load_robot(tmp_path / "robot").figures.uncertainty.links == found.verdict.links
+    moved = [one for one in fitted_figures(found.linear, found.extension or found.naming.null) if one.has_moved]
+    assert any(one.name.startswith(("mass of", "centre of mass of")) for one in moved)  # beyond what was stated
 
 
 @pytest.mark.parametrize("hidden", [{}, GAS])

@@ -8,7 +8,8 @@ import pytest
 
 from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.cross_validation.folds import folds_of
-from bench.diagnose.diagnose import Diagnosis, recorded_by, signatures_of
+from bench.diagnose.diagnose import Diagnosis, signatures_of
+from bench.diagnose.explain import recorded_by
 from bench.diagnose.linearise.reference_motion import session_of
 from bench.diagnose.replay.courses import courses_of
 from bench.diagnose.replay.levels import as_of, with_recordings

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.diagnose.diagnose import measured_by, recorded_by, signatures_of
+from bench.diagnose.diagnose import signatures_of
+from bench.diagnose.explain import measured_by, recorded_by
 from bench.diagnose.linearise.first_order import FirstOrder
 from bench.diagnose.linearise.linearised_model import linearised_model_of
 from bench.diagnose.name.neighbourhood import Neighbourhood

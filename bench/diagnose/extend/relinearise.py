@@ -3,13 +3,13 @@
 import numpy as np
 
 from bench.diagnose.extend.fit import Fit, is_simulated
+from bench.diagnose.extend.objective import STEP_OF_NUISANCE, TELLS
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
 from bench.diagnose.replay.world import World
 from bench.errors import NOT_SIMULATED
 
 TINY = 1e-300  # rounding: for a column of zeros, so that nothing is divided by zero
-STEP_OF_NUISANCE = 0.5  # rounding: of its standard deviation, for its derivative about an extension
 MOST_AKIN = 5  # effort: nuisances for each cause whose derivatives are taken anew
 AKIN = 0.3  # effort: cosine of their slopes
 
@@ -50,4 +50,4 @@ def _akin(linear: LinearisedModel, fit: Fit) -> list[int]:
     size = np.linalg.norm(linear.jacobian, axis=0)
     cosine = np.max(np.abs(unknowns.T @ linear.jacobian), axis=0) / np.maximum(size, TINY)
     order = np.argsort(-cosine)[: MOST_AKIN * len(fit.causes)]
-    return [int(i) for i in order if cosine[i] > AKIN and size[i] > 1 and is_simulated(linear.nuisances[i])]
+    return [int(i) for i in order if cosine[i] > AKIN and size[i] > TELLS and is_simulated(linear.nuisances[i])]

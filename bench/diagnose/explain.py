@@ -1,0 +1,208 @@
+"""What explains a campaign, with a robot as it is stated; where that is not enough, with links that nobody knows."""
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.diagnose.baseline.comparison import Baseline, baseline_of
+from bench.diagnose.conclude import unfinished_of
+from bench.diagnose.cross_validation.held_out import HeldOut, held_out
+from bench.diagnose.cross_validation.jackknife import with_jackknife
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.refit import refit
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.signatures import Signatures
+from bench.diagnose.name.beside_unlisted import beside_unlisted
+from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
+from bench.diagnose.name.naming import Naming
+from bench.diagnose.name.neighbourhood import Neighbourhood
+from bench.diagnose.name.selection import name_cause
+from bench.diagnose.replay.given import with_earlier
+from bench.diagnose.replay.known import with_known_segments
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import Segment, segments_of
+from bench.diagnose.verdict import Unfinished
+from bench.effects.effect import Effect
+from bench.effects.recorded import Recorded, recorded_in
+from bench.errors import NOT_SIMULATED, InputError
+from bench.executor.contract import Executor
+from bench.executor.watched import Check, Stopped
+from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.held_out import SAME
+from bench.record.campaign import Campaign
+from bench.robot.compiled import CompiledRobot
+
+UNKNOWN_MASS = 1.0  # derived: relative uncertainty of a mass that nobody knows: none is one standard deviation away
+
+
+class Phases:
+    """Tells what is done next, and remembers it; between two phases the work may be stopped."""
+
+    def __init__(self, progress: Callable[[str], None], check: Check) -> None:
+        self._progress, self._check = progress, check
+        self.now = ""
+
+    def __call__(self, words: str) -> None:
+        """Begin what is done next."""
+        self._check()
+        self.now = words
+        self._progress(words)
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What is asked, as of `diagnose`."""
+
+    campaign: Campaign
+    compiled: CompiledRobot
+    catalogue: Mapping[str, Effect]
+    rate: float
+    progress: Phases
+    most_bins: int
+    executor: Executor
+    first: FirstPass | None
+
+
+@dataclass(frozen=True, eq=False)
+class Explained:
+    """What explains a campaign.
+
+    Attributes:
+        signatures: That were weighed.
+        segments: Of the campaign.
+        naming: What was found.
+        about: The campaign linearised about it.
+        discrepancy: What became of what is not listed.
+        gain: Of the model on what was held out.
+        baseline: The model beside least squares.
+        unfinished: Why it ended before it was done.
+    """
+
+    signatures: Signatures
+    segments: tuple[Segment, ...]
+    naming: Naming
+    about: LinearisedModel
+    discrepancy: Discrepancy | None = None
+    gain: HeldOut | None = None
+    baseline: Baseline | None = None
+    unfinished: Unfinished | None = None
+
+    @property
+    def fit(self) -> Fit:
+        """The model with what was found."""
+        return extension_of(self.naming, self.discrepancy) or self.naming.null
+
+
+def explained(task: Task, signatures: Signatures) -> Explained:
+    """Return what explains a campaign, as far as time allows.
+
+    Args:
+        task: What is asked.
+        signatures: Of the robot that is believed, not simulated yet.
+
+    Raises:
+        InputError: The campaign has nothing that a replay predicts.
+        ConvergenceError: The model finds no balance along the measured motion.
+        Stopped: Before anything was weighed.
+    """
+    campaign, compiled, progress = task.campaign, signatures.compiled, task.progress
+    quantities = signatures.quantities
+    segments = segments_of(campaign, compiled, quantities, task.most_bins)
+    segments = with_known_segments(segments, campaign, compiled, quantities)
+    segments = with_earlier(segments, quantities, signatures.nuisances)
+    if not segments or not quantities:
+        raise InputError(
+            "the campaign has no channel that a replay predicts: log motor currents or torques, a reflector, a link "
+            "encoder, or the gas pressure, beside the motor angles."
+        )
+    progress(f"signatures of {len(signatures.causes)} causes")
+    sensitivities = signatures.sensitivities(segments, task.executor)
+    linear = linearised_model_of(Replay(compiled, segments, quantities), signatures.nuisances, sensitivities.nuisances)
+    progress("naming")
+    recorded = recorded_by(campaign, compiled)
+    around = Neighbourhood(compiled, task.catalogue, measured_by(campaign), task.rate, task.executor, recorded=recorded)
+    linear, screening = around.weighed(linear, signatures.causes, sensitivities)
+    naming = name_cause(linear, screening, around.about, progress, task.executor)
+    found = Explained(signatures, segments, naming, naming.linear)
+    try:
+        if naming.stopped:
+            raise Stopped(naming.stopped)
+        if naming.unlisted:
+            progress("learning what is not listed")
+            discrepancy = discrepancy_of(naming)
+            naming = beside_unlisted(naming, discrepancy)
+            about = discrepancy.linear if discrepancy and discrepancy.is_gain else naming.linear
+            found = replace(found, naming=naming, discrepancy=discrepancy, about=about)
+        if extension := extension_of(naming, found.discrepancy):
+            progress("gain on what was held out")
+            null = naming.null if found.about is naming.linear else refit(found.about, (), {})
+            found = replace(found, gain=held_out(found.about, null, extension))
+        if task.first:
+            progress("least squares beside it")
+            with suppress(np.linalg.LinAlgError):  # without a part of the data, its equations may be singular
+                baseline = baseline_of(found.about, extension or naming.null, task.first, task.rate)
+                found = replace(found, baseline=baseline)
+    except Stopped as stopped:
+        found = replace(found, unfinished=unfinished_of(naming, str(stopped), progress.now))
+    return found
+
+
+def beside_unknown_links(
+    task: Task, found: Explained, signatures_about: Callable[[CompiledRobot], Signatures]
+) -> Explained:
+    """Return what explains a campaign if nobody knew how the links weigh, where that predicts torques better.
+
+    Least squares, which believes nothing of what is stated, predicted better: then masses, centres of mass and moments
+    of inertia may be off everywhere by more than is stated, which is no list of single causes.
+
+    Args:
+        task: What is asked.
+        found: What explains the campaign with links as they are stated, beside least squares.
+        signatures_about: Returns those of another robot.
+    """
+    task.progress("once more, with links as good as unknown")
+    uncertainty = task.compiled.robot.figures.uncertainty
+    if not 0 < uncertainty.links * uncertainty.mass < UNKNOWN_MASS:
+        return found
+    figures = task.compiled.robot.figures.model_copy(
+        update={"uncertainty": uncertainty.model_copy(update={"links": UNKNOWN_MASS / uncertainty.mass})}
+    )
+    compiled = replace(task.compiled, robot=replace(task.compiled.robot, figures=figures))
+    try:
+        other = explained(task, signatures_about(compiled))
+    except Stopped as stopped:
+        return replace(found, unfinished=unfinished_of(found.naming, str(stopped), task.progress.now))
+    except NOT_SIMULATED:
+        return found
+    if other.unfinished:
+        return replace(found, unfinished=other.unfinished)
+    assert found.baseline
+    return other if other.baseline and other.baseline.over(found.baseline) < 1 / SAME else found
+
+
+def extension_of(naming: Naming, discrepancy: Discrepancy | None) -> Fit | None:
+    """Return the model with what was found, listed or learned; None where there is nothing to add."""
+    if discrepancy and discrepancy.is_gain:
+        return discrepancy.fit
+    best = naming.models[0] if naming.models else None
+    if best is None or not best.causes:
+        return None
+    if best.shape is None:
+        return best.fit
+    beside = best.listed_fit(naming.linear)  # what was fitted beside a shape that is not handed over
+    alone = refit(naming.linear, beside.causes, beside.start, beside.nuisances, beside)
+    return with_jackknife(naming.linear, alone)
+
+
+def measured_by(campaign: Campaign) -> frozenset[str]:
+    """Return the quantities of a campaign, without numbers and units."""
+    names = {name for run in campaign.runs for name in run.columns}
+    words = (name.split("_")[:-1] for name in names)
+    return frozenset("_".join(word for word in part if not word.isdigit()) for part in words)
+
+
+def recorded_by(campaign: Campaign, compiled: CompiledRobot) -> Recorded:
+    """Return the runs and columns of a campaign, where errors of its recording may sit."""
+    return recorded_in(campaign.runs, compiled.model.opt.gravity)
