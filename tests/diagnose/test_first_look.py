@@ -14,6 +14,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.figures import CurrentSensor
 from bench.scenario.files import read_as
 from bench.scenario.session import SessionScenario
 from tests.diagnose.sweeps import Change, changed, made, nominal, scale
@@ -126,6 +127,19 @@ def test_rotors_that_nobody_knows_are_free(session: Campaign, robot: CompiledRob
 def test_a_smoothed_channel_is_doubted(session: Campaign, robot: CompiledRobot) -> None:
     (doubt,) = doubts_of(changed(session, smooth("current_3_a")), robot)
     assert (doubt.column, "smoothed?" in doubt.remedy) == ("current_3_a", True)
+
+
+def test_a_noise_that_nobody_stated_is_what_samples_scatter(session: Campaign, robot: CompiledRobot) -> None:
+    """The default of 0.02 A hid four fifths of what an arm showed whose current was read to 0.006."""
+    figures = robot.robot.figures
+    stated = figures.instruments.current
+    assert stated
+    given = {key: value for key, value in stated.model_dump().items() if key in stated.model_fields_set - {"sigma_a"}}
+    instruments = figures.instruments.model_copy(update={"current": CurrentSensor.model_validate(given)})
+    unsaid = compile_robot(replace(robot.robot, figures=figures.model_copy(update={"instruments": instruments})))
+    quiet = changed(session, smooth("current_3_a"))
+    assert doubts_of(quiet, robot)
+    assert not doubts_of(quiet, unsaid)
 
 
 @pytest.mark.parametrize(
