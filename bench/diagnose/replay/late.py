@@ -1,7 +1,8 @@
 """Channels with another clock: what they would have shown had they been read when the encoders were.
 
-Where the reflectors were a moment ago follows from where the motors were then. What the links gave, torques and the
-pull of the cylinder change slowly; they are interpolated between the instants that are read.
+Where the reflectors were a moment ago follows from where the motors were then. What the links gave and the pull of the
+cylinder change slowly; they are interpolated between the instants that are read. Torques of drives jump with the
+acceleration: these are simulated along the earlier motion (`Replay`).
 """
 
 from collections.abc import Sequence
@@ -26,7 +27,7 @@ def read_late(compiled: CompiledRobot, segments: Sequence[Segment], trace: Trace
         compiled: The nominal robot.
         segments: Of a campaign; at rest nothing changes.
         trace: At all instants that are read, segment after segment.
-        late: Quantities that are late.
+        late: Reflectors, and the force of the gas, that are late.
     """
     for one in late:
         values = getattr(trace, one.field).copy()
@@ -41,8 +42,7 @@ def read_late(compiled: CompiledRobot, segments: Sequence[Segment], trace: Trace
                 moved = reflector_places(compiled, before) - reflector_places(compiled, there.theta)
                 values[rows] = there.reflectors + moved
             else:
-                column = () if one.drive is None else (one.drive,)
-                values[(rows, *column)] = _before(there.time, values[(rows, *column)], one.seconds)
+                values[rows] = _before(there.time, values[rows], one.seconds)
         trace = replace(trace, **{one.field: values})
     return trace
 

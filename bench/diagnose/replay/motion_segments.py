@@ -80,7 +80,7 @@ def stretches_of(
     kept = tuple(group for group, is_useful in zip(groups, useful, strict=True) if is_useful)
     shapes = maximum_filter1d(useful.astype(np.int8), 3) > 0  # the bins beside them tell where friction turned round
     followed = tuple(group for group, shapes_friction in zip(groups, shapes, strict=True) if shapes_friction)
-    path = Path(time, angles, kept, kernel, round(longest / dt))
+    path = Path(time, angles, kept, kernel, round(longest / dt), window)
     near = np.stack([np.min(np.abs(velocity[rows]), axis=0) for rows, _ in path.of_torque])  # torques feel a turn there
     turning = moves & (np.minimum(slowest[useful], near) < TURNING * top)
 

@@ -7,6 +7,8 @@ threads.
 
 from collections import OrderedDict
 from collections.abc import Hashable, Iterable
+from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from threading import Lock
 
@@ -34,6 +36,7 @@ from bench.diagnose.replay.world import (
 )
 from bench.effects.effect import Conditions
 from bench.effects.followed import Followed
+from bench.effects.levels import acts_in
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.robot.patched import Structure
@@ -69,6 +72,7 @@ class Replay:
         self._tolerance = tolerance
         self._structure = Structure(compiled.robot, bare_spec(compiled.robot))
         self._known: OrderedDict[Hashable, Trace] = OrderedDict()
+        self._before: OrderedDict[float, Replay] = OrderedDict()  # seconds -> replay of the motion so long before
         self._lock = Lock()
         self._rows = slices_of(count_of(segment) for segment in segments)
         self._recordings: dict[str, list[int]] = {}  # recording -> its segments
@@ -101,6 +105,7 @@ class Replay:
 
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
+        trace = self._with_late_torques(world, trace)
         given, world = world, self.whole(world)
         if not world.is_told_apart:
             shown = self._read(world, self.segments, trace)
@@ -114,10 +119,49 @@ class Replay:
             self._say_known(shown, given, trace)
         return shown
 
+    def _with_late_torques(self, world: World, trace: Trace) -> Trace:
+        """Return a motion with the torques of drives that are read late as they were before: along an earlier motion.
+
+        Between the instants that are read a torque may jump with the acceleration, so it is not interpolated.
+        """
+        late = [
+            (one, acting.place)
+            for acting in self.whole(world).acting
+            if (one := acting.effect.lateness(acting.place, acting.values)) and one.field == "motor_torque"
+        ]
+        if not late:
+            return trace
+        torque, now = trace.motor_torque.copy(), self.trace(world).motor_torque
+        for one, place in late:
+            change = self._earlier(one.seconds).trace(world).motor_torque - now
+            for segment, rows in zip(self.segments, self._rows, strict=True):
+                if acts_in(place, segment.recording):
+                    torque[rows, one.drive] += change[rows, one.drive]
+        return replace(trace, motor_torque=torque)
+
+    def _earlier(self, seconds: float) -> "Replay":
+        """Return a replay of the motion some time before each instant."""
+        with self._lock:
+            if seconds in self._before:
+                self._before.move_to_end(seconds)
+                return self._before[seconds]
+        other = copy(self)
+        other.__dict__.pop("jacobians", None)
+        other.segments = tuple(segment.earlier(seconds) for segment in self.segments)
+        other._known, other._plans, other._before = OrderedDict(), OrderedDict(), OrderedDict()
+        other._lock = Lock()
+        courses = other._courses(NOMINAL)
+        other._nominal = other._joined(courses, [other._followed(NOMINAL, course)[0] for course in courses])
+        with self._lock:
+            self._before[seconds] = other
+            if len(self._before) > MOST_KNOWN:
+                self._before.popitem(last=False)
+        return other
+
     def _read(self, world: World, segments: tuple[Segment, ...], trace: Trace) -> Array:
         """Return the same for segments in which all of a world acts, but for what is known besides."""
         late = [acting.effect.lateness(acting.place, acting.values) for acting in world.acting]
-        trace = read_late(self.compiled, segments, trace, [one for one in late if one])
+        trace = read_late(self.compiled, segments, trace, [one for one in late if one and one.field != "motor_torque"])
         reading = ideal_reading(self.compiled, trace)
         reading = distorted(reading, segments, trace, world.acting)
         for nuisance, value in world.deviations.items():

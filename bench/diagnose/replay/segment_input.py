@@ -1,5 +1,6 @@
 """A stretch of a run as it will be replayed, before its instruments are read; and what drives it: angles and loads."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -7,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from bench.diagnose.replay.uneven_derivative import derivative_over
 from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
@@ -26,6 +28,7 @@ class Path:
         kernel: Of odd length; with its weights torques are averaged as accelerations are, with 1 where that is not
             possible.
         reach: Samples that a torque may be averaged over, if its group has fewer.
+        window: Samples over which motion was differentiated.
     """
 
     time: Array
@@ -33,6 +36,7 @@ class Path:
     groups: tuple[NDArray[np.int64], ...]
     kernel: Array
     reach: int = 1
+    window: int = SAMPLES_OF_SPEED
 
     @cached_property
     def of_torque(self) -> tuple[tuple[NDArray[np.int64], Array], ...]:
@@ -64,12 +68,22 @@ class Path:
 
         Before its first sample, and after its last, the arm is taken to move as fast as there.
         """
+        return _centred(self._moved(seconds), self.groups)
+
+    def motion_earlier(self, seconds: float) -> tuple[Array, Array, Array]:
+        """Return by how much angles, speeds and accelerations were other ones some time before, shape (T, n) each."""
+        moved = self._moved(seconds)
+        speed, acceleration = (derivative_over(moved, self.time, self.window, order) for order in (1, 2))
+        inner = [self.inner(group) for group in self.groups]
+        return _centred(moved, self.groups), _centred(speed, self.groups), _centred(acceleration, inner)
+
+    def _moved(self, seconds: float) -> Array:
+        """Return how much further the motors were some time before each sample, shape (rows, n)."""
         when = self.time - seconds
         inside = np.clip(when, self.time[0], self.time[-1])
         speed = np.where((when < self.time[0])[:, None], self._speeds[0], self._speeds[1])
-        moved = self._spline(inside) + (when - inside)[:, None] * speed - self.angles
-        found: Array = np.stack([centre_weights(len(group)) @ moved[group] for group in self.groups])
-        return found
+        moved: Array = self._spline(inside) + (when - inside)[:, None] * speed - self.angles
+        return moved
 
     @cached_property
     def _spline(self) -> CubicSpline:
@@ -140,6 +154,11 @@ def wrench_of(run: Run, compiled: CompiledRobot) -> Array:
         wrench[:, :3] -= run.columns["load_mass_kg"][:, None] * compiled.model.opt.gravity
     wrench[np.abs(wrench) < 1e-6] = 0.0
     return wrench
+
+
+def _centred(values: Array, groups: Sequence[NDArray[np.int64]]) -> Array:
+    """Return what samples, shape (rows, n), are in the middle of each group of them, shape (T, n)."""
+    return np.stack([centre_weights(len(group)) @ values[group] for group in groups])
 
 
 @lru_cache(maxsize=1000)

@@ -71,6 +71,25 @@ class Segment:
     def __len__(self) -> int:
         return len(self.observed)
 
+    def earlier(self, seconds: float) -> "Segment":
+        """Return the segment with the motion of some time before, read at the same instants; a rest stays as it is."""
+        if self.is_static:
+            return self
+        motion = self.motion
+        angles = -seconds * motion.velocity + seconds**2 / 2 * motion.acceleration
+        speeds, accelerations = -seconds * motion.acceleration, np.zeros_like(motion.acceleration)
+        if self.path is not None:
+            moved = self.path.motion_earlier(seconds)
+            for known, change in zip((angles, speeds, accelerations), moved, strict=True):
+                known[motion.read] = np.where(self.standing, 0.0, change)
+        changed = replace(
+            motion,
+            q=motion.q + angles,
+            velocity=motion.velocity + speeds,
+            acceleration=motion.acceleration + accelerations,
+        )
+        return replace(self, motion=changed)
+
 
 def recordings_of(segments: Iterable[Segment]) -> tuple[str, ...]:
     """Return the names of the recordings that segments belong to, in order."""
