@@ -98,7 +98,7 @@ FIGURES = {
     "instruments": {
         "tracker": {"position_m": [3.0, 0.5, 0.5]},
         "force": {},
-        "current": {},
+        "current": {"sigma_a": 0.02},
         "encoder": {},
         "pressure": {"piston_area_m2": 0.001},
     },
