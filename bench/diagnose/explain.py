@@ -75,6 +75,7 @@ class Explained:
         naming: What was found.
         about: The campaign linearised about it.
         discrepancy: What became of what is not listed.
+        extension: The model with what was found, listed or learned; None where there is nothing to add.
         gain: Of the model on what was held out.
         baseline: The model beside least squares.
         unfinished: Why it ended before it was done.
@@ -85,14 +86,15 @@ class Explained:
     naming: Naming
     about: LinearisedModel
     discrepancy: Discrepancy | None = None
+    extension: Fit | None = None
     gain: HeldOut | None = None
     baseline: Baseline | None = None
     unfinished: Unfinished | None = None
 
     @property
     def fit(self) -> Fit:
-        """The model with what was found."""
-        return extension_of(self.naming, self.discrepancy) or self.naming.null
+        """The model with what was found, or the nominal one."""
+        return self.extension or self.naming.null
 
 
 def explained(task: Task, signatures: Signatures) -> Explained:
@@ -135,14 +137,15 @@ def explained(task: Task, signatures: Signatures) -> Explained:
             naming = beside_unlisted(naming, discrepancy)
             about = discrepancy.linear if discrepancy and discrepancy.is_gain else naming.linear
             found = replace(found, naming=naming, discrepancy=discrepancy, about=about)
-        if extension := extension_of(naming, found.discrepancy):
+        found = replace(found, extension=extension_of(naming, found.discrepancy))
+        if found.extension:
             progress("gain on what was held out")
             null = naming.null if found.about is naming.linear else refit(found.about, (), {})
-            found = replace(found, gain=held_out(found.about, null, extension))
+            found = replace(found, gain=held_out(found.about, null, found.extension))
         if task.first:
             progress("least squares beside it")
             with suppress(np.linalg.LinAlgError):  # without a part of the data, its equations may be singular
-                baseline = baseline_of(found.about, extension or naming.null, task.first, task.rate)
+                baseline = baseline_of(found.about, found.fit, task.first, task.rate)
                 found = replace(found, baseline=baseline)
     except Stopped as stopped:
         found = replace(found, unfinished=unfinished_of(naming, str(stopped), progress.now))
@@ -162,10 +165,10 @@ def beside_unknown_links(
         found: What explains the campaign with links as they are stated, beside least squares.
         signatures_about: Returns those of another robot.
     """
-    task.progress("once more, with links as good as unknown")
     uncertainty = task.compiled.robot.figures.uncertainty
     if not 0 < uncertainty.links * uncertainty.mass < UNKNOWN_MASS:
         return found
+    task.progress("once more, with links as good as unknown")
     figures = task.compiled.robot.figures.model_copy(
         update={"uncertainty": uncertainty.model_copy(update={"links": UNKNOWN_MASS / uncertainty.mass})}
     )

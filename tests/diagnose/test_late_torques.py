@@ -6,17 +6,19 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from bench.diagnose.replay.courses import count_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Acting
+from bench.effects.effect import Acting, Place
 from bench.effects.recorded import recorded_in
 from bench.record.campaign import Campaign
-from tests.diagnose.sweeps import SWEEPS, made, nominal
+from tests.diagnose.sweeps import LOADS, SWEEPS, made, nominal
 
 DRIVE = "current_2_a"
+EFFECT = catalogue()["channel_delay"]
 
 
 def moved_before(campaign: Campaign, seconds: float) -> Campaign:
@@ -33,24 +35,34 @@ def moved_before(campaign: Campaign, seconds: float) -> Campaign:
     return replace(campaign, runs=tuple(runs))
 
 
+def replay_of(campaign: Campaign) -> tuple[Replay, Place]:
+    """Return a campaign, ready to be repeated, and the drive whose current is to be late."""
+    compiled, quantities = nominal(), quantities_of(campaign.runs, nominal())
+    recorded = recorded_in(campaign.runs, compiled.model.opt.gravity)
+    (place,) = (one for one in EFFECT.places_in(compiled, recorded) if one.name == DRIVE)
+    return Replay(compiled, segments_of(campaign, compiled, quantities), quantities), place
+
+
 @pytest.mark.parametrize("seconds", [0.005, -0.012])
 def test_a_late_torque_is_that_of_the_motion_before(seconds: float) -> None:
-    compiled, campaign = nominal(), made(SWEEPS, seed=3)
-    effect = catalogue()["channel_delay"]
-    (place,) = (
-        one
-        for one in effect.places_in(compiled, recorded_in(campaign.runs, compiled.model.opt.gravity))
-        if one.name == DRIVE
-    )
-    quantities = quantities_of(campaign.runs, compiled)
-    column = [quantity.column for quantity in quantities].index(DRIVE)
-    here = Replay(compiled, segments_of(campaign, compiled, quantities), quantities)
-    late = World(acting=(Acting(effect, place, {"delay": seconds}),))
-    there = Replay(compiled, segments_of(moved_before(campaign, seconds), compiled, quantities), quantities)
+    campaign = made(SWEEPS, seed=3)
+    here, place = replay_of(campaign)
+    there, _ = replay_of(moved_before(campaign, seconds))
+    column = [quantity.column for quantity in here.quantities].index(DRIVE)
+    late = World(acting=(Acting(EFFECT, place, {"delay": seconds}),))
     changed = here.predict(late) - here.predict(NOMINAL)
-    others = np.arange(len(quantities)) != column
+    others = np.arange(len(here.quantities)) != column
     assert not np.any(changed[:, others])
-    expected = there.predict(NOMINAL)
-    assert expected.shape == changed.shape
-    wanted = (expected - here.predict(NOMINAL))[:, column]
+    wanted = (there.predict(NOMINAL) - here.predict(NOMINAL))[:, column]
     assert np.sqrt(np.mean((changed[:, column] - wanted) ** 2)) < 0.05 * np.sqrt(np.mean(wanted**2))
+
+
+def test_a_late_torque_at_rest_is_the_same() -> None:
+    sweeps, loads = made(SWEEPS, seed=3), made(LOADS, seed=3)
+    replay, place = replay_of(replace(sweeps, runs=(*sweeps.runs, *loads.runs)))
+    at_rest = np.concatenate([np.full(count_of(segment), segment.is_static) for segment in replay.segments])
+    assert 0 < np.sum(at_rest) < len(at_rest)
+    late = World(acting=(Acting(EFFECT, place, {"delay": 0.2}),))
+    changed = replay.predict(late) - replay.predict(NOMINAL)
+    assert not np.any(changed[at_rest])
+    assert np.any(changed[~at_rest])

@@ -127,6 +127,17 @@ def test_what_is_stated_of_a_fit_rests_on_derivatives_where_it_ended(monkeypatch
     assert far[-1] < 0.05 < min(far[:-1])
 
 
+def test_derivatives_are_those_of_simulations_where_what_is_left_is_linearised() -> None:
+    """A fit ends with a step that is not simulated; what it left beside that once stood in every derivative."""
+    objective = Objective(_design(), (_whole("gas_loss"), _whole("gas_temperature"), _whole("payload_mass")))
+    nuisances, values = np.zeros(len(objective.linear.nuisances)), np.array([0.05, 5.0, 0.02])
+    simulated = objective.at(nuisances, values)
+    linearised = objective.at(nuisances, values, simulated.residual + 0.1 * np.nan_to_num(simulated.residual))
+    right, found = objective.all_derivatives(simulated), objective.all_derivatives(linearised)
+    np.testing.assert_array_equal(found.jacobian, right.jacobian)
+    np.testing.assert_array_equal(found.tangent, right.tangent)
+
+
 def test_corrected_derivatives_are_right_along_the_step_and_the_same_across_it(rng: np.random.Generator) -> None:
     tangent, step, scale = rng.normal(size=(7, 3)), rng.normal(size=3), np.array([1.0, 1e-3, 50.0])
     missed = rng.normal(size=7)

@@ -1,6 +1,6 @@
 """An extension as a function of its parameters: what it leaves of the readings, how far from probable, derivatives."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -146,7 +146,10 @@ class Objective:
         columns = self._of_torques(state, columns) | columns
         # what only reads differently comes first: the replay still has the motion that the residual was simulated along
         order = sorted(range(len(self.unknowns)), key=lambda i: moves(self.unknowns[i].cause.effect))
-        columns |= {i: self._difference(state, i) for i in order if i not in columns}
+        wanted = [i for i in order if i not in columns]
+        if wanted:  # simulated here too: at the end of a fit, what it leaves is linearised
+            here = self._left(state.nuisances, state.values)
+            columns |= {i: self._difference(state, here, i) for i in wanted}
         jacobian = np.zeros((*state.residual.shape, 0))
         if columns:
             jacobian = np.stack([columns[i] for i in range(len(self.unknowns))], axis=2)
@@ -163,12 +166,32 @@ class Objective:
             ConvergenceError, RobotError: There is no balance to either side of some value.
         """
         told = np.linalg.norm(self.linear.jacobian, axis=0) > TELLS
-        which = [i for i, one in enumerate(self.linear.nuisances) if told[i] and is_simulated(one)]
-        nuisances = {}
-        for i in which:
-            moved = _moved(state.nuisances, i, STEP_OF_NUISANCE)
-            nuisances[i] = (state.residual - self._left(moved, state.values)) / STEP_OF_NUISANCE
+        nuisances = self.of_nuisances(state.nuisances, state.values, np.flatnonzero(told).tolist())
         return replace(self.derivatives(state, nuisances=nuisances), renewed_at=state)
+
+    def of_nuisances(self, nuisances: Array, values: Array, which: Iterable[int]) -> dict[int, Array]:
+        """Return the derivatives with some nuisances by simulation, each by its index, shape (T, c).
+
+        Those that act by their changes alone are left out: these do not change.
+
+        Args:
+            nuisances: Shape (p,), where.
+            values: Shape (k,), of the unknowns.
+            which: Indices of nuisances.
+
+        Raises:
+            ConvergenceError, RobotError: There is no balance there, or beside some value.
+        """
+
+        def simulated(nuisances: Array) -> Array:
+            return self.linear.replay.predict(self._world(nuisances, values))
+
+        here = simulated(nuisances)
+        return {
+            i: (simulated(_moved(nuisances, i, STEP_OF_NUISANCE)) - here) / STEP_OF_NUISANCE
+            for i in which
+            if is_simulated(self.linear.nuisances[i])
+        }
 
     def corrected(self, derivatives: Derivatives, before: State, after: State) -> Derivatives:
         """Return derivatives that are right along a step that was simulated."""
@@ -205,15 +228,21 @@ class Objective:
                 found[i] = (then - now) / step
         return found
 
-    def _difference(self, state: State, i: int) -> Array:
-        """Return the change of the readings with an unknown by a difference of simulations, shape (T, c)."""
+    def _difference(self, state: State, here: Array, i: int) -> Array:
+        """Return the change of the readings with an unknown by a difference of simulations, shape (T, c).
+
+        Args:
+            state: Where.
+            here: What is left there, shape (T, c).
+            i: Which unknown.
+        """
         step = self.unknowns[i].step_from(float(state.values[i]))
         try:
             there = self._left(state.nuisances, _moved(state.values, i, step))
         except NOT_SIMULATED:  # no balance there; the other side is as good
             step = -step
             there = self._left(state.nuisances, _moved(state.values, i, step))
-        return np.asarray((state.residual - there) / step)
+        return np.asarray((here - there) / step)
 
 
 def bounds_of(nuisances: Sequence[Nuisance], unknowns: Sequence[Unknown]) -> tuple[Array, Array]:

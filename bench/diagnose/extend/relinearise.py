@@ -3,10 +3,9 @@
 import numpy as np
 
 from bench.diagnose.extend.fit import Fit, is_simulated
-from bench.diagnose.extend.objective import STEP_OF_NUISANCE, TELLS
+from bench.diagnose.extend.objective import TELLS, Objective
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
-from bench.diagnose.replay.world import World
 from bench.errors import NOT_SIMULATED
 
 TINY = 1e-300  # rounding: for a column of zeros, so that nothing is divided by zero
@@ -30,14 +29,8 @@ def _relinearised_fit(linear: LinearisedModel, fit: Fit) -> tuple[LinearisedMode
     which = _akin(linear, fit)
     if not which:
         return linear, fit
-    world = fit.world(linear)
-    here = linear.replay.predict(world)
-    sensitivities = []
-    for i in which:
-        nuisance = linear.nuisances[i]
-        deviations = {**world.deviations, nuisance: world.deviations[nuisance] + STEP_OF_NUISANCE * nuisance.sigma}
-        sensitivities.append((linear.replay.predict(World(deviations, world.acting)) - here) / STEP_OF_NUISANCE)
-    about = relinearised(linear, which, np.stack(sensitivities, axis=2))
+    renewed = Objective(linear, fit.causes).of_nuisances(fit.nuisances, fit.values, which)
+    about = relinearised(linear, list(renewed), np.stack(list(renewed.values()), axis=2))
     return about, refit(about, fit.causes, fit.start, fit.nuisances)
 
 

@@ -66,6 +66,19 @@ class Noise:
         full: Array = np.full_like(values, sigma)
         return full
 
+    def beside(self, quantity: Quantity, values: Array, run: Run, scatter: float) -> Array:
+        """Return the noise of one reading at each of some values, same shape: as stated, or as its samples scatter.
+
+        Args:
+            quantity: What was read.
+            values: Where.
+            run: Of which.
+            scatter: Of the samples, 0 where nobody can say; where it is more than stated, or nothing was, it counts.
+        """
+        if scatter > 0 and not self.is_stated(quantity):
+            return np.full_like(values, scatter)
+        return np.maximum(self.of(quantity, values, run), scatter)
+
     def is_stated(self, quantity: Quantity) -> bool:
         """Whether anybody stated what a drive's sensor scatters; a default that nobody looked at says nothing."""
         if quantity.kind in self._given or quantity.kind != "current":

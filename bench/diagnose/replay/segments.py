@@ -210,9 +210,7 @@ def _means(
         scatter = np.maximum(scatter, noise.of_groups(readings, groups))
     for c, values, least in zip(present, readings.T, scatter, strict=True):
         quantity = quantities[c]
-        one = np.maximum(noise.of(quantity, mean[:, c], run), least)
-        if least > 0 and not noise.is_stated(quantity):
-            one = np.full_like(one, least)
+        one = noise.beside(quantity, mean[:, c], run, float(least))
         own = of_torque if quantity.is_drive else plain
         mean[:, c] = [w @ values[rows] for rows, w in own]
         # a torque that shares samples with its neighbours is known no better than without them
@@ -234,10 +232,8 @@ def _torque_noise(run: Run, compiled: CompiledRobot, quantities: tuple[Quantity,
             values = run.columns[quantity.column][:, None]
             drive = compiled.robot.figures.drives[quantity.index]
             to_torque = drive.torque_constant_nm_per_a if quantity.kind == "current" else 1.0
-            one = float(noise.of_samples(values)[0])
-            if one == 0 or noise.is_stated(quantity):
-                one = max(one, float(noise.of(quantity, values[:1, 0], run)[0]))
-            found[quantity.index] = np.fmin(found[quantity.index], to_torque * one)
+            one = noise.beside(quantity, values[:1, 0], run, float(noise.of_samples(values)[0]))
+            found[quantity.index] = np.fmin(found[quantity.index], to_torque * one[0])
     return found
 
 
