@@ -42,6 +42,7 @@ from bench.effects.recording_log import BoltedLoad, HungLoad
 from bench.effects.sensing_bench import ForceGain, ForceTilt, TrackerDrift, TrackerFrame, TrackerScale
 from bench.effects.sensing_drive import (
     CurrentOffset,
+    DriveDelay,
     EncoderDelay,
     EncoderEccentricity,
     TorqueConstant,
@@ -114,6 +115,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     TrackerScale,
     ForceGain,
     ForceTilt,
+    DriveDelay,
     EncoderDelay,
     LinkEncoderDelay,
     EncoderEccentricity,

@@ -18,6 +18,8 @@ from bench.record.moving import TRAVELS
 
 # assumed: of the longest pause between runs; shorter ones are ways from run to run, without a hand on anything
 BREAK = 0.1
+# assumed: [s], of a drive's channel, which has the clock of the encoders: five cycles of 4 ms on the bus
+LATEST_DRIVE_S = 0.02
 LEAST_LOAD = 0.1  # rounding: [N] or [Nm]; less is what rounding leaves of a written weight: 10 g
 LateField = Literal["reflectors", "motor_torque", "gas_force"]
 

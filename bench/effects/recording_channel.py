@@ -10,7 +10,7 @@ deviation of 5 % has a density fourteen times higher under the torque constant, 
 from dataclasses import replace
 
 from bench.effects.effect import Conditions, Parameter, Place, Values
-from bench.effects.recorded import LateField, Lateness, Recorded
+from bench.effects.recorded import LATEST_DRIVE_S, LateField, Lateness, Recorded
 from bench.effects.recording_places import (
     GAUGE,
     TRACKER,
@@ -28,9 +28,6 @@ from bench.effects.sensing_bench import vector_of
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import HOUR, Reading, small_rotation
 from bench.simulate.plant import Trace
-
-# assumed: [s], of a drive's channel, which has the clock of the encoders: five cycles of 4 ms on the bus
-LATEST_DRIVE_S = 0.02
 
 
 class _OfRecording(OfCampaign):
@@ -55,8 +52,9 @@ class ChannelDelay(_OfRecording):
     parameters = (Parameter("delay", "s", 0.0, 0.01, 0.2, "d, against the motor encoders", True),)
 
     def places_in(self, compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:
-        """Return the tracker, the gauge and the drives' channels, as far as there are any in motion."""
-        return (*tracker(compiled, recorded), *gauge(compiled, recorded), *drive_channels(compiled, recorded))
+        """Return the tracker, the gauge and, of several drives, their channels; all of them are `drive_delay`'s."""
+        drives = drive_channels(compiled, recorded)
+        return (*tracker(compiled, recorded), *gauge(compiled, recorded), *(drives if len(drives) > 1 else ()))
 
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameter with the range of a channel."""

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.effects.effect import REFERENCE_K, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.effect import REFERENCE_K, WHOLE, Array, Conditions, Effect, Parameter, Place, Values
 from bench.effects.places import OnDrive, drives, hinges, torque_limit
+from bench.effects.recorded import LATEST_DRIVE_S, Lateness
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
 from bench.simulate.plant import Trace
@@ -105,6 +106,32 @@ class CurrentOffset(_OnCurrent):
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
         current = _changed(reading.current, place.index, lambda seen: seen + values["offset"])
         return replace(reading, current=current)
+
+
+class DriveDelay(Effect):
+    """What drives report is older, or newer, than the angles of its row."""
+
+    name = "drive_delay"
+    family = "sensing"
+    title = "delay of the drives' torques"
+    physics = (
+        "One controller samples or filters the currents of all drives alike: a row shows the torques of d before its "
+        "angles. It shows where torques change fast. A single channel that is late is an error of its recording "
+        "(channel_delay)."
+    )
+    source = "Swevers, Verdonck and De Schutter, 2007 (synchronised sampling); range: five bus cycles of 4 ms, assumed"
+    parameters = (
+        Parameter("delay", "s", 0.0, 5e-4, LATEST_DRIVE_S, "d, of all drives, against the motor encoders", signed=True),
+    )
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return the robot if its drives report current or torque."""
+        fitted = compiled.robot.figures.instruments
+        return (WHOLE,) if fitted.current or fitted.torque else ()
+
+    def lateness(self, place: Place, values: Values) -> Lateness | None:
+        """Return that all torques are late, and by how much."""
+        return Lateness("motor_torque", None, values["delay"]) if values["delay"] else None
 
 
 class EncoderDelay(Effect):

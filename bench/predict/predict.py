@@ -69,7 +69,8 @@ def _recording(
 ) -> PredictedRecording:
     recording = with_payloads(recording)
     quantities = (*quantities_of(recording.runs, model), *known_quantities(recording, model))
-    segments = with_known_segments(segments_of(recording, model, quantities), recording, model, quantities)
+    # cut as the diagnosis cut what its promises rest on: bins are as long as the nominal robot rings
+    segments = with_known_segments(segments_of(recording, nominal, quantities), recording, model, quantities)
     if not segments or not quantities:
         raise InputError(
             f"recording {name or recording.runs[0].name}: has no channel that a replay predicts: log motor currents or "

@@ -72,6 +72,17 @@ def test_errors_are_plain_root_mean_squares_beside_the_promise(campaign: Campaig
         assert (channel.low, channel.high) == (0.5, 2.0) if is_promised else channel.answer == "not promised"
 
 
+def test_a_recording_is_cut_as_the_nominal_robot_rings(campaign: Campaign, nominal: CompiledRobot) -> None:
+    """By the model's own figures bins came out longer, and errors below all that was promised."""
+    soft = nominal.model.__copy__()
+    soft.tendon_stiffness[nominal.at.element] /= 30.0
+    model = replace(nominal, model=soft)
+    found = only(campaign, model, nominal).linear.segments
+    expected = only(campaign, nominal, nominal).linear.segments
+    own = only(campaign, model, model).linear.segments
+    assert [len(one) for one in found] == [len(one) for one in expected] != [len(one) for one in own]
+
+
 def test_a_right_model_is_left_with_no_more_than_the_floor(campaign: Campaign, nominal: CompiledRobot) -> None:
     """Where a joint stands, what its friction may hold is in the floor too; the joint that moves is left with noise."""
     channels = {one.channel: one for one in only(campaign, nominal, nominal).channels}

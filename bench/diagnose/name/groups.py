@@ -2,11 +2,12 @@
 
 With five findings of which each has three names, there are 243 explanations; a reader wants five findings with three
 names each. The names of a finding are those causes that, exchanged for it, give a model that the data cannot tell from
-the best.
+the best, with whatever names the other findings have.
 """
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence, Set
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from scipy.special import logsumexp
@@ -15,6 +16,7 @@ from bench.diagnose.linearise.candidates import Cause
 
 # declared: log posterior odds behind the best, up to where a model is not told apart from it (odds of 400)
 IN_SET = 6.0
+MOST_NEAR = 100  # effort: likeliest subsets in which a finding is exchanged
 LEVEL = 0.99  # declared: of a set (DESIGN 6.2)
 
 Keys = frozenset[Hashable]
@@ -49,7 +51,10 @@ class AmbiguityGroup:
 
 
 def groups_of(
-    best: Sequence[Hashable], posterior: Mapping[Keys, float], causes: Mapping[Hashable, Cause]
+    best: Sequence[Hashable],
+    posterior: Mapping[Keys, float],
+    causes: Mapping[Hashable, Cause],
+    simulated: Set[Keys] = frozenset(),
 ) -> tuple[AmbiguityGroup, ...]:
     """Return the ambiguity group of each listed cause of the best model, in their order.
 
@@ -57,37 +62,55 @@ def groups_of(
         best: Keys of the best model, the finding with the most evidence first.
         posterior: Subset of keys -> logarithm of its posterior odds, of all that were visited.
         causes: Key -> cause, of what is listed.
+        simulated: Those subsets whose odds are of simulations; of others no more is known than what they are not above.
     """
-    every = frozenset(best)
-    members: dict[Hashable, set[Hashable]] = {key: {key} for key in best}
-    for keys, value in posterior.items():
-        new, gone = keys - every, [key for key in best if key not in keys]
-        if len(new) == 1 and gone and value > posterior[every] - IN_SET:
-            members[gone[0]] |= new  # of several that it does without, it stands for the one that explains most
-    return tuple(_group(key, every, members[key], posterior, causes) for key in best if key in causes)
+    exchanges: dict[Hashable, dict[Hashable, list[_Exchange]]] = {key: {} for key in best}
+    near = [keys for keys, value in posterior.items() if value > posterior[frozenset(best)] - IN_SET]
+    for before, after in product(sorted(near, key=lambda keys: -posterior[keys])[:MOST_NEAR], near):
+        new, gone = after - before, before - after
+        stands_for = next((key for key in best if key in gone), None)  # of several, for the one that explains most
+        if len(new) == 1 and stands_for is not None and not new & frozenset(best):
+            found = _Exchange(before, after, {before, after} <= simulated)
+            exchanges[stands_for].setdefault(next(iter(new)), []).append(found)
+    return tuple(_group(key, exchanges[key], posterior, causes) for key in best if key in causes)
+
+
+@dataclass(frozen=True)
+class _Exchange:
+    """Two subsets of which one has a cause where the other has a finding, all else being the same.
+
+    Attributes:
+        before, after: With the finding, and with what stands for it.
+        is_simulated: Whether both were.
+    """
+
+    before: Keys
+    after: Keys
+    is_simulated: bool
 
 
 def _group(
     key: Hashable,
-    best: Keys,
-    members: set[Hashable],
+    exchanges: Mapping[Hashable, Sequence[_Exchange]],
     posterior: Mapping[Keys, float],
     causes: Mapping[Hashable, Cause],
 ) -> AmbiguityGroup:
     """Return the group of one finding.
 
-    How its probability is shared among its names follows from the subsets that have no other new names: names of other
-    findings are what they are, so a product of two sets of names need not have been visited. That any of them acts is
-    a matter of all subsets.
+    How its probability is shared among its names follows from subsets that are the same but for it, whatever its other
+    findings are called there, and of these from those that were simulated, if there are any: a product of two sets of
+    names need not have been visited. That any of them acts is a matter of all subsets.
     """
-    alike = {keys: value for keys, value in posterior.items() if keys - best <= members and keys & members}
-    among_them = float(logsumexp(list(alike.values())))
-    alike = {keys: float(np.exp(value - among_them)) for keys, value in alike.items()}
+    odds = {key: 0.0}
+    for one, every in exchanges.items():
+        sure = [exchange for exchange in every if exchange.is_simulated] or every
+        after, before = (logsumexp([posterior[getattr(e, end)] for e in sure]) for end in ("after", "before"))
+        odds[one] = float(after - before)
+    members = odds.keys()
     with_any = logsumexp([value for keys, value in posterior.items() if keys & members])
     any_of_them = float(np.exp(with_any - logsumexp(list(posterior.values()))))
-    shares = {
-        one: any_of_them * sum(share for keys, share in alike.items() if one in keys) for one in members & set(causes)
-    }
+    among_them = logsumexp(list(odds.values()))
+    shares = {one: any_of_them * float(np.exp(value - among_them)) for one, value in odds.items() if one in causes}
     # the finding of the best model leads among equals, so that what is shown is what was fitted
     ranked = sorted(shares, key=lambda one: (-shares[one], one != key, str(one)))
     held = np.cumsum([shares[one] for one in ranked])

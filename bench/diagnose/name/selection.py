@@ -123,7 +123,7 @@ class _Selection:
             return ()  # stopped before a search about it
         first = [finding.cause.key for finding in ranked]
         every = [*first, *(key for key in self.best.keys if key not in first)]
-        return groups_of(every, self.posterior, self.causes)
+        return groups_of(every, self.posterior, self.causes, {model.keys for model in self.models})
 
     def run(self) -> None:
         """Search until the best model repeats, then with honest errors, and keep what pays on what was held out.

@@ -12,7 +12,9 @@ from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
-from bench.effects.recording_channel import LATEST_DRIVE_S, ChannelDelay
+from bench.effects.recorded import LATEST_DRIVE_S
+from bench.effects.recording_channel import ChannelDelay
+from bench.effects.sensing_drive import DriveDelay
 from bench.errors import ConvergenceError
 from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
@@ -48,11 +50,13 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
             picture = drive_picture(replay)
             at_rest = resting_torque(compiled, paid, drives)
             found += _scaled(first_look(picture, at_rest), compiled)
-            found += _late(late_drives(replay, picture, at_rest), LATEST_DRIVE_S)
+            alone = (DriveDelay if compiled.n_joints == 1 else ChannelDelay).name
+            found += _late(late_drives(replay, picture, at_rest), LATEST_DRIVE_S, alone)
             told = {hint.column for hint in found}
             found += [hint for hint in unexplained(picture, paid) if hint.column not in told]
         if seen := readings_of(segments, every, others):
-            found += _late(late_reflectors(Replay(compiled, seen, others)), ChannelDelay.parameters[0].low)
+            late = late_reflectors(Replay(compiled, seen, others))
+            found += _late(late, ChannelDelay.parameters[0].low, ChannelDelay.name)
     except ConvergenceError:
         return ()
     return tuple(found)
@@ -101,12 +105,12 @@ def _factor(look: DriveLook, compiled: CompiledRobot) -> Factor:
     return Factor(value.value, value.value * float(np.hypot(value.relative, np.hypot(own, gain))))
 
 
-def _late(found: Iterator[Late], least: float) -> Iterator[Finding]:
+def _late(found: Iterator[Late], least: float, effect: str) -> Iterator[Finding]:
     for late in found:
         delay = late.delay
         if delay.value > least + SURE * delay.sigma:
             message = f"looks late, by about {1e3 * delay.value:.0f} ms against the encoders"
-            yield _hint(late.column, message, "channel_delay")
+            yield _hint(late.column, message, effect)
 
 
 def _hint(column: str, message: str, effect: str) -> Finding:

@@ -92,12 +92,15 @@ class Replay(MotionReplay):
         ]
         if not late:
             return trace
-        torque, now = trace.motor_torque.copy(), self.trace(world).motor_torque
+        seconds = np.zeros_like(trace.motor_torque)  # by which each is late
         for one, place in late:
-            change = self._earlier_by(one.seconds).trace(world).motor_torque - now
             for segment, rows in zip(self.segments, self._rows, strict=True):
                 if acts_in(place, segment.recording):
-                    torque[rows, one.drive] += change[rows, one.drive]
+                    seconds[rows, slice(None) if one.drive is None else one.drive] += one.seconds
+        torque, now = trace.motor_torque.copy(), self.trace(world).motor_torque
+        for late_by in np.unique(seconds[seconds != 0]):
+            change = self._earlier_by(float(late_by)).trace(world).motor_torque - now
+            torque += np.where(seconds == late_by, change, 0.0)
         return replace(trace, motor_torque=torque)
 
     def _earlier_by(self, seconds: float) -> MotionReplay:

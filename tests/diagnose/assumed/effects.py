@@ -129,7 +129,7 @@ def somebody_may_have_laid_hands_on_the_robot_in_a_break() -> None:
     assert [run.name for run in Recorded(runs).after_breaks] == ["run 1", "run 3"]
 
 
-@needs("effects.recording_channel.LATEST_DRIVE_S")
+@needs("effects.recorded.LATEST_DRIVE_S")
 def a_drive_may_be_late_by_three_cycles_of_its_bus_and_not_by_eight() -> None:
     cycle = 0.004  # [s]
     (delay,) = catalogue()["channel_delay"].parameters_at(nominal(), Place("drive", 1, "drive 2"))
