@@ -86,3 +86,18 @@ def test_names_are_weighed_beside_any_name_of_the_others() -> None:
     names = {str(member.cause.key): member.probability / offset.probability for member in offset.members}
     weights = {"offset": 1.0, "slope": np.exp(-0.05), "friction": np.exp(-0.8)}
     assert names == pytest.approx({name: weight / sum(weights.values()) for name, weight in weights.items()})
+
+
+def test_what_is_superfluous_beside_another_name_stands_for_nothing() -> None:
+    """Twenty causes that act in no way had 5 % each: beside a second name of a finding they took its place in turn."""
+    posterior: dict[Keys, float] = {
+        frozenset({"gas", "offset"}): 10.0,
+        frozenset({"heat", "offset"}): 8.0,
+        frozenset({"gas", "heat", "offset"}): 6.0,
+        frozenset({"heat", "offset", "slope"}): 5.0,
+        frozenset({"gas", "heat"}): 5.0,
+        frozenset({"heat", "slope"}): 4.5,
+    }
+    gas, offset = groups_of(("gas", "offset"), posterior, CAUSES)
+    assert gas.keys == {"gas", "heat"}
+    assert offset.keys == {"offset"}

@@ -64,14 +64,18 @@ def groups_of(
         causes: Key -> cause, of what is listed.
         simulated: Those subsets whose odds are of simulations; of others no more is known than what they are not above.
     """
+    every = frozenset(best)
+    near = [keys for keys, value in posterior.items() if value > posterior[every] - IN_SET and len(keys) <= len(every)]
+    near = sorted(near, key=lambda keys: -posterior[keys])[:MOST_NEAR]
     exchanges: dict[Hashable, dict[Hashable, list[_Exchange]]] = {key: {} for key in best}
-    near = [keys for keys, value in posterior.items() if value > posterior[frozenset(best)] - IN_SET]
-    for before, after in product(sorted(near, key=lambda keys: -posterior[keys])[:MOST_NEAR], near):
+    for before, after in product([every, *(keys for keys in near if keys != every)], near):
         new, gone = after - before, before - after
-        stands_for = next((key for key in best if key in gone), None)  # of several, for the one that explains most
-        if len(new) == 1 and stands_for is not None and not new & frozenset(best):
+        key = next((key for key in best if key in gone), None)  # of several, it stands for the one that explains most
+        if len(new) != 1 or new & every or key is None:
+            continue
+        if before == every or before.isdisjoint(exchanges[key]):  # with another of its names, nothing is missing
             found = _Exchange(before, after, {before, after} <= simulated)
-            exchanges[stands_for].setdefault(next(iter(new)), []).append(found)
+            exchanges[key].setdefault(next(iter(new)), []).append(found)
     return tuple(_group(key, exchanges[key], posterior, causes) for key in best if key in causes)
 
 
