@@ -34,7 +34,7 @@ class OnDrive(Effect):
 
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameters with ranges and units of a drive."""
-        limit, speed = most_torque(compiled, place.index), speed_limit(compiled, place.index)
+        limit, speed = most_torque(compiled, place.index), least_speed(compiled, place.index)
         slides = compiled.model.jnt_type[compiled.at.joint[place.index]] == mujoco.mjtJoint.mjJNT_SLIDE
         return tuple(_scaled(parameter, limit, speed, bool(slides)) for parameter in self.parameters)
 
@@ -83,6 +83,13 @@ def most_torque(compiled: CompiledRobot, index: int) -> float:
 def speed_limit(compiled: CompiledRobot, index: int) -> float:
     """Return the greatest speed of a drive [rad/s] (of a slide [m/s])."""
     return compiled.robot.figures.drives[index].speed_limit_rad_per_s
+
+
+def least_speed(compiled: CompiledRobot, index: int) -> float:
+    """Return how low the speed limit of a drive may be [rad/s], [m/s]: as stated, or as far as a guess may be off."""
+    figures = compiled.robot.figures
+    is_guess = figures.assumes("speed limit", figures.drives[index].joint)
+    return speed_limit(compiled, index) / (GUESSED if is_guess else 1.0)
 
 
 def _scaled(parameter: Parameter, limit: float, speed: float, slides: bool) -> Parameter:

@@ -128,9 +128,7 @@ def run_trial(trial: Trial, setup: Setup, seed: int) -> Outcome:
     campaign, compiled = made.campaign, setup.compiled
     if trial.twin is not None:  # its lab may have another robot
         compiled = lab_of(trial, setup).compiled()
-    signatures = signatures_of(campaign, compiled, setup.catalogue)
-    if trial.twin is None and signatures.asked == setup.signatures.asked:
-        signatures = setup.signatures  # the same channels and the same causes
+    signatures = signatures_of(campaign, compiled, setup.catalogue)  # as a user has them: of this campaign
     try:
         answer = answer_of(diagnose_with(campaign, signatures, setup.catalogue).verdict)
     except (BenchError, LinAlgError) as error:

@@ -10,7 +10,9 @@ import pytest
 from bench.cli import main
 from bench.diagnose.plausibility.channels import BEYOND as SPEED_BEYOND
 from bench.diagnose.plausibility.channels import doubts_of
+from bench.effects.catalogue import catalogue
 from bench.effects.masses import RotorInertia
+from bench.effects.places import GUESSED
 from bench.record.campaign import Campaign, Run
 from bench.record.read import read_campaign
 from bench.record.write import write_campaign
@@ -127,3 +129,15 @@ def test_friction_that_is_found_later_builds_up_as_fast_as_real_friction(tmp_pat
     for drive in started(tmp_path, stranger.mjcf("0")).drives:
         assert drive.coulomb == 0
         assert 0.045 * drive.torque_limit / drive.motor_presliding < 1.1 * PRESLIDING
+
+
+def test_friction_may_be_more_where_the_speed_limit_was_made_up(tmp_path: Path) -> None:
+    """At 180 deg/s a wrist would have had no torque left; it never went that fast, and its friction was refused."""
+    guessed = started(tmp_path, stranger.mjcf()).compiled
+    figures = guessed.robot.figures
+    assert figures.assumes("speed limit", "j1")
+    stated = replace(guessed, robot=replace(guessed.robot, figures=figures.model_copy(update={"assumed": ()})))
+    for name, factor in (("viscous_friction", GUESSED), ("coulomb_friction", 1.0)):
+        effect = catalogue()[name]
+        (most, least) = (effect.parameters_at(one, effect.places(one)[0])[0].high for one in (guessed, stated))
+        assert most == pytest.approx(factor * least)

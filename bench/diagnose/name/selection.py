@@ -143,7 +143,9 @@ class _Selection:
                 self._repeat()
                 return
             else:
-                is_last, seen = True, set()  # what is missed now is noise: intervals and sets are to be honest
+                # what is missed at last is noise, so that intervals and sets are honest; but what a refused cause
+                # explained is not, as long as something else may explain it
+                is_last, seen = not is_last, set()
             self._relinearise(is_last=is_last or count == MOST_ROUNDS)
         self._end()
 

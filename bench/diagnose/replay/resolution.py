@@ -1,8 +1,8 @@
 """How finely a motion is resolved: no finer than its angles are read.
 
 Angles are read with noise and in steps. Differentiated twice over a window of m samples that grows as m^-2.5; as a
-torque it should be no more than what the torques of the drives scatter over the same window, or a replay errs by what
-it makes of the encoders alone.
+torque it should be less than what the torques of the drives scatter over the same window, or a replay errs by what it
+makes of the encoders alone.
 """
 
 import numpy as np
@@ -12,6 +12,7 @@ from bench.record.campaign import Array
 
 LEAST_WINDOW = 5  # exact: samples
 WIDER = 1.2  # effort: ratio of neighbouring windows that are tried
+SHARE = 0.5  # effort: of the noise of a torque, that angles may add to it: in all an eighth more
 ORDER = 6  # exact: of the differences that noise is read from; motion of 2 Hz at 100 Hz leaves 4e-6 of its size
 BLOCK = 64  # effort: samples over which noise is averaged; the median block counts, so jumps do not
 
@@ -49,7 +50,7 @@ def finest_window(
     while window < longest:
         samples = max(2 * round(window / dt / 2) + 1, LEAST_WINDOW)
         felt = np.sqrt(inertia**2 @ (noise * noise_gain(samples, 2) / dt**2) ** 2)
-        if not np.any(felt > torque_noise * np.linalg.norm(averaging_kernel(samples))):
+        if not np.any(felt > SHARE * torque_noise * np.linalg.norm(averaging_kernel(samples))):
             break
         window = min(WIDER * window, longest)
     return window
