@@ -8,7 +8,7 @@ import pytest
 from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, clock_of, first_look
-from bench.diagnose.plausibility.hints import hints_of
+from bench.diagnose.plausibility.hints import _scaled, hints_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -186,3 +186,12 @@ def test_an_unstated_payload_leaves_the_clock_open(robot: CompiledRobot) -> None
     untold = [replace(look, gravity=Factor(np.nan, np.inf)) for look in looks(np.full(6, 1.5))]
     assert clock_of(untold, replace(robot, robot=replace(robot.robot, figures=heavy)), 0.999) is None
     assert clock_of(untold, robot, 0.999)
+
+
+def test_what_a_small_part_of_gravity_tells_is_known_no_better_than_the_masses(robot: CompiledRobot) -> None:
+    """Beside an unstated payload a tenth of gravity was left to tell: centres that were off looked like a scale."""
+    stated = looks(np.ones(6))
+    for share, told in ((1.0, ["current_5_a"]), (0.05, [])):
+        gravity = Factor(1.4, 1e-3, share)
+        spoilt = [replace(look, gravity=gravity, whole=gravity) if look.index == 4 else look for look in stated]
+        assert [hint.column for hint in _scaled(spoilt, robot)] == told

@@ -33,10 +33,12 @@ class Factor:
     Attributes:
         value: The factor; nan where it cannot be told.
         sigma: Its standard error, neighbouring readings correlated.
+        share: Of the part's rms, that nothing else of the channel explains; it alone tells the factor.
     """
 
     value: float
     sigma: float
+    share: float = 1.0
 
     @property
     def relative(self) -> float:
@@ -130,9 +132,10 @@ def _factors(y: Array, parts: Sequence[Array], free: Array) -> tuple[list[Factor
     variance = np.linalg.pinv(columns.T @ columns) * float(np.mean(rest**2)) * inflation(rest)
     factors = [UNTOLD for _ in parts]
     for place, i in enumerate(told):
-        factors[i] = Factor(
-            float(solution[place] / scale[place]), float(np.sqrt(variance[place, place]) / scale[place])
-        )
+        others = np.column_stack([*(parts[k] for k in told if k != i), free])
+        share = _own(parts[i], others) / float(np.sqrt(np.mean(parts[i] ** 2)))
+        value, sigma = solution[place] / scale[place], np.sqrt(variance[place, place]) / scale[place]
+        factors[i] = Factor(float(value), float(sigma), share)
     return factors, float(np.var(rest) / np.var(y)) if np.var(y) > 0 else np.inf
 
 

@@ -95,14 +95,17 @@ def _all_alike(told: Mapping[str, Factor]) -> Finding | None:
 
 
 def _factor(look: DriveLook, compiled: CompiledRobot) -> Factor:
-    """Return by how much a channel is scaled: by gravity where it is told, else by inertia, known less well."""
+    """Return by how much a channel is scaled: by gravity where it is told, else by inertia, known less well.
+
+    What is stated of masses is right to a share of all that they need, and the factor is told by a part of that alone.
+    """
     figures = compiled.robot.figures
     inertia, gain = figures.uncertainty.rotor_inertia, figures.drives[look.index].torque_constant_error
     by_gravity = look.gravity.relative < inertia
     if not by_gravity and figures.uncertainty.payload_kg:  # a payload that nobody stated has inertia, too
         return Factor(np.nan, np.inf)
     value, own = (look.gravity, figures.uncertainty.mass) if by_gravity else (look.whole, inertia)
-    return Factor(value.value, value.value * float(np.hypot(value.relative, np.hypot(own, gain))))
+    return Factor(value.value, value.value * float(np.hypot(value.relative, np.hypot(own / value.share, gain))))
 
 
 def _late(found: Iterator[Late], least: float, effect: str) -> Iterator[Finding]:
