@@ -1,4 +1,4 @@
-"""A diagnosis for studies: coarser in time, without the next experiment, with signatures simulated before."""
+"""A diagnosis for studies: that of a user, without the next experiment, with signatures simulated before."""
 
 from collections.abc import Callable, Mapping
 
@@ -9,8 +9,6 @@ from bench.effects.effect import Effect
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Campaign
-
-BINS = 12  # of one run; a session of the study has 36, and a replay of it takes a thirtieth of a second
 
 
 def diagnose_with(
@@ -34,5 +32,6 @@ def diagnose_with(
     Raises:
         ConvergenceError: The nominal model finds no balance along the measured motion.
     """
-    known = (signatures, BINS)
-    return diagnose(campaign, signatures.compiled, catalogue, rate, progress, *known, proposes=False, executor=executor)
+    return diagnose(
+        campaign, signatures.compiled, catalogue, rate, progress, signatures, proposes=False, executor=executor
+    )

@@ -15,7 +15,6 @@ from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.effects.effect import Acting, Effect
 from bench.errors import BenchError, ConvergenceError
 from bench.record.campaign import Campaign
-from bench.study.blind import BINS
 from bench.study.labs import Lab, Setup, machine_components
 from bench.study.limits import Way, detection_limit
 from bench.study.machines import recorded
@@ -113,7 +112,7 @@ def outcome_of(pair: Pair, setup: Setup, rate: float = FALSE_ALARM_RATE) -> Outc
     """Return what a comparison says of a pair."""
     recordings = recordings_of({"before": pair.before}, {"after": pair.after})
     with threadpool_limits(1, "blas"):
-        background, what = weighed(joint_of(recordings, setup.compiled, setup.catalogue, BINS), rate)
+        background, what = weighed(joint_of(recordings, setup.compiled, setup.catalogue), rate)
         found = comparison_of(background, what, rate)
     names = [{(one.effect, one.place) for one in explanation.changes} for explanation in found.explanations]
     said = " / ".join(" + ".join(one.title for one in explanation.changes) for explanation in found.explanations)

@@ -27,7 +27,7 @@ from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
 from bench.record.joined import joined
 from bench.study import changes
-from bench.study.blind import BINS, diagnose_with, signatures_of
+from bench.study.blind import diagnose_with, signatures_of
 from bench.study.carried_out import carried_out
 from bench.study.labs import Setup
 from bench.study.line import JsonLine
@@ -236,7 +236,7 @@ def _answers(machine: Machine, setup: Setup) -> Iterable[str]:
     promises = predicted_error(diagnosis.linear, fit)
     world = as_of(fit.world(diagnosis.linear), others[-1] if len(others) > 1 else "")
     campaign, quantities = with_payloads(machine.recordings[last]), diagnosis.linear.quantities
-    replay = Replay(setup.compiled, segments_of(campaign, setup.compiled, quantities, BINS), quantities)
+    replay = Replay(setup.compiled, segments_of(campaign, setup.compiled, quantities), quantities)
     linear = linearised_model_of(replay, nuisances_of(setup.compiled, quantities))
     observed = np.concatenate([segment.observed for segment in replay.segments])
     error = np.where(measured(linear), observed - replay.predict(world), np.nan)
