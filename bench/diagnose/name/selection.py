@@ -40,6 +40,7 @@ class Renew(Protocol):
         """Return the design and what can be tried; `is_last`: nothing will be added, what is missed now is noise."""
 
 
+LEFT_OPEN = 30.0  # effort: evidence of what is refused, from where something else is looked for in its place
 MOST_ROUNDS = 12  # effort: of linearising and searching; the KR300 takes 6
 LEADERS = 6  # effort: alternatives of a search that are simulated; half of them while the best model still changes
 MOST_REFUSED = 20  # effort: findings that do not predict better, before they are no more replaced
@@ -88,6 +89,7 @@ class _Selection:
     promising: tuple[Cause, ...] = ()
     causes: dict[Hashable, Cause] = field(default_factory=dict)
     posterior: dict[frozenset[Hashable], float] = field(default_factory=dict)
+    is_open: bool = False
 
     def __post_init__(self) -> None:
         self.nominal, self.tried = self.linear, self.screening.tried
@@ -144,8 +146,9 @@ class _Selection:
                 return
             else:
                 # what is missed at last is noise, so that intervals and sets are honest; but what a refused cause
-                # explained is not, as long as something else may explain it
-                is_last, seen = not is_last, set()
+                # explained for sure is not, as long as something else may explain it
+                is_last, seen = not self.is_open, set()
+                self.is_open = False
             self._relinearise(is_last=is_last or count == MOST_ROUNDS)
         self._end()
 
@@ -267,6 +270,7 @@ class _Selection:
             self.best = replace(self.best, fit=fit_without_cause(self.linear, self.best, worst.cause))
             self.beside[key] = frozenset() if key in self.refused else self.best.keys  # twice is for good
             self.refused[key] = held.pop(key)
+            self.is_open |= worst.log_evidence > LEFT_OPEN
             count += 1
             others = [one.cause for one in failed if one is not worst]
             held |= held_findings(*known, self.best, others, self.screening.threshold)
