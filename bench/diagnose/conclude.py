@@ -15,7 +15,9 @@ from bench.diagnose.name.discrepancy import Discrepancy
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Finding, Naming
+from bench.diagnose.replay.segments import recordings_of
 from bench.diagnose.verdict import (
+    CONFIRMED,
     NORMAL_95,
     AmbiguityGroup,
     Explanation,
@@ -99,11 +101,14 @@ def _findings(naming: Naming, near: Sequence[Model], fits: Sequence[Fit]) -> tup
                     return _named(own, fit)
         return _titled(cause, ())
 
+    is_one = len(recordings_of(naming.linear.segments)) < 2  # several confirm by themselves
+    unconfirmed = {one.cause.key for one in naming.findings if is_one and one.is_taken and one.repeats < CONFIRMED}
     found = [
         AmbiguityGroup(
             tuple(PossibleCause(named(member.cause), member.probability) for member in group.members),
             group.probability,
             group.may_be_unlisted,
+            not group.keys & unconfirmed,
         )
         for group in naming.groups
     ]

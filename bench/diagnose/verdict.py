@@ -104,11 +104,13 @@ class AmbiguityGroup:
         names: The likeliest first; the fewest that together hold 99 %.
         probability: That any of them acts.
         may_be_unlisted: Whether what is unlisted may hold it too: the set at 99 % has that as well.
+        is_confirmed: Whether it does not hang on a few runs, as of its step.
     """
 
     names: tuple[PossibleCause, ...]
     probability: float
     may_be_unlisted: bool = False
+    is_confirmed: bool = True
 
     @property
     def is_small(self) -> bool:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.diagnose.verdict import (
+    AmbiguityGroup,
     DetectionLimit,
     Explanation,
     NamedCause,
@@ -85,6 +86,12 @@ def place_name(place: str) -> str:
 def ordered(causes: Sequence[NamedCause]) -> list[NamedCause]:
     """Return causes as they are reported: the large ones first, the surest before the others."""
     return sorted(causes, key=lambda cause: (cause.is_small, -np.nan_to_num(cause.sigmas)))
+
+
+def remark_text(cause: NamedCause, group: AmbiguityGroup) -> str:
+    """Return what is to be said beside a name of a finding: that it is small, that only some runs show it, or ""."""
+    hangs = cause is group.names[0].cause and not group.is_confirmed
+    return ", ".join(filter(None, (small_text(cause), "not confirmed" if hangs else "")))
 
 
 def small_text(cause: NamedCause) -> str:

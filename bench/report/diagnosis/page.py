@@ -25,8 +25,8 @@ from bench.report.diagnosis.names import (
     meaning_of,
     name_beside,
     percent,
+    remark_text,
     shown,
-    small_text,
     unit_name,
     unlisted_name,
 )
@@ -132,7 +132,7 @@ def page_of(
         "limit": limit_of,
         "error": error_of,
         "over": over_name,
-        "small": small_text,
+        "remark": remark_text,
         "percent": percent,
         "gain_percent": gain_percent,
         "proposal": proposal_text,

@@ -20,7 +20,7 @@ from bench.report.diagnosis.names import (
     parameter_text,
     percent,
     place_name,
-    small_text,
+    remark_text,
 )
 from bench.report.diagnosis.sentences import (
     gain_sentence,
@@ -81,7 +81,7 @@ def words_of(verdict: Verdict) -> Iterator[str]:
 def _finding(group: AmbiguityGroup) -> Iterator[str]:
     for i, (cause, probability) in enumerate((one.cause, one.probability) for one in group.names):
         words = cause_name(cause) if i == 0 else f"or {cause_name(cause)}"
-        yield f"{percent(probability):>9}  " + ", ".join(filter(None, (words, small_text(cause))))
+        yield f"{percent(probability):>9}  " + ", ".join(filter(None, (words, remark_text(cause, group))))
         for parameter in cause.parameters:
             meaning = meaning_of(parameter)
             yield f"{'':13}{parameter_text(parameter)}" + (f"   {meaning}" if meaning else "")

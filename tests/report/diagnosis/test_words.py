@@ -276,3 +276,14 @@ def test_what_does_not_repeat_is_withdrawn() -> None:
     assert (
         refused_text(Step((ZERO,), 20.0, 1.0, -1.0, 2.0, False, "why.")) == "Refused: zero of a joint (joint 2): why."
     )
+
+
+def test_a_finding_that_hangs_on_a_few_runs_is_not_confirmed() -> None:
+    """A cause stood there with 98 %, and far below that none of the searches without a part of the runs found it."""
+    verdict = VERDICTS["cause"]
+    (group, *others) = verdict.findings
+    name = cause_name(group.names[0].cause)
+    for is_confirmed in (True, False):
+        told = replace(verdict, findings=(replace(group, is_confirmed=is_confirmed), *others))
+        line = next(line for line in words_of(told) if f"%  {name}" in line)
+        assert line.endswith("not confirmed") is not is_confirmed
