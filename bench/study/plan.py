@@ -24,7 +24,7 @@ class Counts:
 
     Attributes:
         seeds: Campaigns for each single effect; half at three times the detection limit, half over the plausible range.
-            8 of every effect that can act make 700 campaigns with the rest, for which a quarter of an hour has room.
+            8 of every effect that can act make 700 campaigns with the rest, for which a few hours have room.
         nulls: Campaigns without an effect.
         unlisted: Campaigns with an effect that is not in the catalogue.
         pairs: Campaigns with two effects.

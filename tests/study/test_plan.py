@@ -29,7 +29,7 @@ def test_full_study_is_what_the_design_asks_for(hh150: CompiledRobot) -> None:
         "pair": 40,
         "twin": 8,
     }
-    assert 600 <= len(trials) <= 800  # a quarter of an hour on two cores
+    assert 600 <= len(trials) <= 800  # a few hours on two cores
     assert sum(t.size == "three limits" for t in kinds["single"]) == 4 * n
     assert {t.effects[0] for t in kinds["unlisted"]} == set(unlisted())
     assert all(len(set(t.effects)) == 2 for t in kinds["pair"])
