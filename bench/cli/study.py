@@ -11,8 +11,8 @@ import tyro
 class Study:
     """Hide effects in hundreds of campaigns, diagnose them blind, and hold the answers against the truth.
 
-    Some hours on two cores: 15 to 30 s of processor time a campaign. Every campaign that is done stands in the folder;
-    after an interruption the same command goes on from there, as long as the code is the same.
+    Hours on two cores: 15 s to some minutes of processor time a campaign. Every campaign that is done stands in the
+    folder; after an interruption the same command goes on from there, as long as the code is the same.
     """
 
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
