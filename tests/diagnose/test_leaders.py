@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.diagnose.name.leaders import grown, scattering
+from bench.diagnose.name.leaders import grown, scattering, without
 from bench.diagnose.name.search import Alternative, Subset, SubsetPosterior, Term
 
 
@@ -52,3 +52,14 @@ def test_what_has_all_of_a_model_and_more_is_simulated_as_well(rng: np.random.Ge
     without = Alternative(frozenset("bc"), Subset((1, 2), 900.0), 900.0)
     assert grown(about, [without]) == (0, 1, 2)
     assert grown(about, [without, Alternative(frozenset("abc"), Subset((0, 1, 2), 800.0), 800.0)]) == ()
+
+
+def test_what_is_listed_is_tried_in_the_place_of_a_shape(rng: np.random.Generator) -> None:
+    """Coulomb friction of an axis was never tried, for a torque over its speed had come first and was held on to."""
+    columns, noise = rng.standard_normal((80, 3)), rng.standard_normal(80)
+    columns[:, 2] = columns[:, 1] + 0.1 * columns[:, 2]
+    white = columns[:, :2] @ [6.0, 4.0] + noise
+    terms = [Term(name, np.array([i]), np.full(1, 5.0), -7.0, np.zeros(1)) for i, name in enumerate("ab")]
+    terms.append(Term("shape", np.array([2]), np.full(1, 5.0), -7.0, np.zeros(1), is_listed=False))
+    model = SubsetPosterior(columns.T @ columns, columns.T @ white, terms)
+    assert without(SimpleNamespace(model=model), (0, 2), (2,)) == ((0,), (0, 1))

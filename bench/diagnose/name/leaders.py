@@ -28,6 +28,13 @@ def grown(about: SearchSpace, leaders: Sequence[Alternative]) -> tuple[int, ...]
     return best if len(best) > len(about.present) else ()
 
 
+def without(about: SearchSpace, terms: Sequence[int], shape: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
+    """Return the terms of a model without its shape, as they are and with what is listed in the place of that."""
+    alone = tuple(i for i in terms if i not in shape)
+    listed = search(about.model, [alone], expanded=GROWING)[0].terms
+    return tuple(dict.fromkeys((alone, listed)))
+
+
 def scattering(
     about: SearchSpace, leader: Alternative, behind: Set[frozenset[Hashable]]
 ) -> dict[frozenset[Hashable], CandidateModel]:

@@ -19,7 +19,7 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
-from bench.diagnose.name.leaders import grown, leaders_of, scattering
+from bench.diagnose.name.leaders import grown, leaders_of, scattering, without
 from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.paying import fit_without_cause, fit_without_shape, held_findings, shape_pays, with_scatter
@@ -187,7 +187,7 @@ class _Selection:
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known)
         present = fitter.knows(self.best, about.candidate_of(about.present))
-        alone = [tuple(i for i in found[0].best.terms if i not in shape)] if shape else []
+        alone = without(about, found[0].best.terms, shape) if shape else ()
         others = [*leaders, *alone, about.instead(found[0].best.terms)]
         candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms))]
         plays = scattering(about, found[0], self.plays) if is_last else {}
