@@ -18,7 +18,7 @@ class Study:
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Folder to write; may hold the same study, to go on with it."""
     small: bool = False
-    """A few campaigns of each kind, in a minute or two. Of what is below, `world` and `seed` alone count then."""
+    """A few campaigns of each kind, in some minutes. Of what is below, `world` and `seed` alone count then."""
     seeds: int = 8
     """Campaigns for each single effect."""
     effects: tuple[str, ...] = ()
