@@ -1,19 +1,18 @@
-"""A diagnosis for studies: that of a user, without the next experiment, with signatures simulated before."""
+"""A diagnosis for studies: that of a user, without the next experiment."""
 
 from collections.abc import Callable, Mapping
 
 from bench.diagnose.diagnose import FALSE_ALARM_RATE, Diagnosis, diagnose
-from bench.diagnose.diagnose import signatures_of as signatures_of  # of a session, for every campaign of it
-from bench.diagnose.linearise.signatures import Signatures
 from bench.effects.effect import Effect
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Campaign
+from bench.robot.compiled import CompiledRobot
 
 
 def diagnose_with(
     campaign: Campaign,
-    signatures: Signatures,
+    compiled: CompiledRobot,
     catalogue: Mapping[str, Effect],
     rate: float = FALSE_ALARM_RATE,
     progress: Callable[[str], None] = lambda words: None,
@@ -23,7 +22,7 @@ def diagnose_with(
 
     Args:
         campaign: What the instruments saw.
-        signatures: Of its session.
+        compiled: Its robot, nominal.
         catalogue: Effects to look for.
         rate: Declared false-alarm rate.
         progress: Called with what is done next.
@@ -32,6 +31,4 @@ def diagnose_with(
     Raises:
         ConvergenceError: The nominal model finds no balance along the measured motion.
     """
-    return diagnose(
-        campaign, signatures.compiled, catalogue, rate, progress, signatures, proposes=False, executor=executor
-    )
+    return diagnose(campaign, compiled, catalogue, rate, progress, proposes=False, executor=executor)

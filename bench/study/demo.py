@@ -45,7 +45,7 @@ def hide_and_seek(seed: int, progress: Callable[[str], None] = lambda words: Non
     progress("a campaign with a hidden effect")
     made = make(trial, setup, seed)
     campaign = made.campaign
-    diagnosis = diagnose_with(campaign, setup.signatures, setup.catalogue, progress=progress, executor=executor)
+    diagnosis = diagnose_with(campaign, setup.compiled, setup.catalogue, progress=progress, executor=executor)
     assert made.hidden  # it is of the first plant
     return Demo(made, made.hidden, diagnosis, outcome_of(trial, made, answer_of(diagnosis.verdict), 0.0, 0.0))
 

@@ -111,7 +111,7 @@ def goals_of(marked: Marked) -> Iterable[Goal]:
         error.value <= NOISE_FLOORS if errors else None,
     )
     yield Goal(
-        "seconds for a diagnosis, on one core, signatures known",
+        "seconds for a diagnosis, on one core",
         f"<= {SECONDS:g} on {CORES}",
         time,
         time.largest <= CORES * SECONDS if seconds else None,

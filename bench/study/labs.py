@@ -7,7 +7,6 @@ from functools import lru_cache
 import numpy as np
 
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.linearise.signatures import Signatures
 from bench.effects.effect import Acting, Effect, Place
 from bench.effects.recorded import Recorded
 from bench.errors import InputError
@@ -25,7 +24,7 @@ from bench.scenario.files import read_scenario
 from bench.scenario.rotation import RotationPart
 from bench.scenario.session import SessionScenario
 from bench.second.worlds import World
-from bench.study.blind import diagnose_with, signatures_of
+from bench.study.blind import diagnose_with
 from bench.study.limits import Blur
 
 SESSION = "session-study"
@@ -128,7 +127,6 @@ class Setup:
         lab: The lab.
         compiled: The nominal robot.
         catalogue: Effects to look for.
-        signatures: Of nuisances and causes.
         linear: The linearised model of the null campaign, for detection limits.
         blur: The same campaign, as narrow effects blur in it.
         threshold: Log evidence that chance exceeds at the declared rate.
@@ -138,7 +136,6 @@ class Setup:
     lab: Lab
     compiled: CompiledRobot
     catalogue: Mapping[str, Effect]
-    signatures: Signatures
     linear: LinearisedModel
     blur: Blur
     threshold: float
@@ -174,11 +171,10 @@ def prepare(
     compiled = lab.compiled()
     progress("a null campaign")
     campaign = lab.hide((), rng).campaign
-    signatures = signatures_of(campaign, compiled, catalogue)
-    diagnosis = diagnose_with(campaign, signatures, catalogue, progress=progress, executor=executor)
+    diagnosis = diagnose_with(campaign, compiled, catalogue, progress=progress, executor=executor)
     listed = tuple(entry.what.columns for entry in diagnosis.naming.screening.entries if entry.cause)
     linear, threshold = diagnosis.linear, diagnosis.verdict.threshold
-    return Setup(lab, compiled, catalogue, signatures, linear, Blur(linear.replay), threshold, listed)
+    return Setup(lab, compiled, catalogue, linear, Blur(linear.replay), threshold, listed)
 
 
 def _brief(part: RotationPart) -> RotationPart:

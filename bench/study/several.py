@@ -27,7 +27,7 @@ from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
 from bench.record.joined import joined
 from bench.study import changes
-from bench.study.blind import diagnose_with, signatures_of
+from bench.study.blind import diagnose_with
 from bench.study.carried_out import carried_out
 from bench.study.labs import Setup
 from bench.study.line import JsonLine
@@ -224,8 +224,7 @@ def _joint(machine: Machine, setup: Setup, *, predicts: bool) -> JointAnswer:
 
 
 def _diagnosed(campaign: Campaign, setup: Setup) -> Diagnosis:
-    signatures = signatures_of(campaign, setup.compiled, setup.catalogue)
-    return diagnose_with(campaign, signatures, setup.catalogue)
+    return diagnose_with(campaign, setup.compiled, setup.catalogue)
 
 
 def _answers(machine: Machine, setup: Setup) -> Iterable[str]:

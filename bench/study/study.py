@@ -13,7 +13,7 @@ from bench.effects.catalogue import catalogue
 from bench.errors import BenchError, InputError
 from bench.executor.contract import Executor, Progress, ignore
 from bench.executor.serial import SERIAL
-from bench.study.blind import diagnose_with, signatures_of
+from bench.study.blind import diagnose_with
 from bench.study.carried_out import carried_out
 from bench.study.code import code_of
 from bench.study.labs import Lab, Setup, prepare
@@ -23,7 +23,7 @@ from bench.study.plan import Counts, Trial, plan
 from bench.study.rows import ROWS
 
 BRIEF = ("line", "repeat_at_end", "dwell", "pressure")  # effort: left out of a brief session
-NULL_STREAM = 1  # of the campaign that signatures come from; no trial has it
+NULL_STREAM = 1  # of the campaign that detection limits come from; no trial has it
 
 
 @dataclass(frozen=True)
@@ -128,9 +128,8 @@ def run_trial(trial: Trial, setup: Setup, seed: int) -> Outcome:
     campaign, compiled = made.campaign, setup.compiled
     if trial.twin is not None:  # its lab may have another robot
         compiled = lab_of(trial, setup).compiled()
-    signatures = signatures_of(campaign, compiled, setup.catalogue)  # as a user has them: of this campaign
     try:
-        answer = answer_of(diagnose_with(campaign, signatures, setup.catalogue).verdict)
+        answer = answer_of(diagnose_with(campaign, compiled, setup.catalogue).verdict)
     except (BenchError, LinAlgError) as error:
         answer = Answer("failed", failure=f"{type(error).__name__}: {error}")
     return outcome_of(trial, made, answer, ready - start, process_time() - ready)

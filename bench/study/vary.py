@@ -11,7 +11,7 @@ from bench.errors import BenchError
 from bench.executor.contract import Executor, Progress, ignore, in_order
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Campaign
-from bench.study.blind import diagnose_with, signatures_of
+from bench.study.blind import diagnose_with
 from bench.study.constants import Constant, constants_of, set_to
 from bench.study.labs import Lab
 from bench.study.make import make
@@ -136,16 +136,16 @@ def _plain(settings: Settings) -> tuple[dict[str, Campaign], dict[str, Answer]]:
 
 
 def _answers(campaigns: dict[str, Campaign], settings: Settings) -> dict[str, Answer]:
-    """Diagnose campaigns of one session; signatures are made anew, for constants may change them."""
-    known, first = catalogue(), next(iter(campaigns.values()))
+    """Diagnose campaigns of one session; the robot is compiled anew, for constants may change it."""
+    known = catalogue()
     found = {}
     try:
-        signatures = signatures_of(first, Lab(settings.session).compiled(), known)
+        compiled = Lab(settings.session).compiled()
     except (BenchError, ArithmeticError, ValueError) as error:
         return dict.fromkeys(campaigns, _failed(error))
     for name, campaign in campaigns.items():
         try:
-            found[name] = answer_of(diagnose_with(campaign, signatures, known).verdict)
+            found[name] = answer_of(diagnose_with(campaign, compiled, known).verdict)
         except (BenchError, LinAlgError, ArithmeticError, ValueError, IndexError) as error:
             found[name] = _failed(error)
     return found

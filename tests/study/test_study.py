@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.replay.world import World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting, Effect
@@ -126,10 +125,9 @@ def test_diagnosis_is_given_the_campaign_alone(setup: Setup, monkeypatch: pytest
 
     monkeypatch.setattr(study, "diagnose_with", spy)
     outcome = run_trial(Trial("one", "single", ("coulomb_level",), size="clear"), setup, 1)
-    ((campaign, signatures, effects),) = given
+    ((campaign, compiled, effects),) = given
     assert type(campaign) is Campaign
-    assert isinstance(signatures, Signatures)
-    assert signatures is not setup.signatures  # of another campaign: ends of ramps beside its own looked like a delay
+    assert compiled is setup.compiled  # nominal
     assert effects is setup.catalogue
     assert "coulomb" not in campaign.notes + " ".join(run.name for run in campaign.runs)
     assert outcome.answer.kind == "failed"

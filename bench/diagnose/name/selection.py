@@ -89,7 +89,7 @@ class _Selection:
     promising: tuple[Cause, ...] = ()
     causes: dict[Hashable, Cause] = field(default_factory=dict)
     posterior: dict[frozenset[Hashable], float] = field(default_factory=dict)
-    is_open: bool = False
+    is_open: bool = False  # what was refused explained much, and something else may explain it
 
     def __post_init__(self) -> None:
         self.nominal, self.tried = self.linear, self.screening.tried

@@ -18,9 +18,7 @@ from bench.diagnose.replay.motion_replay import MOST_KNOWN, MotionReplay
 from bench.diagnose.replay.perfect_instruments import distorted, ideal_reading
 from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
-from bench.diagnose.replay.world import (
-    World,
-)
+from bench.diagnose.replay.world import World
 from bench.effects.levels import acts_in
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
