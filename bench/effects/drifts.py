@@ -71,7 +71,10 @@ def own_shares(figures: Figures) -> dict[str, Array | float]:
         gains = [float(np.hypot(drive.torque_constant_error, current.gain_sigma)) for drive in figures.drives]
         stated |= {"current_gain": gains, "current_offset": [current.offset_sigma_a]}
     if torque := instruments.torque:
-        stated |= {"torque_gain": [torque.gain_sigma], "torque_offset": [torque.offset_sigma_nm]}
+        stated |= {
+            "torque_gain": [torque.gain_sigma],
+            "torque_offset": list(torque.offset_sigma_of(len(figures.drives))),
+        }
     if force := instruments.force:
         stated["force_gain"] = [force.gain_sigma]
     for name, sigmas in stated.items():

@@ -85,12 +85,18 @@ class TorqueSensor(Strict):
         description="[Nm], noise of one reading; one for all drives, or one for each"
     )
     resolution_nm: NonNegative = Field(0.0, description="[Nm], step of the reading")
-    offset_sigma_nm: NonNegative = Field(0.0, description="[Nm], offset of the reading, one draw per drive")
+    offset_sigma_nm: NonNegative | tuple[NonNegative, ...] = Field(
+        0.0, description="[Nm], offset of the reading, one draw per drive; one sigma for all drives, or one for each"
+    )
     gain_sigma: NonNegative = Field(0.02, description="relative gain error of the reading, one draw per drive")
 
     def sigma_of(self, n: int) -> tuple[float, ...]:
         """Return `sigma_nm` of each of n drives [Nm]."""
         return self.sigma_nm if isinstance(self.sigma_nm, tuple) else (self.sigma_nm,) * n
+
+    def offset_sigma_of(self, n: int) -> tuple[float, ...]:
+        """Return `offset_sigma_nm` of each of n drives [Nm]."""
+        return self.offset_sigma_nm if isinstance(self.offset_sigma_nm, tuple) else (self.offset_sigma_nm,) * n
 
 
 class Encoder(Strict):
@@ -194,10 +200,12 @@ class Figures(Strict):
                 "that drives report current: write how many Nm at the joint one A makes (motor constant times gear "
                 "ratio); where nobody knows, write current: null, then `bench convert --look LOG --robot DIR` tells it"
             )
-        if fitted.torque and len(fitted.torque.sigma_of(len(joints))) != len(joints):
-            raise ValueError(
-                f"instruments.torque.sigma_nm needs one number, or one for each of the {len(joints)} drives"
-            )
+        for name in ("sigma_nm", "offset_sigma_nm"):
+            given = getattr(fitted.torque, name, None)
+            if isinstance(given, tuple) and len(given) != len(joints):
+                raise ValueError(
+                    f"instruments.torque.{name} needs one number, or one for each of the {len(joints)} drives"
+                )
         for name in fitted.link_encoder.joints if fitted.link_encoder else ():
             if name not in joints:
                 raise ValueError(f"instruments.link_encoder.joints: {unknown_name('driven joint', name, joints)}")

@@ -63,7 +63,7 @@ def nominal_dynamics(compiled: "CompiledRobot") -> NominalDynamics:
     constant = compiled.torque_constant
     error = np.array([drive.torque_constant_error for drive in figures.drives])
     if torque is not None:
-        gain, offset = np.full(n, torque.gain_sigma), np.full(n, torque.offset_sigma_nm)
+        gain, offset = np.full(n, torque.gain_sigma), np.array(torque.offset_sigma_of(n))
     elif current is not None:
         gain, offset = np.hypot(error, current.gain_sigma), constant * current.offset_sigma_a
     else:

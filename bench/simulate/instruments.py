@@ -269,6 +269,6 @@ def _draw(
         encoder_offset=normal(encoder.offset_sigma_rad if encoder else 0.0, (n,)),
         # not drawn where there is none, so that the noise of robots without them stays what it was
         torque_gain=normal(torque.gain_sigma, (n,)) if torque else np.zeros(n),
-        torque_offset=normal(torque.offset_sigma_nm, (n,)) if torque else np.zeros(n),
+        torque_offset=normal(np.array(torque.offset_sigma_of(n)), (n,)) if torque else np.zeros(n),
         link_encoder_offset=normal(link_encoder.offset_sigma_rad, (n,)) if link_encoder else np.zeros(n),
     )

@@ -70,6 +70,8 @@ class Way:
 class Blur:
     """A campaign replayed several times within each of its bins, so that what is narrower than a bin blurs as in data.
 
+    Not for what is read late: that is told by the samples of a motion, not by its bins.
+
     Args:
         replay: A null campaign of the session.
     """
@@ -136,9 +138,11 @@ def detection_limit(
     """
     compiled = linear.replay.compiled
     size = float(np.sqrt(way.smallest(compiled)))
-    world = World(acting=(way.at(size, compiled),))
+    acting = way.at(size, compiled)
+    world = World(acting=(acting,))
     plain = linear.replay.predict(world) - linear.replay.predict(NOMINAL)
-    is_whole = way.effect.level == "recording"  # of a channel, which no bin blurs
+    # what is in a channel no bin blurs, nor what is read late: it is averaged over the samples of a bin
+    is_whole = way.effect.level == "recording" or acting.effect.lateness(acting.place, acting.values) is not None
     sensitivities = [plain] if is_whole else [plain, blur.change(world)]
     seen = [_information(linear, change / size, rivals) for change in sensitivities]
     return smallest_found(min(seen), PRIOR, threshold)

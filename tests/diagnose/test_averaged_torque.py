@@ -40,14 +40,19 @@ def ramps(seconds: float = 8.0) -> tuple[Array, Array]:
 def test_kernel_is_what_a_second_derivative_averages_with(window: int) -> None:
     values = np.cumsum(np.random.default_rng(1).standard_normal((200, 1)), axis=0)
     kernel, half = averaging_kernel(window), window // 2
-    averaged = np.convolve(np.diff(values[:, 0], 2), kernel, mode="valid")
-    np.testing.assert_allclose(averaged, smooth_derivative(values, window, 2, 1.0)[half : 200 - half, 0], atol=1e-9)
+    accelerations = np.convolve(values[:, 0], np.array([-1, 16, -30, 16, -1]) / 12, mode="valid")
+    averaged = np.convolve(accelerations, kernel, mode="valid")
+    found = smooth_derivative(values, window, 2, 1.0)[half + 1 : 199 - half, 0]
+    np.testing.assert_allclose(averaged, found, atol=1e-9)
     assert kernel.sum() == pytest.approx(1.0)
     np.testing.assert_allclose(kernel, kernel[::-1], atol=1e-12)
 
 
-def test_sudden_accelerations_tell_inertia_exactly() -> None:
-    """What goes with acceleration sample by sample goes with it bin by bin; averaged otherwise it is off by a tenth."""
+def test_sudden_accelerations_tell_inertia() -> None:
+    """What goes with acceleration sample by sample goes with it bin by bin; averaged otherwise it is off by a tenth.
+
+    Where an acceleration jumps between two samples, nobody knows when: here a step moves with that at its beginning.
+    """
     speed, acceleration = ramps()
     segment = segment_of(speed, INERTIA * np.roll(acceleration, -1))
     own = segment.motion.acceleration[segment.motion.read][:, DRIVE]
@@ -56,7 +61,7 @@ def test_sudden_accelerations_tell_inertia_exactly() -> None:
     inside = np.isfinite(observed)
     inside[:2] = inside[-2:] = False  # at the ends of a run derivatives have other weights
     assert np.ptp(observed[inside]) > 1.5 * INERTIA * 0.6
-    np.testing.assert_allclose(observed[inside], INERTIA * own[inside], atol=1e-9)
+    np.testing.assert_allclose(observed[inside], INERTIA * own[inside], atol=2e-3 * np.ptp(observed[inside]) / 2)
     plain = np.array([(INERTIA * np.roll(acceleration, -1))[group].mean() for group in segment.path.groups])
     assert np.abs(plain - INERTIA * own)[inside].max() > 0.1
 
@@ -118,3 +123,20 @@ def test_a_bin_beside_a_turn_is_not_read() -> None:
     values = segment.observed[np.isfinite(segment.observed[:, 0]), 0]
     np.testing.assert_allclose(np.abs(values), 1.0, atol=1e-9)
     assert {-1.0, 1.0} == set(np.sign(values))
+
+
+def test_viscous_friction_is_that_of_the_average_speed() -> None:
+    """Coarse samples, averaged over 60 ms: the speed in the middle of a bin made a lead of half a millisecond of it."""
+    drag, time = 5.0, np.arange(0, 8.0, 0.02)
+    turn = 2 * np.pi * 1.0
+    run = next(run for run in made(SWEEP, seed=3).runs if run.kind == "motion")
+    speed = 0.5 + 0.3 * np.sin(turn * time)
+    columns = {"time_s": time} | {f"q_motor_{i + 1}_rad": np.zeros(len(time)) for i in range(nominal().n_joints)}
+    columns |= {"q_motor_2_rad": 0.5 * time - 0.3 / turn * np.cos(turn * time), CURRENT: drag * speed}
+    campaign = Campaign("hh150", (replace(run, columns=columns),))
+    (segment,) = segments_of(campaign, nominal(), quantities_of(campaign.runs, nominal()))
+    assert segment.path
+    assert len(segment.path.kernel) > 1
+    left = segment.observed[:, 0] - drag * segment.motion.velocity[segment.motion.read][:, DRIVE]
+    middle = np.array([speed[group].mean() for group in segment.path.groups])
+    assert np.nanmax(np.abs(left[2:-2])) < 2e-3 * drag * np.ptp(middle)

@@ -88,7 +88,8 @@ def stretches_of(
         centred: Array = np.stack([centre_weights(len(group)) @ values[group] for group in groups])
         return centred
 
-    q, v, a = mean(angles), mean(velocity), mean(acceleration, [path.inner(group) for group in followed])
+    q, v = mean(angles), path.averaged(velocity, followed)
+    a = mean(acceleration, [path.inner(group) for group in followed])
     still = ~moves
     v[:, still] = a[:, still] = 0.0
     q[:, still] = q[:, still].mean(axis=0)

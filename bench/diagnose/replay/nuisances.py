@@ -121,7 +121,7 @@ def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
             ]
         if "tau_motor" in kinds:
             gain = torque.gain_sigma if torque else drive.torque_constant_error
-            offset = torque.offset_sigma_nm if torque else 0.0
+            offset = torque.offset_sigma_of(compiled.n_joints)[j] if torque else 0.0
             found += [
                 _error("torque_gain", f"torque constant of {drive.joint}", "", gain, _torque_gain(j)),
                 _error("torque_offset", f"torque offset of {drive.joint}", "Nm", offset, _torque_offset(j)),
