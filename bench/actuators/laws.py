@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
+ROLLING_POWER = 2 / 3  # Palmgren, 1959: of speed, with which friction of lubricated rolling contacts grows
 SMALLEST_GAP = 1e-3  # least l_c - l as a part of l_c: a longer tendon would have pressed the gas into nothing
 
 
@@ -149,6 +150,7 @@ class Friction:
         stribeck_velocity: Speed at which the rise has fallen to 1/e [rad/s].
         asymmetry: Relative surplus of the level in + direction, deficit in - direction.
         viscous_asymmetry: More of the level per speed in + direction, less in - direction [Nm s/rad].
+        rolling: More of the level at 1 rad/s, growing with speed to the power 2/3 [Nm].
         load_coefficient: Level per transmitted torque.
         element: Name of the tendon whose spring transmits the torque.
         ripple: Relative amplitude of the level over the angle.
@@ -162,6 +164,7 @@ class Friction:
     stribeck_velocity: float = nan
     asymmetry: float = 0.0
     viscous_asymmetry: float = 0.0
+    rolling: float = 0.0
     load_coefficient: float = 0.0
     element: str = ""
     ripple: float = 0.0
@@ -172,7 +175,7 @@ class Friction:
         """Return the levels [Nm] against motion towards - and +.
 
             coulomb (1 -+ asymmetry) (1 + static_rise exp(-(v / v_s)^2)) (1 + ripple sin(2 pi x / period + phase))
-            + load_coefficient |load| + viscous_asymmetry v, that of the direction of motion, at least 0
+            + load_coefficient |load| + rolling |v|^(2/3) + viscous_asymmetry v, that of the direction of motion, at least 0
 
         Args:
             x: Position [rad].
@@ -185,12 +188,12 @@ class Friction:
                 coulomb *= 1 + self.static_rise * np.exp(-((np.asarray(v) / self.stribeck_velocity) ** 2))
         if self.ripple > 0:
             coulomb *= 1 + self.ripple * np.sin(2 * np.pi * np.asarray(x) / self.ripple_period + self.ripple_phase)
-        by_load = self.load_coefficient * np.abs(load)
-        minus, plus = coulomb * (1 - self.asymmetry) + by_load, coulomb * (1 + self.asymmetry) + by_load
-        more = self.viscous_asymmetry * np.asarray(v, dtype=float)
+        more = self.load_coefficient * np.abs(load) + self.rolling * np.abs(v) ** ROLLING_POWER
+        minus, plus = coulomb * (1 - self.asymmetry) + more, coulomb * (1 + self.asymmetry) + more
+        uneven = self.viscous_asymmetry * np.asarray(v, dtype=float)
         forward = np.asarray(v) > 0
-        minus = np.where(forward, minus, np.maximum(minus + more, 0))
-        plus = np.where(forward, np.maximum(plus + more, 0), plus)
+        minus = np.where(forward, minus, np.maximum(minus + uneven, 0))
+        plus = np.where(forward, np.maximum(plus + uneven, 0), plus)
         return minus, plus
 
     def force(self, x: ArrayLike, v: ArrayLike, load: ArrayLike = 0.0) -> Array:

@@ -12,6 +12,7 @@ from bench.effects.friction import (
     CoulombLevel,
     FrictionSide,
     FrictionTemperature,
+    RollingFriction,
     Viscous,
     ViscousFriction,
 )
@@ -71,6 +72,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     CoulombFriction,
     Viscous,
     ViscousFriction,
+    RollingFriction,
     Stribeck,
     LoadFriction,
     DirectionFriction,

@@ -48,10 +48,14 @@ def test_gas_spring(
 
 
 @reproducible
-@given(seeds, *[unit] * 8)
-def test_friction(seed: int, c: float, k: float, r: float, vs: float, a: float, lc: float, ripple: float, phase: float):
+@given(seeds, *[unit] * 6, st.tuples(*[unit] * 3))
+def test_friction(
+    seed: int, c: float, k: float, r: float, vs: float, a: float, lc: float, more: tuple[float, float, float]
+):
+    ripple, phase, rolling = more
     law = Friction(
         coulomb=400 * c,
+        rolling=300 * rolling,
         presliding_stiffness=10 ** (4 + 4 * k),
         static_rise=0.5 * r,
         stribeck_velocity=10 ** (2 * vs - 2),

@@ -69,6 +69,18 @@ def test_viscous_by_direction(hh150: Robot, sign: int) -> None:
     np.testing.assert_allclose(link[-1], -sign * compiled.link_coulomb, rtol=SLIDING)
 
 
+@pytest.mark.parametrize("speed", [0.05, -0.2])
+def test_rolling_friction_bends_over_speed(robot: Robot, speed: float) -> None:
+    compiled = compile_robot(robot)
+    edit = edit_of("rolling_friction", compiled, {"rolling": 300.0}, 1)
+    for edits, rolling in (([edit], 300.0), ([edit, edit], 600.0)):  # it adds to what is there
+        motor, link, _ = friction(robot, edits, speed)
+        level = compiled.motor_coulomb.copy()
+        level[1] += rolling * abs(speed) ** (2 / 3)
+        np.testing.assert_allclose(motor[-1], -np.sign(speed) * level, rtol=2e-3)
+        np.testing.assert_allclose(link[-1], -np.sign(speed) * compiled.link_coulomb, rtol=SLIDING)
+
+
 def test_stribeck(robot: Robot) -> None:
     compiled = compile_robot(robot)
     edit = edit_of("stribeck", compiled, {"rise": 0.4, "speed": 0.05}, 1)

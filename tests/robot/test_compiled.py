@@ -154,6 +154,11 @@ def too_many_sigmas(figures: Content, mjcf: str) -> tuple[Content, str]:
     return figures, mjcf
 
 
+def too_few_offsets(figures: Content, mjcf: str) -> tuple[Content, str]:
+    figures["instruments"]["torque"] = {"sigma_nm": 1, "offset_sigma_nm": [3]}
+    return figures, mjcf
+
+
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
@@ -170,7 +175,8 @@ def too_many_sigmas(figures: Content, mjcf: str) -> tuple[Content, str]:
         (tracker_without_reflectors, r"instruments\.tracker needs reflectors"),
         (gauge_without_cylinder, r"instruments\.pressure needs a counterbalance"),
         (encoder_on_no_joint, r"link_encoder\.joints: unknown driven joint 'hinge_c'"),
-        (too_many_sigmas, r"sigma_nm needs one number, or one for each of the 2 drives"),
+        (too_many_sigmas, r"torque\.sigma_nm needs one number, or one for each of the 2 drives"),
+        (too_few_offsets, r"torque\.offset_sigma_nm needs one number, or one for each of the 2 drives"),
         (unknown_key, r"rating\.force_kg"),
         (misplaced_load, r"body 'load' must have its centre of mass at site 'hook'"),
         (undriven_joint, r"body 'extra' has a joint that no drive"),

@@ -62,6 +62,8 @@ def test_noise_of_each_drive_and_which_links_have_encoders(rng: np.random.Genera
     assert figures
     reading = Instruments(compiled, rng).read(still)
     np.testing.assert_allclose(reading.torque.std(axis=0), figures.sigma_of(6), rtol=0.1)
+    drawn = [Instruments(compiled, np.random.default_rng(seed)).errors.torque_offset for seed in range(400)]
+    np.testing.assert_allclose(np.std(drawn, axis=0), figures.offset_sigma_of(6), rtol=0.15)
     assert np.isnan(reading.current).all()
     np.testing.assert_array_equal(np.isnan(reading.q_link).all(axis=0), [False] * 3 + [True] * 3)
     assert np.ptp(reading.q_link[:, :3] - still.theta[:, :3], axis=0).max() < 1e-6  # a constant, and the resolution

@@ -10,6 +10,7 @@ typedef struct Friction {
   double stribeck_velocity;
   double asymmetry;
   double viscous_asymmetry;
+  double rolling;
   double load_coefficient;
   double ripple;
   double ripple_period;
@@ -24,6 +25,7 @@ static const Number kNumbers[] = {
     {"stribeck_velocity", offsetof(Friction, stribeck_velocity), UNSET, POSITIVE},
     {"asymmetry", offsetof(Friction, asymmetry), 0, SIGNED_FRACTION},
     {"viscous_asymmetry", offsetof(Friction, viscous_asymmetry), 0, ANY},
+    {"rolling", offsetof(Friction, rolling), 0, NONNEGATIVE},
     {"load_coefficient", offsetof(Friction, load_coefficient), 0, NONNEGATIVE},
     {"ripple", offsetof(Friction, ripple), 0, FRACTION},
     {"ripple_period", offsetof(Friction, ripple_period), UNSET, POSITIVE},
@@ -67,12 +69,15 @@ static mjtNum force(Element* element, const mjModel* m, const mjData* d, const m
   if (self->ripple > 0) {
     coulomb *= 1 + self->ripple * sin(2 * mjPI * x / self->ripple_period + self->ripple_phase);
   }
-  mjtNum load = 0;
+  mjtNum more = 0;
   if (self->load_coefficient > 0) {
-    load = self->load_coefficient * fabs(spring_torque(m, d, self->tendon));
+    more = self->load_coefficient * fabs(spring_torque(m, d, self->tendon));
   }
-  mjtNum level_minus = coulomb * (1 - self->asymmetry) + load;
-  mjtNum level_plus = coulomb * (1 + self->asymmetry) + load;
+  if (self->rolling > 0) {
+    more += self->rolling * pow(fabs(d->actuator_velocity[element->output]), 2.0 / 3.0);
+  }
+  mjtNum level_minus = coulomb * (1 - self->asymmetry) + more;
+  mjtNum level_plus = coulomb * (1 + self->asymmetry) + more;
   if (self->viscous_asymmetry != 0) {
     mjtNum speed = d->actuator_velocity[element->output];
     mjtNum* level = speed > 0 ? &level_plus : &level_minus;
