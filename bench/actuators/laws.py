@@ -175,7 +175,8 @@ class Friction:
         """Return the levels [Nm] against motion towards - and +.
 
             coulomb (1 -+ asymmetry) (1 + static_rise exp(-(v / v_s)^2)) (1 + ripple sin(2 pi x / period + phase))
-            + load_coefficient |load| + rolling |v|^(2/3) + viscous_asymmetry v, that of the direction of motion, at least 0
+            + load_coefficient |load| + rolling |v|^(2/3)
+            + viscous_asymmetry v, that of the direction of motion, at least 0
 
         Args:
             x: Position [rad].

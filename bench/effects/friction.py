@@ -144,12 +144,12 @@ class RollingFriction(_OnFriction):
     name = "rolling_friction"
     title = "rolling friction of lubricated bearings and gears"
     physics = (
-        "The film between rolling parts thickens and thins with speed: friction grows by r |v|^(2/3), v in rad/s (m/s), "
-        "beside its Coulomb and its viscous part, so that it bends over speed. It is put on the motor side."
+        "Rolling parts that press through their lubricant rub with r |v|^(2/3), v in rad/s (m/s): friction bends over "
+        "speed, where shear alone (viscous friction) makes it straight. It is put on the motor side."
     )
     source = (
-        "Palmgren, Grundlagen der Wälzlagertechnik, 1959: M_0 ~ (nu n)^(2/3); SKF has the power 0.6; range: 0.2 to 20 % "
-        "of the drive's torque limit, assumed"
+        "Palmgren, Ball and roller bearing engineering, 1959: M_0 ~ (nu n)^(2/3) (the SKF model has the power 0.6); "
+        "range: 0.2 to 20 % of the torque limit, assumed"
     )
     is_additive = True
     parameters = (
