@@ -26,15 +26,29 @@ def data_folder(name: str) -> Path:
     return folder
 
 
-def write_emps(file: Path, rng: np.random.Generator, seconds: float = 6.0) -> dict[str, float]:
-    """Write a synthetic log as the EMPS makes them; return what it was made with."""
-    truth = {"inertia": 90.0, "viscous": 220.0, "coulomb": 18.0, "offset": -2.0}
+def write_emps(
+    file: Path, rng: np.random.Generator, seconds: float = 6.0, rolling: float = 0.0, slow: float = 1.0
+) -> dict[str, float]:
+    """Write a synthetic log as the EMPS makes them; return what it was made with.
+
+    Args:
+        file: To write.
+        rng: Source of noise.
+        seconds: How long it lasts [s].
+        rolling: Friction that grows with speed to the power 2/3 [N], at 1 m/s.
+        slow: Share of the speed at which it ends.
+    """
+    truth = {"inertia": 90.0, "viscous": 220.0, "coulomb": 18.0, "offset": -2.0, "rolling": rolling}
     time = np.arange(0, seconds, 1e-3)
-    rate = 2 * np.pi / 3
-    position = 0.12 * (1 - np.cos(rate * time))
-    velocity, acceleration = 0.12 * rate * np.sin(rate * time), 0.12 * rate**2 * np.cos(rate * time)
+    rate = 2 * np.pi / 3 * (1 - (1 - slow) * time / seconds)
+    phase = np.cumsum(rate) * 1e-3
+    change = -2 * np.pi / 3 * (1 - slow) / seconds
+    position = 0.12 * (1 - np.cos(phase))
+    velocity = 0.12 * rate * np.sin(phase)
+    acceleration = 0.12 * (rate**2 * np.cos(phase) + change * np.sin(phase))
     force = truth["inertia"] * acceleration + truth["viscous"] * velocity + truth["offset"]
     force = force + truth["coulomb"] * np.sign(velocity) + 2.0 * rng.standard_normal(len(time))
+    force = force + rolling * np.sign(velocity) * np.abs(velocity) ** (2 / 3)
     seen = 5e-8 * np.round(position / 5e-8)
     _write(file, {"time_s": time, "q_cmd_m": position + 1e-5, "q_m": seen, "u_V": force / 35.15065188248547})
     return truth

@@ -64,6 +64,22 @@ def test_stand_in_of_emps_is_read_alike(tmp_path: Path, rng: np.random.Generator
     np.testing.assert_allclose(levels(diagnosis)["coulomb_friction"], truth["coulomb"], rtol=CLOSE)
 
 
+@pytest.mark.parametrize("rolling", [0.0, 40.0])
+def test_friction_that_bends_over_speed_is_named_where_it_is(
+    tmp_path: Path, rng: np.random.Generator, rolling: float
+) -> None:
+    truth = write_emps(tmp_path / "emps.csv", rng, seconds=30.0, rolling=rolling, slow=0.15)
+    effects = catalogue()
+    names = (*SLIDING, "rolling_friction")
+    campaign = read(tmp_path / "emps.csv", "emps")
+    diagnosis = diagnose(campaign, compile_robot(load_robot("emps")), {name: effects[name] for name in names})
+    named = levels(diagnosis)
+    assert ("rolling_friction" in named) == (rolling > 0)
+    np.testing.assert_allclose(named["coulomb_friction"], truth["coulomb"], rtol=CLOSE)
+    if rolling:
+        np.testing.assert_allclose(named["rolling_friction"], rolling, rtol=CLOSE)
+
+
 def emps() -> dict[str, Array]:
     """Return inertia, friction and force of EMPS, filtered and thinned."""
     (run,) = read(data_folder("emps") / "emps.csv", "emps").runs
