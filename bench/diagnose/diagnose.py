@@ -70,7 +70,6 @@ def diagnose(
     catalogue: Mapping[str, Effect],
     rate: float = FALSE_ALARM_RATE,
     progress: Callable[[str], None] = lambda words: None,
-    signatures: Signatures | None = None,
     most_bins: int = MOST_BINS,
     proposes: bool = True,
     executor: Executor = SERIAL,
@@ -87,13 +86,12 @@ def diagnose(
         catalogue: Effects to look for.
         rate: Share of null campaigns in which anything at all may be found.
         progress: Called with what is done next.
-        signatures: Of other campaigns of the same session, if there were any; from `signatures_of`.
         most_bins: How many bins the motion of one run may have.
         proposes: Whether to look for the next experiment, and for what the campaign could not show.
         executor: Where to simulate; results do not depend on it.
         check: Called between steps and between simulations. It may raise `Stopped`, and the diagnosis ends with what it
             has found so far.
-        store: Where signatures are kept between processes; None: nowhere. Not used with `signatures`.
+        store: Where signatures are kept between processes; None: nowhere.
         given: What the diagnosis knew that handed this robot over.
         first: The first pass over the campaign, which the diagnosed model is held against; from `first_look`.
 
@@ -102,19 +100,13 @@ def diagnose(
         CampaignError: What the campaign says that the lab knows besides does not fit the robot.
         ConvergenceError: The nominal model finds no balance along the measured motion.
         Stopped: Before anything was weighed.
-        ValueError: Signatures of another kind of session.
     """
     campaign = with_payloads(campaign)
     with threadpool_limits(1, "blas"):  # the matrices are small: threads take more than twice the time
         phases = Phases(progress, check)
         watched = Watched(executor, check)
-        own = signatures_of(campaign, compiled, catalogue, store, given)
-        if signatures is not None and signatures.asked != own.asked:
-            raise ValueError(
-                "these signatures are of other channels or other causes than this campaign and catalogue have"
-            )
         task = Task(campaign, compiled, catalogue, rate, phases, most_bins, watched, first)
-        found = explained(task, signatures or own)
+        found = explained(task, signatures_of(campaign, compiled, catalogue, store, given))
         if found.baseline and found.baseline.lags and not found.unfinished:
             found = beside_unknown_links(
                 task, found, lambda robot: signatures_of(campaign, robot, catalogue, store, given)
@@ -156,7 +148,7 @@ def signatures_of(
     store: Store | None = None,
     given: Posterior | None = None,
 ) -> Signatures:
-    """Return the signatures of a campaign and of all others of its session; nothing is simulated yet."""
+    """Return the signatures of a campaign; nothing is simulated yet."""
     quantities = (*quantities_of(campaign.runs, compiled), *known_quantities(campaign, compiled))
     nuisances = nuisances_of(compiled, quantities)
     if given:

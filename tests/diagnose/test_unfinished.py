@@ -5,8 +5,7 @@ from itertools import count
 
 import pytest
 
-from bench.diagnose.diagnose import Diagnosis, diagnose, signatures_of
-from bench.diagnose.linearise.signatures import Signatures
+from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.verdict import Verdict
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Effect
@@ -16,6 +15,7 @@ from bench.executor.serial import SERIAL
 from bench.executor.watched import Stop, Stopped
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.headline import headline
+from bench.store.store import Store
 from tests.diagnose.sweeps import SWEEPS, made, nominal
 
 CHOICE = ("coulomb_level", "gas_loss", "gas_temperature")
@@ -32,13 +32,13 @@ def effects() -> Mapping[str, Effect]:
 
 
 @pytest.fixture(scope="module")
-def known(campaign: Campaign, effects: Mapping[str, Effect]) -> Signatures:
-    return signatures_of(campaign, nominal(), effects)
+def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
+    return Store(tmp_path_factory.mktemp("signatures"))
 
 
 @pytest.fixture(scope="module")
-def whole(campaign: Campaign, effects: Mapping[str, Effect], known: Signatures) -> Verdict:
-    return stopped_at("nobody says this", campaign, effects, known=known).verdict
+def whole(campaign: Campaign, effects: Mapping[str, Effect], store: Store) -> Verdict:
+    return stopped_at("nobody says this", campaign, effects, store=store).verdict
 
 
 def stopped_at(
@@ -46,7 +46,7 @@ def stopped_at(
     campaign: Campaign,
     effects: Mapping[str, Effect],
     executor: Executor = SERIAL,
-    known: Signatures | None = None,
+    store: Store | None = None,
 ) -> Diagnosis:
     """Diagnose until a phase begins."""
     now = [0.0]
@@ -56,7 +56,7 @@ def stopped_at(
         if said.startswith(words):
             now[0] = 61.0
 
-    return diagnose(campaign, nominal(), effects, progress=tell, executor=executor, check=stop.check, signatures=known)
+    return diagnose(campaign, nominal(), effects, progress=tell, executor=executor, check=stop.check, store=store)
 
 
 @pytest.mark.parametrize("executor", [SERIAL, Processes(2)], ids=["serial", "processes"])
@@ -90,9 +90,9 @@ def test_before_the_first_step_nothing_is_found_so_far(
 
 @pytest.mark.parametrize("words", ["what the extended model", "gain of each"])
 def test_what_the_search_has_found_is_kept(
-    words: str, campaign: Campaign, effects: Mapping[str, Effect], known: Signatures
+    words: str, campaign: Campaign, effects: Mapping[str, Effect], store: Store
 ) -> None:
-    diagnosis = stopped_at(words, campaign, effects, known=known)
+    diagnosis = stopped_at(words, campaign, effects, store=store)
     verdict = diagnosis.verdict
     assert verdict.unfinished
     assert verdict.kind == "cause"
@@ -105,9 +105,9 @@ def test_what_the_search_has_found_is_kept(
 
 @pytest.mark.parametrize("words", ["gain on", "the next", "what this campaign"])
 def test_what_follows_the_naming_is_left_out(
-    words: str, campaign: Campaign, effects: Mapping[str, Effect], known: Signatures, whole: Verdict
+    words: str, campaign: Campaign, effects: Mapping[str, Effect], store: Store, whole: Verdict
 ) -> None:
-    verdict = stopped_at(words, campaign, effects, known=known).verdict
+    verdict = stopped_at(words, campaign, effects, store=store).verdict
     assert verdict.unfinished
     assert verdict.unfinished.promising == ()
     assert verdict.explanations == whole.explanations

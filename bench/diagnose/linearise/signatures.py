@@ -88,12 +88,6 @@ class Signatures:
         self._changes: dict[str, Digits] = {}  # shape (T of the stretch, c, p + causes), nan where there is no balance
 
     @property
-    def asked(self) -> tuple[tuple[Quantity, ...], tuple[str, ...], tuple[tuple[str, str], ...]]:
-        """What it is about: quantities, names of nuisances, causes."""
-        names = tuple(str(nuisance) for nuisance in self.nuisances)
-        return self.quantities, names, tuple(cause.key for cause in self.causes)
-
-    @property
     def unbalanced(self) -> tuple[str, ...]:
         """Causes whose model found no balance along some motion."""
         lost = sorted(self._lost)
