@@ -138,8 +138,12 @@ class ViscousFriction(_OnFriction):
         return _drag(place, followed, values["coefficient"])
 
 
-class RollingFriction(_OnFriction):
-    """Friction of lubricated rolling contacts, which grows less than in proportion to speed."""
+class RollingFriction(_WithCoulomb):
+    """Friction of lubricated rolling contacts, which grows less than in proportion to speed.
+
+    It bends friction over speed that is there, and needs some of both kinds: one number in the place of a small Coulomb
+    and a viscous part would be the simpler model, and wrong.
+    """
 
     name = "rolling_friction"
     title = "rolling friction of lubricated bearings and gears"
@@ -155,6 +159,10 @@ class RollingFriction(_OnFriction):
     parameters = (
         Parameter("rolling", "Nm", 0.0, 20.0, 2000.0, "r, at 1 rad/s; range for a drive of 10 kNm", least=0.0),
     )
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return the drives with Coulomb and with viscous friction."""
+        return tuple(place for place in super().places(compiled) if viscous(compiled)[place.index] > 0)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         more = values["rolling"]

@@ -70,11 +70,11 @@ def test_viscous_by_direction(hh150: Robot, sign: int) -> None:
 
 
 @pytest.mark.parametrize("speed", [0.05, -0.2])
-def test_rolling_friction_bends_over_speed(robot: Robot, speed: float) -> None:
-    compiled = compile_robot(robot)
+def test_rolling_friction_bends_over_speed(hh150: Robot, speed: float) -> None:
+    compiled = compile_robot(hh150)
     edit = edit_of("rolling_friction", compiled, {"rolling": 300.0}, 1)
     for edits, rolling in (([edit], 300.0), ([edit, edit], 600.0)):  # it adds to what is there
-        motor, link, _ = friction(robot, edits, speed)
+        motor, link, _ = friction(hh150, edits, speed)
         level = compiled.motor_coulomb.copy()
         level[1] += rolling * abs(speed) ** (2 / 3)
         np.testing.assert_allclose(motor[-1], -np.sign(speed) * level, rtol=2e-3)
