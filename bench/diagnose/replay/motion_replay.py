@@ -188,10 +188,10 @@ class MotionReplay:
         world = world_in(world, course.recording)
         robot = Prescribed(compiled, self._structure.data_for(compiled), self._tolerance)
         error = log_error_of(world, course.run)
-        as_fitted, _ = moved(course.motion, self.fitted)
-        motion, shift = moved(as_fitted, world, error.hung if error else 1.0)
-        trace, found = robot.follow(motion, self._guess(robot, course, shift))
         segments = [self.segments[i] for i in course.segments]
+        as_fitted, _ = moved(course.motion, self.fitted, segments=segments)
+        motion, shift = moved(as_fitted, world, error.hung if error else 1.0, segments)
+        trace, found = robot.follow(motion, self._guess(robot, course, shift))
         rows = slices_of(count_of(segment) for segment in segments)
         stretches = [(here, segment.is_static) for segment, here in zip(segments, rows, strict=True)]
         return expected(compiled, trace, stretches), found

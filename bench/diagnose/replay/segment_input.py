@@ -79,16 +79,28 @@ class Path:
 
     def motion_earlier(self, seconds: float) -> tuple[Array, Array, Array]:
         """Return by how much angles, speeds and accelerations were other ones some time before, shape (T, n) each."""
-        moved = self._moved(seconds)
+        return self.motion_of(self._moved(seconds))
+
+    def motion_of(self, moved: Array) -> tuple[Array, Array, Array]:
+        """Return what a change of the angles of every sample, shape (rows, n), changes at the instants that are read.
+
+        Returns:
+            Of angles, speeds and accelerations, shape (T, n) each.
+        """
         speed, acceleration = (derivative_over(moved, self.time, self.window, order) for order in (1, 2))
         inner = [self.inner(group) for group in self.groups]
         return _centred(moved, self.groups), self.averaged(speed, self.groups), _centred(acceleration, inner)
+
+    @cached_property
+    def speeds(self) -> Array:
+        """Speeds of the motors at every sample, shape (rows, n)."""
+        return derivative_over(self.angles, self.time, self.window, 1)
 
     def _moved(self, seconds: float) -> Array:
         """Return how much further the motors were some time before each sample, shape (rows, n)."""
         when = self.time - seconds
         inside = np.clip(when, self.time[0], self.time[-1])
-        speed = np.where((when < self.time[0])[:, None], self._speeds[0], self._speeds[1])
+        speed = np.where((when < self.time[0])[:, None], self._ends[0], self._ends[1])
         moved: Array = self._spline(inside) + (when - inside)[:, None] * speed - self.angles
         return moved
 
@@ -97,7 +109,7 @@ class Path:
         return CubicSpline(self.time, self.angles)
 
     @cached_property
-    def _speeds(self) -> tuple[Array, Array]:
+    def _ends(self) -> tuple[Array, Array]:
         """Speeds at the first and at the last sample, shape (n,) each, of parabolas through the samples nearest."""
         found = []
         for rows, end in ((slice(None, SAMPLES_OF_SPEED), 0), (slice(-SAMPLES_OF_SPEED, None), -1)):

@@ -4,7 +4,7 @@ A static run is read visit by visit: the pose is approached from its side, then 
 mean with its standard error. A motion is cut into bins of constant direction, short against everything that changes.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -89,6 +89,21 @@ class Segment:
             acceleration=motion.acceleration + accelerations,
         )
         return replace(self, motion=changed)
+
+    def rates_of(self, error: Callable[[Array, Array], Array | None]) -> tuple[Array, Array]:
+        """Return what an error of the encoders adds to the speeds and accelerations of the motion, shape (T, n) each.
+
+        Args:
+            error: Of angles and speeds, shape (rows, n) each, the error of the angles; None: there is none.
+        """
+        speeds, accelerations = (np.zeros_like(self.motion.q) for _ in range(2))
+        if self.path is not None and not self.is_static:
+            wrong = error(self.path.angles, self.path.speeds)
+            if wrong is not None:
+                _, speed, acceleration = self.path.motion_of(wrong)
+                for known, change in ((speeds, speed), (accelerations, acceleration)):
+                    known[self.motion.read] = np.where(self.standing, 0.0, change)
+        return speeds, accelerations
 
 
 def recordings_of(segments: Iterable[Segment]) -> tuple[str, ...]:

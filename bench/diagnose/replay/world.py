@@ -1,10 +1,13 @@
 """A hypothesis about robot and instruments, and what it does to the robot's model and motion."""
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
+
+import numpy as np
 
 from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.segments import Segment
 from bench.effects.effect import Acting, Conditions, Effect
 from bench.effects.recorded import LogError
 from bench.record.campaign import Array
@@ -109,21 +112,32 @@ def log_error_of(world: World, run: str) -> LogError | None:
     return found
 
 
-def moved(motion: Motion, world: World, hung: float = 1.0) -> tuple[Motion, Array | None]:
+def moved(
+    motion: Motion, world: World, hung: float = 1.0, segments: Sequence[Segment] = ()
+) -> tuple[Motion, Array | None]:
     """Return the true motion where encoders and weights are wrong, and how far off the motors are, shape (T, n).
 
     Args:
         motion: As it was recorded.
         world: In which it happened.
         hung: True wrench at the load point over the written one.
+        segments: Which it goes through, in order; their samples tell what an error of the angles makes of speeds and
+            accelerations. Without them these are taken as they stand.
     """
     share = hung * (1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_wrench))
     if share != 1.0:
         motion = replace(motion, wrench=share * motion.wrench)
     shift = None
     for acting in world.acting:
-        error = acting.effect.encoder_error(acting.place, acting.values, motion.q, motion.velocity)
+        wrong = partial(acting.effect.encoder_error, acting.place, acting.values)
+        error = wrong(motion.q, motion.velocity)
         if error is not None:
             motion = replace(motion, q=motion.q - error)
+            if segments:
+                rates = [one.rates_of(wrong) for one in segments]
+                speed, acceleration = (np.concatenate(parts) for parts in zip(*rates, strict=True))
+                motion = replace(
+                    motion, velocity=motion.velocity - speed, acceleration=motion.acceleration - acceleration
+                )
             shift = -error if shift is None else shift - error
     return motion, shift
