@@ -95,6 +95,12 @@ def gain_sentence(verdict: Verdict) -> str:
     return f"{words}, {len(worse)} worse." if worse else f"{words}, none worse."
 
 
+def promise_words(verdict: Verdict) -> str:
+    """Return how sure promises are, and of what, where the campaign cannot tell all."""
+    one_run = "; from blocks of one run, which do not tell how far another motion differs"
+    return f"90 %{one_run if verdict.held_out_by == 'block' else ''}"
+
+
 def gain_text(gain: ChannelGain) -> str:
     """Return the gain of one channel in a line."""
     values = (gain.measured, gain.nominal, gain.before, gain.after, gain.floor)

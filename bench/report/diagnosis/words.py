@@ -26,6 +26,7 @@ from bench.report.diagnosis.sentences import (
     gain_sentence,
     gain_text,
     open_names_sentence,
+    promise_words,
     proposal_text,
     rate_sentence,
     refused_text,
@@ -112,7 +113,10 @@ def _gain(verdict: Verdict) -> Iterator[str]:
 def _predicted(verdict: Verdict) -> Iterator[str]:
     drives = [p for p in verdict.predicted if p.kind == "motion" and p.channel.startswith(("current", "tau_motor"))]
     if drives:
-        yield "What the model leaves in motion, root mean square, and what it promises of the next recording (90 %):"
+        yield (
+            "What the model leaves in motion, root mean square, and what it promises of the next recording "
+            f"({promise_words(verdict)}):"
+        )
     for one in drives:
         yield f"  {error_text(one)}"
 
