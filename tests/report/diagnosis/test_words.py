@@ -287,3 +287,9 @@ def test_a_finding_that_hangs_on_a_few_runs_is_not_confirmed() -> None:
         told = replace(verdict, findings=(replace(group, is_confirmed=is_confirmed), *others))
         line = next(line for line in words_of(told) if f"%  {name}" in line)
         assert line.endswith("not confirmed") is not is_confirmed
+
+
+@pytest.mark.parametrize("by", ["run", "block"])
+def test_promises_from_blocks_of_one_run_say_what_they_cannot_tell(by: str) -> None:
+    (line,) = (words for words in words_of(replace(NOTHING, held_out_by=by)) if "what it promises" in words)
+    assert ("another motion" in line) == (by == "block")
