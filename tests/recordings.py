@@ -38,7 +38,7 @@ def write_emps(
         rolling: Friction that grows with speed to the power 2/3 [N], at 1 m/s.
         slow: Share of the speed at which it ends.
     """
-    truth = {"inertia": 90.0, "viscous": 220.0, "coulomb": 18.0, "offset": -2.0, "rolling": rolling}
+    truth = {"inertia": 90.0, "viscous": 220.0, "coulomb": 18.0, "offset": -2.0}
     time = np.arange(0, seconds, 1e-3)
     rate = 2 * np.pi / 3 * (1 - (1 - slow) * time / seconds)
     phase = np.cumsum(rate) * 1e-3

@@ -45,7 +45,7 @@ def where(effect: Effect, compiled: CompiledRobot) -> str:
     """Return where an effect may act on a robot, in words."""
     places = effect.places(compiled)
     if not places:
-        return "not on this robot" if effect.level == "machine" else "runs or channels"
+        return "not on this robot as it stands" if effect.level == "machine" else "runs or channels"
     if places[0].kind == "robot":
         return "the robot"
     if places[0].kind == "joint":
