@@ -34,6 +34,7 @@ def test_jumps_and_a_joint_that_stands_are_no_noise(rng: np.random.Generator) ->
     np.testing.assert_allclose(angle_noise(angles), 1e-5, rtol=0.3)
 
 
+# at 5e-7 rad, five samples of 8 ms add just that half: the least window serves for what is better
 @pytest.mark.parametrize("sigma", [4e-7, 3e-5, 3e-4])
 def test_angles_add_no_more_to_torques_than_half_their_own_noise(sigma: float, rng: np.random.Generator) -> None:
     torque_noise = np.array([0.5, 0.2])

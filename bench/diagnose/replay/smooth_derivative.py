@@ -3,8 +3,8 @@
 The first is that of `scipy.signal.savgol_filter` with mode "interp", which makes its polynomials anew in each call. The
 second makes good for what lies between samples: a second difference is an average of the acceleration over two steps,
 a + dt^2 a''/12, while a torque is read at its instants. Without that term (Numerov's) it is a second difference of
-fourth order, -1 16 -30 16 -1 over 12, in the same average. It counts where a window has few samples: on a log of 50 Hz
-half a per cent of the inertia.
+fourth order, -1 16 -30 16 -1 over 12, in the same average. It counts where a window has few samples: on a noise-free
+log of 50 Hz a tenth of what a replay misses, for noise of accelerations that is a sixth larger.
 """
 
 from functools import lru_cache
