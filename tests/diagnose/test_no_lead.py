@@ -44,7 +44,7 @@ def ideal() -> tuple[LinearisedModel, tuple[Run, ...]]:
 def test_torques_are_on_time(
     ideal: tuple[LinearisedModel, tuple[Run, ...]], name: str, place: str, most: float
 ) -> None:
-    """It was 0.2 ms of all drives and 0.7 ms of joint 5, where friction was that of the speed in the middle of a bin."""
+    """It was 0.2 ms of all drives and 0.7 ms of joint 5: friction was that of the speed in the middle of a bin."""
     linear, runs = ideal
     compiled, effect = linear.replay.compiled, catalogue()[name]
     (where,) = (
