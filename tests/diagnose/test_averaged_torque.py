@@ -78,7 +78,10 @@ def test_rotors_are_not_scatter_while_they_accelerate() -> None:
     assert np.max(worst) > 0.05  # of 0.6 rad/s^2, beside the jerks
     assert np.max(rotors) < 0.01 * np.max(worst)
     assert np.all(rotors <= links)
-    assert np.all(links <= worst)
+    assert np.all(links <= np.max(worst))
+    assert np.all(links[worst > 0.9 * np.max(worst)] > 0.5 * np.max(worst))
+    quiet = np.flatnonzero(worst < 1e-6)
+    assert np.all(links[quiet] > rotors[quiet])  # they still ring
 
 
 def test_without_even_samples_nothing_is_averaged_alike() -> None:

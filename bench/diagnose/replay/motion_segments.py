@@ -102,26 +102,30 @@ def stretches_of(
         wrench=np.concatenate([mean(wrenches)[:1], mean(wrenches)]),
         read=np.concatenate([[False], useful[shapes]]),
     )
-    worst = np.stack([error[group].max(axis=0) for group in kept])
-    worst[:, still] = 0.0
+    worst, swinging = (
+        np.stack([values[group].max(axis=0) for group in kept]) for values in (error, fading(error, time, period))
+    )
+    worst[:, still] = swinging[:, still] = 0.0
     jerky = np.any(error[:, moves] * period > JERKY * top[moves], axis=1)
     after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
     rings = np.array([np.any(after[group] < settling_periods() * period) for group in kept])
-    felt = _drive_error(path, worst, np.where(still, 0.0, np.median(unresolved, axis=0)), period)
+    felt = _drive_error(path, worst, swinging, np.where(still, 0.0, np.median(unresolved, axis=0)), period)
     yield SegmentInput(run.name, kept, motion, worst, turning, rings, path, felt)
 
 
-def _drive_error(path: Path, worst: Array, usual: Array, period: float) -> Array:
+def _drive_error(path: Path, worst: Array, swinging: Array, usual: Array, period: float) -> Array:
     """Return the standard deviation of accelerations as averaged torques have them, shape (2, T, n): links, rotors.
 
     Where torques are averaged with the weights with which accelerations are, what changes within a bin changes both
-    alike. Rotors go as the motors do; what is left of their error is what steady motion has. Links ring after a jerk,
-    as far as the average lets their lowest mode through. At the ends of a run accelerations have other weights.
+    alike. Rotors go as the motors do; what is left of their error is what steady motion has. Links ring after a jerk
+    and fade, as far as the average lets their lowest mode through: an average as long as a period of it makes a slow
+    wave of it that looks like anything. At the ends of a run accelerations have other weights.
 
     Args:
         path: Of the motion.
         worst: Shape (T, n), errors of accelerations that were not averaged alike.
-        usual: Shape (n,), their median.
+        swinging: Shape (T, n), the same as long as the arm rings for them.
+        usual: Shape (n,), the median of errors.
         period: Of the arm's lowest mode [s].
     """
     half, last = len(path.kernel) // 2, len(path.time) - 1
@@ -130,7 +134,7 @@ def _drive_error(path: Path, worst: Array, usual: Array, period: float) -> Array
     phase = [np.exp(2j * np.pi * path.time[rows] / period) for rows, _ in path.of_torque]
     through = np.abs([weights @ turned for (_, weights), turned in zip(path.of_torque, phase, strict=True)])[:, None]
     rotors = np.minimum(usual, worst)
-    links = np.maximum(np.minimum(through, 1.0) * worst, rotors)
+    links = np.maximum(np.minimum(through, 1.0) * swinging, rotors)
     return np.where(alike, np.stack([links, rotors]), worst)
 
 
@@ -161,6 +165,16 @@ def kept_up(unresolved: Array, window: int, time: Array, period: float) -> Array
     reach = max(longer, 2 * round(half) + 1)
     error: Array = maximum_filter1d(unresolved, reach, axis=0)
     return error
+
+
+def fading(error: Array, time: Array, period: float) -> Array:
+    """Return errors of accelerations, shape (rows, n), that fade as the lowest mode of the arm does, with `period` [s].
+
+    Of what came before, the largest that is left counts.
+    """
+    rate = 2 * np.pi * DAMPING_RATIO / period
+    level = np.log(np.maximum(error, np.finfo(float).tiny)) + rate * (time - time[0])[:, None]
+    return np.asarray(np.exp(np.maximum.accumulate(level) - rate * (time - time[0])[:, None]))
 
 
 def _twice(window: int, rows: int) -> int:

@@ -24,10 +24,11 @@ from bench.simulate.prescribed import Motion
 
 BY_CHANCE = 1e-4  # declared: probability up to which the scatter of repeats is taken for their instrument's
 MOST_BINS = 700  # effort: of one run; a replay of so many takes some milliseconds
-# effort: Bins times channels of all runs together, for memory: a diagnosis of the HH-150 with all causes takes 29 kB
-# for each (0.86 GB with 620 bins of 15 channels, 1.48 GB with 2030). Ten recordings of a KR300 have a third of it.
-# Only beyond does the resolution of a run depend on the others.
-MOST_READINGS = 40_000
+# effort: Bins times channels of all runs together, for memory: a diagnosis of the HH-150 with all causes takes 33 kB
+# for each (1.1 GB with 34,000, 2.3 GB with two such recordings). Ten recordings of a KR300 have 9,000. Only beyond does
+# the resolution of a run depend on the others, and what rings may look slow: bins as long as a period of the lowest
+# mode made a floor out of level of it (1.3 mrad, 67 nats, in two sound recordings without noise).
+MOST_READINGS = 100_000
 
 
 Index = NDArray[np.int64]
