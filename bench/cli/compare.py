@@ -40,6 +40,7 @@ class Compare:
         """Compare, print and write; return the exit code: 0 where nothing changed, 9 where something did."""
         from contextlib import nullcontext
         from dataclasses import replace
+        from tempfile import TemporaryDirectory
 
         from bench.cli.doubts import heed
         from bench.cli.progress import phases
@@ -55,6 +56,7 @@ class Compare:
         from bench.record.rules.repeated_runs import no_campaign_twice
         from bench.report.comparison.words import words_of
         from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
+        from bench.report.handover.as_it_was import as_it_was
         from bench.report.joint_campaign import open_doubted
         from bench.store.place import open_store
 
@@ -76,10 +78,12 @@ class Compare:
         campaigns = [replace(one.campaign, robot=self.robot or one.campaign.robot) for one in opened]
         recordings = recordings_of({names[0]: campaigns[0]}, dict(zip(names[1:], campaigns[1:], strict=True)))
         out = new_folder(self.out, COMPARISON, replace=False) if self.out else nullcontext()
-        with out as folder, phases() as shown:
+        with out as folder, phases() as shown, TemporaryDirectory() as files:
+            shown.phase("the robot as it was")
+            fitted = as_it_was(campaigns[0], compiled, Path(files))
             executor = Watched(on_cores(self.cores), shows=shown.share)
             store = None if self.no_store else open_store()
-            found = compare(recordings, compiled, effects, progress=shown.phase, executor=executor, store=store)
+            found = compare(recordings, fitted, effects, progress=shown.phase, executor=executor, store=store)
             if folder:
                 write_comparison(found, folder, compiled.robot.figures.title, self.command)
         for line in words_of(found):

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -15,6 +17,7 @@ from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.effects.effect import Acting, Effect
 from bench.errors import BenchError, ConvergenceError
 from bench.record.campaign import Campaign
+from bench.report.handover.as_it_was import as_it_was
 from bench.study.labs import Lab, Setup, machine_components
 from bench.study.limits import Way, detection_limit
 from bench.study.machines import recorded
@@ -111,8 +114,9 @@ def pair_of(
 def outcome_of(pair: Pair, setup: Setup, rate: float = FALSE_ALARM_RATE) -> Outcome:
     """Return what a comparison says of a pair."""
     recordings = recordings_of({"before": pair.before}, {"after": pair.after})
-    with threadpool_limits(1, "blas"):
-        background, what = weighed(joint_of(recordings, setup.compiled, setup.catalogue), rate)
+    with threadpool_limits(1, "blas"), TemporaryDirectory() as files:
+        fitted = as_it_was(pair.before, setup.compiled, Path(files))
+        background, what = weighed(joint_of(recordings, fitted, setup.catalogue), rate)
         found = comparison_of(background, what, rate)
     names = [{(one.effect, one.place) for one in explanation.changes} for explanation in found.explanations]
     said = " / ".join(" + ".join(one.title for one in explanation.changes) for explanation in found.explanations)

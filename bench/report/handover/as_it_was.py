@@ -1,0 +1,43 @@
+"""The robot as a campaign shows it, without any named cause: what a comparison is linear about."""
+
+from pathlib import Path
+
+from bench.diagnose.extend.refit import refit
+from bench.diagnose.linearise.linearised_model import linearised_model_of
+from bench.diagnose.replay.levels import with_recordings
+from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import segments_of
+from bench.errors import NOT_SIMULATED
+from bench.record.campaign import Campaign
+from bench.record.carried import with_payloads
+from bench.report.handover.robot_folder import hand_over
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import load_robot
+
+
+def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> CompiledRobot:
+    """Return the robot with its figures fitted to what was recorded before, as it was last seen there.
+
+    What drifts from day to day multiplies what the nominal model gets wrong: a torque constant that is another one by
+    2 % moves the part of the current that a wrong inertia left over by 2 %, too. Linear about the nominal robot that is
+    left out, and was named as a change of inertia.
+
+    Args:
+        before: Recordings of the machine as it was.
+        compiled: The robot to begin with; it is returned where no model can be fitted to them.
+        folder: For the files of the fitted robot, which have to stay for as long as it is used.
+    """
+    campaign = with_payloads(before)
+    quantities = quantities_of(campaign.runs, compiled)
+    segments = segments_of(campaign, compiled, quantities)
+    if not segments:
+        return compiled
+    nuisances = with_recordings(nuisances_of(compiled, quantities), compiled, campaign.recordings)
+    try:
+        linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances)
+        hand_over(linear, refit(linear, (), {}), folder / "robot", folder / "nominal.xml")
+        return compile_robot(load_robot(folder / "robot"))
+    except NOT_SIMULATED:
+        return compiled
