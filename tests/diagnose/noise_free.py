@@ -18,7 +18,7 @@ from bench.effects.recorded import recorded_in
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
-from bench.robot.compiled import compile_robot
+from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.scenario.files import read_scenario
 
@@ -35,10 +35,10 @@ def noise_free(scenario: str, seed: int = 4) -> Campaign:
     return replace(hidden.campaign, runs=runs)
 
 
-def linearised(campaign: Campaign) -> LinearisedModel:
-    """Return its linearised model, with the noise that the robot's figures state."""
+def linearised(campaign: Campaign, compiled: CompiledRobot | None = None) -> LinearisedModel:
+    """Return its linearised model, with the noise that the robot's figures state; of the nominal robot or another."""
     campaign = with_payloads(campaign)
-    compiled = compile_robot(load_robot(campaign.robot))
+    compiled = compiled or compile_robot(load_robot(campaign.robot))
     quantities = quantities_of(campaign.runs, compiled)
     nuisances = with_recordings(nuisances_of(compiled, quantities), compiled, campaign.recordings)
     return linearised_model_of(Replay(compiled, segments_of(campaign, compiled, quantities), quantities), nuisances)
