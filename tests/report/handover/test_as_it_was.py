@@ -27,9 +27,7 @@ def test_it_predicts_what_it_was_fitted_to_and_the_same_motion_on_another_day(tm
     assert (tmp_path / "robot").is_dir()
     before, after = missed(may, nominal()), missed(may, fitted)
     other = missed(june, fitted)
-    print(
-        f"current of joint 2 missed by {1e3 * before:.0f} mA, fitted {1e3 * after:.0f}, on another day {1e3 * other:.0f}"
-    )
+    print(f"current 2: missed by {1e3 * before:.0f} mA, fitted {1e3 * after:.0f}, on another day {1e3 * other:.0f}")
     assert after < 0.2 * before
     assert other < missed(june, nominal())
 
