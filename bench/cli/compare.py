@@ -44,6 +44,7 @@ class Compare:
 
         from bench.cli.doubts import heed
         from bench.cli.progress import phases
+        from bench.compare.as_it_was import as_it_was
         from bench.compare.compare import compare
         from bench.compare.recordings import recordings_of
         from bench.effects.catalogue import catalogue
@@ -56,7 +57,6 @@ class Compare:
         from bench.record.rules.repeated_runs import no_campaign_twice
         from bench.report.comparison.words import words_of
         from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
-        from bench.report.handover.as_it_was import as_it_was
         from bench.report.joint_campaign import open_doubted
         from bench.store.place import open_store
 

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from bench.compare.as_it_was import as_it_was
 from bench.compare.compare import comparison_of, weighed
 from bench.compare.comparison import Comparison
 from bench.compare.joint import joint_of
@@ -17,7 +18,6 @@ from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.effects.effect import Acting, Effect
 from bench.errors import BenchError, ConvergenceError
 from bench.record.campaign import Campaign
-from bench.report.handover.as_it_was import as_it_was
 from bench.study.labs import Lab, Setup, machine_components
 from bench.study.limits import Way, detection_limit
 from bench.study.machines import recorded

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.compare.as_it_was import as_it_was
 from bench.record.campaign import Campaign
-from bench.report.handover.as_it_was import as_it_was
 from bench.robot.compiled import CompiledRobot
 from tests.diagnose.noise_free import linearised
 from tests.diagnose.sweeps import SWEEP, made, nominal
