@@ -13,9 +13,10 @@ CHANGED = 9  # exit code
 class Compare:
     """Say what changed on a machine between two or more campaigns of it, and by how much.
 
-    Whatever stayed as it was is not blamed, however wrong the model is: it is learned from BEFORE. Best with the same
-    motion before and after, a routine check; then everything that stayed cancels. With three or more campaigns after,
-    courses over time are told apart: a step, something that was there once, a trend.
+    Whatever stayed as it was is not blamed, however wrong the model is: it is learned from BEFORE, to which the
+    robot's figures are fitted first. Best with the same motion before and after, a routine check; then everything that
+    stayed cancels. With three or more campaigns after, courses over time are told apart: a step, something that was
+    there once, a trend.
     """
 
     before: tyro.conf.Positional[Path]
