@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from threadpoolctl import threadpool_limits
+
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.linearised_model import linearised_model_of
 from bench.diagnose.replay.fitted import figures_with
@@ -38,12 +40,13 @@ def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> Compil
     if not segments:
         return compiled
     nuisances = with_recordings(nuisances_of(compiled, quantities), compiled, campaign.recordings)
-    try:
-        linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances)
-        world = as_of(refit(linear, (), {}).world(linear), recordings_of(segments)[-1])
-        return _written(compiled, world, folder / "robot")
-    except NOT_SIMULATED:
-        return compiled
+    with threadpool_limits(1, "blas"):  # as all of a comparison: threads would change roundings, and cost time
+        try:
+            linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances)
+            world = as_of(refit(linear, (), {}).world(linear), recordings_of(segments)[-1])
+            return _written(compiled, world, folder / "robot")
+        except NOT_SIMULATED:
+            return compiled
 
 
 def _written(compiled: CompiledRobot, world: World, folder: Path) -> CompiledRobot:

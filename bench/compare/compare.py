@@ -38,7 +38,7 @@ def compare(
 
     Args:
         recordings: From `recordings_of`.
-        compiled: The robot, nominal or as a diagnosis handed it over.
+        compiled: The robot that changes are linear about, from `as_it_was`.
         catalogue: Effects to look for.
         rate: Share of unchanged machines of which anything at all may be said to have changed.
         progress: Called with what is done next.

@@ -70,7 +70,7 @@ def joint_of(
 
     Args:
         recordings: Of one machine.
-        compiled: Its robot, nominal.
+        compiled: Its robot, that changes are linear about.
         catalogue: Effects to look for.
         most_bins: How many bins the motion of each recording may have.
         executor: Where to simulate.

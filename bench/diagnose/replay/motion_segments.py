@@ -172,9 +172,9 @@ def fading(error: Array, time: Array, period: float) -> Array:
 
     Of what came before, the largest that is left counts.
     """
-    rate = 2 * np.pi * DAMPING_RATIO / period
-    level = np.log(np.maximum(error, np.finfo(float).tiny)) + rate * (time - time[0])[:, None]
-    return np.asarray(np.exp(np.maximum.accumulate(level) - rate * (time - time[0])[:, None]))
+    faded = 2 * np.pi * DAMPING_RATIO / period * (time - time[0])[:, None]
+    level = np.log(np.maximum(error, np.finfo(float).tiny)) + faded
+    return np.asarray(np.exp(np.maximum.accumulate(level) - faded))
 
 
 def _twice(window: int, rows: int) -> int:

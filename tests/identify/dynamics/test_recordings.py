@@ -3,8 +3,9 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
-from bench.identify.dynamics.first_pass import FirstPass, first_pass
+from bench.identify.dynamics.first_pass import FirstPass, Torques, first_pass
 from bench.identify.dynamics.quantities import quantities
 from bench.record.campaign import Campaign
 from bench.record.convert import convert
@@ -14,7 +15,6 @@ from bench.robot.logs import log_format_of
 from bench.robot.nominal_dynamics import nominal_dynamics
 from tests.recordings import KR300_TRUTH, data_folder, write_emps, write_kr300
 
-MISSED = 0.05  # most of the variance that the nominal model misses of a drive which a first pass may miss of it, too
 PUBLISHED_MASS = 95.109  # [kg], data set of the EMPS, 2019
 SPEED, PUBLISHED_FRICTION = 0.1, 20.394 + 203.50 * 0.1  # [m/s], [N]: levels apart depend on how turns are treated
 
@@ -60,16 +60,37 @@ def test_stand_in_of_emps(tmp_path: Path, rng: np.random.Generator) -> None:
     np.testing.assert_allclose(told["torque offset (carriage)"], truth["offset"], atol=0.5)
 
 
-def test_kr300_predicts_its_other_recording() -> None:
+@pytest.fixture(scope="module")
+def across() -> dict[str, Torques]:
+    """Return what the first pass of each recording of the KR300 predicts of the other one."""
     one, other = (
         read(data_folder("kr300") / "recording_a.csv", "kr300"),
         read(data_folder("kr300_b") / "recording_b.csv", "kr300"),
     )
-    for fitted, held in ((one, other), (other, one)):
-        torques = found(fitted).predict(held)
-        relative = torques.rms("first_pass") / torques.rms("nominal")
-        assert np.all(relative**2 < MISSED), relative  # axis 4 of B: 0.0456, 0.0400 before rotors were known to 30 %
-        assert np.all(torques.rms("first_pass") < torques.rms("rival"))
+    return {"A to B": found(one).predict(other), "B to A": found(other).predict(one)}
+
+
+WORSE = pytest.mark.xfail(
+    strict=True, reason="34 Nm, 32 before rotors were known to 30 %; diagnosed together 20 (open)"
+)
+
+
+@pytest.mark.parametrize(
+    ("way", "axis"),
+    [
+        pytest.param(way, axis, marks=WORSE if (way, axis) == ("A to B", 4) else ())
+        for way in ("A to B", "B to A")
+        for axis in range(1, 7)
+    ],
+)
+def test_kr300_predicts_its_other_recording(across: dict[str, Torques], way: str, axis: int) -> None:
+    torques = across[way]
+    assert (torques.rms("first_pass") / torques.rms("nominal"))[axis - 1] < 0.21
+
+
+@pytest.mark.parametrize("way", ["A to B", "B to A"])
+def test_kr300_predicts_better_than_plain_least_squares(across: dict[str, Torques], way: str) -> None:
+    assert np.all(across[way].rms("first_pass") < across[way].rms("rival"))
 
 
 def test_stand_in_of_kr300(tmp_path: Path, rng: np.random.Generator) -> None:
