@@ -10,7 +10,7 @@ from bench.compare.recordings import Recording
 from bench.diagnose.explain import measured_by
 from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import Block, blocks_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_scatter
 from bench.diagnose.linearise.signatures import Digits, Sensitivities, Signatures
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
@@ -107,6 +107,8 @@ def joint_of(
     )
     changes = np.concatenate([found.nuisances for _, found in known])
     linear = linearised_model_of(Replay(compiled, joined, quantities), nuisances, changes)
+    # how much of the friction at rest repeats is asked for here with all that recordings share (`background.py`)
+    linear = with_scatter(linear, replace(linear.scatter, repeats=0.0))
     of_segment = np.repeat(np.arange(len(recordings)), [len(segments) for segments, _ in known])
     sensitivities = tuple(_stacked(parts) for parts in zip(*(found.causes for _, found in known), strict=True))
     return Joint(recordings, linear, of_segment, causes, sensitivities)

@@ -51,6 +51,7 @@ def design_with(
         nuisances=tuple(Nuisance(f"n{i}", "", 1.0) for i in range(sensitivities.shape[1])),
         responses=(),
         whitenings=tuple(whitenings),
+        repeated=(),
         scatter=Scatter(np.zeros(1), np.zeros((2, 1)), 0.0),
         weighed=tuple(segments),
         inflation=np.ones((2, 1)),

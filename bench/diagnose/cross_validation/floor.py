@@ -26,6 +26,12 @@ def floor_variance(linear: LinearisedModel) -> Array:
         inflation = linear.inflation[0 if segment.is_static else 1]
         sigma = np.where(whitening.rows.reshape(-1, c), segment.sigma, 0.0)
         parts.append(_variance_of(whitening, c) - sigma**2 * (1 - 1 / inflation**2))
+    for rests in linear.repeated:
+        edges = np.cumsum([0, *(len(linear.whitenings[i].modes) for i in rests.segments)])
+        power = np.sqrt(1 / (1 - rests.shrink) ** 2 - 1)
+        for i, start, end in zip(rests.segments, edges[:-1], edges[1:], strict=True):
+            common = linear.whitenings[i].undone(rests.modes[start:end] * power)
+            parts[i] = parts[i] + np.sum(common**2, axis=2)
     return np.concatenate(parts)
 
 

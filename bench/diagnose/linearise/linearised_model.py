@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.linearise.held_friction import held_friction, levels_of
-from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, whitening_of
+from bench.diagnose.linearise.noise_covariance import Scatter, Whitening
+from bench.diagnose.linearise.repeated_rests import RepeatedRests, repeating_share, whitenings_of
 from bench.diagnose.linearise.roughness import with_roughness
 from bench.diagnose.linearise.standing_joints import shaken_share
 from bench.diagnose.linearise.torque_response import TorqueResponse, torque_response
@@ -41,6 +42,7 @@ class LinearisedModel:
             `sensitivities` alone.
         responses: Of every segment to torques.
         whitenings: Of every segment.
+        repeated: What visits that repeat each other have in common after that.
         scatter: Of friction and play, which the whitenings know.
         weighed: The segments with the standard errors that count here.
         inflation: Shape (2, c), by what the standard errors were raised for lack of fit, at rest and in motion.
@@ -58,6 +60,7 @@ class LinearisedModel:
     nuisances: tuple[Nuisance, ...]
     responses: tuple[TorqueResponse, ...]
     whitenings: tuple[Whitening, ...]
+    repeated: tuple[RepeatedRests, ...]
     scatter: Scatter
     weighed: tuple[Segment, ...]
     inflation: Array
@@ -88,17 +91,25 @@ class LinearisedModel:
         white = (factors @ np.nan_to_num(values.reshape(length, c, k))).reshape(length * c, k)[rows]
         for whitening, start, end in zip(self.whitenings, self._edges[:-1], self._edges[1:], strict=True):
             whitening.settle(white[start:end])
+        for rests in self.repeated:
+            rests.settle(white)
         return white.reshape(len(white), *more)
 
     def unwhiten(self, whitened: Array) -> Array:
         """Return values, shape (T, c, k), of whitened ones, shape (m, k); 0 where not measured."""
+        for rests in self.repeated:
+            whitened = whitened.copy()
+            rests.undo(whitened)
         parts = np.split(whitened, self._edges[1:-1])
         return np.concatenate([w.undone(part) for w, part in zip(self.whitenings, parts, strict=True)])
 
     @cached_property
     def log_determinants(self) -> Array:
         """Shape (m,); their sum is what the evidence of models that differ in what cannot be predicted has to count."""
-        return np.concatenate([whitening.log_determinants for whitening in self.whitenings])
+        found = np.concatenate([whitening.log_determinants for whitening in self.whitenings])
+        for rests in self.repeated:
+            found[rests.rows] += float(np.sum(np.log(1 - rests.shrink))) / len(rests.rows)
+        return found
 
     @cached_property
     def _edges(self) -> list[int]:
@@ -142,6 +153,9 @@ def linearised_model_of(
     shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
     scatter = Scatter(replay.compiled.play, levels_of(replay.compiled), shaken)
     plain = _assemble(replay, nuisances, responses, scatter, replay.segments, sensitivities, residual)
+    parts = plain.split(residual - plain.sensitivities @ fit(plain))
+    repeats = repeating_share(replay.compiled, replay.segments, responses, replay.quantities, scatter, parts)
+    plain = with_scatter(plain, replace(scatter, repeats=repeats)) if repeats else plain
     # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
     return roughened(plain, residual - plain.sensitivities @ fit(plain), [segment.rings for segment in replay.segments])
 
@@ -258,10 +272,7 @@ def _assemble(
     sensitivities: Array,
     residual: Array,
 ) -> LinearisedModel:
-    whitenings = tuple(
-        whitening_of(replay.compiled, segment, response, replay.quantities, scatter)
-        for segment, response in zip(segments, responses, strict=True)
-    )
+    whitenings, repeated = whitenings_of(replay.compiled, segments, responses, replay.quantities, scatter)
     runs = tuple(dict.fromkeys(segment.run for segment in segments))
     c = len(replay.quantities)
     run_of = np.concatenate(
@@ -272,7 +283,7 @@ def _assemble(
     )
     empty = np.empty(0)
     ones = np.ones((2, c))
-    known = (replay, nuisances, responses, whitenings, scatter, segments, ones, ones, sensitivities, residual)
+    known = (replay, nuisances, responses, whitenings, repeated, scatter, segments, ones, ones, sensitivities, residual)
     draft = LinearisedModel(*known, empty, empty, run_of, runs, column_of)
     both = draft.whiten(np.concatenate([sensitivities, residual[:, :, None]], axis=2))
     return replace(draft, jacobian=both[:, :-1], white=both[:, -1])

@@ -55,12 +55,15 @@ class Scatter:
         levels: Shape (2, n) [Nm] or [N], up to which friction holds.
         shaken: Share of its friction that a standing joint takes anew at every instant (`standing_joints.py`).
         new: Share of the scatter at rest that counts: less than all of it where rests repeat.
+        repeats: Share of the variance of friction at rest that visits have in common that repeat each other
+            (`repeated_rests.py`).
     """
 
     play: Array
     levels: Array
     shaken: float
     new: float = 1.0
+    repeats: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,23 +130,11 @@ def whitening_of(
         scatter: Of friction and play.
     """
     length, c = segment.observed.shape
-    measured = np.isfinite(segment.observed) & np.isfinite(segment.sigma)
+    measured = measured_in(segment, quantities)
     is_drive = np.array([quantity.is_drive for quantity in quantities])
-    if not segment.is_static:  # what a motor pays that stands says nothing about its load
-        is_gain = np.array([quantity.is_drive and bool(segment.standing[quantity.index]) for quantity in quantities])
-        measured &= ~is_gain
-    n = compiled.n_joints
-    play, levels = scatter.play, scatter.new * scatter.levels.ravel()
-    if segment.is_static:
-        stands = np.ones(n, dtype=bool)
-        once, lasting = np.repeat([LINK_REST, MOTOR_REST], n), np.repeat([LINK_VISIT, MOTOR_VISIT], n)
-        slowly = np.asarray(np.ones((length, 1)), dtype=np.float64)
-    else:
-        stands = segment.standing
-        once, lasting = scatter.shaken * np.tile(stands, 2), STANDING * np.tile(stands, 2)
-        slowly = slow(length)
-    spread = np.concatenate([response.link, response.motor], axis=2) * levels  # (T, c, 2n), a whole level
-    spread = np.where(measured[:, :, None], spread, 0.0)
+    play, stands = scatter.play, np.logical_or(segment.is_static, segment.standing)
+    slowly = np.ones((length, 1), dtype=np.float64) if segment.is_static else slow(length)
+    once, lasting = rest_friction(compiled, segment, response, quantities, scatter)
     loose = is_loose(compiled, response.link_load) & stands & (play > 0)
     moves = measured & np.array([not quantity.is_drive for quantity in quantities])  # a drive feels no torque of it
     gaps = np.where(moves[:, :, None], response.link * compiled.stiffness * play, 0.0)
@@ -152,7 +143,7 @@ def whitening_of(
         stirs += _rattles(compiled, segment, response, play)
     stirred = gaps * stirs[:, None]
     noise = np.where(measured, segment.sigma, 1.0)
-    covariance = (spread * once**2) @ spread.transpose(0, 2, 1)
+    covariance = once @ once.transpose(0, 2, 1)
     covariance += stirred @ stirred.transpose(0, 2, 1)
     error = segment.acceleration_error
     of_links, of_rotors = (error, error) if segment.drive_error is None else segment.drive_error
@@ -166,7 +157,7 @@ def whitening_of(
     covariance[:, np.arange(c), np.arange(c)] += noise**2
     factors = np.linalg.inv(np.linalg.cholesky(covariance))
     rows = measured.reshape(-1)
-    part = (spread * lasting)[:, :, lasting * levels > 0]
+    part = lasting[:, :, np.any(lasting != 0, axis=(0, 1))]
     shared = [part * slowly[:, m, None, None] for m in range(slowly.shape[1])]
     for j in np.flatnonzero(loose.any(axis=0)):
         gap = gaps[:, :, [j]] * loose[:, j, None, None]
@@ -180,6 +171,45 @@ def whitening_of(
     modes, size, _ = np.linalg.svd(common, full_matrices=False)
     kept = size > 1e-9 * size[0]
     return Whitening(rows, factors, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2))
+
+
+def measured_in(segment: Segment, quantities: tuple[Quantity, ...]) -> NDArray[np.bool_]:
+    """Return which entries of a segment count, shape (T, c)."""
+    measured: NDArray[np.bool_] = np.isfinite(segment.observed) & np.isfinite(segment.sigma)
+    if segment.is_static:
+        return measured
+    # what a motor pays that stands says nothing about its load
+    is_gain = np.array([quantity.is_drive and bool(segment.standing[quantity.index]) for quantity in quantities])
+    counted: NDArray[np.bool_] = np.logical_and(measured, ~is_gain)
+    return counted
+
+
+def rest_friction(
+    compiled: CompiledRobot,
+    segment: Segment,
+    response: TorqueResponse,
+    quantities: tuple[Quantity, ...],
+    scatter: Scatter,
+) -> tuple[Array, Array]:
+    """Return what friction of joints that stand changes, anew at every instant and for a while, shape (T, c, 2 n) each.
+
+    Links before motors, each with a deviation of one.
+
+    Args:
+        compiled: The robot.
+        segment: A visit or a motion.
+        response: Of its readings to torques.
+        quantities: What is compared.
+        scatter: Of friction and play.
+    """
+    n = compiled.n_joints
+    if segment.is_static:
+        once, lasting = np.repeat([LINK_REST, MOTOR_REST], n), np.repeat([LINK_VISIT, MOTOR_VISIT], n)
+    else:
+        once, lasting = (share * np.tile(segment.standing, 2) for share in (scatter.shaken, STANDING))
+    spread = np.concatenate([response.link, response.motor], axis=2) * (scatter.new * scatter.levels.ravel())
+    spread = np.where(measured_in(segment, quantities)[:, :, None], spread, 0.0)  # (T, c, 2n), a whole level
+    return spread * once, spread * lasting
 
 
 def slow(length: int) -> Array:

@@ -1,0 +1,129 @@
+"""What visits of the same pose have in common: a second recording does not tell it better than one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.diagnose.cross_validation.floor import floor_variance
+from bench.diagnose.extend.fit import pseudo_residual
+from bench.diagnose.extend.refit import refit
+from bench.diagnose.linearise.generic import blocks_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel, with_scatter
+from bench.diagnose.linearise.marginal import Nuisances
+from bench.diagnose.linearise.noise_covariance import LINK_REST, LINK_VISIT, MOTOR_REST, MOTOR_VISIT
+from bench.diagnose.linearise.repeated_rests import ANYTHING, SHARES, repeating_share, repeating_visits
+from bench.diagnose.linearise.threshold import LEAST
+from bench.record.campaign import Array
+from bench.record.joined import joined
+from tests.diagnose.noise_free import linearised, noise_free
+from tests.diagnose.small_models import linear_of
+from tests.diagnose.sweeps import LOADS, made
+
+SHARE = 0.6
+
+
+@pytest.fixture(scope="module")
+def linear() -> LinearisedModel:
+    """Two recordings of the same visits."""
+    return linear_of(joined({name: made(LOADS, seed=5 + i, machine=5) for i, name in enumerate(("may", "june"))}))
+
+
+def repeating(linear: LinearisedModel, share: float) -> LinearisedModel:
+    return with_scatter(linear, replace(linear.scatter, repeats=share))
+
+
+def friction_of(linear: LinearisedModel, i: int) -> Array:
+    """Return what friction at rest changes in a visit, shape (T * c, k), each column with a deviation of one."""
+    response = linear.responses[i]
+    length, c, n = response.link.shape
+    levels = linear.scatter.levels
+    spread = np.concatenate([response.link * levels[0], response.motor * levels[1]], axis=2)
+    columns = [spread * np.repeat([LINK_VISIT, MOTOR_VISIT], n)]
+    for t in range(length):
+        columns.append(spread * np.repeat([LINK_REST, MOTOR_REST], n) * (np.arange(length) == t)[:, None, None])
+    return np.concatenate(columns, axis=2).reshape(length * c, -1)
+
+
+def test_a_visit_repeats_one_of_the_same_pose_from_the_same_side(linear: LinearisedModel) -> None:
+    sets = repeating_visits(linear.segments)
+    assert sets
+    assert sorted(i for visits in sets for i in visits) == list(range(len(linear.segments)))
+    for one, other in sets:
+        assert linear.segments[one].recording != linear.segments[other].recording
+        assert linear.segments[one].label.removeprefix("may.") == linear.segments[other].label.removeprefix("june.")
+
+
+def test_the_covariance_is_shared_between_visits_and_the_same_within_each(linear: LinearisedModel) -> None:
+    about, alone = repeating(linear, SHARE), repeating(linear, 0.0)
+    one, other = repeating_visits(linear.segments)[0]
+    m = sum(len(whitening.modes) for whitening in about.whitenings)
+    for i, k in ((one, one), (one, other)):
+        maps = [model.unwhiten(np.eye(m)) for model in (about, alone)]
+        edges = np.cumsum([0, *(len(segment) for segment in linear.segments)])
+        first, second = ([at[edges[j] : edges[j + 1]].reshape(-1, m) for at in maps] for j in (i, k))
+        found, independent = (a @ b.T for a, b in zip(first, second, strict=True))
+        rows = np.ix_(about.whitenings[i].rows, about.whitenings[k].rows)
+        expected = independent if i == k else SHARE * friction_of(linear, i) @ friction_of(linear, k).T
+        scale = np.abs(independent[rows]).max() if i == k else np.abs(expected[rows]).max()
+        np.testing.assert_allclose(found[rows], expected[rows], atol=1e-9 * scale)
+
+
+def test_it_is_undone_and_knows_its_determinant(linear: LinearisedModel) -> None:
+    about = repeating(linear, SHARE)
+    shape = linear.replay.shape
+    seen = np.concatenate([whitening.rows for whitening in about.whitenings])
+    matrix = about.whiten(np.eye(len(seen))[:, seen].reshape(*shape, -1))
+    assert about.log_determinants.sum() == pytest.approx(np.linalg.slogdet(matrix)[1])
+    values = np.random.default_rng(0).standard_normal((*shape, 2))
+    seen = seen.reshape(shape)
+    np.testing.assert_allclose(about.unwhiten(about.whiten(values))[seen], values[seen], atol=1e-9)
+
+
+def test_the_floor_of_a_reading_is_the_same_whatever_repeats(linear: LinearisedModel) -> None:
+    np.testing.assert_allclose(floor_variance(repeating(linear, SHARE)), floor_variance(repeating(linear, 0.0)))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.9])
+def test_the_share_is_found_in_the_differences(linear: LinearisedModel, share: float) -> None:
+    rng, known = np.random.default_rng(3), (linear.replay.compiled, linear.segments, linear.responses)
+    scatter = replace(linear.scatter, repeats=0.0)
+    found = []
+    for _ in range(10):
+        left = [segment.sigma * rng.standard_normal(segment.sigma.shape) for segment in linear.segments]
+        for visits in repeating_visits(linear.segments):
+            columns = friction_of(linear, visits[0])
+            common = columns @ rng.standard_normal(columns.shape[1])
+            for i in visits:
+                columns = friction_of(linear, i)
+                own = columns @ rng.standard_normal(columns.shape[1])
+                left[i] += (np.sqrt(share) * common + np.sqrt(1 - share) * own).reshape(left[i].shape)
+        found.append(repeating_share(*known, linear.quantities, scatter, left))
+    assert np.mean(found) == pytest.approx(share, abs=0.1)
+
+
+def test_what_repeats_nothing_has_no_share_and_what_hardly_repeats_may_have_any(linear: LinearisedModel) -> None:
+    first, _ = repeating_visits(linear.segments)[0]
+    few = replace(linear.segments[first], observed=linear.segments[first].observed * np.nan)
+    for visits, expected in (((linear.segments[first],), 0.0), ((few, few), ANYTHING)):
+        n = len(visits)
+        known = (linear.replay.compiled, visits, [linear.responses[first]] * n, linear.quantities, linear.scatter)
+        assert repeating_share(*known, [0 * few.sigma] * n) == expected
+
+
+def test_two_sound_recordings_show_no_error_of_a_reflector_under_force() -> None:
+    """It was named in four of five pairs: each time, friction left links of the first pose in the same place."""
+    days = joined({"may": noise_free("session-study", 904), "june": noise_free("session-study", 905)})
+    linear = linearised(days)
+    assert linear.scatter.repeats == SHARES[-1]  # one program, without noise
+    assert evidence(linear) < LEAST < evidence(repeating(linear, 0.0))
+
+
+def evidence(linear: LinearisedModel) -> float:
+    """Return the evidence for an error of the reflector that depends on force, of the best width, in nats."""
+    block = next(block for block in blocks_of(linear) if block.place == "reflector 1")
+    products = Nuisances(linear.jacobian).products(pseudo_residual(linear, refit(linear, (), {})), block.columns)
+    count = block.columns.shape[1]
+    found = [products.log_evidence(np.arange(count), np.full(count, share * block.prior)) for share in (0.3, 0.1, 0.03)]
+    print(f"{max(found):.1f} nats with {linear.scatter.repeats:.2f} of the friction at rest repeating")
+    return max(found)
