@@ -155,3 +155,21 @@ def test_blocks_there_and_back_are_held_out_together(back: bool, rng: np.random.
         assert mine.sum() == (BLOCKS - 1 if back else mine[0]), "one and its mirror image"
         assert not np.any(after.gap[:, f] & (after.of_instants == f))
         assert np.any(after.gap[:, f])
+
+
+@pytest.mark.parametrize("back", [True, False])
+def test_a_block_is_predicted_by_the_half_of_its_run_that_is_farthest_from_it(
+    back: bool, rng: np.random.Generator
+) -> None:
+    n = 40 * BLOCKS
+    linear = there_and_back(design_with(SIGMA * rng.standard_normal(n), rng.standard_normal((n, 1)), 1), back)
+    after = apart(linear, folds_of(linear))
+    (segment,) = linear.segments
+    place = segment.motion.q[:, 0]
+    for f in range(len(after)):
+        fitted = (after.of_instants != f) & ~after.gap[:, f]
+        assert 0.3 * n < np.count_nonzero(fitted) <= 0.5 * n, "but for gaps"
+        middle = np.mean(place[after.of_instants == f])
+        away = np.abs(place - middle)
+        assert np.min(away[fitted]) > np.max(away[after.of_instants == f])
+        assert np.median(away[fitted]) > np.median(away)

@@ -97,7 +97,7 @@ def gain_sentence(verdict: Verdict) -> str:
 
 def promise_words(verdict: Verdict) -> str:
     """Return how sure promises are, and of what, where the campaign cannot tell all."""
-    one_run = "; from blocks of one run, which do not tell how far another motion differs"
+    one_run = "; from blocks of one run, each predicted by the half of it that is farthest away"
     return f"90 %{one_run if verdict.held_out_by == 'block' else ''}"
 
 
