@@ -38,8 +38,7 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
 
     A campaign of one run is cut into blocks that stand for runs. Another motion passes other places: blocks that pass
     the same ones, there and back, are held out together, and each is predicted by the half of the run that is farthest
-    from it (KR300: 11 of 12 promises of torques hold; 8 where all other blocks predict it). Of several recordings, each stands for a run, and what
-    is its own (the zero of an encoder) is fitted to it.
+    from it. Of several recordings, each stands for a run, and what is its own (the zero of an encoder) is fitted to it.
 
     How far two recordings differ in what is their own, no model can tell. So what drifts from one to the next
     (`effects/drifts.py`) comes on top of the squares: torque constants and viscous friction by the temperature of the
