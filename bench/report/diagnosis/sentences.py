@@ -96,9 +96,10 @@ def gain_sentence(verdict: Verdict) -> str:
 
 
 def promise_words(verdict: Verdict) -> str:
-    """Return how sure promises are, and of what, where the campaign cannot tell all."""
-    one_run = "; from blocks of one run, each predicted by the half of it that is farthest away"
-    return f"90 %{one_run if verdict.held_out_by == 'block' else ''}"
+    """Return how what the model leaves in motion was predicted, and so what a promise rests on."""
+    if verdict.held_out_by == "block":
+        return "each block of the run predicted by others of it, by the farther half of them where they lie apart"
+    return f"each {verdict.held_out_by or 'run'} predicted by the others"
 
 
 def gain_text(gain: ChannelGain) -> str:

@@ -114,8 +114,8 @@ def _predicted(verdict: Verdict) -> Iterator[str]:
     drives = [p for p in verdict.predicted if p.kind == "motion" and p.channel.startswith(("current", "tau_motor"))]
     if drives:
         yield (
-            "What the model leaves in motion, root mean square, and what it promises of the next recording "
-            f"({promise_words(verdict)}):"
+            f"What the model leaves in motion, root mean square, {promise_words(verdict)}, and what it promises of the "
+            "next recording (90 %):"
         )
     for one in drives:
         yield f"  {error_text(one)}"
