@@ -54,6 +54,15 @@ def test_a_visit_repeats_one_of_the_same_pose_from_the_same_side(linear: Lineari
         assert linear.segments[one].label.removeprefix("may.") == linear.segments[other].label.removeprefix("june.")
 
 
+def test_a_visit_of_very_many_rests_counts_as_new_each_time(
+    linear: LinearisedModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    longest = max(len(segment) for segment in linear.segments)
+    monkeypatch.setattr("bench.diagnose.linearise.repeated_rests.MOST_RESTS", longest - 1)
+    found = repeating_visits(linear.segments)
+    assert not any(len(linear.segments[i]) == longest for visits in found for i in visits)
+
+
 def test_the_covariance_is_shared_between_visits_and_the_same_within_each(linear: LinearisedModel) -> None:
     about, alone = repeating(linear, SHARE), repeating(linear, 0.0)
     one, other = repeating_visits(linear.segments)[0]

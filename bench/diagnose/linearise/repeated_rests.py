@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 from scipy.spatial import cKDTree
 
 from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, measured_in, rest_friction, whitening_of
@@ -27,6 +26,7 @@ from bench.robot.compiled import CompiledRobot
 SHARES = np.linspace(0.0, 0.99, 34)  # effort: of the variance, that are tried
 ANYTHING = 0.5  # exact: the mean of a share that may be anything between none and all
 FEW = 30  # declared: differences, which tell their own size to a seventh
+MOST_RESTS = 40  # effort: of a visit; one with more counts as new each time, for memory
 RIDGE = 1e-12  # rounding: of the largest friction, for readings that are no noise's
 
 
@@ -60,7 +60,7 @@ class RepeatedRests:
 def repeating_visits(segments: Sequence[Segment]) -> tuple[tuple[int, ...], ...]:
     """Return the visits of the same pose, reached and loaded in the same way: indices of each set of several."""
     found = []
-    visits = {i: segment for i, segment in enumerate(segments) if segment.is_static}
+    visits = {i: segment for i, segment in enumerate(segments) if segment.is_static and len(segment) <= MOST_RESTS}
     force = max((float(np.max(np.abs(visit.motion.wrench))) for visit in visits.values()), default=0.0)
     payload = max((visit.conditions.payload_kg for visit in visits.values()), default=0.0)
     for length in sorted({len(visit.motion) for visit in visits.values()}):
@@ -109,21 +109,18 @@ def repeating_share(
     sets = repeating_visits(segments)
     for one, other in (pair for visits in sets for pair in itertools.pairwise(visits)):
         both = measured_in(segments[one], quantities) & measured_in(segments[other], quantities)
-        friction = np.zeros((int(both.sum()), int(both.sum())))
-        noise = np.zeros(len(friction))
-        for i in (one, other):
-            part = _part(compiled, segments[i], responses[i], quantities, scatter)[both]
-            friction += part @ part.T
-            noise += segments[i].sigma[both] ** 2
-        noise += RIDGE * float(np.max(np.diag(friction), initial=0.0))
-        if not np.all(noise > 0):
+        parts = [_part(compiled, segments[i], responses[i], quantities, scatter)[both] for i in (one, other)]
+        friction = np.concatenate(parts, axis=1)
+        noise = segments[one].sigma[both] ** 2 + segments[other].sigma[both] ** 2
+        noise += RIDGE * float(np.max(np.sum(friction**2, axis=1), initial=0.0))
+        if not (len(noise) and np.all(noise > 0)):
             continue
         deviation = np.sqrt(noise)
-        size, modes = eigh(friction / deviation[:, None] / deviation)
+        modes, size, _ = np.linalg.svd(friction / deviation[:, None], full_matrices=False)
         difference = modes.T @ ((residuals[other] - residuals[one])[both] / deviation)
-        variance = 1 + (1 - SHARES[:, None]) * np.maximum(size, 0.0)
+        variance = 1 + (1 - SHARES[:, None]) * size**2  # beside the modes, the share changes nothing
         likelihood -= 0.5 * np.sum(difference**2 / variance + np.log(variance), axis=1)
-        count += len(difference)
+        count += len(noise)
     if not sets:
         return 0.0
     return float(SHARES[np.argmax(likelihood)]) if count >= FEW else ANYTHING
