@@ -12,7 +12,7 @@ from bench.diagnose.linearise.generic import blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, with_scatter
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.noise_covariance import LINK_REST, LINK_VISIT, MOTOR_REST, MOTOR_VISIT
-from bench.diagnose.linearise.repeated_rests import ANYTHING, SHARES, repeating_share, repeating_visits
+from bench.diagnose.linearise.repeated_rests import ANYTHING, SHARES, repeating_share, repeating_visits, whitenings_of
 from bench.diagnose.linearise.threshold import LEAST
 from bench.record.campaign import Array
 from bench.record.joined import joined
@@ -118,6 +118,14 @@ def test_what_repeats_nothing_has_no_share_and_what_hardly_repeats_may_have_any(
         n = len(visits)
         known = (linear.replay.compiled, visits, [linear.responses[first]] * n, linear.quantities, linear.scatter)
         assert repeating_share(*known, [0 * few.sigma] * n) == expected
+
+
+def test_visits_of_which_nothing_was_read_have_nothing_in_common(linear: LinearisedModel) -> None:
+    first, _ = repeating_visits(linear.segments)[0]
+    unread = replace(linear.segments[first], observed=linear.segments[first].observed * np.nan)
+    known = (linear.replay.compiled, (unread, unread), [linear.responses[first]] * 2, linear.quantities)
+    _, repeated = whitenings_of(*known, replace(linear.scatter, repeats=SHARE))
+    assert repeated == ()
 
 
 def test_two_sound_recordings_show_no_error_of_a_reflector_under_force() -> None:

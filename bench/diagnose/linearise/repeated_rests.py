@@ -27,6 +27,7 @@ SHARES = np.linspace(0.0, 0.99, 34)  # effort: of the variance, that are tried
 ANYTHING = 0.5  # exact: the mean of a share that may be anything between none and all
 FEW = 30  # declared: differences, which tell their own size to a seventh
 MOST_RESTS = 40  # effort: of a visit; one with more counts as new each time, for memory
+TINY = 1e-9  # rounding: of the largest mode; smaller ones are none
 RIDGE = 1e-12  # rounding: of the largest friction, for readings that are no noise's
 
 
@@ -149,9 +150,10 @@ def whitenings_of(
             part = np.sqrt(scatter.repeats) * _part(compiled, segments[i], responses[i], quantities, scatter)
             parts.append(whitenings[i](part))
         modes, size, _ = np.linalg.svd(np.concatenate(parts), full_matrices=False)
-        kept = size > 1e-9 * max(float(size[0]), 1e-300) if len(size) else np.zeros(0, dtype=bool)
+        kept = size > TINY * np.max(size, initial=0.0)
         rows = np.concatenate([np.arange(edges[i], edges[i + 1]) for i in visits])
-        found.append(RepeatedRests(visits, rows, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2)))
+        if np.any(kept):
+            found.append(RepeatedRests(visits, rows, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2)))
     return whitenings, tuple(found)
 
 
