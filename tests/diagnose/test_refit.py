@@ -26,6 +26,7 @@ from bench.executor.serial import SERIAL
 from bench.executor.threads import Threads
 from bench.hide.campaign import hide_campaign
 from bench.robot.folder import load_robot
+from tests.diagnose.small_models import linear_of
 from tests.diagnose.sweeps import SWEEPS, made, nominal
 
 PERIOD = 0.173  # [rad]; nine of them in a sweep, and in the middle between two that are tried at first
@@ -61,6 +62,28 @@ def test_a_fit_is_at_its_optimum() -> None:
     pull = np.concatenate([fit.nuisances, fit.values / fit.unknowns[0].sigma ** 2])
     gradient = tangent.jacobian.T @ tangent.white - pull
     assert gradient @ np.linalg.solve(tangent.precision, gradient) < 1e-12
+
+
+def test_a_fit_with_play_ends_where_it_can_be_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its last step is not worth a simulation, but at a flank nothing may balance: a diagnosis ended with that."""
+    linear = linear_of(made(SWEEPS, 3, hidden={"backlash": 2.5e-4}))
+    effect, start = catalogue()["backlash"], 2e-4
+    place = next(place for place in effect.places(nominal()) if place.index == 1)
+    after, simulated, asked = Objective.after, [start], []
+
+    def never_so_near(self: Objective, state: State, step: np.ndarray) -> State:
+        reached = after(self, state, step)
+        if abs(reached.objective - state.objective) < refit_module.ENOUGH:
+            asked.append(step)
+            raise ConvergenceError("no balance")
+        simulated.append(float(reached.values[0]))
+        return reached
+
+    monkeypatch.setattr(Objective, "after", never_so_near)
+    cause = Cause(effect, place, effect.parameters_at(nominal(), place), ())
+    fit = refit(linear, (cause,), {(*cause.key, "gap"): start})
+    assert asked
+    assert fit.values[0] in simulated
 
 
 def test_a_fit_with_other_weights_starts_with_what_was_simulated(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -163,6 +163,17 @@ def _downhill(objective: Objective, state: State, slopes: Derivatives, step: Arr
     return state
 
 
+def _balances(objective: Objective, state: State, step: Array) -> bool:
+    """Whether a model can be simulated after a small step; asked for with play alone, at whose flanks it may not."""
+    if not np.any(objective.linear.scatter.play):
+        return True
+    try:
+        objective.after(state, step)
+    except NOT_SIMULATED:
+        return False
+    return True
+
+
 def _fit(objective: Objective, state: State, slopes: Derivatives) -> Fit:
     """Return what a fit found, taken to its optimum by what is not worth a simulation.
 
@@ -170,7 +181,7 @@ def _fit(objective: Objective, state: State, slopes: Derivatives) -> Fit:
     """
     linear, p = objective.linear, len(state.nuisances)
     step, promised = _step(objective, state, slopes)
-    if promised >= ENOUGH:
+    if promised >= ENOUGH or not _balances(objective, state, step):
         step, promised = np.zeros_like(step), 0.0
     least = state.objective - promised
     _, determinant = np.linalg.slogdet(slopes.precision)
