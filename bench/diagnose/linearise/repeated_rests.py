@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, measured_in, rest_friction, whitening_of
+from bench.diagnose.linearise.standing_joints import FEW
 from bench.diagnose.linearise.torque_response import TorqueResponse
 from bench.diagnose.replay.alike import ALIKE
 from bench.diagnose.replay.quantities import Quantity
@@ -25,7 +26,6 @@ from bench.robot.compiled import CompiledRobot
 
 SHARES = np.linspace(0.0, 0.99, 34)  # effort: of the variance, that are tried
 ANYTHING = 0.5  # exact: the mean of a share that may be anything between none and all
-FEW = 30  # declared: differences, which tell their own size to a seventh
 MOST_RESTS = 40  # effort: of a visit; one with more counts as new each time, for memory
 TINY = 1e-9  # rounding: of the largest mode; smaller ones are none
 RIDGE = 1e-12  # rounding: of the largest friction, for readings that are no noise's

@@ -20,7 +20,7 @@ ANYWHERE = 12**-0.5
 # effort: that are tried; two levels are all that it may hold
 SHARES = np.append(0.0, np.geomspace(1e-3, 2 * ANYWHERE, 40))
 WEIGHTS = np.array([1.0, 4.0, 1.0])  # exact: squares of a second difference's coefficients
-FEW = 30  # declared: second differences, which tell their own size to a seventh
+FEW = 30  # declared: differences, which tell their own size to a seventh
 
 
 def shaken_share(

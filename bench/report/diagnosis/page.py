@@ -35,8 +35,8 @@ from bench.report.diagnosis.readings import Channel
 from bench.report.diagnosis.sentences import (
     confirmed_text,
     gain_sentence,
+    how_predicted,
     open_names_sentence,
-    promise_words,
     proposal_text,
     rate_sentence,
     remainder_sentence,
@@ -157,7 +157,7 @@ def page_of(
         rate_words=rate_sentence(verdict),
         gain_words=gain_sentence(verdict),
         steps_words=steps_sentence(verdict),
-        promise_words=promise_words(verdict),
+        how_predicted=how_predicted(verdict),
         scatter_words=scatter_sentence(verdict),
         unlisted_name=unlisted_name(verdict.unlisted) if verdict.unlisted and has_shape else "",
         remainder_words=remainder_sentence(verdict),

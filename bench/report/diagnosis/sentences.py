@@ -95,7 +95,7 @@ def gain_sentence(verdict: Verdict) -> str:
     return f"{words}, {len(worse)} worse." if worse else f"{words}, none worse."
 
 
-def promise_words(verdict: Verdict) -> str:
+def how_predicted(verdict: Verdict) -> str:
     """Return how what the model leaves in motion was predicted, and so what a promise rests on."""
     if verdict.held_out_by == "block":
         return "each block of the run predicted by others of it, by the farther half of them where they lie apart"

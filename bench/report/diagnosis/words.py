@@ -25,8 +25,8 @@ from bench.report.diagnosis.names import (
 from bench.report.diagnosis.sentences import (
     gain_sentence,
     gain_text,
+    how_predicted,
     open_names_sentence,
-    promise_words,
     proposal_text,
     rate_sentence,
     refused_text,
@@ -114,7 +114,7 @@ def _predicted(verdict: Verdict) -> Iterator[str]:
     drives = [p for p in verdict.predicted if p.kind == "motion" and p.channel.startswith(("current", "tau_motor"))]
     if drives:
         yield (
-            f"What the model leaves in motion, root mean square, {promise_words(verdict)}, and what it promises of the "
+            f"What the model leaves in motion, root mean square, {how_predicted(verdict)}, and what it promises of the "
             "next recording (90 %):"
         )
     for one in drives:
