@@ -117,24 +117,29 @@ class Reference:
         data.qpos[self._positions] = unknown
         residual, limit = self._residual(accelerates)
         before = step = residual
-        bracket = None
+        bracket, before_last = None, np.inf
         for iteration in range(MAX_ITERATIONS):
             if residual @ residual < limit:
                 return unknown, slope
             if iteration:
                 moved = np.abs(step) > STEP_RESOLUTION
-                secant = (before - residual) / np.where(moved, step, 1.0)
-                softest = self._slopes.softest
-                if iteration > PATIENCE:  # where nothing is transmitted, steps grow until they meet the other flank
-                    softest = softest * 0.5 ** (iteration - PATIENCE)
-                slope = np.where(moved, np.minimum(np.maximum(secant, softest), self._slopes.stiffest), slope)
+                made = np.where(moved, step, 1.0)
+                # where nothing is transmitted, steps double until they meet the other flank
+                doubled = np.where(np.abs(residual) > np.abs(before) / 2, np.abs(residual / made) / 2, np.inf)
+                least = np.minimum(self._slopes.softest, doubled)
+                secant = (before - residual) / made
+                slope = np.where(moved, np.minimum(np.maximum(secant, least), self._slopes.stiffest), slope)
             step = residual / slope
             if iteration >= PATIENCE:
                 if bracket is None:
                     bracket = np.stack([np.full_like(unknown, -np.inf), np.full_like(unknown, np.inf)])
-                near = residual / self._slopes.stiffest
-                halves = residual**2 > limit / len(residual) if iteration % 2 else np.zeros(len(residual), dtype=bool)
-                step = _bracketed(bracket, unknown, near, step, halves)
+                worst = np.arange(len(residual)) == np.argmax(np.abs(residual))
+                halves = np.zeros_like(worst)
+                if iteration % 2:
+                    most = float(np.max(np.abs(residual)))
+                    halves = worst & (most > before_last / 2)
+                    before_last = most
+                step = _bracketed(bracket, unknown, residual / self._slopes.stiffest, step, halves)
             unknown = unknown + step
             data.qpos[self._positions] = unknown
             before = residual

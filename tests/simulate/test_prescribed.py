@@ -78,6 +78,25 @@ def test_a_link_is_pushed_through_the_whole_gap_of_its_gear(torque: float) -> No
     np.testing.assert_allclose(trace.theta[:, 0], wound, atol=0.025 / compiled.stiffness[0])
 
 
+@pytest.mark.parametrize("seed", range(10))
+def test_links_balance_beside_others_that_cross_their_gaps(seed: int) -> None:
+    """A link that had balanced was sent far away by what another one changed while it looked for its flank."""
+    rng, robot = np.random.default_rng(seed), load_robot("hh150")
+    nominal = compile_robot(robot)
+    n, rest = nominal.n_joints, Conditions.reference(nominal.n_joints)
+    play, soft = (catalogue()[name] for name in ("backlash", "softening"))
+    for _ in range(12):
+        first, second = rng.permutation(n)[:2]
+        acting = [(play, first, {"gap": rng.uniform(1e-4, GAP)})]
+        acting += [(soft, second, {"softness": rng.uniform(0.3, 0.8), "knee": rng.uniform(0.03, 0.1)})]
+        edits = [effect.edit(effect.places(nominal)[j], values, rest) for effect, j, values in acting]
+        compiled = compile_robot(robot, [edit for edit in edits if edit])
+        moves = rng.random(n) < 0.4
+        velocity = np.tile(rng.normal(0, 0.3, n) * moves, (100, 1))
+        q = rng.uniform(-1, 1, n) + 0.05 * np.arange(100)[:, None] * velocity
+        Prescribed(compiled).follow(_motion(q, velocity, rng.normal(0, 0.3, (100, n)) * moves))
+
+
 def _with_gap(gap: float) -> CompiledRobot:
     effect = catalogue()["backlash"]
     robot = load_robot("hh150")

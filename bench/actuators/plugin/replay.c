@@ -159,11 +159,20 @@ static double square(const double* values, int n) {
   return sum;
 }
 
+static int largest(const double* values, int n) {
+  int found = 0;
+  for (int i = 1; i < n; i++) {
+    found = fabs(values[i]) > fabs(values[found]) ? i : found;
+  }
+  return found;
+}
+
 // Keeps a step between the places where the torque left was positive and where it was negative. Secants can run in
-// circles where friction slips on both sides, and creep where play meets a flank. A bracket is opened again where no
-// balance can lie in it any more, for the other unknowns add a little.
-static void keep_in_bracket(Work* w, bool halves, double limit) {
+// circles where friction slips on both sides, and creep where play meets a flank; then the unknown that misses most goes
+// to the middle. A bracket is opened again where no balance can lie in it any more, for the other unknowns add a little.
+static void keep_in_bracket(Work* w, bool halves) {
   const int u = w->arm->u;
+  const int worst = largest(w->residual, u);
   for (int k = 0; k < u; k++) {
     const double at = w->unknown[k];
     const double near = w->residual[k] / w->arm->stiffest[k];  // no balance is nearer than that
@@ -182,8 +191,7 @@ static void keep_in_bracket(Work* w, bool halves, double limit) {
     }
     const double aim = at + w->step[k];
     if (isfinite(w->low[k]) && isfinite(w->high[k])) {
-      const bool half = halves && w->residual[k] * w->residual[k] > limit / u;
-      if (half || aim <= w->low[k] || aim >= w->high[k]) {
+      if ((halves && k == worst) || aim <= w->low[k] || aim >= w->high[k]) {
         w->step[k] = (w->low[k] + w->high[k]) / 2 - at;
         continue;
       }
@@ -199,17 +207,21 @@ static bool balance(Work* w) {
   const int u = arm->u;
   double limit = balance_residual(w);
   bool has_bracket = false;
+  double before_last = INFINITY;  // the torque left when brackets were last looked at
   for (int iteration = 0; iteration < search->most_iterations; iteration++) {
     if (square(w->residual, u) < limit) {
       return true;
     }
     if (iteration) {
-      // where nothing is transmitted, steps grow until they meet the other flank
-      const double share = iteration > search->patience ? ldexp(1.0, search->patience - iteration) : 1.0;
       for (int k = 0; k < u; k++) {
         if (fabs(w->step[k]) > search->step_resolution) {
           const double secant = (w->before[k] - w->residual[k]) / w->step[k];
-          w->slope[k] = fmin(fmax(secant, share * arm->softest[k]), arm->stiffest[k]);
+          double least = arm->softest[k];
+          if (fabs(w->residual[k]) > fabs(w->before[k]) / 2) {
+            // where nothing is transmitted, steps double until they meet the other flank
+            least = fmin(least, fabs(w->residual[k] / w->step[k]) / 2);
+          }
+          w->slope[k] = fmin(fmax(secant, least), arm->stiffest[k]);
         }
       }
     }
@@ -224,7 +236,13 @@ static bool balance(Work* w) {
         }
         has_bracket = true;
       }
-      keep_in_bracket(w, iteration % 2, limit);
+      bool halves = false;
+      if (iteration % 2) {
+        const double most = fabs(w->residual[largest(w->residual, u)]);
+        halves = most > before_last / 2;
+        before_last = most;
+      }
+      keep_in_bracket(w, halves);
     }
     for (int k = 0; k < u; k++) {
       w->unknown[k] += w->step[k];
