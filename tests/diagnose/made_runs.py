@@ -9,7 +9,6 @@ from bench.diagnose.extend.fit import Fit, Unknown
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import Scatter, Whitening
-from bench.diagnose.linearise.rattling import Play
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
@@ -53,7 +52,7 @@ def design_with(
         responses=(),
         whitenings=tuple(whitenings),
         repeated=(),
-        scatter=Scatter(Play(np.zeros(1)), np.zeros((2, 1)), 0.0),
+        scatter=Scatter(np.zeros(1), np.zeros((2, 1)), 0.0),
         weighed=tuple(segments),
         inflation=np.ones((2, 1)),
         unexplained=np.ones((2, 1)),

@@ -7,7 +7,6 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit, unknowns_of
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
-from bench.diagnose.linearise.rattling import Play
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -35,7 +34,7 @@ class Shift(Effect):
 def fit_alone(cause: Cause, values: Sequence[float], covariance: Array) -> Fit:
     """Return a fit of one cause with values, shape (p,), and a covariance, shape (p, p), without readings."""
     unknowns, zero = unknowns_of((cause,)), np.zeros((1, 1))
-    left = (zero, zero[:, :, None], Play(np.zeros(1)))
+    left = (zero, zero[:, :, None], np.zeros(1))
     return Fit((cause,), unknowns, np.array(values), covariance, np.zeros(0), 0.0, 0.0, *left)
 
 

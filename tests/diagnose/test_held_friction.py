@@ -5,7 +5,6 @@ import pytest
 
 from bench.diagnose.linearise.held_friction import levels_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, with_friction_of
-from bench.diagnose.linearise.rattling import Play
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
@@ -35,7 +34,7 @@ def held(linear: LinearisedModel, side: str) -> np.ndarray:
 
 def test_friction_that_moved_to_the_link_is_held_there(linear: LinearisedModel) -> None:
     compiled = linear.replay.compiled
-    about = with_friction_of(linear, world("friction_side", moved=0.5), Play(compiled.play))
+    about = with_friction_of(linear, world("friction_side", moved=0.5), compiled.play)
     np.testing.assert_allclose(linear.scatter.levels, levels_of(compiled))
     moved = 0.5 * compiled.motor_coulomb[JOINT]
     others = np.arange(compiled.n_joints) != JOINT
@@ -45,7 +44,7 @@ def test_friction_that_moved_to_the_link_is_held_there(linear: LinearisedModel) 
 
 
 def test_more_friction_scatters_more(linear: LinearisedModel) -> None:
-    play = Play(linear.replay.compiled.play)
+    play = linear.replay.compiled.play
     determinants = [
         with_friction_of(linear, world("coulomb_level", change=change), play).log_determinants.sum()
         for change in (-0.5, 0.0, 0.5)
@@ -55,13 +54,13 @@ def test_more_friction_scatters_more(linear: LinearisedModel) -> None:
 
 
 def test_friction_that_rises_at_low_speed_holds_more_than_its_level(linear: LinearisedModel) -> None:
-    about = with_friction_of(linear, world("stribeck", rise=0.4, speed=0.05), Play(linear.replay.compiled.play))
+    about = with_friction_of(linear, world("stribeck", rise=0.4, speed=0.05), linear.replay.compiled.play)
     rose = about.scatter.levels[:, JOINT] / linear.scatter.levels[:, JOINT]
     assert np.all(rose > 1.3)
     assert np.all(rose < 1.4 + 1e-6)
 
 
 def test_about_the_nominal_model_nothing_changes(linear: LinearisedModel) -> None:
-    about = with_friction_of(linear, NOMINAL, Play(linear.replay.compiled.play))
+    about = with_friction_of(linear, NOMINAL, linear.replay.compiled.play)
     assert about.whitenings is linear.whitenings
     np.testing.assert_allclose(about.sensitivities, linear.sensitivities, atol=1e-9)

@@ -14,7 +14,6 @@ from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.extend.steps import broyden
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, raised, relinearised
-from bench.diagnose.linearise.rattling import Play
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -198,7 +197,7 @@ def test_a_cause_acts_where_a_size_is_off_its_null_value() -> None:
         log_evidence=0.0,
         residual=np.zeros((1, 1)),
         jacobian=np.zeros((1, 1, 3)),
-        play=Play(np.zeros(1)),
+        play=np.zeros(1),
     )
     assert not idle.acts(cause)
     assert replace(idle, values=np.array([0.01, -0.03, 3.0])).acts(cause)

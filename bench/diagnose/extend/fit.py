@@ -7,7 +7,6 @@ import numpy as np
 
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
-from bench.diagnose.linearise.rattling import Play
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
 from bench.effects.effect import Parameter
@@ -72,7 +71,7 @@ class Fit:
         log_evidence: Logarithm of the marginal likelihood, up to a constant that all fits of a campaign share.
         residual: Shape (T, c), measured less simulated; nan where not measured.
         jacobian: Shape (T, c, k), change of the readings with each unknown.
-        play: Of the gears, within which links were taken to rest anywhere and to bounce.
+        play: Shape (n,) [rad] or [m], of the gears, within which links were taken to rest anywhere.
         renewed: Derivatives of nuisances that are not those of the design, each by its index, shape (T, c).
     """
 
@@ -85,7 +84,7 @@ class Fit:
     log_evidence: float
     residual: Array
     jacobian: Array
-    play: Play
+    play: Array
     renewed: Mapping[int, Array] = field(default_factory=dict)
 
     @property
@@ -164,7 +163,7 @@ def unknowns_of(causes: tuple[Cause, ...]) -> tuple[Unknown, ...]:
     return tuple(Unknown(cause, p) for cause in causes for p in (*cause.sizes, *cause.shapes))
 
 
-def gaps_of(linear: LinearisedModel, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array) -> Array:
+def play_of(linear: LinearisedModel, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array) -> Array:
     """Return the play of the gears in a model with these values, shape (n,) [rad] or [m]."""
     return linear.replay.play(world_of(linear, causes, unknowns, values, np.zeros(len(linear.nuisances))))
 
@@ -193,7 +192,7 @@ def fit_without(linear: LinearisedModel, fit: Fit, cause: Cause) -> Fit:
         covariance=fit.covariance[np.ix_(kept, kept)],
         residual=fit.residual + here - without,
         jacobian=fit.jacobian[:, :, kept],
-        play=replace(fit.play, gaps=gaps_of(linear, causes, unknowns, values)),
+        play=play_of(linear, causes, unknowns, values),
     )
 
 

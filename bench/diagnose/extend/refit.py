@@ -6,13 +6,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from bench.diagnose.extend.fit import Fit, Key, gaps_of, unknowns_of
+from bench.diagnose.extend.fit import Fit, Key, play_of, unknowns_of
 from bench.diagnose.extend.objective import Derivatives, Objective, State, bounds_of
 from bench.diagnose.extend.steps import bounded_step, ever_shorter
-from bench.diagnose.linearise.bounce_height import bounce_in
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
-from bench.diagnose.linearise.rattling import Play
+from bench.diagnose.linearise.linearised_model import LinearisedModel, scatters_alike, with_play
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
@@ -92,15 +90,13 @@ def _point_of(fit: Fit) -> _Point:
 
 
 def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -> Fit:
-    """Fit an extension until the play that its scatter belongs to is the play that it finds, and links bounce alike."""
+    """Fit an extension until the play that its scatter belongs to is the play that it finds."""
     unknowns = unknowns_of(causes)
-    play = Play(gaps_of(linear, causes, unknowns, point.values))
+    play = play_of(linear, causes, unknowns, point.values)
     for _ in range(MOST_PLAYS):
-        here = with_play(linear, play)
-        fit = _fitted(Objective(here, causes), point)
-        gaps = gaps_of(linear, causes, unknowns, fit.values)
-        found = Play(gaps, bounce_in(here, fit.residual)) if np.any(gaps) else Play(gaps)
-        if found.scatters_as(play):
+        fit = _fitted(Objective(with_play(linear, play), causes), point)
+        found = play_of(linear, causes, unknowns, fit.values)
+        if scatters_alike(found, play):
             break
         play, point = found, _point_of(fit)
     return fit
@@ -169,7 +165,7 @@ def _downhill(objective: Objective, state: State, slopes: Derivatives, step: Arr
 
 def _balances(objective: Objective, state: State, step: Array) -> bool:
     """Whether a model can be simulated after a small step; asked for with play alone, at whose flanks it may not."""
-    if not np.any(objective.linear.scatter.play.gaps):
+    if not np.any(objective.linear.scatter.play):
         return True
     try:
         objective.after(state, step)

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from bench.diagnose.linearise.held_friction import held_friction, levels_of
 from bench.diagnose.linearise.noise_covariance import Scatter, Whitening
-from bench.diagnose.linearise.rattling import Play
 from bench.diagnose.linearise.repeated_rests import RepeatedRests, repeating_share, whitenings_of
 from bench.diagnose.linearise.roughness import with_roughness
 from bench.diagnose.linearise.standing_joints import shaken_share
@@ -29,7 +28,7 @@ from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError
 from bench.record.campaign import Array
 
-SAME_LEVEL = 0.1  # rounding: relative; a change of friction that changes hardly any scatter
+SAME_PLAY = 0.1  # rounding: relative; a change of play that changes hardly any scatter
 WHITENED_TOGETHER = 64  # effort: columns at a time, where there are hundreds: memory stays small
 
 
@@ -152,7 +151,7 @@ def linearised_model_of(
     nuisances, sensitivities = (*nuisances, *held), np.concatenate([sensitivities, held_changes], axis=2)
     parts = np.split(residual, np.cumsum([len(segment) for segment in replay.segments])[:-1])
     shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
-    scatter = Scatter(Play(replay.compiled.play), levels_of(replay.compiled), shaken)
+    scatter = Scatter(replay.compiled.play, levels_of(replay.compiled), shaken)
     plain = _assemble(replay, nuisances, responses, scatter, replay.segments, sensitivities, residual)
     parts = plain.split(residual - plain.sensitivities @ fit(plain))
     repeats = repeating_share(replay.compiled, replay.segments, responses, replay.quantities, scatter, parts)
@@ -189,9 +188,9 @@ def raised(linear: LinearisedModel, factors: Array) -> LinearisedModel:
     return replace(_reassembled(linear, segments, linear.scatter), inflation=linear.inflation * factors)
 
 
-def with_play(linear: LinearisedModel, play: Play) -> LinearisedModel:
-    """Return the design with gears that have play: links may rest anywhere within it, and bounce."""
-    same = play.scatters_as(linear.scatter.play)
+def with_play(linear: LinearisedModel, play: Array) -> LinearisedModel:
+    """Return the design with gears that have play, shape (n,) [rad] or [m]: links may rest anywhere within it."""
+    same = scatters_alike(play, linear.scatter.play)
     return linear if same else with_scatter(linear, replace(linear.scatter, play=play))
 
 
@@ -200,9 +199,9 @@ def with_scatter(linear: LinearisedModel, scatter: Scatter) -> LinearisedModel:
     return _reassembled(linear, linear.weighed, scatter)
 
 
-def _hold_alike(one: Array, other: Array) -> bool:
-    """Whether two sets of friction levels, of the same shape, scatter links alike."""
-    return bool(np.all(np.abs(one - other) <= SAME_LEVEL * np.maximum(one, other)))
+def scatters_alike(one: Array, other: Array) -> bool:
+    """Whether two plays, or two sets of friction levels, of the same shape scatter links alike."""
+    return bool(np.all(np.abs(one - other) <= SAME_PLAY * np.maximum(one, other)))
 
 
 def roughened(
@@ -225,13 +224,13 @@ def roughened(
     return _reassembled(linear, segments, linear.scatter)
 
 
-def with_friction_of(linear: LinearisedModel, world: World, play: Play) -> LinearisedModel:
+def with_friction_of(linear: LinearisedModel, world: World, play: Array) -> LinearisedModel:
     """Return the design with the friction and the play of a world: what it holds at rest, and how that scatters.
 
     Args:
         linear: The campaign.
         world: In which the sensitivities to friction held at rest are taken.
-        play: Of the gears.
+        play: Shape (n,) [rad] or [m], of the gears.
 
     Raises:
         ConvergenceError, RobotError: The world cannot be simulated.
@@ -241,7 +240,7 @@ def with_friction_of(linear: LinearisedModel, world: World, play: Play) -> Linea
     names = [str(nuisance) for nuisance in linear.nuisances]
     new = relinearised(linear, [names.index(str(nuisance)) for nuisance in held], changes)
     levels = levels_of(linear.replay.robot(world), traces)
-    if play.scatters_as(linear.scatter.play) and _hold_alike(levels, linear.scatter.levels):
+    if scatters_alike(play, linear.scatter.play) and scatters_alike(levels, linear.scatter.levels):
         return new
     return with_scatter(new, replace(linear.scatter, play=play, levels=levels))
 

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from bench.diagnose.linearise.noise_covariance import Scatter, whitening_of
-from bench.diagnose.linearise.rattling import Play
 from bench.diagnose.linearise.torque_response import TorqueResponse
 from bench.diagnose.replay.quantities import Quantity
 from bench.hide.campaign import hide_campaign
@@ -58,7 +57,7 @@ def surprise(
     compiled: Any = SimpleNamespace(
         n_joints=1, stiffness=np.array([STIFFNESS]), link_coulomb=np.array([LEVEL]), motor_coulomb=np.array([LEVEL])
     )
-    scatter = Scatter(Play(np.array([gap])), np.full((2, 1), 0.0 if gap else LEVEL), 0.0)
+    scatter = Scatter(np.array([gap]), np.full((2, 1), 0.0 if gap else LEVEL), 0.0)
     whitening = whitening_of(compiled, segment, response, (quantity,), scatter)
     return float(np.linalg.norm(whitening(deviation[:, None])))
 
@@ -133,7 +132,7 @@ def a_loose_link_creeps_while_others_move() -> None:
     assert surprise(0.25 * drift, REFLECTOR, rests=False, gap=3e-4) > 3.5
 
 
-@needs("linearise.rattling.LIGHT")
+@needs("linearise.noise_covariance.LIGHT")
 def a_link_that_is_hardly_held_to_its_flank_bounces() -> None:
     # With a quarter of the torque that twists the gear by its gap it may be half a gap off, with two fifths not.
     gap, first = 3e-4, INSTANTS // 2
