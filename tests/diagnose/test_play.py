@@ -94,8 +94,12 @@ def test_a_loose_link_is_expected_in_the_middle_and_a_loaded_one_at_its_flank(li
     assert np.all(moved[loose] < 0.1 * moved[~loose].max())
 
 
-def test_an_instant_in_which_a_link_crosses_its_gap_is_a_mean() -> None:
-    """A torque of 4, 2, 1, -3 Nm, linear in time, changes its sign three quarters through the third interval."""
+@pytest.mark.parametrize("speed", [0.3, 0.0])
+def test_an_instant_in_which_a_link_crosses_its_gap_is_a_mean(speed: float) -> None:
+    """A torque of 4, 2, 1, -3 Nm, linear in time, changes its sign three quarters through the third interval.
+
+    The link of a motor that stands crosses as others move. Taken to be at a flank, it was charged with the whole gap.
+    """
     compiled = nominal()
     model = compiled.model.__copy__()
     model.tendon_lengthspring[compiled.at.element[1]] = [-GAP / 2, GAP / 2]
@@ -107,7 +111,7 @@ def test_an_instant_in_which_a_link_crosses_its_gap_is_a_mean() -> None:
     torque = np.array([4.0, 2.0, 1.0, -3.0])
     theta, velocity = trace.q.copy(), np.zeros_like(trace.q)
     theta[:, 1] += torque / compiled.stiffness[1] + np.sign(torque) * GAP / 2
-    velocity[:, 1] = 0.3
+    velocity[:, 1] = speed
     made_up = replace(trace, time=np.arange(4.0), theta=theta, q_velocity=velocity)
     shift = (expected(gapped, made_up, [(slice(None), False)]).theta - theta)[:, 1]
     # third interval: from 1.5 over 1 to -1; fourth: from -1 to -3
@@ -135,11 +139,8 @@ def test_play_of_an_unloaded_joint_is_named(unloaded: Naming) -> None:
     assert [cause.key for cause in unloaded.models[0].fit.causes] == [("backlash", "joint 1")]
 
 
-@pytest.mark.xfail(
-    strict=True, reason="a quarter too small: links that bounce under little load are not at their flank"
-)
 def test_play_of_an_unloaded_joint_is_as_large_as_it_is(unloaded: Naming) -> None:
-    """Seeds 3 to 10: 0.12 to 0.28 mrad of 0.30, give or take 0.02; with some it comes out right by chance."""
+    """Within three standard errors, which is not much: seeds 3 to 6 give 0.24, 0.24, 0.14, 0.25 of 0.30 mrad."""
     best = unloaded.models[0].fit
     assert abs(best.values[0] - GAP) < 3 * best.sigma[0]
 

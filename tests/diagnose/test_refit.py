@@ -86,6 +86,19 @@ def test_a_fit_with_play_ends_where_it_can_be_simulated(monkeypatch: pytest.Monk
     assert fit.values[0] in simulated
 
 
+def test_a_fit_with_play_takes_what_nuisances_change_about_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With other friction links cross their gaps elsewhere; by the design's derivatives a fit ended too early."""
+    linear, asked = linear_of(made(SWEEPS, 5, hidden={"backlash": 2.5e-4})), []
+    taken = Objective.all_derivatives
+    monkeypatch.setattr(Objective, "all_derivatives", lambda self, state: asked.append(state) or taken(self, state))
+    for name, size, value in (("joint_compliance", "change", 0.01), ("backlash", "gap", 3e-4)):
+        effect = catalogue()[name]
+        place = next(place for place in effect.places(nominal()) if place.index == 1)
+        cause = Cause(effect, place, effect.parameters_at(nominal(), place), ())
+        refit(linear, (cause,), {(*cause.key, size): value})
+        assert bool(asked) == (name == "backlash")
+
+
 def test_a_fit_with_other_weights_starts_with_what_was_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
     linear = _design()
     causes = _whole("gas_loss"), _whole("payload_mass")

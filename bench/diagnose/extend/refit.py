@@ -124,6 +124,10 @@ def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[Sta
     """
     for iteration in range(MOST_ITERATIONS + 1):
         step, promised = _step(objective, state, slopes)
+        if promised < ENOUGH and not slopes.renewed and _has_new_play(objective):
+            with suppress(*NOT_SIMULATED):
+                slopes = objective.all_derivatives(state)
+                step, promised = _step(objective, state, slopes)
         if promised < ENOUGH or iteration == MOST_ITERATIONS:
             break
         before, state = state, _downhill(objective, state, slopes, step)
@@ -143,6 +147,11 @@ def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[Sta
         except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
             break
     return state, slopes
+
+
+def _has_new_play(objective: Objective) -> bool:
+    """Whether gears have play that they have not in the design."""
+    return bool(np.any(objective.linear.scatter.play > objective.linear.replay.compiled.play))
 
 
 def _step(objective: Objective, state: State, slopes: Derivatives) -> tuple[Array, float]:

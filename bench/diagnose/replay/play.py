@@ -67,8 +67,7 @@ def expected(compiled: CompiledRobot, trace: Trace, stretches: Iterable[tuple[sl
         if is_static:
             shift[rows] = np.where(is_loose(compiled, load[rows]), -torsion[rows], 0.0)
         else:
-            flank = _mean_sign(torque[rows], trace.time[rows]) - np.sign(torque[rows])
-            shift[rows] = np.where(trace.q_velocity[rows] != 0, flank, 0.0) * half
+            shift[rows] = (_mean_sign(torque[rows], trace.time[rows]) - np.sign(torque[rows])) * half
     return _shifted(compiled, trace, shift)
 
 
