@@ -45,7 +45,7 @@ class Convert:
         return self._convert(self.source, self.out)
 
     def _look(self, log: Path) -> int:
-        from bench.errors import InputError
+        from bench.errors import InputError, printable
         from bench.report.log_look.look import look
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
@@ -57,9 +57,11 @@ class Convert:
         nominal = nominal_dynamics(compile_robot(load_robot(robot))) if robot else None
         proposed = look(log, self.topic, nominal)
         if self.out is None:
-            print(proposed, end="")
+            print(proposed.text, end="")
         else:
-            self.out.write_text(proposed, encoding="utf-8")
+            self.out.write_text(proposed.text, encoding="utf-8")
+            for question in proposed.questions:
+                print(printable(question))
             print(
                 f"{self.out}: look at every line, then: bench convert {robot or 'ROBOT'} {log} --log {self.out} -o DIR"
             )
@@ -77,7 +79,8 @@ class Convert:
         layout = log_format_of(robot, self.log)
         if self.window_s is not None:
             layout = layout.model_copy(update={"runs": in_window(layout.runs, self.window_s)})
-        converted = convert(source, layout, campaign_name(robot))
+        gear_ratios = tuple(drive.gear_ratio for drive in robot.figures.drives)
+        converted = convert(source, layout, campaign_name(robot), gear_ratios)
         write_campaign(converted.campaign, out, "parquet" if self.parquet else "csv")
         unused: dict[tuple[str, ...], list[str]] = {}
         for file, names in converted.unused.items():

@@ -2,7 +2,7 @@
 
 For each drive y = (M(q, v, a) + p L(q, v, a) + J_r a) / factor + c_v v + c_s sign(v) + c_0 by least squares, M the
 inverse dynamics of the nominal links, L that of one kilogram at the load point, p the payload, one for all drives.
-Rotors that nobody knows (`GUESSED`) are not in that; their torque has a coefficient of its own, c_a a.
+Rotors that nobody knows (`drive_model.GUESSED`) are not in that; their torque has a coefficient of its own, c_a a.
 Positions and readings have passed the same low-pass. A factor is as good as the masses are: it is told against them.
 """
 
@@ -10,24 +10,30 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
-from bench.identify.arm import Arm
+from bench.identify.drive_model import (
+    TINY,
+    Motion,
+    best_payload,
+    carrying,
+    is_guessed,
+    link_torque,
+    misfit,
+    model_columns,
+    shifted,
+    solved,
+    total_misfit,
+)
 from bench.record.campaign import Array
-from bench.robot.bodies import RigidBodies
 from bench.robot.nominal_dynamics import NominalDynamics
-from bench.robot.payload import with_payload
 
 BLOCKS = 8  # of the record, fitted one by one; their spread is the statistical error of the factor (assumed)
 LATEST = 0.03  # [s], delay up to which is looked; drives report within a few control periods (assumed)
 MOST_FLIPPED = 6  # drives up to which all signs of angles are tried; 64 fits
 HALF = 0.5  # of what is unexplained: signs are turned only where that is left (assumed; symmetric signs leave all)
-NOT_SHARP = 0.02  # of the top speed, over which the direction of a slow movement is not sharp (assumed)
 SAMPLES = 400  # with which signs are tried, and centres of mass moved
-GUESSED = 1.0  # uncertainty of rotors, a factor of two, from which they are guesses; sigma of what a file states is 0.1
+LEAST_KNOWN = 0.5  # relative: an angle that is known less well is nudged by this, in place of infinitely far
 NUDGE = 1e-4  # rounding: [m] by which a centre is moved for the change of the torque, in which it is linear
-
-TINY = np.finfo(float).tiny
 
 Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
 
@@ -56,7 +62,9 @@ class DriveScale:
     unsure: Flags
 
 
-def drive_scale(nominal: NominalDynamics, time: Array, position: Array, reading: Array) -> DriveScale:
+def drive_scale(
+    nominal: NominalDynamics, time: Array, position: Array, reading: Array, angle_sigma: Array | None = None
+) -> DriveScale:
     """Compare readings of drives with the torque that the nominal arm needs.
 
     Args:
@@ -64,117 +72,37 @@ def drive_scale(nominal: NominalDynamics, time: Array, position: Array, reading:
         time: Shape (T,) [s], even.
         position: Shape (T, n) [rad] or [m], low-passed.
         reading: Shape (T, n), in any unit, through the same low-pass.
+        angle_sigma: Shape (n,), relative standard deviation of the scale of each position; inf where nobody knows it.
     """
     turned, unsure = _turned(nominal, time, position, reading)
     motion = Motion.along(time, position * np.where(turned, -1.0, 1.0))
-    columns = _columns(nominal, motion)
+    columns = model_columns(nominal, motion)
     heaviest = nominal.payload
     lags = np.arange(-LATEST, LATEST + 1e-9, 1e-3)
-    payload = _payload(columns, reading, heaviest)
-    misfits = np.array([_total(columns, _shifted(time, reading, lag), payload) for lag in lags])
+    payload = best_payload(columns, reading, heaviest)
+    misfits = np.array([total_misfit(columns, shifted(time, reading, lag), payload) for lag in lags])
     delay = _lowest(lags, misfits)
-    reading = _shifted(time, reading, delay)
-    payload = _payload(columns, reading, heaviest)
+    reading = shifted(time, reading, delay)
+    payload = best_payload(columns, reading, heaviest)
     slopes = _slopes(columns, reading, payload)
     parts = []
     for rows in np.array_split(np.arange(len(time)), BLOCKS):
         cut, seen = columns[:, rows], reading[rows]
-        parts.append(_slopes(cut, seen, _payload(cut, seen, heaviest)))
+        parts.append(_slopes(cut, seen, best_payload(cut, seen, heaviest)))
     scatter = np.std(parts, axis=0, ddof=1) / np.sqrt(BLOCKS) / np.abs(slopes)
-    needed = np.sqrt(np.mean(_with(columns, payload)[:, :, 0] ** 2, axis=1))
+    needed = np.sqrt(np.mean(carrying(columns, payload)[:, :, 0] ** 2, axis=1))
     rotor = np.sqrt(np.mean((nominal.rotor_inertia * motion.acceleration) ** 2, axis=0))
-    of_rotors = 0.0 if _is_guessed(nominal) else nominal.uncertainty.rotor_inertia * rotor / needed
+    of_rotors = 0.0 if is_guessed(nominal) else nominal.uncertainty.rotor_inertia * rotor / needed
     stated = np.sqrt(nominal.uncertainty.mass**2 + of_rotors**2 + _of_centres(nominal, motion, columns, payload) ** 2)
-    explained = 1 - _misfit(_with(columns, payload), reading)
+    if angle_sigma is not None:
+        stated = np.hypot(stated, _of_angles(nominal, motion, reading, slopes, angle_sigma))
+    explained = 1 - misfit(carrying(columns, payload), reading)
     return DriveScale(1 / slopes, np.hypot(scatter, stated), explained, delay, turned, payload, unsure)
 
 
-@dataclass(frozen=True)
-class Motion:
-    """Positions and their derivatives, each of shape (T, n)."""
-
-    position: Array
-    velocity: Array
-    acceleration: Array
-
-    @classmethod
-    def along(cls, time: Array, position: Array) -> "Motion":
-        """Differentiate by central differences."""
-        velocity = np.gradient(position, time, axis=0)
-        return cls(position, velocity, np.gradient(velocity, time, axis=0))
-
-    def seen(self, signs: Array, every: int) -> "Motion":
-        """Return each so many samples of the motion with other signs."""
-        parts = (self.position, self.velocity, self.acceleration)
-        return Motion(*(signs * part[::every] for part in parts))
-
-
-def _columns(nominal: NominalDynamics, motion: Motion) -> Array:
-    """Return for each drive model torque, speed, direction, one, and the torque of 1 kg of payload, shape (n, T, c).
-
-    Where rotors are guesses, acceleration stands before the payload; c is 5 or 6.
-    """
-    links = _torque(nominal.bodies, motion)
-    payload = _torque(with_payload(nominal.bodies, 1.0, nominal.load_point), motion) - links
-    guessed = [motion.acceleration] if _is_guessed(nominal) else []
-    torque = links if guessed else links + nominal.rotor_inertia * motion.acceleration
-    slow = NOT_SHARP * np.max(np.abs(motion.velocity), axis=0, initial=1e-9)
-    direction = np.tanh(motion.velocity / slow)
-    stack = np.stack([torque, motion.velocity, direction, np.ones_like(torque), *guessed, payload], axis=-1)
-    return np.swapaxes(stack, 0, 1)
-
-
-def _is_guessed(nominal: NominalDynamics) -> bool:
-    return nominal.uncertainty.rotor_inertia >= GUESSED
-
-
-def _torque(bodies: RigidBodies, motion: Motion) -> Array:
-    """Return the torque that links need along a motion, shape (T, n)."""
-    arm = Arm(bodies)
-    states = zip(motion.position, motion.velocity, motion.acceleration, strict=True)
-    return np.array([arm.inverse_dynamics(*state) for state in states])
-
-
-def _solved(columns: Array, reading: Array) -> Array:
-    """Return the coefficients of each drive, shape (n, c - 1)."""
-    return np.array([np.linalg.lstsq(c, y, rcond=None)[0] for c, y in zip(columns, reading.T, strict=True)])
-
-
-def _with(columns: Array, payload: float) -> Array:
-    """Return the columns of an arm that carries something, shape (n, T, c - 1)."""
-    torque = columns[:, :, :1] + payload * columns[:, :, -1:]
-    return np.concatenate([torque, columns[:, :, 1:-1]], axis=2)
-
-
-def _payload(columns: Array, reading: Array, heaviest: float) -> float:
-    """Return the payload with which all drives agree best [kg], from none to the largest that may be unstated."""
-    if heaviest <= 0:
-        return 0.0
-    found = minimize_scalar(
-        lambda mass: _total(columns, reading, float(mass)), bounds=(0.0, heaviest), options={"xatol": 1e-3 * heaviest}
-    )
-    return float(found.x) if found.fun < _total(columns, reading, 0.0) else 0.0
-
-
-def _total(columns: Array, reading: Array, payload: float) -> float:
-    """Return the logarithm of what is left, summed over drives: the likelihood, each drive with its own noise."""
-    return float(np.sum(np.log(np.maximum(_misfit(_with(columns, payload), reading), TINY))))
-
-
 def _slopes(columns: Array, reading: Array, payload: float) -> Array:
-    slopes = _solved(_with(columns, payload), reading)[:, 0]
+    slopes = solved(carrying(columns, payload), reading)[:, 0]
     return np.where(slopes == 0, TINY, slopes)
-
-
-def _misfit(columns: Array, reading: Array) -> Array:
-    """Return the share of each reading's variance that is left, shape (n,)."""
-    left = reading.T - np.einsum("jtc,jc->jt", columns, _solved(columns, reading))
-    return np.asarray(np.var(left, axis=1) / np.maximum(np.var(reading, axis=0), TINY))
-
-
-def _shifted(time: Array, reading: Array, delay: float) -> Array:
-    """Return readings as they would be without a delay."""
-    return np.stack([np.interp(time + delay, time, values) for values in reading.T], axis=1)
 
 
 def _lowest(lags: Array, misfits: Array) -> float:
@@ -185,20 +113,33 @@ def _lowest(lags: Array, misfits: Array) -> float:
     return float(lags[k] + (0.5 * (before - after) / bend if bend > 0 else 0.0) * (lags[1] - lags[0]))
 
 
+def _of_angles(nominal: NominalDynamics, motion: Motion, reading: Array, slopes: Array, angle_sigma: Array) -> Array:
+    """Return the relative error of each drive's factor by the scale of angles, as that was estimated."""
+    errors = np.zeros(nominal.n_joints)
+    for joint in np.flatnonzero(angle_sigma > 0):
+        larger = np.ones(nominal.n_joints)
+        larger[joint] += min(float(angle_sigma[joint]), LEAST_KNOWN)
+        columns = model_columns(nominal, motion.seen(larger, 1))
+        errors += (_slopes(columns, reading, best_payload(columns, reading, nominal.payload)) / slopes - 1) ** 2
+    return np.asarray(np.sqrt(errors))
+
+
 def _of_centres(nominal: NominalDynamics, motion: Motion, columns: Array, payload: float) -> Array:
     """Return the relative error of each drive's factor by centres of mass that are not where they are stated."""
     every = max(1, columns.shape[1] // SAMPLES)
     few = motion.seen(np.ones(nominal.n_joints), every)
-    known = _with(columns[:, ::every], payload)
+    known = carrying(columns[:, ::every], payload)
     freed = [_apart(model[:, :1], model[:, 1:])[:, 0] for model in known]
-    plain = _torque(nominal.bodies, few)
+    plain = link_torque(nominal.bodies, few)
     errors = np.zeros(nominal.n_joints)
     for body in range(nominal.n_joints):
         for axis in range(3):
             com = nominal.bodies.com.copy()
             com[body, axis] += NUDGE
             moved = (
-                (_torque(replace(nominal.bodies, com=com), few) - plain) / NUDGE * nominal.uncertainty.centre_of_mass_m
+                (link_torque(replace(nominal.bodies, com=com), few) - plain)
+                / NUDGE
+                * nominal.uncertainty.centre_of_mass_m
             )
             errors += [float(np.dot(f, d) / max(np.dot(f, f), TINY)) ** 2 for f, d in zip(freed, moved.T, strict=True)]
     return np.asarray(np.sqrt(errors))
@@ -223,8 +164,8 @@ def _turned(nominal: NominalDynamics, time: Array, position: Array, reading: Arr
     motion, seen = Motion.along(time, position), reading[::every]
 
     def misfit_of(turned: Flags) -> float:
-        columns = _columns(nominal, motion.seen(np.where(turned, -1.0, 1.0), every))
-        return float(np.sum(_misfit(_with(columns, _payload(columns, seen, nominal.payload)), seen)))
+        columns = model_columns(nominal, motion.seen(np.where(turned, -1.0, 1.0), every))
+        return float(np.sum(misfit(carrying(columns, best_payload(columns, seen, nominal.payload)), seen)))
 
     tried = [np.array(signs) for signs in sorted(product((False, True), repeat=n), key=sum)]
     misfits = [misfit_of(turned) for turned in tried]
@@ -232,5 +173,5 @@ def _turned(nominal: NominalDynamics, time: Array, position: Array, reading: Arr
     for k in range(1, len(tried)):
         if misfits[k] < least * (HALF if best else 1.0):  # fewer turns first
             best, least = k, misfits[k]
-    alike = [turned for turned, misfit in zip(tried, misfits, strict=True) if HALF * misfit <= misfits[best]]
+    alike = [turned for turned, left in zip(tried, misfits, strict=True) if HALF * left <= misfits[best]]
     return tried[best], np.any([turned != tried[best] for turned in alike], axis=0)

@@ -129,10 +129,12 @@ class Arm:
     Attributes:
         is_slide: One for each drive; a joint that is not a slide is a hinge.
         limits: One (lower, upper) for each drive [rad] or [m]; infinite where the joint has no limit.
+        gear_ratios: One for each drive, None where its figures do not state it; or none at all.
     """
 
     is_slide: tuple[bool, ...]
     limits: tuple[tuple[float, float], ...]
+    gear_ratios: tuple[float | None, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.is_slide) != len(self.limits):

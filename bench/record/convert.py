@@ -18,6 +18,8 @@ PAUSE_S = 60.0  # [s] between two logs whose times of day nobody wrote down
 SUFFIXES = (".csv", ".tsv", ".dat", ".parquet", ".mcap")  # of the logs in a folder; a log by its own name has any
 PLAIN_TEXT = ".txt"  # logs too where a folder has no others; beside them it is somebody's notes
 
+GearRatios = tuple[float | None, ...]
+
 
 @dataclass(frozen=True)
 class Converted:
@@ -32,7 +34,7 @@ class Converted:
     unused: Mapping[str, tuple[str, ...]]
 
 
-def convert(source: Path, layout: LogFormat, robot: str) -> Converted:
+def convert(source: Path, layout: LogFormat, robot: str, gear_ratios: GearRatios = ()) -> Converted:
     """Make a campaign of a log, or of all logs of a folder in the order of their names.
 
     The clock of each run begins at its first row. Logs do not say when they were started: each is put a minute after
@@ -42,6 +44,7 @@ def convert(source: Path, layout: LogFormat, robot: str) -> Converted:
         source: A file, or a folder of files; text, Parquet or MCAP.
         layout: How they read.
         robot: Name of the robot, or path to its folder; written into the campaign.
+        gear_ratios: As the robot's figures state them, one for each drive; errors name them.
 
     Raises:
         CampaignError: There is no log, or one cannot be used; every fault once, with file, row and column.
@@ -56,7 +59,7 @@ def convert(source: Path, layout: LogFormat, robot: str) -> Converted:
         if log is None:
             continue
         unused[file.name] = log.unused
-        pieces, length = _pieces(file, log, layout, findings)
+        pieces, length = _pieces(file, log, layout, gear_ratios, findings)
         when = "" if len(files) == 1 else "; the time of its start is not known"
         for begin, columns in pieces:
             name = _run_name(file, {run.name for run in runs})
@@ -90,13 +93,14 @@ def _logs(source: Path, layout: LogFormat) -> list[Path]:
 
 
 def _pieces(
-    file: Path, log: LogColumns, layout: LogFormat, findings: list[Finding]
+    file: Path, log: LogColumns, layout: LogFormat, gear_ratios: GearRatios, findings: list[Finding]
 ) -> tuple[list[tuple[float, dict[str, Array]]], float]:
     """Return the runs of a log, each with the time at which it begins [s], and the length of the log [s]."""
     columns = dict(log.columns)
     time = columns.get("time_s")
     if time is None or not len(time):
-        findings += no_values(file, columns, slice(0, None), log, layout) or _faults_of(columns, file, log, layout, 0)
+        faults = no_values(file, columns, slice(0, None), log, layout)
+        findings += faults or _faults_of(columns, file, log, layout, gear_ratios, 0)
         return [(0.0, columns)], 0.0
     columns["time_s"] = time = time - time[0]
     pieces = []
@@ -106,7 +110,8 @@ def _pieces(
             findings.append(Finding("error", file.name, None, "", message, "correct `runs: windows_s`"))
             continue
         part = {name: values[rows] for name, values in columns.items()}
-        faults = no_values(file, columns, rows, log, layout) or _faults_of(part, file, log, layout, rows.start)
+        faults = no_values(file, columns, rows, log, layout)
+        faults = faults or _faults_of(part, file, log, layout, gear_ratios, rows.start)
         findings += faults
         if faults:
             continue
@@ -118,10 +123,13 @@ def _pieces(
     return pieces, float(time[-1])
 
 
-def _faults_of(columns: dict[str, Array], file: Path, log: LogColumns, layout: LogFormat, first: int) -> list[Finding]:
+def _faults_of(
+    columns: dict[str, Array], file: Path, log: LogColumns, layout: LogFormat, gear_ratios: GearRatios, first: int
+) -> list[Finding]:
     """Return what keeps a run from being used, in the words of the log it was made of, whose row `first` is its own."""
     run = Run("log", layout.kind, 0.0, columns)
-    found = examine_all([Sheet(run, file.name, tuple(columns))])
+    factors = {name: origin.factor for name, origin in layout.columns.items()}
+    found = examine_all([Sheet(run, file.name, tuple(columns), gear_ratios=gear_ratios, factors=factors)])
     return [_in_words(in_log(finding, log), layout, first) for finding in found if finding.level == "error"]
 
 

@@ -77,4 +77,8 @@ def plain_arm(compiled: CompiledRobot) -> Arm:
     model, at = compiled.model, compiled.at
     limits = np.where(model.jnt_limited[at.joint, None].astype(bool), compiled.limits, [-np.inf, np.inf])
     is_slide = model.jnt_type[at.joint] == mujoco.mjtJoint.mjJNT_SLIDE
-    return Arm(tuple(bool(slide) for slide in is_slide), tuple((float(low), float(high)) for low, high in limits))
+    return Arm(
+        tuple(bool(slide) for slide in is_slide),
+        tuple((float(low), float(high)) for low, high in limits),
+        tuple(drive.gear_ratio for drive in compiled.robot.figures.drives),
+    )

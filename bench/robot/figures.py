@@ -26,6 +26,9 @@ class Drive(Strict):
         1.0, description="xi = tau_motor / I, at the joint (Table 2); left out where the drive reports torque"
     )
     torque_constant_error: NonNegative = Field(0.01, description="relative standard deviation of xi as known")
+    gear_ratio: Positive | None = Field(
+        None, description="turns of the motor to one of the joint; for logs with angles of the motors, of hinges alone"
+    )
     speed_limit_rad_per_s: Positive = Field(description="at the joint; of a slide [m/s]")
 
     @property

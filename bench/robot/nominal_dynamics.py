@@ -23,6 +23,7 @@ class NominalDynamics:
         coulomb: Shape (n,) [Nm], Coulomb levels of motor and link side together.
         viscous: Shape (n,) [Nm s/rad], of motor and link side together.
         torque_constant: Shape (n,) [Nm/A].
+        gear_ratio: Shape (n,), turns of the motor to one of the joint; nan where the figures do not state it.
         torque_gain_sigma: Shape (n,), relative standard deviation of the torque that is read, of a current with its
             constant.
         torque_offset_sigma: Shape (n,) [Nm], of a constant error of the torque that is read.
@@ -39,6 +40,7 @@ class NominalDynamics:
     coulomb: Array
     viscous: Array
     torque_constant: Array
+    gear_ratio: Array
     torque_gain_sigma: Array
     torque_offset_sigma: Array
     speed_limit: Array
@@ -77,6 +79,7 @@ def nominal_dynamics(compiled: "CompiledRobot") -> NominalDynamics:
         coulomb=read_only(compiled.motor_coulomb + compiled.link_coulomb),
         viscous=read_only(model.dof_damping[at.q_dof] + model.dof_damping[at.theta_dof]),
         torque_constant=read_only(constant),
+        gear_ratio=read_only([np.nan if drive.gear_ratio is None else drive.gear_ratio for drive in figures.drives]),
         torque_gain_sigma=read_only(gain),
         torque_offset_sigma=read_only(offset),
         speed_limit=read_only([drive.speed_limit_rad_per_s for drive in figures.drives]),

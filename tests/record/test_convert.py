@@ -148,3 +148,31 @@ def test_nothing_is_left_behind_by_a_fault(tmp_path: Path, capsys: pytest.Captur
     assert code == CampaignError.exit_code
     assert "u_V" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["emps.csv"]
+
+
+MOTOR = "an angle of the motor? divide by the gear ratio"
+
+
+@pytest.mark.parametrize(
+    ("largest", "factor", "ratio", "said", "not_said"),
+    [
+        (145.0, 1.0, None, "degrees? multiply by pi / 180", "of the motor"),
+        (145.0, 1.0, 121.0, f"degrees? multiply by pi / 180; {MOTOR} of the robot's figures, 121", ""),
+        (8327.0, 1.0, None, MOTOR, "degrees"),  # 145 rad after it
+        (8327.0, 1.0, 121.0, "an angle of the motor in degrees? multiply by pi / 180 and divide by", ""),
+        (8327.0, 0.0174532925199, None, MOTOR, "degrees"),
+        (8327.0, -0.01745, 121.0, f"{MOTOR} of the robot's figures, 121", "degrees"),
+        (8e6, 0.000144, None, "look at its factor", "degrees"),
+    ],
+)
+def test_an_angle_that_reaches_too_far_is_advised_what_brings_it_into_range(
+    tmp_path: Path, largest: float, factor: float, ratio: float | None, said: str, not_said: str
+) -> None:
+    """Degrees were advised to a factor of pi / 180, and where 145 rad would have been left."""
+    file = log(tmp_path, "a.csv", f"t,q,i\n0,0,1\n0.1,{largest / 2:g},1\n0.2,{largest:g},2\n")
+    columns = {"time_s": {"from": "t"}, "q_motor_1_rad": {"from": "q", "factor": factor}, "current_1_a": {"from": "i"}}
+    with pytest.raises(CampaignError) as caught:
+        convert(file, LogFormat.model_validate({"columns": columns}), "mine", (ratio,))
+    (problem,) = [line for line in str(caught.value).splitlines() if "no position of this joint" in line]
+    assert said in problem
+    assert not not_said or not_said not in problem

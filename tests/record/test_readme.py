@@ -7,22 +7,59 @@ import numpy as np
 import pytest
 
 import bench.record
+from bench.cli import main
 from bench.errors import CampaignError, InputError
 from bench.record import limits
 from bench.record.channels import CHANNELS, NAMES, parse_column, table
 from bench.record.check import check_campaign
 from bench.record.read import read_campaign
 from bench.record.units import FOREIGN, right_name
+from tests.record import page_example
 
+CURRENT_GAIN = 0.021  # relative: sensor and torque constant of the HH-150's figures
+CURRENT_SIGMA_A = 0.03  # [A], noise, step and offset
+REFLECTOR_SIGMA_M = 1e-3  # [m]; the frame of the tracker, which stands 4 m off, is turned by 0.2 mrad about each axis
 README = (Path(bench.record.__file__).parent / "README.md").read_text()
 
 
-def test_example_is_a_campaign_without_findings(tmp_path: Path) -> None:
+def copied(folder: Path) -> Path:
+    """Copy the example of the page into a folder."""
     files = re.findall(r"^`([\w./]+)`\n```\w+\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
     assert [name for name, _ in files] == ["campaign.yaml", "runs/loading.csv"]
     for name, text in files:
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(text)
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(text)
+    return folder
+
+
+@pytest.mark.parametrize("is_known", [False, True])
+def test_bench_check_finds_nothing_in_the_example(
+    tmp_path: Path, is_known: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It found a current of the wrong sign, a reflector 0.67 m off, and a position of two joints of six."""
+    copied(tmp_path)
+    if is_known:
+        (block,) = re.findall(r"^```yaml\n(known:\n.*?)^```", README, re.DOTALL | re.MULTILINE)
+        manifest = tmp_path / "campaign.yaml"
+        manifest.write_text(manifest.read_text() + block)
+        assert len(read_campaign(tmp_path).known) == 4
+    code = main(["check", str(tmp_path)])
+    said = capsys.readouterr().out
+    assert said.splitlines()[-1] == f"{tmp_path}: 0 errors, 0 warnings; 1 runs on hh150"
+    assert code == 0
+
+
+def test_the_numbers_of_the_example_are_those_of_the_nominal_robot(tmp_path: Path) -> None:
+    campaign = read_campaign(copied(tmp_path))
+    (run,), ideal = campaign.runs, page_example.readings()
+    for name in page_example.COLUMNS:
+        gain, sigma = (CURRENT_GAIN, CURRENT_SIGMA_A) if name.startswith("current") else (0.0, REFLECTOR_SIGMA_M)
+        np.testing.assert_allclose(run.columns[name], ideal.columns[name], rtol=3 * gain, atol=3 * sigma)
+    assert page_example.pressure(np.zeros(6)) == pytest.approx(7.0e6, abs=1e5)  # as `known` has it
+
+
+def test_example_is_a_campaign_without_findings(tmp_path: Path) -> None:
+    copied(tmp_path)
     assert check_campaign(tmp_path).findings == ()
     campaign = read_campaign(tmp_path)
     assert campaign.robot == "hh150"

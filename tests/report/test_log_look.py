@@ -47,7 +47,7 @@ def test_a_log_without_a_header_against_the_arm(
     """Clock, angles, speeds, currents, counter, zeros: 13 numbers a row, and a payload that nobody stated."""
     motion = stranger.moved(np.random.default_rng(1), 20.0, stranger.as_filed(2.5))
     file = stranger.ur_log(tmp_path / "x.csv", motion, separator, decimal)
-    text = look(file, nominal=arm)
+    text = look(file, nominal=arm).text
     form = proposed(tmp_path, text)
     assert not form.table.header
     assert [form.columns[f"q_motor_{j}_rad"].source for j in (1, 2, 3)] == ["2", "3", "4"]
@@ -101,7 +101,7 @@ def test_a_delay_and_a_turned_angle_are_told(tmp_path: Path, arm: NominalDynamic
     header = "t," + ",".join([f"pos_{j}" for j in range(3)] + [f"torque_{j}" for j in range(3)])
     rows = np.column_stack([motion.time, motion.position * [1, -1, 1], motion.torque * [1, -1, 1]])
     np.savetxt(tmp_path / "x.csv", rows, delimiter=",", header=header, comments="", fmt="%.8g")
-    text = look(tmp_path / "x.csv", nominal=arm)
+    text = look(tmp_path / "x.csv", nominal=arm).text
     assert "angles of j2 count the other way round than the model's" in text
     (told,) = re.findall(r"they (lag|lead) the angles by ([\d.]+) ms", text)
     assert abs(float(told[1]) * (1e-3 if told[0] == "lag" else -1e-3) - delay) < LAG
@@ -119,7 +119,7 @@ def test_of_two_families_that_follow_the_torque_the_measured_one_is_taken(tmp_pa
     smooth = np.stack([np.convolve(c, np.ones(25) / 25, mode="same") for c in current.T], axis=1)
     rows = np.column_stack([motion.time, motion.position, motion.velocity, smooth, current])
     np.savetxt(tmp_path / "x.csv", rows, delimiter=",", fmt="%.8g")
-    text = look(tmp_path / "x.csv", nominal=arm)
+    text = look(tmp_path / "x.csv", nominal=arm).text
     form = proposed(tmp_path, text)
     assert [form.columns[f"tau_motor_{j}_nm"].source for j in (1, 2, 3)] == ["11", "12", "13"]
     assert "8 to 10: follow the torque too; 11 to 13 are taken" in text
@@ -139,7 +139,7 @@ def test_names_units_and_currents(tmp_path: Path, arm: NominalDynamics) -> None:
     )
     header = ",".join(name.replace("deg_", "") + ("_deg" if "deg" in name else "") for name in names)
     np.savetxt(tmp_path / "x.csv", rows, delimiter=",", header=header, comments="", fmt="%.8g")
-    text = look(tmp_path / "x.csv", nominal=arm)
+    text = look(tmp_path / "x.csv", nominal=arm).text
     form = proposed(tmp_path, text)
     assert form.columns["time_s"].factor == 1e-3
     assert form.columns["q_cmd_1_rad"].source == "target_q_0_deg"
@@ -171,7 +171,7 @@ def test_names_that_are_not_known(tmp_path: Path, arm: NominalDynamics, position
     """Such columns were left out beside positions that had known names, as "not used"."""
     motion = stranger.moved(np.random.default_rng(5), 15.0)
     file = named_log(tmp_path / "x.csv", motion, position, reading, motion.torque / np.array(stranger.CONSTANT))
-    form = proposed(tmp_path, look(file, nominal=arm))
+    form = proposed(tmp_path, look(file, nominal=arm).text)
     assert [form.columns[f"q_motor_{j}_rad"].source for j in (1, 2, 3)] == [position.format(j) for j in (1, 2, 3)]
     quantity = "current_{}_a" if reading.endswith("A") else "tau_motor_{}_nm"
     assert [form.columns[quantity.format(j)].source for j in (1, 2, 3)] == [reading.format(j) for j in (1, 2, 3)]
@@ -187,7 +187,7 @@ def test_what_is_called_a_torque_is_one_at_the_joint_or_behind_a_gear(tmp_path: 
     real = stranger.unlike_its_file(np.random.default_rng(4))
     motion = stranger.moved(np.random.default_rng(3), 20.0, real)
     file = named_log(tmp_path / "x.csv", motion, "joint{}_position_deg", "joint{}_torque_Nm", motion.torque / ratio)
-    text = look(file, nominal=guessed)
+    text = look(file, nominal=guessed).text
     form = proposed(tmp_path, text)
     if ratio == 1:
         assert [form.columns[f"tau_motor_{j}_nm"].factor for j in (1, 2, 3)] == [1, 1, 1]
@@ -207,7 +207,7 @@ def test_a_mirrored_arm_needs_the_same_torques(tmp_path: Path, arm: NominalDynam
     motion = stranger.moved(np.random.default_rng(4), 15.0)
     turned = replace(motion, position=motion.position * [1, -1, -1], torque=motion.torque * [1, -1, -1])
     file = named_log(tmp_path / "x.csv", turned, "pos_{}_deg", "torque_{}", turned.torque)
-    text = look(file, nominal=arm)
+    text = look(file, nominal=arm).text
     assert "angles of j2, j3 count the other way round" in text
     assert "the direction of j1 is not told by torques" in text
 
@@ -216,7 +216,7 @@ def test_joints_by_name_without_a_robot(tmp_path: Path) -> None:
     rows = "".join(f"{k},{0.1 * k},{-0.2 * k},{np.sin(k)},{np.cos(k)}\n" for k in range(50))
     header = "header.stamp,position.elbow,position.wrist,effort.elbow,effort.wrist\n"
     (tmp_path / "x.csv").write_text(header + rows)
-    form = proposed(tmp_path, look(tmp_path / "x.csv"))
+    form = proposed(tmp_path, look(tmp_path / "x.csv").text)
     assert form.columns["q_motor_2_rad"].source == "position.wrist"
     assert form.columns["tau_motor_1_nm"].source == "effort.elbow"
 
@@ -226,7 +226,7 @@ def test_a_command_comes_first(tmp_path: Path) -> None:
     motion = stranger.moved(np.random.default_rng(6), SECONDS)
     late = np.stack([np.interp(motion.time - 0.02, motion.time, values) for values in motion.position.T], axis=1)
     np.savetxt(tmp_path / "x.csv", np.column_stack([motion.time, late, motion.position]), delimiter=" ", fmt="%.7f")
-    text = look(tmp_path / "x.csv")
+    text = look(tmp_path / "x.csv").text
     form = proposed(tmp_path, text)
     assert [form.columns[f"q_cmd_{j}_rad"].source for j in (1, 2, 3)] == ["5", "6", "7"]
     assert [form.columns[f"q_motor_{j}_rad"].source for j in (1, 2, 3)] == ["2", "3", "4"]
@@ -237,7 +237,7 @@ def test_jitter_asks_for_resampling(tmp_path: Path) -> None:
     rng = np.random.default_rng(7)
     time = np.arange(500) * 0.01 + rng.uniform(0, 2e-3, 500)
     (tmp_path / "x.csv").write_text("t,q1\n" + "".join(f"{t:.5f},{np.sin(t):.6f}\n" for t in time))
-    form = proposed(tmp_path, look(tmp_path / "x.csv"))
+    form = proposed(tmp_path, look(tmp_path / "x.csv").text)
     assert form.resample is not None
     assert form.resample.rate_hz == pytest.approx(100, rel=0.02)
 
@@ -271,7 +271,7 @@ def test_a_log_with_a_hole_is_looked_at(tmp_path: Path, arm: NominalDynamics, ce
     file, rows = light_log(tmp_path)
     rows[700][2] = cell
     file.write_text("\n".join(",".join(row) for row in rows) + "\n")
-    assert "no number in every row: 3; of a slow instrument" in look(file, nominal=arm)
+    assert "no number in every row: 3; of a slow instrument" in look(file, nominal=arm).text
 
 
 def test_a_log_with_a_pause_of_years_is_looked_at_up_to_there(tmp_path: Path, arm: NominalDynamics) -> None:
@@ -279,4 +279,4 @@ def test_a_log_with_a_pause_of_years_is_looked_at_up_to_there(tmp_path: Path, ar
     for row in rows[4000:]:
         row[0] = repr(float(row[0]) + 1e9)
     file.write_text("\n".join(",".join(row) for row in rows) + "\n")
-    assert "q_motor_1_rad" in look(file, nominal=arm)
+    assert "q_motor_1_rad" in look(file, nominal=arm).text

@@ -5,6 +5,7 @@ from math import inf, pi
 
 import numpy as np
 
+from bench.record.channels import Column
 from bench.record.finding import Finding
 from bench.record.rules.sheet import Sheet, rows_where
 
@@ -20,6 +21,8 @@ VACUUM = -1.1e5  # [Pa] above ambient pressure; the highest ambient pressure eve
 MAX_PRESSURE = 1e9  # [Pa]; no cylinder holds it
 MIN_PRESSURE = 5e4  # [Pa]; counterbalances hold 2 to 30 MPa, and 30 MPa are 3e4 in kPa
 
+DEGREE = pi / 180
+ROUNDED = 1e-3  # of a factor for degrees that somebody rounded
 FAR = 1.5  # times the joint's own limit; model limits and soft limits differ by less
 BESIDE = {"rad": 0.02, "m": 0.005}  # what zero offsets and end stops explain
 
@@ -35,12 +38,33 @@ def angles(sheet: Sheet) -> Iterator[Finding]:
         if sheet.within(column.name, max(lower, -bound), min(upper, bound)):
             continue
         if rows := rows_where(np.abs(values) > bound):
-            guess = "millimetres? multiply by 0.001" if column.is_slide else "degrees? multiply by pi / 180"
+            guess = "millimetres? multiply by 0.001"
+            if not column.is_slide:
+                guess = _what_an_angle_may_be(sheet, column, float(np.max(np.abs(values))), bound)
             message = f"{values[rows[0] - 1]:g} {column.unit} is no position of this joint"
             yield sheet.error(column.name, message, guess, rows)
         elif rows := rows_where((values < lower - beside) | (values > upper + beside)):
             message = f"leaves the joint's limits, {lower:g} to {upper:g} {column.unit}"
             yield sheet.doubt(column.name, message, "look at zero position, sign and order of the joints", rows)
+
+
+def _what_an_angle_may_be(sheet: Sheet, column: Column, largest: float, bound: float) -> str:
+    """Return advice for an angle that reaches too far: each way of reading it that brings it into range."""
+    factor = abs(sheet.factors.get(column.name, 1.0))
+    was_degrees = factor <= DEGREE * (1 + ROUNDED)
+    stated = sheet.gear_ratios[column.index - 1] if column.index <= len(sheet.gear_ratios) else None
+    of_figures = f"the gear ratio of the robot's figures, {stated:g}" if stated else ""
+    ways = []
+    if not was_degrees and largest * DEGREE <= bound:
+        ways.append("degrees? multiply by pi / 180")
+    if stated and largest / stated <= bound:
+        ways.append(f"an angle of the motor? divide by {of_figures}")
+    elif stated and not was_degrees and largest * DEGREE / stated <= bound:
+        ways.append(f"an angle of the motor in degrees? multiply by pi / 180 and divide by {of_figures}")
+    elif not ways:
+        was_divided = factor < DEGREE * (1 - ROUNDED)
+        ways.append("look at its factor" if was_divided else "an angle of the motor? divide by the gear ratio")
+    return "; ".join(ways)
 
 
 def magnitudes(sheet: Sheet) -> Iterator[Finding]:

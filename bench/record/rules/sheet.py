@@ -1,7 +1,7 @@
 """One run as the rules see it."""
 
-from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +23,16 @@ class Sheet:
         file: Path of the table relative to the campaign folder.
         names: All column names in the order of the file, with repetitions.
         arm: The robot, or None.
+        gear_ratios: As its figures state them, one for each drive or none at all; advice names them.
+        factors: Column -> what its values were multiplied by when they were made of a log.
     """
 
     run: Run
     file: str
     names: tuple[str, ...]
     arm: Arm | None = None
+    gear_ratios: tuple[float | None, ...] = ()
+    factors: Mapping[str, float] = field(default_factory=dict)
 
     def without(self, names: Set[str]) -> "Sheet":
         """Return the sheet with fewer columns to look at."""

@@ -8,17 +8,15 @@ import numpy as np
 from bench.identify.drive_scale import DriveScale, drive_scale
 from bench.record.campaign import Array
 from bench.record.look.families import Family
-from bench.record.look.values import evenly
-from bench.report.log_look.lines import Line, as_logged
+from bench.report.log_look.angle_units import SLOWEST_GEAR
+from bench.report.log_look.lines import UNTOLD, Line, as_logged
+from bench.report.log_look.slow import Slow, slow_motion
 from bench.robot.nominal_dynamics import NominalDynamics
 
 EXPLAINED = 0.5  # share of a reading's variance, mean over drives, from which it is a torque or a current (assumed)
 NEAR_ONE = 0.25  # relative: a factor this near to one is no gear ratio; payload and masses may be off so far (assumed)
 NINETY = 1.645  # exact: standard deviations to either side that hold 90 %
 AT_LIMIT = 1e-2  # rounding: of a payload that was searched to a thousandth
-SLOWEST_GEAR = 6.0  # assumed: ratio of the quasi-direct drives of legged robots; others are geared down by 30 and more
-EDGE = 5  # samples at either end, which the low-pass sees past
-UNTOLD = 0.3  # relative standard deviation of a factor that is no proposal (assumed: gears of one arm differ by less)
 
 
 @dataclass(frozen=True)
@@ -34,36 +32,45 @@ class Drives:
     turned: frozenset[int] = frozenset()
 
 
+def readings_of(families: Sequence[Family]) -> list[Family]:
+    """Return the families that may be torques or currents."""
+    return [f for f in families if f.kind in ("torque", "current", "unknown") and not f.is_command]
+
+
 def drives(
     families: Sequence[Family],
     lines: Sequence[Line],
     time: Array,
     columns: Mapping[str, Array],
     nominal: NominalDynamics | None,
+    angle_sigma: Array,
     remarks: list[str],
 ) -> Drives:
     """Return the lines of torques and currents, one family for each quantity.
 
     Args:
-        families: Of the log.
+        families: Those that may be torques or currents (`readings_of`).
         lines: Those of the angles.
         time: Shape (T,) [s].
         columns: Of the log.
         nominal: The robot, if it is known.
+        angle_sigma: Shape (n,), relative standard deviation of the scale of each angle, where it was estimated.
         remarks: To which is added what was taken, and what was not.
     """
-    candidates = [f for f in families if f.kind in ("torque", "current", "unknown") and not f.is_command]
     if nominal is None:
-        if unknown := [family.shown for family in candidates if family.kind == "unknown"]:
+        unknown = [family.shown for family in families if family.kind == "unknown"]
+        if unknown:
             remarks.append(f"{', '.join(unknown)}: move with the robot; currents or torques? --robot DIR tells")
-        first = {family.kind: family for family in reversed(candidates) if family.kind != "unknown"}
-        if first:
+        if len(unknown) < len(families):
             remarks.append("torques and currents are as logged: --robot DIR tells gear ratio, sign and delay")
-        return Drives(tuple(line for family in first.values() for line in as_logged(family, columns)))
-    angles = _angles(lines, nominal.n_joints)
-    if angles is None:
+        return _unscaled(families, columns)
+    slow = slow_motion(lines, families, time, columns, nominal.n_joints)
+    if slow is None:
         return Drives(())
-    scales = [(family, _scale(family, angles, time, columns, nominal, remarks)) for family in candidates]
+    if any(line.side == "motor" and not line.was_estimated for line in slow.angles):
+        remarks.append("torques and currents are as logged: nothing tells factors and signs before angles are known")
+        return _unscaled(families, columns)
+    scales = [(family, _scale(family, slow, nominal, angle_sigma, remarks)) for family in families]
     found: list[Line] = []
     turned: set[int] = set()
     for kind in ("tau_motor", "current"):
@@ -75,32 +82,21 @@ def drives(
     return Drives(tuple(found), frozenset(turned))
 
 
-def _angles(lines: Sequence[Line], n: int) -> list[Line] | None:
-    """Return the line of each drive's angle, of the encoder or else of the command; None if a drive has none."""
-    places = {line.column: line for line in lines}
-    found = []
-    for number in range(1, n + 1):
-        names = [f"{quantity}_{number}_{unit}" for quantity in ("q_motor", "q_cmd") for unit in ("rad", "m")]
-        found += [places[name] for name in names if name in places][:1]
-    return found if len(found) == n else None
+def _unscaled(families: Sequence[Family], columns: Mapping[str, Array]) -> Drives:
+    """Return the first family of each quantity as it is logged."""
+    first = {family.kind: family for family in reversed(families) if family.kind != "unknown"}
+    return Drives(tuple(line for family in first.values() for line in as_logged(family, columns)))
 
 
 def _scale(
-    family: Family,
-    angles: Sequence[Line],
-    time: Array,
-    columns: Mapping[str, Array],
-    nominal: NominalDynamics,
-    remarks: list[str],
+    family: Family, slow: Slow, nominal: NominalDynamics, angle_sigma: Array, remarks: list[str]
 ) -> DriveScale | None:
     """Return how a family compares with the torque that the arm needs; None if it has little to do with it."""
-    names = [*(line.source for line in angles), *family.sources]
-    clock, slow = evenly(time, {name: columns[name] for name in names})
-    position = np.stack([line.factor * slow[line.source] for line in angles], axis=1)[EDGE:-EDGE]
-    reading = np.stack([slow[name] for name in family.sources], axis=1)[EDGE:-EDGE]
-    if not np.all(np.ptp(reading, axis=0) > 0):
+    if family.sources not in slow.readings:
         return None
-    scale = drive_scale(nominal, clock[EDGE:-EDGE], position, reading)
+    is_given = bool(np.any(angle_sigma > 0))
+    reading = slow.readings[family.sources]
+    scale = drive_scale(nominal, slow.time, slow.position, reading, angle_sigma if is_given else None)
     if np.mean(scale.explained) < EXPLAINED:
         remarks.append(f"{family.shown}: the model explains {100 * np.mean(scale.explained):.0f} % of it; not taken")
         return None
@@ -192,7 +188,8 @@ def _scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks
         unit = "nm" if nominal.bodies.is_hinge[k] else "n"
         told = f"{100 * scale.explained[k]:.0f} % explained"
         if family.kind == "current":
-            yield Line(f"current_{number}_a", source, sign, 0.0, f"{told}; sign as the model has it")
+            direction = "turned, it counts against the model's torque" if sign < 0 else "sign as the model has it"
+            yield Line(f"current_{number}_a", source, sign, 0.0, f"{told}; {direction}")
         elif near:
             off = abs(abs(scale.factor[k]) - 1)
             why = f"{told}; joint torque" + (f" within {100 * off:.0f} % of the model's" if off < NEAR_ONE else "")

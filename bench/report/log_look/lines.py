@@ -1,5 +1,6 @@
 """Lines of a proposed `log.yaml` that a log alone tells."""
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -8,18 +9,26 @@ import numpy as np
 from bench.record.campaign import Array
 from bench.record.channels import parse_column
 from bench.record.look.families import Family
-from bench.record.rules.scale import MAX_ANGLE
 from bench.record.units import FOREIGN
+from bench.report.log_look.angle_units import Side, angle_unit, reaches
+from bench.robot.nominal_dynamics import NominalDynamics
 
 MAX_TRAVEL = 10.0  # [m] of a slide; tracks that carry arms are this long, and in mm 10 would be a centimetre
 KELVIN = 200.0  # a temperature above it is in kelvin, below in degrees Celsius; no winding has either in the other
 ANGLES = ("q_cmd", "q_motor", "q_link")
+UNTOLD = 0.3  # relative standard deviation of a factor that is no proposal (assumed: gears of one arm differ by less)
 QUANTITY = {"link": "q_link", "current": "current", "torque": "tau_motor", "temperature": "motor_temperature"}
 
 
 @dataclass(frozen=True)
 class Line:
-    """One column of a proposed `log.yaml`; one that is open is a comment there."""
+    """One column of a proposed `log.yaml`; one that is open is a comment there.
+
+    Attributes:
+        unit: Of an angle as logged; "" if it is not known.
+        side: Of the gear, on which an angle is.
+        was_estimated: Whether its factor was found against the robot's masses.
+    """
 
     column: str
     source: str
@@ -27,6 +36,9 @@ class Line:
     offset: float
     why: str
     is_open: bool = False
+    unit: str = ""
+    side: Side = "joint"
+    was_estimated: bool = False
 
     @property
     def number(self) -> int:
@@ -38,9 +50,13 @@ class Line:
         """Return the line with the angle counted the other way round."""
         return replace(self, factor=-self.factor, offset=-self.offset)
 
+    def and_why(self, more: str) -> str:
+        """Return its reason with another one behind it."""
+        return f"{self.why}; {more}" if self.why else more
+
     def __str__(self) -> str:
         """As it stands in the file."""
-        quoted = self.source if self.source.replace("_", "").isalnum() else f'"{self.source}"'
+        quoted = self.source if self.source.replace("_", "").isalnum() else json.dumps(self.source, ensure_ascii=False)
         parts = [f"from: {quoted}"]
         parts += [f"factor: {self.factor:.12g}"] if self.factor != 1 else []
         parts += [f"offset: {self.offset:g}"] if self.offset else []
@@ -49,9 +65,7 @@ class Line:
 
 
 def positions(
-    families: Sequence[Family],
-    columns: Mapping[str, Array],
-    is_slide: Sequence[bool] | None,
+    families: Sequence[Family], columns: Mapping[str, Array], nominal: NominalDynamics | None
 ) -> Iterator[Line]:
     """Yield the lines of commands, encoders and secondary encoders; the first family of a kind is taken."""
     taken: set[str] = set()
@@ -62,27 +76,41 @@ def positions(
         if quantity in taken:
             continue
         taken.add(quantity)
-        for number, source in zip(family.numbers, family.sources, strict=True):
-            slides = bool(is_slide and is_slide[number - 1])
-            factor, why = _unit(family, columns[source], slides)
-            reasons = f"{family.why}; {why}" if number == family.numbers[0] or why.startswith("reaches") else ""
-            yield Line(f"{quantity}_{number}_{'m' if slides else 'rad'}", source, factor, 0.0, reasons)
+        yield from _family_lines(quantity, family, columns, nominal)
 
 
-def _unit(family: Family, values: Array, slides: bool) -> tuple[float, str]:
-    """Return the factor of a position to rad or m, and why."""
-    target = "m" if slides else "rad"
+def _family_lines(
+    quantity: str, family: Family, columns: Mapping[str, Array], nominal: NominalDynamics | None
+) -> Iterator[Line]:
+    reach = reaches(nominal, max(family.numbers))
+    pairs = list(zip(family.numbers, family.sources, strict=True))
+    slides = {number for number, _ in pairs if nominal is not None and not nominal.bodies.is_hinge[number - 1]}
+    hinges = [(number, source) for number, source in pairs if number not in slides]
+    turning = replace(family, sources=tuple(s for _, s in hinges), numbers=tuple(n for n, _ in hinges))
+    read = angle_unit(turning, columns, reach[[n - 1 for n, _ in hinges]], nominal is not None) if hinges else None
+    for number, source in pairs:
+        if number in slides or read is None:
+            factor, why = _slide_unit(family, columns[source])
+            line = Line(f"{quantity}_{number}_m", source, factor, 0.0, why)
+        else:
+            side: Side = read.side if np.any(columns[source]) else "joint"  # of a zero nobody needs a factor
+            line = Line(f"{quantity}_{number}_rad", source, read.factor, 0.0, read.why, unit=read.unit, side=side)
+        is_first = number == family.numbers[0]
+        reasons = dict.fromkeys([family.why, line.why] if is_first else [line.why] if number in slides else [])
+        yield replace(line, why="; ".join(reasons))
+
+
+def _slide_unit(family: Family, values: Array) -> tuple[float, str]:
+    """Return the factor of a slide's position to m, and why."""
     foreign = FOREIGN.get(family.unit)
-    if foreign and foreign.si == target:
+    if foreign and foreign.si == "m":
         return foreign.factor, f"unit {family.unit} in its name"
-    if family.unit == target:
-        return 1.0, f"unit {family.unit} in its name"
+    if family.unit == "m":
+        return 1.0, "unit m in its name"
     largest = float(np.max(np.abs(values)))
-    if not slides and largest > MAX_ANGLE:
-        return FOREIGN["deg"].factor, f"reaches {largest:.3g}, so degrees"
-    if slides and largest > MAX_TRAVEL:
+    if largest > MAX_TRAVEL:
         return FOREIGN["mm"].factor, f"reaches {largest:.3g}, so millimetres"
-    return 1.0, f"taken as {target}"
+    return 1.0, "taken as m"
 
 
 def as_logged(family: Family, columns: Mapping[str, Array]) -> Iterator[Line]:

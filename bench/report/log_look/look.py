@@ -1,6 +1,7 @@
 """A log looked at: which of its columns is what, and what is written of it."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,15 +16,30 @@ from bench.record.look.names import clocks, families_by_name, unit_of
 from bench.record.look.values import clock_factor, clock_of, families_by_value, moving, without_holes
 from bench.record.plain_file import FileFault, read_plain
 from bench.record.table import Table
-from bench.report.log_look.drives import drives
+from bench.report.log_look.drives import drives, readings_of
+from bench.report.log_look.gears import geared
 from bench.report.log_look.lines import QUANTITY, Line, positions, temperatures
+from bench.report.log_look.trial import refusals
 from bench.robot.nominal_dynamics import NominalDynamics
 
 JITTER = 0.05  # of a step, from which the first pass cuts a run (`identify/dynamics/samples.py`)
 
 
-def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) -> str:
-    """Return a proposed `log.yaml` as text; comments say what each line was guessed from.
+@dataclass(frozen=True)
+class Proposal:
+    """A proposed `log.yaml`.
+
+    Attributes:
+        text: Of the file; comments say what each line was guessed from.
+        questions: What has to be looked at before it is used; these stand in the text too.
+    """
+
+    text: str
+    questions: tuple[str, ...]
+
+
+def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) -> Proposal:
+    """Return a proposed `log.yaml`, tried on the log it was made of.
 
     Args:
         file: The log.
@@ -50,11 +66,11 @@ def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) ->
     remarks: list[str] = []
     if holes := [name for name, values in read.items() if name not in others or np.any(others[name] != values)]:
         remarks.append(f"no number in every row: {', '.join(holes)}; of a slow instrument write `fill: hold` behind it")
-    is_slide = None if nominal is None else [not bool(hinge) for hinge in nominal.bodies.is_hinge]
     families = _families(time, others, dialect, nominal)
-    lines = [Line("time_s", clock, factor, 0.0, f"rises evenly; {why}")]
-    lines += positions(families, others, is_slide)
-    found = drives(families, lines, time, others, nominal, remarks)
+    readings = readings_of(families)
+    known = geared(list(positions(families, others, nominal)), readings, time, others, nominal)
+    lines = [Line("time_s", clock, factor, 0.0, f"rises evenly; {why}"), *known.lines]
+    found = drives(readings, lines, time, others, nominal, known.sigma, remarks)
     lines = [*(line.turned() if line.number in found.turned else line for line in lines), *found.lines]
     lines += temperatures(families, others)
     if len(lines) == 1:
@@ -66,10 +82,12 @@ def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) ->
     named |= {
         name for family in families if family.kind in QUANTITY or family.kind == "unknown" for name in family.sources
     }
-    head += [f"# {remark}" for remark in (*remarks, *_unused(families, others, named))]
-    head += [f"table: {dialect}  # from its text"] if dialect != PLAIN else []
-    head += [f"topic: {topic}"] if topic else []
-    return "\n".join([*head, *_evenness(time), "columns:", *map(str, lines)]) + "\n"
+    remarks += _unused(families, others, named)
+    settings = [f"table: {dialect}  # from its text"] if dialect != PLAIN else []
+    settings += [f"topic: {topic}"] if topic else []
+    body = "\n".join([*settings, *_evenness(time), "columns:", *map(str, lines)]) + "\n"
+    questions = (*known.questions, *refusals(file, body, nominal))
+    return Proposal("\n".join([*head, *(f"# {remark}" for remark in (*questions, *remarks)), body]), questions)
 
 
 def _opened(file: Path, topic: str) -> tuple[Table, Dialect]:

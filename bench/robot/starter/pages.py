@@ -38,6 +38,7 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
         lines += [f"    {key}: {_quoted(value)}" for key, value in keys.items()]
         lines += [
             "    # torque_constant_nm_per_a:  of a drive that reports current: Nm at the joint per A; else left out",
+            "    # gear_ratio:  where logs have angles of the motors: turns of the motor to one of the joint",
             f"    speed_limit_rad_per_s: {drive.speed_limit:g}  # {drive.origins['speed_limit']}",
         ]
     turning = [drive.torque_limit / max(found.reach, 0.1) for joint, drive in pairs if not joint.is_slide]

@@ -1,0 +1,196 @@
+"""The scale of logged angles, such as a gear ratio that nobody stated, from the torque that an arm needs.
+
+Angles of the motors are theta / f with an unknown f for each joint. Gravity goes with sin(theta), inertia and Coriolis
+torques with products of theta's derivatives: of all f only the right ones give torques of the shape that the drives
+report. Their size tells nothing, for torque constants are as unknown. For each drive
+y = c_m (M(theta, theta', theta'') + p L) + c_v v + c_s sign(v) + c_0 as in `drive_scale`; f, the payload p and the
+delay of the readings minimise what is left, each drive weighed with its own, by Gauss-Newton on the projected residual
+(variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from bench.identify.drive_model import TINY, Motion, carrying, is_guessed, model_columns, shifted, solved
+from bench.identify.drive_scale import BLOCKS, LATEST, MOST_FLIPPED, SAMPLES, Flags
+from bench.record.campaign import Array
+from bench.robot.nominal_dynamics import NominalDynamics
+
+BEYOND = 1.5  # times the joint's limit, up to which angles are sought; soft limits and those of a model differ by less
+LEAST_USED = 0.05  # of a joint's range, that a log shows at least (assumed)
+START = 0.5  # of a joint's range, from which the search starts (assumed; 0.3 and 0.8 ended at the same place)
+SIGNS_TRIED = 3  # combinations of directions that are followed to the end, those that start best (assumed)
+REWEIGHED = 3  # times that the noise of each drive is taken from what is left; the last changes it by a hundredth
+STEPS = 15  # of one search; it settles within ten
+AT_BOUND = 0.01  # relative: a scale that is so near to the edge of what was searched has not been found
+UNSEEN = 1e-6  # of the largest sensitivity: a scale with less has no part in the torque
+ROUND = 2 * np.pi  # [rad], of a joint without limits
+
+
+@dataclass(frozen=True)
+class AngleScale:
+    """The scale of the angles of n joints.
+
+    Attributes:
+        factor: Shape (n,), angle of the joint by the one that was given, positive; 1 where it was not sought.
+        sigma: Shape (n,), its relative standard deviation: statistics, masses, centres and rotors together; 0 where it
+            was not sought, inf where torques do not tell it.
+        unexplained: Share of the readings' variance that is left, mean over drives.
+        unexplained_as_given: The same with all angles as they were given, in the best directions.
+    """
+
+    factor: Array
+    sigma: Array
+    unexplained: float
+    unexplained_as_given: float
+
+
+def angle_scale(nominal: NominalDynamics, time: Array, angle: Array, reading: Array, sought: Flags) -> AngleScale:
+    """Estimate the scale of angles from the torque that the nominal arm needs along them.
+
+    Directions are tried up to six joints; only sizes are returned, since a mirrored arm may need the same torque.
+
+    Args:
+        nominal: The robot.
+        time: Shape (T,) [s], even.
+        angle: Shape (T, n), low-passed; [rad] or [m] where it is not sought, else in any unit.
+        reading: Shape (T, n), of the drives in any unit, through the same low-pass.
+        sought: Shape (n,), joints of which the scale is unknown.
+    """
+    problem = _Problem(nominal, time, angle, reading, np.flatnonzero(sought & (np.max(np.abs(angle), axis=0) > 0)))
+    fits = [_fitted(problem, signs) for signs in problem.best_signs(problem.start, SIGNS_TRIED)]
+    best = min(fits, key=lambda fit: fit.misfit)
+    factor, sigma = np.ones(nominal.n_joints), np.where(sought, np.inf, 0.0)
+    factor[problem.places] = problem.factors(best.x)[problem.places]
+    sigma[problem.places] = _sigma(problem, best)
+    as_given = np.r_[np.zeros(len(problem.places)), 0.0, 0.0]
+    (signs,) = problem.best_signs(as_given, 1)
+    return AngleScale(factor, sigma, problem.share_left(best.signs, best.x), problem.share_left(signs, as_given))
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """What is minimised; x holds log f of the joints at `places`, share of the heaviest payload, delay by LATEST."""
+
+    nominal: NominalDynamics
+    time: Array
+    angle: Array
+    reading: Array
+    places: np.ndarray[tuple[int], np.dtype[np.int64]]
+
+    @property
+    def start(self) -> Array:
+        return np.asarray(np.r_[self.bounds[1][:-2] + np.log(START / BEYOND), 0.0, 0.0])
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper ends of x."""
+        limits = self.nominal.bodies.limits
+        reach = np.where(limits[:, 1] > limits[:, 0], np.max(np.abs(limits), axis=1), ROUND)
+        most = np.log(BEYOND * reach / np.maximum(np.max(np.abs(self.angle), axis=0), TINY))[self.places]
+        heaviest = 1.0 if self.nominal.payload > 0 else TINY
+        return np.r_[most + np.log(LEAST_USED / BEYOND), -TINY, -1.0], np.r_[most, heaviest, 1.0]
+
+    def factors(self, x: Array) -> Array:
+        """Return the scale of all joints, shape (n,)."""
+        factor = np.ones(self.nominal.n_joints)
+        factor[self.places] = np.exp(x[:-2])
+        return np.asarray(factor)
+
+    def left(self, signs: Array, x: Array, nominal: NominalDynamics | None = None) -> Array:
+        """Return what the model leaves of the readings, shape (n, samples)."""
+        nominal = nominal or self.nominal
+        every = max(1, len(self.time) // SAMPLES)
+        motion = Motion.along(self.time, self.angle).seen(signs * self.factors(x), every)
+        columns = carrying(model_columns(nominal, motion), max(0.0, x[-2]) * self.nominal.payload)
+        seen = shifted(self.time, self.reading, LATEST * x[-1])[::every]
+        return np.asarray(seen.T - np.einsum("jtc,jc->jt", columns, solved(columns, seen)))
+
+    def share_left(self, signs: Array, x: Array) -> float:
+        """Return the share of the readings' variance that is left, mean over drives."""
+        return float(np.mean(np.var(self.left(signs, x), axis=1) / np.maximum(np.var(self.reading, axis=0), TINY)))
+
+    def best_signs(self, x: Array, count: int) -> list[Array]:
+        """Return directions of the joints, those that leave least first; of a pair of mirror images one."""
+        n = self.nominal.n_joints
+        tried = [np.array(signs) for signs in product((1.0, -1.0), repeat=n)] if n <= MOST_FLIPPED else [np.ones(n)]
+        shares = np.array([self.share_left(signs, x) for signs in tried])
+        kept: list[int] = []
+        for k in np.argsort(shares, kind="stable"):
+            if not kept or shares[k] > shares[kept[-1]] * (1 + 1e-6):
+                kept.append(int(k))
+        return [tried[k] for k in kept[:count]]
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Where a search ended: directions, x, the noise of each drive, residual and its Jacobian, sum of logarithms."""
+
+    signs: Array
+    x: Array
+    noise: Array
+    residual: Array
+    jacobian: Array
+    misfit: float
+
+
+def _fitted(problem: _Problem, signs: Array) -> _Fit:
+    lower, upper = problem.bounds
+    x = problem.start
+    noise = np.std(problem.left(signs, x), axis=1)
+    for _ in range(REWEIGHED):
+        found = least_squares(
+            lambda at, noise=noise: (problem.left(signs, at) / noise[:, None]).ravel(),
+            np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower)),
+            bounds=(lower, upper),
+            max_nfev=STEPS,
+        )
+        x, weighed = found.x, noise
+        noise = np.maximum(np.std(problem.left(signs, x), axis=1), TINY)
+    return _Fit(signs, x, weighed, found.fun, found.jac, float(np.sum(np.log(noise))))
+
+
+def _sigma(problem: _Problem, fit: _Fit) -> Array:
+    """Return the standard deviation of log f at each place; inf where it was not found.
+
+    Statistics from the scores of blocks (a sandwich, for what is left is no white noise), and what each stated
+    uncertainty of masses, centres and rotors moves, to first order.
+    """
+    n, size = problem.nominal.n_joints, len(fit.x)
+    inverse = np.linalg.pinv(fit.jacobian.T @ fit.jacobian)
+    jacobian, residual = fit.jacobian.reshape(n, -1, size), fit.residual.reshape(n, -1)
+    scores = [
+        np.einsum("jtk,jt->k", jacobian[:, rows], residual[:, rows])
+        for rows in np.array_split(np.arange(residual.shape[1]), BLOCKS)
+    ]
+    covariance = inverse @ np.einsum("bk,bl->kl", scores, scores) @ inverse * BLOCKS / (BLOCKS - 1)
+    for other in _within_uncertainty(problem.nominal):
+        moved = (problem.left(fit.signs, fit.x, other) / fit.noise[:, None]).ravel() - fit.residual
+        covariance += np.outer(shift := inverse @ (fit.jacobian.T @ moved), shift)
+    lower, upper = problem.bounds
+    sensitivity = np.linalg.norm(fit.jacobian, axis=0)
+    lost = (fit.x < lower + AT_BOUND) | (fit.x > upper - AT_BOUND) | (sensitivity < UNSEEN * np.max(sensitivity))
+    return np.where(lost, np.inf, np.sqrt(np.diag(covariance)))[:-2]
+
+
+def _within_uncertainty(nominal: NominalDynamics) -> Iterator[NominalDynamics]:
+    """Yield arms of which one figure each is off by one standard deviation: masses, centres, known rotors."""
+    bodies, unsure = nominal.bodies, nominal.uncertainty
+    for k in range(nominal.n_joints):
+        scale = np.ones(nominal.n_joints)
+        scale[k] += unsure.mass
+        heavier = replace(bodies, mass=bodies.mass * scale, inertia=bodies.inertia * scale[:, None, None])
+        yield replace(nominal, bodies=heavier)
+        for axis in range(3):
+            com = bodies.com.copy()
+            com[k, axis] += unsure.centre_of_mass_m
+            yield replace(nominal, bodies=replace(bodies, com=com))
+        if not is_guessed(nominal):
+            scale = np.ones(nominal.n_joints)
+            scale[k] += unsure.rotor_inertia
+            yield replace(nominal, rotor_inertia=nominal.rotor_inertia * scale)

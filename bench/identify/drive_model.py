@@ -1,0 +1,103 @@
+"""What readings of drives are held against: columns of the arm's torque along a motion, and what they leave."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from bench.identify.arm import Arm
+from bench.record.campaign import Array
+from bench.robot.bodies import RigidBodies
+from bench.robot.nominal_dynamics import NominalDynamics
+from bench.robot.payload import with_payload
+
+NOT_SHARP = 0.02  # of the top speed, over which the direction of a slow movement is not sharp (assumed)
+GUESSED = 1.0  # uncertainty of rotors, a factor of two, from which they are guesses; sigma of what a file states is 0.1
+
+TINY = np.finfo(float).tiny
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Positions and their derivatives, each of shape (T, n)."""
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+    @classmethod
+    def along(cls, time: Array, position: Array) -> "Motion":
+        """Differentiate by central differences."""
+        velocity = np.gradient(position, time, axis=0)
+        return cls(position, velocity, np.gradient(velocity, time, axis=0))
+
+    def seen(self, scale: Array, every: int) -> "Motion":
+        """Return each so many samples of the motion, each joint scaled or turned."""
+        parts = (self.position, self.velocity, self.acceleration)
+        return Motion(*(scale * part[::every] for part in parts))
+
+
+def model_columns(nominal: NominalDynamics, motion: Motion) -> Array:
+    """Return for each drive model torque, speed, direction, one, and the torque of 1 kg of payload, shape (n, T, c).
+
+    Where rotors are guesses, acceleration stands before the payload; c is 5 or 6.
+    """
+    links = link_torque(nominal.bodies, motion)
+    payload = link_torque(with_payload(nominal.bodies, 1.0, nominal.load_point), motion) - links
+    guessed = [motion.acceleration] if is_guessed(nominal) else []
+    torque = links if guessed else links + nominal.rotor_inertia * motion.acceleration
+    slow = NOT_SHARP * np.max(np.abs(motion.velocity), axis=0, initial=1e-9)
+    direction = np.tanh(motion.velocity / slow)
+    stack = np.stack([torque, motion.velocity, direction, np.ones_like(torque), *guessed, payload], axis=-1)
+    return np.swapaxes(stack, 0, 1)
+
+
+def is_guessed(nominal: NominalDynamics) -> bool:
+    """Return whether nobody knows the rotors."""
+    return nominal.uncertainty.rotor_inertia >= GUESSED
+
+
+def link_torque(bodies: RigidBodies, motion: Motion) -> Array:
+    """Return the torque that links need along a motion, shape (T, n)."""
+    arm = Arm(bodies)
+    states = zip(motion.position, motion.velocity, motion.acceleration, strict=True)
+    return np.array([arm.inverse_dynamics(*state) for state in states])
+
+
+def solved(columns: Array, reading: Array) -> Array:
+    """Return the coefficients of each drive, shape (n, c - 1)."""
+    return np.array([np.linalg.lstsq(c, y, rcond=None)[0] for c, y in zip(columns, reading.T, strict=True)])
+
+
+def carrying(columns: Array, payload: float) -> Array:
+    """Return the columns of an arm that carries something, shape (n, T, c - 1)."""
+    torque = columns[:, :, :1] + payload * columns[:, :, -1:]
+    return np.concatenate([torque, columns[:, :, 1:-1]], axis=2)
+
+
+def best_payload(columns: Array, reading: Array, heaviest: float) -> float:
+    """Return the payload with which all drives agree best [kg], from none to the largest that may be unstated."""
+    if heaviest <= 0:
+        return 0.0
+    found = minimize_scalar(
+        lambda mass: total_misfit(columns, reading, float(mass)),
+        bounds=(0.0, heaviest),
+        options={"xatol": 1e-3 * heaviest},
+    )
+    return float(found.x) if found.fun < total_misfit(columns, reading, 0.0) else 0.0
+
+
+def total_misfit(columns: Array, reading: Array, payload: float) -> float:
+    """Return the logarithm of what is left, summed over drives: the likelihood, each drive with its own noise."""
+    return float(np.sum(np.log(np.maximum(misfit(carrying(columns, payload), reading), TINY))))
+
+
+def misfit(columns: Array, reading: Array) -> Array:
+    """Return the share of each reading's variance that is left, shape (n,)."""
+    left = reading.T - np.einsum("jtc,jc->jt", columns, solved(columns, reading))
+    return np.asarray(np.var(left, axis=1) / np.maximum(np.var(reading, axis=0), TINY))
+
+
+def shifted(time: Array, reading: Array, delay: float) -> Array:
+    """Return readings as they would be without a delay."""
+    return np.stack([np.interp(time + delay, time, values) for values in reading.T], axis=1)

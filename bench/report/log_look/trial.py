@@ -1,0 +1,50 @@
+"""What `bench convert` and `bench check` would say of a proposed `log.yaml`."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from bench.errors import InputError
+from bench.record.campaign import Arm
+from bench.record.convert import convert
+from bench.record.log_format import LOG_FORMAT, read_log_format
+from bench.record.rules.scale import angles
+from bench.record.rules.sheet import Sheet
+from bench.robot.nominal_dynamics import NominalDynamics
+
+
+def refusals(file: Path, proposed: str, nominal: NominalDynamics | None) -> Iterator[str]:
+    """Yield each reason for which a proposal is refused, or its angles are doubted, when it is applied to its log.
+
+    Args:
+        file: The log.
+        proposed: Text of the `log.yaml`.
+        nominal: The robot, if it is known.
+    """
+    try:
+        with TemporaryDirectory() as folder:
+            (written := Path(folder) / LOG_FORMAT).write_text(proposed, encoding="utf-8")
+            layout = read_log_format(written)
+        converted = convert(file, layout, "robot")
+    except InputError as error:
+        yield from (f"bench convert will refuse this as it stands: {problem}" for problem in error.problems)
+        return
+    if nominal is None:
+        return
+    arm = _arm(nominal)
+    for run in converted.campaign.runs:
+        for finding in angles(Sheet(run, file.name, tuple(run.columns), arm, arm.gear_ratios)):
+            yield f"bench check will doubt this as it stands: {finding}"
+
+
+def _arm(nominal: NominalDynamics) -> Arm:
+    ends = nominal.bodies.limits
+    ends = np.where(ends[:, 1:] > ends[:, :1], ends, [-np.inf, np.inf])
+    ratios = tuple(float(ratio) if np.isfinite(ratio) else None for ratio in nominal.gear_ratio)
+    return Arm(
+        tuple(not bool(hinge) for hinge in nominal.bodies.is_hinge),
+        tuple((float(a), float(b)) for a, b in ends),
+        ratios,
+    )
