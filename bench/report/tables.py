@@ -77,13 +77,22 @@ def print_table(
     Raises:
         InputError: A row has not as many values as there are columns.
     """
-    from rich.console import Console
-
-    console = console or Console()
+    console = console or terminal()
     sign = "\u00b1" if console.encoding.lower().startswith("utf") else "+-"
     print_wide(console, rich_table(title, columns, rows, sign))
     for note in notes:
         console.print(note, highlight=False, markup=False)
+
+
+def terminal() -> "Console":
+    """Return standard output for Rich; it raises `BrokenPipeError` where nobody reads on, as `print` does."""
+    from rich.console import Console
+
+    class Terminal(Console):
+        def on_broken_pipe(self) -> None:  # called where the error is handled; Rich itself would exit with code 1
+            raise  # noqa: PLE0704
+
+    return Terminal()
 
 
 def print_wide(console: "Console", table: "RichTable") -> None:

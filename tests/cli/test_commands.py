@@ -1,6 +1,7 @@
 """The command line: what it writes, what it returns, and what it says when it cannot."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -136,11 +137,26 @@ def test_help_is_light() -> None:
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["effects"]])
-def test_whoever_stops_reading_sees_no_traceback(arguments: list[str]) -> None:
+@pytest.mark.parametrize("buffering", ["buffered", "unbuffered"])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--help"],
+        ["view", "--help"],
+        ["effects"],
+        ["robots"],
+        ["store"],
+        ["poses", "--robot", "hh150", "-n", "1"],
+        ["identify", "CAMPAIGN"],
+    ],
+    ids=" ".join,
+)
+def test_whoever_stops_reading_sees_no_traceback(results: Path, arguments: list[str], buffering: str) -> None:
     """As with `bench effects | head -1`."""
+    arguments = [str(results / "campaign") if word == "CAMPAIGN" else word for word in arguments]
     words = [sys.executable, "-c", "import sys; from bench.cli import main; sys.exit(main())", *arguments]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    environment = os.environ | {"PYTHONUNBUFFERED": "1" if buffering == "unbuffered" else ""}
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
     assert process.stdout
     assert process.stderr
     process.stdout.close()  # before anything was written
