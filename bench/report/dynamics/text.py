@@ -35,7 +35,6 @@ TITLES = {
 
 def print_dynamics(result: Dynamics, level: float) -> None:
     """Print errors first, then parameters, then what is not told and which motion would tell it."""
-
     found, console = result.found, terminal()
     for line in _head(found):
         console.print(line, highlight=False)
