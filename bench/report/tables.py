@@ -52,10 +52,12 @@ class Row:
     Attributes:
         name: Stands on the left.
         values: One per column.
+        decimals: Digits behind the point of the values, which then have no errors; None takes those of the columns.
     """
 
     name: str
     values: tuple[Measured, ...]
+    decimals: int | None = None
 
 
 def print_table(
@@ -118,7 +120,10 @@ def rich_table(title: str, columns: Sequence[Column], rows: Sequence[Row], sign:
         table.add_column(Text(f"{column.name}\n{column.unit}".rstrip(), justify="right"), justify="right", no_wrap=True)
     texts = [aligned([row.values[i] for row in rows], column.decimals, sign) for i, column in enumerate(columns)]
     for i, row in enumerate(rows):
-        table.add_row(Text(row.name), *(Text(column[i]) for column in texts))
+        cells = [column[i] for column in texts]
+        if row.decimals is not None:
+            cells = [_text(measured.value, row.decimals) for measured in row.values]
+        table.add_row(Text(row.name), *map(Text, cells))
     return table
 
 
