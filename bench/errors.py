@@ -5,7 +5,7 @@ Every error that a user can cause is a `BenchError`. The command line prints it 
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 MOST_OF_NAME = 100  # characters of a name that a message repeats; some files have one of a million
@@ -71,7 +71,21 @@ def printable(text: str) -> str:
 
 def unknown_name(what: str, name: str, known: Iterable[str]) -> str:
     """Return the sentence for an unknown name: what it is, the nearest known one, and all known ones."""
-    names = sorted(known)
-    near = get_close_matches(name, names, n=1)
-    hint = f" Did you mean {near[0]!r}?" if near else ""
-    return f"unknown {what} {name[:MOST_OF_NAME]!r}.{hint} Known: {', '.join(names) or 'none'}."
+    listed = sorted(known)
+    return f"{_not_known(what, name, listed)} {_known(listed)}"
+
+
+def unknown_names(what: str, names: Iterable[str], known: Iterable[str]) -> tuple[str, ...]:
+    """Return a sentence for each name that is not known, then one that lists the known ones; none if all are known."""
+    listed = sorted(known)
+    found = [_not_known(what, name, listed) for name in names if name not in listed]
+    return (*found, _known(listed)) if found else ()
+
+
+def _not_known(what: str, name: str, listed: Sequence[str]) -> str:
+    near = get_close_matches(name, listed, n=1)
+    return f"unknown {what} {name[:MOST_OF_NAME]!r}." + (f" Did you mean {near[0]!r}?" if near else "")
+
+
+def _known(listed: Sequence[str]) -> str:
+    return f"Known: {', '.join(listed) or 'none'}."

@@ -63,16 +63,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return its exit code (README.md lists them)."""
     _print_anything()
     try:
-        with ending_on_terminate():
-            return _run(arguments)
-    except BenchError as error:
-        print(f"bench: {error}", file=sys.stderr)
-        return error.exit_code
-    except KeyboardInterrupt as interrupt:
-        is_typed = not isinstance(interrupt, TerminatedError)
-        word = "interrupted" if is_typed else "terminated"
-        print(f"bench: {word}; nothing half-written was left behind.", file=sys.stderr)
-        return INTERRUPTED if is_typed else TERMINATED
+        code = _ended(arguments)
+        sys.stdout.flush()  # an error of the output at the exit of Python would come too late to be told
+        return code
     except OSError as error:
         if error.filename is not None or error.errno not in UNPRINTED:  # of files, it is an error of the bench
             raise
@@ -83,14 +76,32 @@ def main(arguments: list[str] | None = None) -> int:
         return InputError.exit_code
 
 
+def _ended(arguments: list[str] | None) -> int:
+    """Run the command line, say why it ended if it did not come to its end, and return the exit code."""
+    try:
+        with ending_on_terminate():
+            return _run(arguments)
+    except BenchError as error:
+        print(f"bench: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt as interrupt:
+        is_typed = not isinstance(interrupt, TerminatedError)
+        word = "interrupted" if is_typed else "terminated"
+        print(f"bench: {word}; nothing half-written was left behind.", file=sys.stderr)
+        return INTERRUPTED if is_typed else TERMINATED
+
+
 def _run(arguments: list[str] | None) -> int:
-    command: Command = tyro.cli(
-        Command,
-        args=arguments,
-        prog="bench",
-        description=__doc_for_users__,
-        config=(tyro.conf.OmitSubcommandPrefixes,),
-    )
+    try:
+        command: Command = tyro.cli(
+            Command,
+            args=arguments,
+            prog="bench",
+            description=__doc_for_users__,
+            config=(tyro.conf.OmitSubcommandPrefixes,),
+        )
+    finally:
+        sys.stdout.flush()  # help ends the program here
     return_what_is_free()
     return command.run()
 

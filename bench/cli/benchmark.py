@@ -23,9 +23,9 @@ class Benchmark:
         from importlib.util import find_spec
 
         from bench.benchmark.sections import SECTIONS
-        from bench.errors import InputError, unknown_name
+        from bench.errors import InputError, unknown_names
 
-        if problems := [unknown_name("section", name, SECTIONS) for name in self.only if name not in SECTIONS]:
+        if problems := unknown_names("section", self.only, SECTIONS):
             raise InputError(problems)
         found: dict[str, list[dict[str, object]]] = {}
         for name in self.only or SECTIONS:

@@ -23,7 +23,7 @@ class Check:
         from bench.diagnose.plausibility.channels import doubts_of
         from bench.diagnose.plausibility.hints import hints_of
         from bench.errors import CampaignError
-        from bench.record.finding import Level
+        from bench.record.finding import Level, counted
         from bench.report.campaigns import open_campaign
 
         with progress_bar("checking") as progress:
@@ -36,9 +36,12 @@ class Check:
         for line in compiled.robot.figures.assumed if compiled else ():
             print(f"assumed {line}")
         for finding in findings:
-            print(f"{finding.level:8}{finding}")
-        runs = f"{len(report.campaign.runs)} runs on {report.campaign.robot}" if report.campaign else "not usable"
+            print(f"{finding.label:14}{finding}")
+        campaign = report.campaign
+        runs = f"{counted(len(campaign.runs), 'run')} on {campaign.robot}" if campaign else "not usable"
         count = {level: sum(finding.level == level for finding in findings) for level in get_args(Level)}
-        doubts = f"{count['doubt']} failed plausibility checks, " if count["doubt"] else ""
-        print(f"{self.campaign}: {count['error']} errors, {doubts}{count['warning']} warnings; {runs}")
+        words = [counted(count["error"], "error")]
+        words += [counted(count["doubt"], "failed plausibility check")] if count["doubt"] else []
+        words += [counted(count["warning"], "warning")]
+        print(f"{self.campaign}: {', '.join(words)}; {runs}")
         return CampaignError.exit_code if count["error"] or count["doubt"] else 0

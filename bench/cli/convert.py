@@ -45,13 +45,16 @@ class Convert:
         return self._convert(self.source, self.out)
 
     def _look(self, log: Path) -> int:
+        import os
+
         from bench.errors import InputError, printable
+        from bench.report.files import replacing
         from bench.report.log_look.look import look
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
         from bench.robot.nominal_dynamics import nominal_dynamics
 
-        if self.out is not None and self.out.exists():
+        if self.out is not None and os.path.exists(self.out):  # noqa: PTH110  a name may be too long for pathlib
             raise InputError(f"{self.out}: is there already; name a file that is not.")
         robot = self.of or self.robot
         nominal = nominal_dynamics(compile_robot(load_robot(robot))) if robot else None
@@ -59,7 +62,8 @@ class Convert:
         if self.out is None:
             print(proposed.text, end="")
         else:
-            self.out.write_text(proposed.text, encoding="utf-8")
+            with replacing(self.out) as partial:
+                partial.write_text(proposed.text, encoding=\"utf-8\")
             for question in proposed.questions:
                 print(printable(question))
             print(
@@ -70,6 +74,7 @@ class Convert:
     def _convert(self, source: Path, out: Path) -> int:
         from bench.record.check import check_campaign
         from bench.record.convert import convert
+        from bench.record.finding import counted
         from bench.record.logs.cuts import in_window
         from bench.record.write import write_campaign
         from bench.robot.folder import load_robot
@@ -90,7 +95,8 @@ class Convert:
                 print(f"{', '.join(files)}: not used: {', '.join(names)}")
         warnings = check_campaign(out).findings  # one with errors was not written
         for warning in warnings:
-            print(f"{warning.level:8}{warning}")
-        rows = sum(len(run) for run in converted.campaign.runs)
-        print(f"{out}: {len(converted.campaign.runs)} runs, {rows} rows, {len(warnings)} warnings")
+            print(f"{warning.label:14}{warning}")
+        runs = converted.campaign.runs
+        words = (counted(len(runs), "run"), counted(sum(map(len, runs)), "row"), counted(len(warnings), "warning"))
+        print(f"{out}: {', '.join(words)}")
         return 0

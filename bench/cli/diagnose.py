@@ -37,7 +37,7 @@ class Diagnose:
     file: tuple[Path, ...] = ()
     """Python files with effects of your own (bench/effects/README.md)."""
     despite_doubts: bool = False
-    """Go on although channels are hardly what their names say; by default that ends in an error."""
+    """Go on although channels failed plausibility checks; by default that ends in an error."""
     cores: int = 0
     """Processes; 0: one for each core. The verdict does not depend on it."""
     at_most: str | None = None

@@ -24,7 +24,7 @@ def heed(
         despite_doubts: Whether to go on with these.
 
     Raises:
-        CampaignError: There are doubts, and they are not to be passed over.
+        CampaignError: Plausibility checks failed, and they are not to be passed over.
     """
     import sys
 
@@ -33,4 +33,4 @@ def heed(
     if doubts and not despite_doubts:
         raise CampaignError([*(f"{folder}: {doubt}" for folder, doubt in doubts), WAYS_OUT])
     for folder, finding in (*warnings, *doubts):
-        print(f"{finding.level:8}{folder}: {finding}", file=sys.stderr)
+        print(f"{finding.label:14}{folder}: {finding}", file=sys.stderr)

@@ -23,10 +23,13 @@ class Paper:
     def run(self) -> int:
         """Run everything, print the table, name the folder; return the exit code."""
         from bench.cli.progress import progress_bar
+        from bench.errors import InputError
         from bench.executor.local import on_cores
         from bench.record.folder import new_folder
         from bench.report.paper.run import RESULTS, print_paper, run_paper
 
+        if (self.out / RESULTS).is_file() and not self.replace:
+            raise InputError(f"{self.out}: holds results already; choose another folder, or give --replace.")
         with new_folder(self.out, RESULTS, self.replace) as folder, progress_bar("the paper's experiments") as progress:
             executor = on_cores(self.cores, "spawn")  # recordings are written by threads, which are not forked
             result = run_paper(folder, progress, executor, self.in_time)

@@ -24,9 +24,12 @@ class Poses(PoseRequest):
 
     def run(self) -> int:
         """Design and print; return the exit code."""
+        from bench.errors import InputError
         from bench.report.measuring_poses.plan import plan_poses
         from bench.report.measuring_poses.tables import print_json, print_plan, write_scenario
 
+        if self.count < 1:
+            raise InputError(f"-n {self.count}: give how many poses to choose, 1 or more.")
         plan = plan_poses(self)
         if self.out is not None:
             write_scenario(plan, self.out)

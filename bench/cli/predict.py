@@ -35,7 +35,7 @@ class Predict:
     nominal: str = ""
     """Robot to compare with, name or folder; by default the one that the campaign names."""
     despite_doubts: bool = False
-    """Go on although channels are hardly what their names say; by default that ends in an error."""
+    """Go on although channels failed plausibility checks; by default that ends in an error."""
 
     def run(self) -> int:
         """Predict, print and write; return the exit code: 0, or 8 where an error is larger than promised."""

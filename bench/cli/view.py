@@ -11,7 +11,8 @@ class View:
     """Open the recording of a results folder in the Rerun viewer."""
 
     folder: tyro.conf.Positional[Path]
-    """Folder that `bench run`, `bench paper`, `bench diagnose` or `bench predict` wrote, or an .rrd file."""
+    """Folder that `bench run`, `bench diagnose` or `bench predict` wrote, one inside of what `bench paper` wrote, or an
+    .rrd file."""
 
     def run(self) -> int:
         """Open the viewer; return the exit code."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench import paths
 from bench.effects.effect import WHOLE, Acting, Conditions
-from bench.errors import InputError, unknown_name
+from bench.errors import InputError, unknown_names
 from bench.hide.background import Background
 from bench.hide.plan import Stay, plan, setup_of
 from bench.hide.recordings import background_in, errors_in
@@ -143,9 +143,10 @@ def reduced(
     fitted = tuple(InstrumentFigures.model_fields)
     parts = PARTS if isinstance(session, SessionScenario) else ()
     known = (*fitted, *parts, *CHANNELS)
-    problems = [unknown_name("instrument, channel or part", name, known) for name in without if name not in known]
-    problems += [unknown_name("channel", name, CHANNELS) for name in channels if name not in CHANNELS]
-    if problems:
+    if problems := (
+        *unknown_names("instrument, channel or part", without, known),
+        *unknown_names("channel", channels, CHANNELS),
+    ):
         raise InputError(problems)
     if missing := [name for name in without if name in parts]:
         assert isinstance(session, SessionScenario)

@@ -43,7 +43,7 @@ def choose(
         candidates: Shape (c, p, p), information of each.
         prior: Shape (p, p), positive definite: what is known beforehand.
         n_interest: How many parameters count; the rest are nuisances.
-        count: How many to choose.
+        count: How many to choose, 1 or more.
         limited: Shape (c,), candidates of which at most `limit` may be chosen.
         limit: See `limited`.
         rng: For the random starts.
@@ -53,7 +53,7 @@ def choose(
         InputError: There are not enough candidates.
     """
     available = int(np.sum(~limited)) + min(limit, int(np.sum(limited)))
-    if count < 1 or available < count:
+    if available < count:
         raise InputError(f"{available} candidates can be chosen, which is not enough for {count}; relax the rules.")
     search = _Search(candidates, prior, n_interest, limited, limit)
     first: list[int] = []

@@ -88,7 +88,7 @@ def read_experiment(folder: Path) -> Experiment:
     except YamlFault as fault:
         raise InputError(f"{file}: {fault}; {fault.remedy}.") from fault
     except ValidationError as error:
-        raise InputError(problems_of(error, file.name)) from error
+        raise InputError(problems_of(error, file.name, Experiment)) from error
 
 
 def text_of(file: Path) -> str:

@@ -97,8 +97,12 @@ def _pieces(
 ) -> tuple[list[tuple[float, dict[str, Array]]], float]:
     """Return the runs of a log, each with the time at which it begins [s], and the length of the log [s]."""
     columns = dict(log.columns)
+    if not any(map(len, columns.values())):
+        remedy = "record it again, or leave it out"
+        findings.append(Finding("error", file.name, None, "", "holds a header and no rows", remedy))
+        return [], 0.0
     time = columns.get("time_s")
-    if time is None or not len(time):
+    if time is None:
         faults = no_values(file, columns, slice(0, None), log, layout)
         findings += faults or _faults_of(columns, file, log, layout, gear_ratios, 0)
         return [(0.0, columns)], 0.0
@@ -107,7 +111,8 @@ def _pieces(
     for rows, window in zip(layout.runs.windows(time), layout.runs.windows_s or [()], strict=True):
         if rows.stop - rows.start == 0:
             message = f"window {list(window)} s holds no row: the log ends after {time[-1]:g} s"
-            findings.append(Finding("error", file.name, None, "", message, "correct `runs: windows_s`"))
+            remedy = "give one within the log (--window-s, or `runs: windows_s` in the log.yaml)"
+            findings.append(Finding("error", file.name, None, "", message, remedy))
             continue
         part = {name: values[rows] for name, values in columns.items()}
         faults = no_values(file, columns, rows, log, layout)

@@ -1,4 +1,4 @@
-"""What a check found: one fault or one doubt, with its place and what to do about it."""
+"""What a check found: one fault or one failed plausibility check, with its place and what to do about it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,11 +15,12 @@ MAX_RANGES = 12  # stretches of rows that a message spells out; a table that is 
 
 @dataclass(frozen=True)
 class Finding:
-    """One fault or doubt.
+    """One fault or failed plausibility check.
 
     Attributes:
-        level: "error": the campaign cannot be used. "doubt": it can be read, but a channel is hardly what its name
-            says, and what follows from it would be wrong. "warning": it is used, but somebody should look.
+        level: "error": the campaign cannot be used. "doubt", a failed plausibility check: it can be read, but a channel
+            is hardly what its name says, and what follows from it would be wrong. "warning": it is used, but somebody
+            should look.
         file: Path relative to the campaign folder.
         row: First data row that it concerns, counted from 1 without the header; None: no single row.
         column: Column of a table, or key of the manifest ("runs[2].kind"); empty: the whole file.
@@ -35,6 +36,11 @@ class Finding:
     message: str
     remedy: str
     lines_before: int = 1
+
+    @property
+    def label(self) -> str:
+        """What people read in front of it."""
+        return "failed check" if self.level == "doubt" else self.level
 
     @property
     def line(self) -> int | None:
@@ -105,6 +111,11 @@ def spell_rows(rows: Sequence[int]) -> str:
         shown.append(f"{rest} more")
     listed = shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"
     return f"row{'s' if len(rows) > 1 else ''} {listed}"
+
+
+def counted(number: int, noun: str) -> str:
+    """Return "1 run" or "2 runs"."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def _spell_range(rows: Sequence[int]) -> list[str]:

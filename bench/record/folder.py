@@ -56,7 +56,7 @@ def _new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
     remove_leftovers(folder.parent)
     if folder.exists() and any(folder.iterdir()):
         if not replace:
-            raise InputError(f"{folder}: is not empty; choose another name, or ask for it to be replaced")
+            raise InputError(f"{folder}: is not empty; choose another name")
         if not (folder / mark).is_file():
             raise InputError(f"{folder}: holds other things than {mark} and is not replaced; choose another name")
     partial, old, held = begin(folder)

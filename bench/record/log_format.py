@@ -135,5 +135,5 @@ def read_log_format(path: Path) -> LogFormat:
         faults = []
         for detail in error.errors():
             place = ".".join(str(part) for part in detail["loc"]) or "top level"
-            faults.append(f"{path}: {place}: {words_of(detail)}")
+            faults.append(f"{path}: {place}: {words_of(detail, LogFormat)}")
         raise InputError(faults) from error

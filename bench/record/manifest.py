@@ -182,7 +182,7 @@ def _finding(model: type[_Strict], detail: Mapping[str, Any], where: str) -> Fin
         case "missing":
             return _fault(key, "is missing", f"add it: {expected}")
         case _:
-            return _fault(key, f"{str(detail['input'])[:60]!r}: {words_of(detail)}", expected)
+            return _fault(key, f"{str(detail['input'])[:60]!r}: {words_of(detail, model)}", expected)
 
 
 def _is_inside(folder: Path, run: RunEntry, findings: list[Finding]) -> bool:

@@ -80,7 +80,7 @@ def read_truth(folder: Path) -> Truth:
     except YamlFault as fault:
         raise CampaignError(f"{folder / TRUTH}: {fault}; {fault.remedy}") from fault
     except ValidationError as error:
-        places = (f"{'.'.join(map(str, detail['loc']))}: {words_of(detail)}" for detail in error.errors())
+        places = (f"{'.'.join(map(str, detail['loc']))}: {words_of(detail, _File)}" for detail in error.errors())
         raise CampaignError(f"{folder / TRUTH}: {place}" for place in places) from error
     tables = {name: read_table(folder, _file(name)) for name in content.runs}
     if faults := [f"{folder}/{finding}" for table in tables.values() for finding in table.findings]:

@@ -16,7 +16,7 @@ from bench.identify.methods import METHODS
 from bench.identify.options import Options
 from bench.report.campaigns import open_campaign
 from bench.report.jsonable import to_jsonable
-from bench.report.tables import print_wide
+from bench.report.tables import print_wide, terminal
 from bench.robot.links import rigid_bodies
 
 DEFAULTS = Options()
@@ -110,7 +110,6 @@ def print_json(result: Identification, level: float) -> None:
 
 def print_table(result: Identification, level: float) -> None:
     """Print the estimates as a table, then what they cannot tell."""
-    from rich.console import Console
     from rich.table import Table
 
     first = next(iter(result.estimates.values()))
@@ -120,7 +119,7 @@ def print_table(result: Identification, level: float) -> None:
         table.add_column(name, justify="right")
     for name, estimate in result.estimates.items():
         table.add_row(name, *cells(estimate, level))
-    console = Console()
+    console = terminal()
     print_wide(console, table)
     for name, estimate in result.estimates.items():
         for note in estimate.notes:

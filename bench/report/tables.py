@@ -52,10 +52,12 @@ class Row:
     Attributes:
         name: Stands on the left.
         values: One per column.
+        decimals: Digits behind the point of the values, which then have no errors; None takes those of the columns.
     """
 
     name: str
     values: tuple[Measured, ...]
+    decimals: int | None = None
 
 
 def print_table(
@@ -77,13 +79,22 @@ def print_table(
     Raises:
         InputError: A row has not as many values as there are columns.
     """
-    from rich.console import Console
-
-    console = console or Console()
+    console = console or terminal()
     sign = "\u00b1" if console.encoding.lower().startswith("utf") else "+-"
     print_wide(console, rich_table(title, columns, rows, sign))
     for note in notes:
         console.print(note, highlight=False, markup=False)
+
+
+def terminal() -> "Console":
+    """Return standard output for Rich; it raises `BrokenPipeError` where nobody reads on, as `print` does."""
+    from rich.console import Console
+
+    class Terminal(Console):
+        def on_broken_pipe(self) -> None:  # called where the error is handled; Rich itself would exit with code 1
+            raise  # noqa: PLE0704
+
+    return Terminal()
 
 
 def print_wide(console: "Console", table: "RichTable") -> None:
@@ -109,7 +120,10 @@ def rich_table(title: str, columns: Sequence[Column], rows: Sequence[Row], sign:
         table.add_column(Text(f"{column.name}\n{column.unit}".rstrip(), justify="right"), justify="right", no_wrap=True)
     texts = [aligned([row.values[i] for row in rows], column.decimals, sign) for i, column in enumerate(columns)]
     for i, row in enumerate(rows):
-        table.add_row(Text(row.name), *(Text(column[i]) for column in texts))
+        cells = [column[i] for column in texts]
+        if row.decimals is not None:
+            cells = [_text(measured.value, row.decimals) for measured in row.values]
+        table.add_row(Text(row.name), *map(Text, cells))
     return table
 
 

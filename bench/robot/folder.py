@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from bench import paths
 from bench.errors import RobotError, unknown_name
@@ -58,7 +58,8 @@ def load_robot(name_or_folder: str | Path) -> Robot:
     folder = paths.models_dir() / name_or_folder if str(name_or_folder) in known else Path(name_or_folder)
     if not os.path.isfile(folder / FIGURES_FILE):  # noqa: PTH113  a name may be too long for pathlib
         raise RobotError(
-            unknown_name("robot", str(name_or_folder), known) + f" A folder of your own needs a {FIGURES_FILE}."
+            unknown_name("robot", str(name_or_folder), known)
+            + f" A robot folder holds a {FIGURES_FILE}; `bench diagnose -o DIR` writes one as DIR/robot."
         )
     source = folder / FIGURES_FILE
     try:
@@ -66,7 +67,7 @@ def load_robot(name_or_folder: str | Path) -> Robot:
     except YamlFault as fault:
         raise RobotError(f"{source}: {fault}; {fault.remedy}.") from fault
     except ValidationError as error:
-        raise RobotError(problems_of(error, source.name)) from error
+        raise RobotError(problems_of(error, source.name, Figures)) from error
     if faults := [
         f"{source.name}: {key}: {value:g} is no figure of a robot." for key, value in _too_large(figures.model_dump())
     ]:
@@ -89,11 +90,12 @@ def _too_large(content: object, key: str = "") -> Iterator[tuple[str, float]]:
         yield key, content
 
 
-def problems_of(error: ValidationError, file: str) -> list[str]:
-    """Return one sentence per fault of a pydantic validation, each with its place in the file."""
+def problems_of(error: ValidationError, file: str, model: type[BaseModel] | None = None) -> list[str]:
+    """Return one sentence per fault of a pydantic validation as `model`, each with its place in the file."""
     sentences = []
     for fault in error.errors():
         place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in fault["loc"]).lstrip(".")
-        given = "" if isinstance(fault["input"], dict | list) else f", not {str(fault['input'])[:80]!r}"
-        sentences.append(f"{file}: {place or 'top level'}: {words_of(fault)}{given}")
+        is_told = fault["type"] == "extra_forbidden" or isinstance(fault["input"], dict | list)
+        given = "" if is_told else f", not {str(fault['input'])[:80]!r}"
+        sentences.append(f"{file}: {place or 'top level'}: {words_of(fault, model)}{given}")
     return sentences

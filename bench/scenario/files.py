@@ -64,7 +64,7 @@ def read_scenario(name_or_file: str | Path) -> Scenario:
     try:
         return EXPERIMENTS[experiment].model_validate(content)
     except ValidationError as error:
-        raise InputError(problems_of(error, file.name)) from error
+        raise InputError(problems_of(error, file.name, EXPERIMENTS[experiment])) from error
 
 
 def read_as(kind: type[Kind], name_or_file: str | Path) -> Kind:

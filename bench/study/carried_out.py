@@ -5,6 +5,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+from bench.errors import InputError
 from bench.executor.contract import Executor, Progress
 from bench.study.rows import Row, append, read_rows, study_of
 
@@ -58,8 +59,10 @@ def carried_out(
         say: Called with a warning.
 
     Raises:
-        InputError: The file is of another study, or of one that other code began.
+        InputError: Nothing is planned; or the file is of another study, or of one that other code began.
     """
+    if not trials:
+        raise InputError("this study has no campaign to make; ask for one at least.")
     rows = read_rows(file, settings, parse)
     if rows.damaged:
         lines = "line was" if rows.damaged == 1 else "lines were"

@@ -1,8 +1,9 @@
 """The goals of the diagnosis, each beside what a study measured."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import nan
 
 import numpy as np
 
@@ -103,7 +104,8 @@ def goals_of(marked: Marked) -> Iterable[Goal]:
     yield Goal(
         "bins of probabilities that came true", "all", calibrated, calibrated.hits == calibrated.of if bins else None
     )
-    error, time = Mean.over(errors), Mean.over(seconds)
+    error = Mean.over(errors)
+    time = replace(Mean.over(seconds), interval=(nan, nan))  # the longest counts; one of a mean would begin below zero
     yield Goal(
         "held-out error over noise floor, of right causes",
         f"<= {NOISE_FLOORS:g}",
@@ -111,8 +113,8 @@ def goals_of(marked: Marked) -> Iterable[Goal]:
         error.value <= NOISE_FLOORS if errors else None,
     )
     yield Goal(
-        "seconds for a diagnosis, on one core",
-        f"<= {SECONDS:g} on {CORES}",
+        "seconds for the longest diagnosis, on one core",
+        f"<= {CORES * SECONDS:g}, as {SECONDS:g} on {CORES} cores",
         time,
         time.largest <= CORES * SECONDS if seconds else None,
     )

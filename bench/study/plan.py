@@ -8,7 +8,7 @@ from zlib import crc32
 import numpy as np
 
 from bench.effects.catalogue import catalogue
-from bench.errors import InputError, unknown_name
+from bench.errors import InputError, unknown_names
 from bench.hide.thermometers import USUAL
 from bench.robot.compiled import CompiledRobot
 from bench.study.labs import Lab
@@ -31,6 +31,9 @@ class Counts:
         twins: Whether the four pairs of twins are hidden, each in an ordinary session and in one that splits them.
         effects: Names of the single effects and of those in pairs; empty: all that can act on the robot.
         worlds: In which all of this is hidden; twins are of the plain one.
+
+    Raises:
+        InputError: A number is below 0.
     """
 
     seeds: int = 8
@@ -40,6 +43,13 @@ class Counts:
     twins: bool = True
     effects: tuple[str, ...] = ()
     worlds: tuple[World, ...] = ("plain",)
+
+    def __post_init__(self) -> None:
+        numbers = {"seeds": self.seeds, "nulls": self.nulls, "unlisted": self.unlisted, "pairs": self.pairs}
+        if problems := [
+            f"{name} {number}: give a number of campaigns, 0 or more." for name, number in numbers.items() if number < 0
+        ]:
+            raise InputError(problems)
 
 
 SMALL = Counts(seeds=2, nulls=2, unlisted=2, pairs=2, twins=False, effects=("gas_loss", "coulomb_level"))
@@ -108,7 +118,7 @@ def plan(counts: Counts, compiled: CompiledRobot, seed: int, lab: Lab | None = N
         InputError: An unknown effect, or one that cannot act on the robot.
     """
     known = singles_of(compiled, lab or Lab())
-    if unknown := [unknown_name("effect that can act", name, known) for name in counts.effects if name not in known]:
+    if unknown := unknown_names("effect that can act", counts.effects, known):
         raise InputError(unknown)
     return tuple(_trials(counts, counts.effects or known, compiled, np.random.default_rng(seed)))
 

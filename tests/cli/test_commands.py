@@ -1,14 +1,18 @@
 """The command line: what it writes, what it returns, and what it says when it cannot."""
 
 import json
+import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import yaml
 
 from bench.cli import main
+from bench.record.read import read_campaign
+from bench.record.write import write_campaign
 from tests.simulate.loading_small import small_loading
 
 
@@ -105,10 +109,53 @@ def test_bad_input_ends_in_its_exit_code(
     assert not out.exists()
 
 
+@pytest.mark.parametrize("arguments", [["predict", "FOLDER", "x"], ["apply", "FOLDER", "-o", "OUT"]])
+def test_who_names_no_robot_hears_of_diagnoses_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str]
+) -> None:
+    words = {"FOLDER": str(tmp_path), "OUT": str(tmp_path / "out")}
+    assert main([words.get(word, word) for word in arguments]) == 4
+    assert "`bench diagnose -o DIR` writes one as DIR/robot" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments", [["--nulls", "0"], ["--recordings", "2"]])
+def test_a_study_of_nothing_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str]
+) -> None:
+    none = ["--seeds", "0", "--unlisted", "0", "--pairs", "0", "--no-twins"]
+    assert main(["study", *none, *arguments, "-o", str(tmp_path / "out")]) == 2
+    assert "no campaign to make" in capsys.readouterr().err
+
+
+def test_known_effects_are_listed_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["study", "--effects", "gas_los", "nonsense", "-o", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert "unknown effect that can act 'gas_los'. Did you mean 'gas_loss'?" in said
+    assert "'nonsense'" in said
+    assert said.count("Known: ") == 1
+
+
+@pytest.mark.parametrize("place", ["nowhere/log.yaml", "x.csv/log.yaml", "n" * 300])
+def test_a_proposal_that_cannot_be_written_is_one_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], place: str
+) -> None:
+    file = tmp_path / "x.csv"
+    file.write_text("t,q\n" + "".join(f"{k / 100},{(k / 50) ** 2}\n" for k in range(100)))
+    assert main(["convert", "--look", str(file), "-o", str(tmp_path / place)]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["x.csv"]
+
+
+def test_results_of_the_paper_may_be_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "results.json").touch()
+    assert main(["paper", "-o", str(tmp_path)]) == 2
+    assert "or give --replace" in capsys.readouterr().err
+
+
 def test_a_full_folder_is_not_touched(scenario: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "mine.txt").write_text("precious")
     assert main(["run", str(scenario), "-o", str(tmp_path)]) == 2
-    assert "not empty" in capsys.readouterr().err
+    assert capsys.readouterr().err.endswith("is not empty; choose another name\n")
     assert [entry.name for entry in tmp_path.iterdir()] == ["mine.txt"]
 
 
@@ -136,14 +183,43 @@ def test_help_is_light() -> None:
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["effects"]])
-def test_whoever_stops_reading_sees_no_traceback(arguments: list[str]) -> None:
+@pytest.mark.parametrize("buffering", ["buffered", "unbuffered"])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--help"],
+        ["view", "--help"],
+        ["effects"],
+        ["robots"],
+        ["store"],
+        ["poses", "--robot", "hh150", "-n", "1"],
+        ["identify", "CAMPAIGN"],
+    ],
+    ids=" ".join,
+)
+def test_whoever_stops_reading_sees_no_traceback(results: Path, arguments: list[str], buffering: str) -> None:
     """As with `bench effects | head -1`."""
+    arguments = [str(results / "campaign") if word == "CAMPAIGN" else word for word in arguments]
     words = [sys.executable, "-c", "import sys; from bench.cli import main; sys.exit(main())", *arguments]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    environment = os.environ | {"PYTHONUNBUFFERED": "1" if buffering == "unbuffered" else ""}
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
     assert process.stdout
     assert process.stderr
     process.stdout.close()  # before anything was written
     assert process.wait(timeout=60) == 141
     assert process.stderr.read() == ""
     process.stderr.close()
+
+
+def test_a_failed_plausibility_check_is_called_that(
+    healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    spoilt = read_campaign(healthy)
+    first, *others = spoilt.runs
+    dead = replace(first, columns=dict(first.columns) | {"current_2_a": 0 * first.columns["current_2_a"]})
+    write_campaign(replace(spoilt, runs=(dead, *others)), tmp_path / "spoilt")
+    assert main(["check", str(tmp_path / "spoilt")]) == 3
+    said = capsys.readouterr().out
+    assert "failed check  runs/" in said
+    assert "0 errors, 1 failed plausibility check, " in said
+    assert "doubt" not in said

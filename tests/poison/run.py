@@ -101,8 +101,8 @@ def run(variant: Variant, base: Path) -> Outcome:
 def _judged(variant: Variant, code: int, said: str) -> Kind:
     flat = " ".join(said.split())
     missing = [place for place in variant.places if place not in flat]
-    worst = {level for level in ("error", "doubt") if re.search(rf"^{level}", said, re.MULTILINE)}
-    is_doubt = code == 3 and worst == {"doubt"}  # an error outranks it
+    worst = {label for label in ("error", "failed check") if re.search(rf"^{label}", said, re.MULTILINE)}
+    is_doubt = code == 3 and worst == {"failed check"}  # an error outranks it
     is_error = code in (2, 3, 4) and not is_doubt
     is_harmless = code == 0 and not worst
     fits = {

@@ -69,7 +69,7 @@ def test_a_folder_becomes_one_run_for_each_file(tmp_path: Path) -> None:
         ("t_ms,axis 1,axis 1\n0,1,1\n4,2,2\n", r"axis 1: 2 columns have this name"),
         ("t_ms,axis 1\n0,1\n4,2\n4,3\n", r"row 3 \(line 4\): t_ms \(time_s\): is the same as in the row before"),
         ("t_ms,axis 1\n0,1\n4,200\n", r"axis 1 \(q_motor_1_rad\): -99\.9 rad is no position"),
-        ("t_ms,axis 1\n", r"no rows"),
+        ("t_ms,axis 1\n", r"x\.csv: holds a header and no rows; record it again, or leave it out"),
         ("", r"is empty"),
     ],
 )
@@ -97,7 +97,20 @@ def test_no_log(tmp_path: Path, source: str) -> None:
     [
         ("columns: {q_motor_1_deg: {from: a}}", r"write 'q_motor_1_rad'"),
         ("columns: {q_moter_1_rad: {from: a}}", r"unknown column 'q_moter_1_rad'.*mean 'q_motor_1_rad'"),
-        ("columns: {time_s: {from: a, gain: 2}}", r"columns\.time_s\.gain"),
+        (
+            "columns: {time_s: {from: a, gain: 2}}",
+            r"columns\.time_s\.gain: unknown key 'gain'\. Known: factor, fill, from",
+        ),
+        ("columns: {time_s: {form: a}}", r"columns\.time_s\.form: unknown key 'form'\. Did you mean 'from'\?"),
+        (
+            "colums: {time_s: {from: a}}",
+            r"colums: unknown key 'colums'\. Did you mean 'columns'\? Known: columns, kind",
+        ),
+        (
+            "columns: {time_s: {from: a}}\ntables: {force: {time_s: {from: a}, fil: b}}",
+            r"tables\.force\.fil: unknown key 'fil'\. Did you mean 'file'\?",
+        ),
+        ("columns: {time_s: {from: a}}\nruns: {window_s: [[1, 2]]}", r"runs\.window_s: .* Did you mean 'windows_s'\?"),
         ("columns: {time_s: {from: a, factor: two}}", r"columns\.time_s\.factor"),
         ("columns: {time_s: {from: a}}\nnoise: {currant: 1}", r"unknown quantity 'currant'"),
         ("columns: [", r"not YAML"),
@@ -119,7 +132,7 @@ def test_emps_from_log_to_campaign(
 ) -> None:
     write_emps(tmp_path / "emps.csv", rng)
     assert main(["convert", "emps", str(tmp_path / "emps.csv"), "-o", str(tmp_path / "campaign")]) == 0
-    assert "1 runs, 6000 rows, 0 warnings" in capsys.readouterr().out
+    assert "1 run, 6000 rows, 0 warnings" in capsys.readouterr().out
     assert main(["check", str(tmp_path / "campaign")]) == 0
     (run,) = read_campaign(tmp_path / "campaign").runs
     assert set(run.columns) == {"time_s", "q_cmd_1_m", "q_motor_1_m", "tau_motor_1_n"}

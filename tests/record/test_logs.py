@@ -226,7 +226,11 @@ def test_a_window_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixt
     command = ["convert", "emps", str(tmp_path / "x.csv"), "-o", str(tmp_path / "campaign")]
     assert main([*command, "--window-s", "2", "1"]) == 2
     assert main([*command, "--window-s", "0.5", "1.5"]) == 0
-    assert "1 runs, 101 rows" in capsys.readouterr().out
+    assert "1 run, 101 rows" in capsys.readouterr().out
+    assert main([*command[:-1], str(tmp_path / "late"), "--window-s", "7", "8"]) == 3
+    assert "window [7.0, 8.0] s holds no row: the log ends after 2.99 s; give one within the log (--window-s, or" in (
+        capsys.readouterr().err
+    )
 
 
 def test_columns_by_number_below_a_header(tmp_path: Path) -> None:

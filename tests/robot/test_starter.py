@@ -288,6 +288,8 @@ def test_bad_name_and_missing_file(urdf: Path, tmp_path: Path) -> None:
         start_robot("my arm/", read_source(urdf), tmp_path / "robot")
     with pytest.raises(RobotError, match="no such file"):
         read_source(tmp_path / "nothing.xml")
+    with pytest.raises(RobotError, match="is a folder; give the MJCF"):
+        read_source(tmp_path)
 
 
 def test_robots_are_listed(capsys: pytest.CaptureFixture[str]) -> None:

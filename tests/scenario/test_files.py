@@ -41,6 +41,7 @@ def test_all_faults_of_the_keys_at_once(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         read_scenario(file)
     said = caught.value.problems
+    assert any("speed: unknown key 'speed'. Did you mean 'seed'?" in problem for problem in said)
     for place in ("repeats", "speed", "friction", "poses[0].q_deg[1]", "poses[0].force_n"):
         assert any(f"mine.yaml: {place}:" in problem for problem in said), (place, said)
 

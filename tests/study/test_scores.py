@@ -1,9 +1,12 @@
 """Numbers of a study: shares with intervals that cover, goals met and missed, probabilities that hold or do not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import binom
 
+from bench.report.study.words import measured_words
 from bench.study.goals import Goal
 from bench.study.outcome import Answer, Outcome
 from bench.study.scores import scores_of
@@ -87,6 +90,16 @@ def test_coverage_is_held_between_85_and_95_percent(rng: np.random.Generator, er
     """`error` is the true scatter of the estimates over the standard deviation that they state."""
     outcomes = [single(explanation(LOSS, value=0.1 + 0.01 * error * rng.standard_normal())) for _ in range(MANY)]
     assert goal(outcomes, "90 % intervals").met is is_met
+
+
+def test_time_has_no_interval_that_begins_below_zero() -> None:
+    times = (6.0, 8.0, 9.0, 196.0)  # the interval of their mean by Student's t begins at -95 s
+    study = scores_of(replace(outcome("null", (), Answer("nothing found")), diagnose_s=time) for time in times)
+    (goal,) = (goal for goal in study.goals if "seconds" in goal.name)
+    assert goal.name == "seconds for the longest diagnosis, on one core"
+    assert goal.goal == "<= 120, as 60 on 2 cores"
+    assert measured_words(goal.measured) == "mean 54.75 over 4, largest 196.00"
+    assert goal.met is False
 
 
 def test_misses_are_listed_with_words() -> None:

@@ -1,18 +1,17 @@
 """How changes and their sizes are called on the page and on the terminal."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
 from bench.compare.comparison import Change, ChangedSize, Comparison, Component, Interval, UnlistedChange
 from bench.effects.effect import Level
-from bench.report.diagnosis.names import ACTS, WORKSHOP, channel_name, shown, unit_name
+from bench.report.diagnosis.names import ACTS, channel_name, shown, unit_name
 
 NOT_THE_MACHINES: Mapping[Level, str] = {  # what a change of another level than the machine's is
     "recording": "an error of the recording, not of the machine",
     "run": "not there in the whole recording: something that happened in it, or an error of it",
 }
-SMALL = 1e-5  # in the unit shown; smaller numbers have an exponent
 
 
 def title_of(effect_title: str, place: str) -> str:
@@ -41,26 +40,18 @@ def interval_words(interval: Interval, unit: str) -> tuple[str, str, str]:
     """Return value, low and high as they are shown; relative sizes in percent."""
     factor = 1.0 if unit else 100.0
     numbers = tuple(factor * x for x in (interval.value, interval.low, interval.high))
-    value, low, high = _shown(numbers, unit, (numbers[2] - numbers[1]) / 2)
+    value, low, high = shown(numbers, unit, (numbers[2] - numbers[1]) / 2)
     return (value if value.startswith(("-", "0")) and not interval.value > 0 else f"+{value.lstrip('+')}"), low, high
 
 
 def limit_words(component: Component) -> str:
     """Return the smallest change that would have been found, with its unit; of the best shape to the worst."""
     factor = 1.0 if component.unit else 100.0
-    best, worst = _shown((factor * component.limit, factor * component.worst), component.unit, factor * component.limit)
+    best, worst = shown((factor * component.limit, factor * component.worst), component.unit, factor * component.limit)
     unit = unit_words(component.unit)
     if best == worst or not np.isfinite(component.worst):
         return f"{best} {unit}".strip()
     return f"{best} to {worst} {unit}, by its shape"
-
-
-def _shown(values: Sequence[float], unit: str, resolution: float) -> tuple[str, ...]:
-    """Return values as `shown`, with an exponent where they are so small that decimals say nothing."""
-    scale = WORKSHOP.get(unit, (unit, 1.0))[1]
-    if 0 < resolution * scale < SMALL:
-        return tuple(f"{value * scale:.2e}" if np.isfinite(value) else "-" for value in values)
-    return shown(values, unit, resolution)
 
 
 def unit_words(unit: str) -> str:

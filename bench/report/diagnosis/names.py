@@ -33,7 +33,8 @@ KINDS = {
 # SI -> what a workshop reads, and how many of it make one
 WORKSHOP = {"m": ("mm", 1e3), "rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi), "Pa": ("bar", 1e-5)}
 SIGNIFICANT = 2  # digits of half an interval
-MOST_DECIMALS = 7
+MOST_DECIMALS = 6  # of numbers without an exponent
+MOST_DIGITS = 15  # of numbers with one: those that a double has
 LARGE = 1e5  # from where on numbers have an exponent
 ACTS = {
     "link torque": "a torque on the link of {place}",
@@ -158,21 +159,34 @@ def unit_name(unit: str) -> str:
 
 
 def shown(values: Sequence[float], unit: str, resolution: float) -> tuple[str, ...]:
-    """Return values as they are shown, without their unit, all with the same decimals.
+    """Return values as they are shown, without their unit: with the same decimals, or with exponents.
 
     Args:
         values: In `unit`.
         unit: SI.
-        resolution: What two digits should be left of, in `unit`.
+        resolution: What two digits should be left of, in `unit`; where it is 0 or unknown, a hundredth of the largest.
     """
     scale = WORKSHOP.get(unit, (unit, 1.0))[1]
     largest = max((abs(value * scale) for value in values if np.isfinite(value)), default=0.0)
-    if largest >= LARGE:
-        return tuple(f"{value * scale:.3g}" for value in values)
     step = abs(resolution * scale)
-    digits = SIGNIFICANT - 1 - int(np.floor(np.log10(step))) if np.isfinite(step) and step > 0 else 3
-    decimals = int(np.clip(digits, 0, MOST_DECIMALS))
+    step = step if np.isfinite(step) and step > 0 else largest / 100
+    decimals = max(_last_place(step), 0)
+    if largest >= LARGE or decimals > MOST_DECIMALS:
+        return tuple(_with_exponent(value * scale, step) for value in values)
     return tuple(_zero(f"{value * scale:.{decimals}f}") if np.isfinite(value) else "-" for value in values)
+
+
+def _last_place(step: float) -> int:
+    """Return the decimal place at which two digits of a step end, 3 for 0.012 and -1 for 120; 3 for no step."""
+    return SIGNIFICANT - 1 - int(np.floor(np.log10(step))) if step > 0 else 3
+
+
+def _with_exponent(value: float, step: float) -> str:
+    """Return a large or small value with the digits that a step leaves it, one at least: "3.2e+07", "1.6e-07"."""
+    if not np.isfinite(value):
+        return "-"
+    first = -int(np.floor(np.log10(abs(value)))) if value else 0
+    return f"{value:.{int(np.clip(_last_place(step) - first + 1, 1, MOST_DIGITS))}g}"
 
 
 def interval_of(parameter: ParameterValue) -> tuple[str, str, str]:

@@ -13,7 +13,7 @@ from bench.report.diagnosis.names import shown, unit_name
 from bench.report.dynamics.as_json import MODELS
 from bench.report.dynamics.identify import Dynamics
 from bench.report.dynamics.notes import notes_of
-from bench.report.tables import print_wide
+from bench.report.tables import print_wide, terminal
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -35,9 +35,7 @@ TITLES = {
 
 def print_dynamics(result: Dynamics, level: float) -> None:
     """Print errors first, then parameters, then what is not told and which motion would tell it."""
-    from rich.console import Console
-
-    found, console = result.found, Console()
+    found, console = result.found, terminal()
     for line in _head(found):
         console.print(line, highlight=False)
     what = "whole runs" if found.folds.by == "run" else "blocks of time"

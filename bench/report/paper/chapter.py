@@ -2,9 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
+from math import floor, isfinite, log10
 
 from bench.report.paper.published import PublishedRow
 from bench.report.tables import Column, Measured, Row, print_table
+
+DIGITS = 4  # of the larger of our number and the paper's
 
 
 @dataclass(frozen=True)
@@ -45,13 +49,7 @@ class Chapter:
 def print_chapter(chapter: Chapter) -> None:
     """Print the comparison with the paper and what follows."""
     columns = [Column("ours"), Column("paper"), Column("difference")]
-    rows = [
-        Row(
-            f"{row.quantity} [{row.unit}]" if row.unit else row.quantity,
-            tuple(Measured(_rounded(value)) for value in (row.ours, row.paper, row.difference)),
-        )
-        for row in chapter.rows
-    ]
+    rows = [_row(row) for row in chapter.rows]
     if rows:
         print_table(f"\n{chapter.title}", columns, rows, chapter.sentences)
     else:
@@ -62,5 +60,16 @@ def print_chapter(chapter: Chapter) -> None:
         print_table(f"\n{table.title}", table.columns, table.rows)
 
 
-def _rounded(value: float) -> float:
-    return float(f"{value:.4g}")
+def _row(row: PublishedRow) -> Row:
+    """Return a line whose numbers have the same decimals; the difference is that of the numbers as they are shown."""
+    decimals = _decimals(row)
+    ours, paper = round(row.ours, decimals), round(row.paper, decimals)
+    name = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
+    return Row(name, (Measured(ours), Measured(paper), Measured(ours - paper)), decimals)
+
+
+def _decimals(row: PublishedRow) -> int:
+    """Return decimals that leave the larger number `DIGITS` digits, and the paper's those that it is printed with."""
+    sizes = [abs(value) for value in (row.ours, row.paper) if isfinite(value) and value != 0]
+    printed = -int(Decimal(str(row.paper)).as_tuple().exponent) if isfinite(row.paper) else 0
+    return max(DIGITS - 1 - floor(log10(max(sizes))) if sizes else 0, printed, 0)

@@ -46,8 +46,15 @@ def recordings_in(path: Path) -> tuple[Path, ...]:
         return (path,)
     found = tuple(sorted(path.glob("*.rrd")))
     if not found:
-        raise InputError(f"{path}: holds no recording (*.rrd); `bench run` and `bench diagnose` write one.")
+        inside = [str(folder) for folder in _folders_with_recordings(path)]
+        remedy = f"give one of {', '.join(inside)}" if inside else "`bench run` and `bench diagnose` write one"
+        raise InputError(f"{path}: holds no recording (*.rrd); {remedy}.")
     return found
+
+
+def _folders_with_recordings(path: Path) -> list[Path]:
+    """Return the folders one or two levels below `path` that hold recordings, as `bench paper` writes them."""
+    return sorted({recording.parent for pattern in ("*/*.rrd", "*/*/*.rrd") for recording in path.glob(pattern)})
 
 
 def has_display() -> bool:

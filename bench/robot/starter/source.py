@@ -8,7 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from bench.errors import RobotError, unknown_name
+from bench.errors import RobotError, unknown_name, unknown_names
 from bench.robot.bodies import Array
 from bench.robot.plain_words import plain_words
 from bench.robot.starter.actuators import servo_gains, torque_limit
@@ -92,6 +92,8 @@ def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "") ->
     Raises:
         RobotError: The file cannot be used; names the place and what to do.
     """
+    if file.is_dir():
+        raise RobotError(f"{file}: is a folder; give the MJCF (.xml) or URDF file in it.")
     if not file.is_file():
         raise RobotError(f"{file}: no such file; give an MJCF (.xml) or a URDF.")
     urdf = read_urdf(file)
@@ -129,8 +131,8 @@ def _read(file: Path, urdf: Urdf | None) -> tuple[mujoco.MjSpec, mujoco.MjModel]
 def _driven(file: Path, model: mujoco.MjModel, wanted: Sequence[str]) -> list[int]:
     known = [_name(model, mujoco.mjtObj.mjOBJ_JOINT, j) for j in range(model.njnt)]
     if wanted:
-        if problems := [f"--joints: {unknown_name('joint', name, known)}" for name in wanted if name not in known]:
-            raise RobotError(problems)
+        if problems := unknown_names("joint", wanted, known):
+            raise RobotError(f"--joints: {' '.join(problems)}")
         driven = [known.index(name) for name in wanted]
     else:
         driven = _trunk(file, model, known)

@@ -19,6 +19,9 @@ from bench.report.diagnosis.names import (
 )
 from tests.report.diagnosis.made import GAS
 
+ROUNDING = 0.0501  # of a step of which two digits are shown: half of the second one
+DOUBLE = 1e-14  # relative; no more digits are shown than a double has
+
 
 def test_what_to_expect_is_in_the_unit_that_stands_beside_it() -> None:
     error = PredictedError("q_link_1_rad", "rad", "motion", 4, 1.9e-4, 1.1e-4, 3.3e-4)
@@ -63,17 +66,33 @@ def test_the_range_of_another_drive_is_not_told(words: str, meaning: str) -> Non
         (2.9e-3, 1.2e-3, 4.6e-3, "m", "x 2.9 mm (1.2 to 4.6)"),
         (-38.4, -44.2, -32.6, "K", "x -38.4 K (-44.2 to -32.6)"),
         (3.2e7, 2.9e7, 3.5e7, "Nm/rad", "x 3.2e+07 Nm/rad (2.9e+07 to 3.5e+07)"),
+        (3.2e7, 3.19e7, 3.21e7, "Nm/rad", "x 3.2e+07 Nm/rad (3.19e+07 to 3.21e+07)"),
+        (1.6e-7, 1.5e-7, 1.7e-7, "rad/Nm", "x 1.6e-07 rad/Nm (1.5e-07 to 1.7e-07)"),
+        (1.6e-7, -2e-8, 3.4e-7, "rad/Nm", "x 1.6e-07 rad/Nm (-2e-08 to 3.4e-07)"),
+        (0.0, -1.4e-8, 1.4e-8, "rad/Nm", "x 0 rad/Nm (-1.4e-08 to 1.4e-08)"),
         (1.0, 1.0, 1.0, "", "x 1.000 (1.000 to 1.000)"),
+        (1.6e-7, 1.6e-7, 1.6e-7, "", "x 1.6e-07 (1.6e-07 to 1.6e-07)"),
+        (0.0, 0.0, 0.0, "", "x 0.000 (0.000 to 0.000)"),
     ],
 )
 def test_digits_follow_the_interval(value: float, low: float, high: float, unit: str, text: str) -> None:
     assert parameter_text(ParameterValue("x", value, low, high, unit)) == text
 
 
-@given(st.floats(-1e9, 1e9), st.floats(1e-6, 1e6))
+@pytest.mark.parametrize("share", [1e-3, 0.03, 0.5])
+@pytest.mark.parametrize("power", range(-9, 10))
+def test_intervals_keep_their_digits_from_1e_9_to_1e9(power: int, share: float) -> None:
+    value, half = 1.6 * 10.0**power, 1.6 * 10.0**power * share
+    texts = shown((value, value - half, value + half), "A", half)
+    assert len(set(texts)) == 3
+    for text, number in zip(texts, (value, value - half, value + half), strict=True):
+        assert abs(float(text) - number) <= ROUNDING * half
+
+
+@given(st.floats(-1e9, 1e9), st.floats(1e-9, 1e6))
 def test_what_is_shown_is_near_the_value(value: float, resolution: float) -> None:
     (text,) = shown((value,), "A", resolution)
-    assert abs(float(text) - value) <= max(0.1 * resolution, 1e-2 * abs(value), 1e-6)
+    assert abs(float(text) - value) <= max(ROUNDING * resolution, DOUBLE * abs(value))
 
 
 @pytest.mark.parametrize(("share", "text"), [(-1.8e-7, "> -0.1 %"), (3e-4, "< 0.1 %"), (-0.0067, "-0.67 %")])

@@ -33,6 +33,16 @@ def test_no_recording(tmp_path: Path, name: str, words: str) -> None:
         view(tmp_path / name)
 
 
+def test_folders_inside_that_hold_recordings_are_named(tmp_path: Path) -> None:
+    """As in a folder of `bench paper`."""
+    for place in ("loading/link-side", "rotation"):
+        (tmp_path / place).mkdir(parents=True)
+        (tmp_path / place / "session.rrd").touch()
+    inside = ", ".join(str(tmp_path / place) for place in ("loading/link-side", "rotation"))
+    with pytest.raises(InputError, match=f"holds no recording .*; give one of {inside}"):
+        recordings_in(tmp_path)
+
+
 def test_without_display_it_says_how_else(results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bench.report.recording.view.has_display", lambda: False)
     with pytest.raises(BenchError, match=r"rerun --web-viewer .*a\.rrd"):
