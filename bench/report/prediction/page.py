@@ -13,6 +13,7 @@ from bench.report.prediction.pictures import pictures_of
 from bench.report.prediction.sentences import (
     ChannelRow,
     broken_sentence,
+    exact_sentence,
     free_sentence,
     freed_text,
     headline,
@@ -31,6 +32,7 @@ class _Part:
     name: str
     rows: tuple[ChannelRow, ...]
     freed: tuple[str, ...]
+    exact: str
     stretches: tuple[str, ...]
     pictures: tuple[tuple[str, Picture], ...]
 
@@ -66,6 +68,7 @@ def _part(recording: PredictedRecording) -> _Part:
         name=recording.name,
         rows=tuple(rows_of(recording)),
         freed=tuple(freed_text(figure) for figure in recording.freed),
-        stretches=tuple(stretch_text(stretch) for stretch in recording.stretches),
+        exact=exact_sentence(recording),
+        stretches=tuple(stretch_text(stretch, recording) for stretch in recording.stretches),
         pictures=pictures_of(recording),
     )

@@ -7,6 +7,7 @@ from bench.predict.prediction import PredictedRecording, Prediction
 from bench.report.prediction.file_names import NUMBERS, REPORT, recording_name
 from bench.report.prediction.sentences import (
     broken_sentence,
+    exact_sentence,
     free_sentence,
     freed_text,
     headline,
@@ -32,8 +33,10 @@ def words_of(prediction: Prediction) -> Iterator[str]:
         yield from _table(recording, prediction.nominal)
         for figure in recording.freed:
             yield f"  anew: {freed_text(figure)}"
+        if words := exact_sentence(recording):
+            yield f"  {words}"
         for stretch in recording.stretches[:WORST]:
-            yield f"  worst: {stretch_text(stretch)}"
+            yield f"  worst: {stretch_text(stretch, recording)}"
 
 
 def _table(recording: PredictedRecording, nominal: str) -> Iterator[str]:
