@@ -52,4 +52,4 @@ def known_of(compiled: CompiledRobot) -> Mapping[str, float]:
         for k, site in enumerate(figures.reflectors):
             nest = readings.nest_m.get(site)
             known[f"nest of reflector {k + 1}, {axis}"] = nest[i] if nest else 0.0
-    return known | carried_by(compiled)
+    return {**known, **carried_by(compiled)}

@@ -25,7 +25,7 @@ class ChannelError:
         readings: How many were compared: means of repeats, and bins of motion.
         rms: Of measured less predicted.
         nominal: Of measured less what the nominal robot predicts; nan where that finds no balance.
-        floor: Of what no model can predict: noise of the instruments, friction at rest, what rings.
+        floor: Expected of a right model (`floor_variance`); chance may leave less.
         measured: Of what was measured, about its mean.
         low, high: 90 % interval that was promised of `rms`; nan where nothing was.
     """
@@ -63,7 +63,7 @@ class Stretch:
         channel: Column of the campaign.
         unit: SI.
         rms: Root mean square of measured less predicted.
-        floor: The same of what no model can predict there.
+        floor: The same, expected of a right model there.
     """
 
     run: str

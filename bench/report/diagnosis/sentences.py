@@ -22,6 +22,11 @@ from bench.report.diagnosis.names import (
 CLEARLY = 0.05  # gain of a channel by one step that is worth a word
 WORST = 3  # noisy channels that are named
 DECISIVE = 4.6  # log Bayes factor of odds of 100
+FLOOR = (
+    "the error to be expected of a right model, by the stated noise and steps of the instruments, the scatter of "
+    "repeats, and an assumed spread of where friction and play come to rest; it is no bound: by chance, or with better "
+    "instruments, less is left"
+)
 
 
 def unfinished_sentence(verdict: Verdict) -> str:

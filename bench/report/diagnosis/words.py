@@ -23,6 +23,7 @@ from bench.report.diagnosis.names import (
     remark_text,
 )
 from bench.report.diagnosis.sentences import (
+    FLOOR,
     gain_sentence,
     gain_text,
     how_predicted,
@@ -108,14 +109,16 @@ def _gain(verdict: Verdict) -> Iterator[str]:
         known = [gain for gain in verdict.gain if np.isfinite(gain.over_better)]
         for gain in sorted(known, key=lambda gain: -gain.over_better)[:BEST_CHANNELS]:
             yield f"  {gain_text(gain)}"
+        if known:
+            yield f"  Readings count by the inverse of their floor variance; the floor is {FLOOR}."
 
 
 def _predicted(verdict: Verdict) -> Iterator[str]:
     drives = [p for p in verdict.predicted if p.kind == "motion" and p.channel.startswith(("current", "tau_motor"))]
     if drives:
         yield (
-            f"What the model leaves in motion, root mean square, {how_predicted(verdict)}, and what it promises of the "
-            "next recording (90 %):"
+            f"What the model leaves in motion, root mean square with every bin alike, {how_predicted(verdict)}, and "
+            "what it promises of the next recording (90 %):"
         )
     for one in drives:
         yield f"  {error_text(one)}"

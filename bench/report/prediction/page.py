@@ -9,6 +9,7 @@ from bench.predict.prediction import PredictedRecording, Prediction
 from bench.report.diagnosis.facts import versions
 from bench.report.diagnosis.names import capital
 from bench.report.diagnosis.pictures import Picture
+from bench.report.diagnosis.sentences import FLOOR
 from bench.report.prediction.pictures import pictures_of
 from bench.report.prediction.sentences import (
     ChannelRow,
@@ -53,6 +54,7 @@ def page_of(prediction: Prediction, made: Sequence[str], command: str = "") -> s
     return template.render(
         prediction=prediction,
         headline=headline(prediction),
+        floor_words=FLOOR,
         promise_words=promise_sentence(prediction),
         broken_words=broken_sentence(prediction),
         free_words=free_sentence(prediction),

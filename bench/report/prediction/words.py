@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from bench.predict.prediction import PredictedRecording, Prediction
+from bench.report.diagnosis.sentences import FLOOR
 from bench.report.prediction.file_names import NUMBERS, REPORT, recording_name
 from bench.report.prediction.sentences import (
     broken_sentence,
@@ -27,6 +28,7 @@ def words_of(prediction: Prediction) -> Iterator[str]:
     if words := broken_sentence(prediction):
         yield words
     yield free_sentence(prediction)
+    yield f"The floor is {FLOOR}."
     for recording in prediction.recordings:
         if recording.name:
             yield f"Recording {recording.name}:"

@@ -296,3 +296,10 @@ def test_a_finding_that_hangs_on_a_few_runs_is_not_confirmed() -> None:
 def test_promises_say_what_they_rest_on(by: str, how: str) -> None:
     (line,) = (words for words in words_of(replace(NOTHING, held_out_by=by)) if "what it promises" in words)
     assert how in line
+
+
+def test_the_floor_is_no_bound() -> None:
+    """Held-out errors below it were puzzling where it was called what noise would leave of a perfect model."""
+    text = "\n".join(words_of(VERDICTS["cause"]))
+    assert "the floor is the error to be expected of a right model" in text
+    assert "it is no bound" in text
