@@ -12,7 +12,7 @@ from bench.diagnose.extend import relinearise
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.name import paying, selection
 from bench.diagnose.name.models import Model
-from bench.diagnose.name.naming import Naming, posterior_of, with_probabilities
+from bench.diagnose.name.naming import Naming, fitted_probabilities, posterior_of, with_probabilities
 from bench.diagnose.name.search import Alternative, Subset
 from bench.effects.catalogue import catalogue
 from bench.errors import ConvergenceError
@@ -104,6 +104,20 @@ def test_what_has_a_finding_more_counts_for_the_finding() -> None:
     assert gas == pytest.approx((np.exp(9.0) + np.exp(8.0)) / total)
     assert both == 0.0
     assert heat == pytest.approx(np.exp(5.0) / total)
+
+
+def test_models_share_their_probability_as_simulated() -> None:
+    """The names of a finding are weighed by simulations, so an explanation must not have another probability.
+
+    What was not simulated counts for heat, and made its explanation thirteen times as probable as its name.
+    """
+    models = (fake(9.0, "gas"), fake(8.0, "gas", "friction"), fake(3.6, "heat"))
+    every = {model.keys: model.log_posterior for model in models} | {frozenset({"heat", "valve"}): 6.2}
+    weighed = with_probabilities(models, every)
+    gas, both, heat = fitted_probabilities(weighed)
+    assert both == 0.0
+    assert heat / gas == pytest.approx(np.exp(3.6) / (np.exp(9.0) + np.exp(8.0)))
+    assert gas + heat == pytest.approx(sum(model.probability for model in weighed))
 
 
 def test_what_promises_more_and_was_not_simulated_counts_for_no_more_than_is_said() -> None:

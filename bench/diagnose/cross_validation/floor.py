@@ -22,8 +22,9 @@ def measured(linear: LinearisedModel) -> NDArray[np.bool_]:
 def floor_variance(linear: LinearisedModel) -> Array:
     """Return the expected variance of what no model can predict, shape (T, c); nan where not measured.
 
-    Noise of the instruments as stated, rests that swayed, and the assumed spread of static friction. What standard errors
-    were raised by because no model fits (`linear.inflation`) is taken out: a poor model does not raise its own floor.
+    Noise of the instruments as stated, rests that swayed, and the assumed spread of static friction. What standard
+    errors were raised by because no model fits (`linear.inflation`) is taken out: a poor model does not raise its own
+    floor.
     """
     c = len(linear.quantities)
     parts = []

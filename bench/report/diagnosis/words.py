@@ -52,7 +52,8 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     for group in verdict.findings:
         yield from _finding(group)
     for explanation in verdict.other_explanations:
-        yield f"{percent(explanation.probability):>9}  altogether: {name_beside(explanation, verdict.explanations[0])}"
+        name = name_beside(explanation, verdict.explanations[0])
+        yield f"{percent(explanation.fitted_probability):>9}  altogether: {name}"
     if words := open_names_sentence(verdict):
         yield words
     if remainder := remainder_sentence(verdict):

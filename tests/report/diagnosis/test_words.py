@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from bench.diagnose.verdict import (
-    Explanation,
     NamedCause,
     NoisyChannel,
     ParameterValue,
@@ -24,7 +23,7 @@ from bench.report.diagnosis.names import (
 )
 from bench.report.diagnosis.sentences import confirmed_text, refused_text, step_text
 from bench.report.diagnosis.words import places_of, words_of
-from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, finding
+from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, explanation, finding
 
 OIL = replace(MASS, place="forearm")
 
@@ -136,7 +135,7 @@ def test_findings_with_several_names_have_one_each_in_a_long_headline() -> None:
 
 
 def test_two_causes_in_the_place_of_one_are_another_explanation() -> None:
-    other = Explanation((MASS, ZERO), 0.4, 90.0)
+    other = explanation((MASS, ZERO), 0.4, 90.0)
     one = replace(VERDICTS["cause"], explanations=(*VERDICTS["cause"].explanations, other))
     assert headline(one) == "Loss of gas, or another explanation, which these data cannot tell apart."
     assert any("altogether: mass of a link (upper arm) with zero of a joint" in line for line in words_of(one))
@@ -187,12 +186,12 @@ def test_a_channel_that_is_wrong_is_called_as_people_call_it() -> None:
 
 
 def test_a_rival_with_much_in_common_is_told_by_its_difference() -> None:
-    best = Explanation((GAS, ZERO, MASS), 0.9, 90.0)
-    other = Explanation((WARM, ZERO, MASS), 0.1, 88.0)
+    best = explanation((GAS, ZERO, MASS), 0.9, 90.0)
+    other = explanation((WARM, ZERO, MASS), 0.1, 88.0)
     assert name_beside(other, best) == "the same with gas warmer or colder in place of loss of gas"
-    assert name_beside(Explanation((GAS, ZERO), 0.0, 1.0), best) == "the same without mass of a link (upper arm)"
-    assert name_beside(best, Explanation((GAS, ZERO), 0.0, 1.0)) == "the same with mass of a link (upper arm) too"
-    assert name_beside(Explanation((WARM,), 0.1, 1.0), best) == "gas warmer or colder"
+    assert name_beside(explanation((GAS, ZERO), 0.0, 1.0), best) == "the same without mass of a link (upper arm)"
+    assert name_beside(best, explanation((GAS, ZERO), 0.0, 1.0)) == "the same with mass of a link (upper arm) too"
+    assert name_beside(explanation((WARM,), 0.1, 1.0), best) == "gas warmer or colder"
     assert name_beside(best, best) == "loss of gas with zero of a joint (joint 2) with mass of a link (upper arm)"
 
 
