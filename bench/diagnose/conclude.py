@@ -79,7 +79,7 @@ def verdict_of(
         held_out_by=gain.by if gain else "",
         steps=tuple(_step(finding) for finding in naming.findings),
         next=proposals,
-        detectable=detection_limits(naming.screening),
+        detectable=tuple(d for d in detection_limits(naming.screening) if (d.effect, d.place) not in naming.found),
         noisy=_noisy(linear),
     )
 

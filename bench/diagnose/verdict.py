@@ -251,7 +251,7 @@ class Verdict:
         steps: The findings, the one with the most evidence first, then the refused ones.
         next: Experiments that would tell more, the best first.
         predicted: What the model will leave of a recording that nobody has made yet, by channel.
-        detectable: What would have been found, had it been there.
+        detectable: What would have been found, had it been there; without what was found.
         blind: What would not have been found at any plausible size, and what would show it.
         noisy: Channels that scatter far more than their instruments, the worst first; causes hide in them.
         unfinished: Why it ended before it was done; None: it is done.

@@ -8,13 +8,18 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
+from bench.diagnose.experiment_design import undetectable
 from bench.diagnose.extend import relinearise
 from bench.diagnose.extend.fit import Fit
+from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.name import paying, selection
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Naming, fitted_probabilities, posterior_of, with_probabilities
 from bench.diagnose.name.search import Alternative, Subset
 from bench.effects.catalogue import catalogue
+from bench.effects.effect import WHOLE
+from bench.effects.gas import GasLoss
+from bench.effects.payloads import PayloadMass, UnstatedPayload
 from bench.errors import ConvergenceError
 from tests.diagnose.sweeps import SWEEPS, made, nominal
 
@@ -92,6 +97,25 @@ def test_a_set_holds_what_cannot_be_told_from_the_best_and_nothing_with_more_in_
     any_: Any = None
     naming = Naming("cause", models, any_, any_, (), any_)
     assert [sorted(model.keys) for model in naming.alternatives] == [["gas"], ["heat"]]
+
+
+def test_what_is_found_is_found_with_all_that_it_covers() -> None:
+    """A payload has a mass and a centre: they were listed as what nothing could show, below the payload itself."""
+    payload = Cause(UnstatedPayload(), WHOLE, (), ())
+    model = Model(SimpleNamespace(causes=(payload,)))  # type: ignore[arg-type]
+    any_: Any = None
+    found = Naming("cause", (model,), any_, any_, (), any_).found
+    assert found == {(name, "robot") for name in ("unstated_payload", "payload_mass", "payload_com")}
+    assert set(UnstatedPayload.covers) <= set(catalogue())
+
+
+def test_what_was_found_is_not_undetectable(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(undetectable, "_seen", lambda screening, causes: set())
+    monkeypatch.setattr(undetectable, "_absent", lambda compiled, quantities: ())
+    causes = [Cause(effect, WHOLE, (), ()) for effect in (UnstatedPayload(), PayloadMass(), GasLoss())]
+    any_: Any = None
+    blind = undetectable.undetectable_effects(any_, (), (), any_, causes, found={("payload_mass", "robot")})
+    assert [spot.effect for spot in blind] == ["unstated_payload", "gas_loss"]
 
 
 def test_what_has_a_finding_more_counts_for_the_finding() -> None:

@@ -75,6 +75,13 @@ class Naming:
         return self.models[0].shape if self.models else None
 
     @property
+    def found(self) -> frozenset[tuple[str, str]]:
+        """Effect and place of every cause that may be behind a finding, and of what it covers."""
+        causes = [cause for model in self.models[:1] for cause in model.causes]
+        causes += [member.cause for group in self.groups for member in group.members]
+        return frozenset((name, one.key[1]) for one in causes for name in (one.effect.name, *one.effect.covers))
+
+    @property
     def alternatives(self) -> tuple[Model, ...]:
         """Models that these data cannot tell from the best, the best first.
 

@@ -138,8 +138,16 @@ def listed(names: Sequence[str], last: str) -> str:
 def places_text(places: Sequence[str]) -> str:
     """Return places in words: "joints 1, 3, upper arm"; "" for the robot as a whole."""
     joints = sorted((p.removeprefix("joint ") for p in places if p.startswith("joint ")), key=int)
-    others = [name for place in places if not place.startswith("joint ") and (name := place_name(place))]
+    within = [place.partition(IN_RECORDING)[2] for place in places if place.startswith(f"robot{IN_RECORDING}")]
+    others = [name for p in places if not p.startswith(("joint ", f"robot{IN_RECORDING}")) and (name := place_name(p))]
+    others += [f"{IN_RECORDING.strip()}{'s' * (len(within) > 1)} {listed(within, 'and')}"] if within else []
     return ", ".join(([f"joint{'s' * (len(joints) > 1)} {', '.join(joints)}"] if joints else []) + others)
+
+
+def at_places(words: str, places: Sequence[str]) -> str:
+    """Return what acts, and where: "link length of joints 1, 3", "tracker frame in recordings may and june"."""
+    where = places_text(places)
+    return f"{words} {'' if where.startswith(IN_RECORDING.strip()) else 'of '}{where}" if where else words
 
 
 def letter(index: int) -> str:

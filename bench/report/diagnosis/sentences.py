@@ -7,13 +7,13 @@ import numpy as np
 from bench.diagnose.cross_validation.held_out import NOTICEABLE
 from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, UndetectableEffect, Verdict
 from bench.report.diagnosis.names import (
+    at_places,
     cause_name,
     channel_name,
     gain_percent,
     listed,
     parameter_text,
     percent,
-    places_text,
     shown,
     unit_name,
     unlisted_name,
@@ -146,7 +146,7 @@ def undetectable_sentence(verdict: Verdict, but: Sequence[UndetectableEffect] = 
     places: dict[str, list[str]] = {}
     for (effect, place), names in sizes.items():
         places.setdefault(f"{effect.replace('_', ' ')} ({', '.join(names)})", []).append(place)
-    named = [f"{words} of {where}" if (where := places_text(some)) else words for words, some in places.items()]
+    named = [at_places(words, some) for words, some in places.items()]
     return f"Not detectable at a plausible size: {'; '.join(named)}." if named else ""
 
 

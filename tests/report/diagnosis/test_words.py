@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from bench.diagnose.verdict import (
+    DetectionLimit,
     NamedCause,
     NoisyChannel,
     ParameterValue,
@@ -21,17 +22,20 @@ from bench.report.diagnosis.names import (
     name_beside,
     unlisted_name,
 )
-from bench.report.diagnosis.sentences import confirmed_text, refused_text, step_text
+from bench.report.diagnosis.sentences import confirmed_text, refused_text, step_text, undetectable_sentence
 from bench.report.diagnosis.words import places_of, words_of
 from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, explanation, finding
 
+NOTHING_FOUND = (
+    "Nothing found: the nominal model, its figures fitted within their stated uncertainty, explains this campaign."
+)
 OIL = replace(MASS, place="forearm")
 
 
 @pytest.mark.parametrize(
     ("kind", "first"),
     [
-        ("nothing", "Nothing found: the nominal model explains this campaign."),
+        ("nothing", NOTHING_FOUND),
         ("cause", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
         ("several", "2 causes act together: loss of gas and zero of a joint (joint 2)."),
         (
@@ -53,8 +57,11 @@ OIL = replace(MASS, place="forearm")
             "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152). "
             "Drive 4: least squares predicts 0.901 Nm, the named causes 3.93: something is missing here.",
         ),
-        ("as good as least squares", "Nothing found: the nominal model explains this campaign."),
-        ("messy", "2 causes act together: mass of a link (upper arm) and zero of a joint (joint 2)."),
+        ("as good as least squares", NOTHING_FOUND),
+        (
+            "messy",
+            "2 large causes act together: mass of a link (upper arm) and zero of a joint (joint 2); and 1 small one.",
+        ),
     ],
 )
 def test_the_first_line_is_the_verdict(kind: str, first: str) -> None:
@@ -125,6 +132,23 @@ def test_a_cause_that_was_not_fitted_makes_no_small_finding_large() -> None:
 def test_small_findings_that_are_open_are_no_either_or_of_the_headline() -> None:
     small = finding(replace(MASS, share=0.1), replace(OIL, share=0.1))
     assert headline(replace(VERDICTS["several"], findings=(finding(GAS), small))).startswith("Loss of gas: lost 0.133")
+
+
+def test_small_findings_are_counted_in_the_headline() -> None:
+    """Seven findings stood below a headline of three causes."""
+    small = [replace(ZERO, place=f"joint {i}", share=0.1) for i in range(1, 5)]
+    found = tuple(map(finding, (GAS, MASS, *small)))
+    assert headline(replace(VERDICTS["several"], findings=found)) == (
+        "2 large causes act together: loss of gas and mass of a link (upper arm); and 4 small ones."
+    )
+
+
+def test_what_is_undetectable_in_some_recordings_is_a_sentence() -> None:
+    limit = DetectionLimit("tracker_frame", "robot in recording may", "tx", 2.0, "m", 2.0, 1e-3, 1)
+    both = (limit, replace(limit, place="robot in recording june"), replace(limit, effect="zero", place="joint 2"))
+    assert undetectable_sentence(replace(NOTHING, detectable=both)) == (
+        "Not detectable at a plausible size: tracker frame (tx) in recordings may and june; zero (tx) of joint 2."
+    )
 
 
 def test_findings_with_several_names_have_one_each_in_a_long_headline() -> None:
