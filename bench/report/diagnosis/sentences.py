@@ -202,14 +202,19 @@ def step_left(step: Step) -> str:
 
 def proposal_text(proposal: Proposal) -> str:
     """Return what an experiment would tell, in words."""
-    first, second = proposal.splits
     if proposal.narrows:
-        return f"It would narrow {proposal.narrows}."
+        return f"It would narrow {_with_channels(proposal.narrows)}."
+    first, second = map(_with_channels, proposal.splits)
     sure = "would decide" if proposal.separation > DECISIVE else "would help to decide"
     return (
-        f"It {sure} between {first} and {second}: expected log Bayes factor {proposal.separation:.1f}, "
-        f"{proposal.today:.1f} with the data at hand."
+        f"It {sure} between {first} and {second}: it is expected to add {proposal.separation:.1f} to the logarithm of "
+        f"their Bayes factor, which is {proposal.today:.1f} with the data at hand."
     )
+
+
+def _with_channels(words: str) -> str:
+    """Return words in which columns are called as people call them."""
+    return " ".join(map(channel_name, words.split(" ")))
 
 
 def cause_text(cause: NamedCause) -> str:

@@ -10,6 +10,7 @@ from bench.diagnose.verdict import (
     NamedCause,
     NoisyChannel,
     ParameterValue,
+    Proposal,
     RecordingGain,
     Step,
     UndetectableEffect,
@@ -22,7 +23,13 @@ from bench.report.diagnosis.names import (
     name_beside,
     unlisted_name,
 )
-from bench.report.diagnosis.sentences import confirmed_text, refused_text, step_text, undetectable_sentence
+from bench.report.diagnosis.sentences import (
+    confirmed_text,
+    proposal_text,
+    refused_text,
+    step_text,
+    undetectable_sentence,
+)
 from bench.report.diagnosis.words import places_of, words_of
 from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, explanation, finding
 
@@ -229,7 +236,15 @@ def test_a_set_is_not_guessed_between() -> None:
     text = "\n".join(words_of(VERDICTS["set"]))
     assert "either loss of gas or gas warmer or colder, which these data cannot tell apart" in text
     assert "     50 %  or gas warmer or colder" in text
-    assert "It would decide between loss of gas and gas warmer or colder" in text
+    assert (
+        "It would decide between loss of gas and gas warmer or colder: it is expected to add 24.2 to the logarithm of "
+        "their Bayes factor, which is 0.3 with the data at hand."
+    ) in text
+
+
+def test_columns_of_a_proposal_are_called_as_people_call_them() -> None:
+    drift = Proposal("a sweep", ("drift of tau_motor_1_n", "delay of the motor encoders"), 11.4, 7.1)
+    assert "between drift of motor force 1 and delay of the motor encoders" in proposal_text(drift)
 
 
 def test_nothing_found_says_what_would_have_been() -> None:
