@@ -1,6 +1,6 @@
 """The next experiment: expected evidence in closed form, and twins of a small campaign that an instrument splits."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,7 +18,7 @@ from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import WHOLE, Acting
+from bench.effects.effect import WHOLE, Acting, Place
 from bench.hide.campaign import hide_campaign
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
@@ -180,6 +180,20 @@ class Named(SimpleNamespace):
 
     def __str__(self) -> str:
         return str(self.key)
+
+
+@pytest.mark.parametrize(
+    ("effect", "place", "words"),
+    [
+        ("joint_zero", Place("joint", 4, "joint5"), "zero of a joint (joint 5)"),
+        ("link_mass", Place("body", 3, "tool"), "mass of a link (tool)"),
+        ("gas_loss", WHOLE, "loss of gas"),
+        ("tracker_frame", replace(WHOLE, recording="june"), "frame of the laser tracker in recording june"),
+    ],
+)
+def test_a_cause_is_named_with_its_place(effect: str, place: Place, words: str) -> None:
+    """A place stood twice in "zero of a joint of joint 5"."""
+    assert str(Cause(catalogue()[effect], place, (), ())) == words
 
 
 def test_explanations_are_told_apart_by_what_they_do_not_share() -> None:

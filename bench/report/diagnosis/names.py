@@ -161,8 +161,8 @@ def capital(words: str) -> str:
 
 
 def unit_name(unit: str) -> str:
-    """Return the unit in which a quantity is shown."""
-    return WORKSHOP.get(unit, (unit, 1.0))[0]
+    """Return the unit in which a quantity is shown; "" for a pure number."""
+    return "" if unit == "1" else WORKSHOP.get(unit, (unit, 1.0))[0]
 
 
 def shown(values: Sequence[float], unit: str, resolution: float) -> tuple[str, ...]:

@@ -47,6 +47,7 @@ from bench.report.diagnosis.sentences import (
     undetectable_sentence,
     unfinished_sentence,
 )
+from bench.report.html import as_html
 
 TEMPLATE = "page.html.j2"
 MOST_LINES = 300  # of a difference, on the page
@@ -126,6 +127,7 @@ def page_of(
     environment.filters |= {
         "base64": lambda text: b64encode(text.encode()).decode(),
         "capital": capital,
+        "html": as_html,
         "cause_name": cause_name,
         "channel": channel_name,
         "name_beside": name_beside,

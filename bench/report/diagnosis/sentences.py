@@ -20,6 +20,7 @@ from bench.report.diagnosis.names import (
 )
 
 CLEARLY = 0.05  # gain of a channel by one step that is worth a word
+KNOWN = "known_"  # before the names of what the lab knows besides (`replay/quantities.py`)
 WORST = 3  # noisy channels that are named
 DECISIVE = 4.6  # log Bayes factor of odds of 100
 FLOOR = (
@@ -85,9 +86,14 @@ def scatter_sentence(verdict: Verdict) -> str:
     return f"{words} Worst: {worst}{more}. Nothing that was tried explains that, and a cause may hide in it."
 
 
+def read_gains(verdict: Verdict) -> list[ChannelGain]:
+    """Return the gains of channels that instruments read; what the lab knows besides is no prediction."""
+    return [gain for gain in verdict.gain if not gain.channel.startswith(KNOWN)]
+
+
 def gain_sentence(verdict: Verdict) -> str:
     """Return what the extension is worth on data that it has not seen, "" where nobody tried."""
-    known = [gain for gain in verdict.gain if np.isfinite(gain.over_better_low) and np.isfinite(gain.over_better_high)]
+    known = [gain for gain in read_gains(verdict) if np.isfinite(gain.over_better_low + gain.over_better_high)]
     better = [gain for gain in known if gain.over_better_low > 0]
     worse = [gain for gain in known if gain.over_better_high < 0]
     if not known:
@@ -111,11 +117,11 @@ def gain_text(gain: ChannelGain) -> str:
     """Return the gain of one channel in a line."""
     values = (gain.measured, gain.nominal, gain.before, gain.after, gain.floor)
     measured, nominal, fitted, after, floor = shown(values, gain.unit, gain.floor or gain.after)
-    unit = unit_name(gain.unit)
+    unit = f" {unit_name(gain.unit)}".rstrip()
     return (
-        f"{channel_name(gain.channel)}: {nominal} -> {after} {unit} of {measured} measured (nominal fitted {fitted}, "
-        f"floor {floor}), gain {gain_percent(gain.over_better)} ({gain_percent(gain.over_better_low)} to "
-        f"{gain_percent(gain.over_better_high)})"
+        f"{channel_name(gain.channel)}: {nominal} -> {after}{unit} of {measured} measured "
+        f"(nominal fitted {fitted}, floor {floor}), gain {gain_percent(gain.over_better)} "
+        f"({gain_percent(gain.over_better_low)} to {gain_percent(gain.over_better_high)})"
     )
 
 
@@ -196,7 +202,7 @@ def step_left(step: Step) -> str:
     for gain in step.channels:
         if gain.gain > CLEARLY and gain.low > 0:
             before, after = shown((gain.before, gain.after), gain.unit, gain.floor or gain.after)
-            texts.append(f"{channel_name(gain.channel)} {before} -> {after} {unit_name(gain.unit)}")
+            texts.append(f"{channel_name(gain.channel)} {before} -> {after} {unit_name(gain.unit)}".rstrip())
     return ", ".join(texts)
 
 

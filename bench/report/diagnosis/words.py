@@ -3,8 +3,6 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
 from bench.diagnose.verdict import AmbiguityGroup, Verdict
 from bench.report.diagnosis.baseline import baseline_lines
 from bench.report.diagnosis.blind import blind_sentences
@@ -30,6 +28,7 @@ from bench.report.diagnosis.sentences import (
     open_names_sentence,
     proposal_text,
     rate_sentence,
+    read_gains,
     refused_text,
     remainder_sentence,
     scatter_sentence,
@@ -107,7 +106,7 @@ def _selection(verdict: Verdict) -> Iterator[str]:
 def _gain(verdict: Verdict) -> Iterator[str]:
     if verdict.gain:
         yield gain_sentence(verdict)
-        known = [gain for gain in verdict.gain if np.isfinite(gain.over_better)]
+        known = [gain for gain in read_gains(verdict) if gain.over_better > 0]
         for gain in sorted(known, key=lambda gain: -gain.over_better)[:BEST_CHANNELS]:
             yield f"  {gain_text(gain)}"
         if known:

@@ -10,6 +10,7 @@ from bench.report.diagnosis.facts import versions
 from bench.report.diagnosis.names import capital
 from bench.report.diagnosis.pictures import Picture
 from bench.report.diagnosis.sentences import FLOOR
+from bench.report.html import as_html
 from bench.report.prediction.pictures import pictures_of
 from bench.report.prediction.sentences import (
     ChannelRow,
@@ -49,7 +50,11 @@ def page_of(prediction: Prediction, made: Sequence[str], command: str = "") -> s
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"base64": lambda text: b64encode(text.encode()).decode(), "capital": capital}
+    environment.filters |= {
+        "base64": lambda text: b64encode(text.encode()).decode(),
+        "capital": capital,
+        "html": as_html,
+    }
     template = environment.from_string(files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8"))
     return template.render(
         prediction=prediction,

@@ -25,6 +25,7 @@ from bench.report.diagnosis.names import (
 )
 from bench.report.diagnosis.sentences import (
     confirmed_text,
+    gain_text,
     proposal_text,
     refused_text,
     step_text,
@@ -191,6 +192,16 @@ def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
         "Not looked for without gear temperatures (gear_temperature_i_k): friction temperature.",
     ):
         assert words in text
+
+
+def test_what_the_lab_knows_is_no_channel_that_is_predicted_better() -> None:
+    """A payload as known stood there as "0.000 -> 0.054 kg", an earlier diagnosis with the unit 1."""
+    (better, _, worse), known = VERDICTS["cause"].gain, replace(NO_GAIN, channel="known_payload_1", over_better=0.5)
+    text = "\n".join(words_of(replace(VERDICTS["cause"], gain=(better, worse, known))))
+    assert "1 of 2 channels are predicted better" in text
+    assert "payload as known" not in text
+    assert "  reflector 1 z: " not in text
+    assert "0.405 -> 0.081 of" in gain_text(replace(better, channel="known_earlier_1", unit="1"))
 
 
 def test_a_climb_is_told_step_by_step() -> None:
