@@ -62,12 +62,17 @@ def test_figures_that_moved_are_named_and_escaped() -> None:
 
 def test_explanations_say_why_more_evidence_is_no_more_probable() -> None:
     best, more = explanation((GAS,), 0.73, 80.8), explanation((GAS, MASS), 0.0, 82.8)
-    verdict = replace(VERDICTS["cause"], explanations=(best,), rivals=(more, explanation((WARM,), 0.27, 79.8)))
+    verdict = replace(
+        VERDICTS["cause"],
+        explanations=(best,),
+        rivals=(more, explanation((WARM,), 0.27, 79.8), explanation((MASS,), 0.0, -900.0)),
+    )
     assert verdict.counts_for(more) is best
     assert verdict.counts_for(best) is None
     text = Page(html_of(verdict)).text
     assert "Loss of gas 80.8 76.8 73 %" in text
     assert "82.8 74.8 counted for a likelier one" in text
+    assert "-900.0 -904.0 < 0.1 %" in text  # no probability is none
 
 
 @cache
