@@ -28,6 +28,7 @@ TOLD_APART = 6.0  # log Bayes factor; more than that is as good
 # declared: expected log Bayes factor below which an experiment is not worth a lab's time: odds of ten
 LEAST = float(np.log(10))
 LEAST_NARROWING = 0.8  # declared: of the standard deviation, above which the same holds
+NONE = "none of it"  # of an explanation that has nothing which another one has not
 
 
 @dataclass(frozen=True)
@@ -167,4 +168,4 @@ def _rate_narrowing(words: str, family: str, fit: Fit, expectation: Expectation)
 def name_of(fit: Fit, other: Fit | None = None) -> str:
     """Return an explanation in words; against another one, what that has not."""
     shared = {cause.key for cause in other.causes} if other else set()
-    return " and ".join(str(cause) for cause in fit.causes if cause.key not in shared) or "none of it"
+    return " and ".join(str(cause) for cause in fit.causes if cause.key not in shared) or NONE

@@ -1,10 +1,12 @@
 """What a verdict says in sentences, for the page and the terminal alike."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
 
 from bench.diagnose.cross_validation.held_out import NOTICEABLE
+from bench.diagnose.experiment_design.propose import NONE
 from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, UndetectableEffect, Verdict
 from bench.report.diagnosis.names import (
     at_places,
@@ -20,6 +22,7 @@ from bench.report.diagnosis.names import (
 )
 
 CLEARLY = 0.05  # gain of a channel by one step that is worth a word
+COLUMN = re.compile(r"[a-z]+(?:_[a-z0-9]+)+")
 KNOWN = "known_"  # before the names of what the lab knows besides (`replay/quantities.py`)
 WORST = 3  # noisy channels that are named
 DECISIVE = 4.6  # log Bayes factor of odds of 100
@@ -211,16 +214,19 @@ def proposal_text(proposal: Proposal) -> str:
     if proposal.narrows:
         return f"It would narrow {_with_channels(proposal.narrows)}."
     first, second = map(_with_channels, proposal.splits)
+    question = f"between {first} and {second}"
+    if NONE in proposal.splits:
+        question = f"whether there is {second if proposal.splits[0] == NONE else first}"
     sure = "would decide" if proposal.separation > DECISIVE else "would help to decide"
     return (
-        f"It {sure} between {first} and {second}: it is expected to add {proposal.separation:.1f} to the logarithm of "
+        f"It {sure} {question}: it is expected to add {proposal.separation:.1f} to the logarithm of "
         f"their Bayes factor, which is {proposal.today:.1f} with the data at hand."
     )
 
 
 def _with_channels(words: str) -> str:
     """Return words in which columns are called as people call them."""
-    return " ".join(map(channel_name, words.split(" ")))
+    return COLUMN.sub(lambda found: channel_name(found[0]), words)
 
 
 def cause_text(cause: NamedCause) -> str:

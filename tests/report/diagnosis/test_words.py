@@ -254,8 +254,10 @@ def test_a_set_is_not_guessed_between() -> None:
 
 
 def test_columns_of_a_proposal_are_called_as_people_call_them() -> None:
-    drift = Proposal("a sweep", ("drift of tau_motor_1_n", "delay of the motor encoders"), 11.4, 7.1)
-    assert "between drift of motor force 1 and delay of the motor encoders" in proposal_text(drift)
+    drift = Proposal("a sweep", ("drift (tau_motor_1_n)", "delay of the motor encoders"), 11.4, 7.1)
+    assert "between drift (motor force 1) and delay of the motor encoders" in proposal_text(drift)
+    alone = replace(drift, splits=("none of it", "drift (tau_motor_1_n)"))
+    assert proposal_text(alone).startswith("It would decide whether there is drift (motor force 1): it is expected")
 
 
 def test_nothing_found_says_what_would_have_been() -> None:
