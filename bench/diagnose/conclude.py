@@ -1,6 +1,6 @@
 """From what was found to the verdict, as plain data."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name.discrepancy import Discrepancy
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.name.models import Model
-from bench.diagnose.name.naming import Finding, Naming
+from bench.diagnose.name.naming import Finding, Naming, fitted_probabilities
 from bench.diagnose.replay.segments import recordings_of
 from bench.diagnose.verdict import (
     CONFIRMED,
@@ -59,6 +59,7 @@ def verdict_of(
     near = tuple(m for m in naming.alternatives if m.causes and bool(m.shape) == bool(naming.unlisted))
     fits = [model.listed_fit(naming.linear) for model in near]
     linear = naming.linear
+    shares = dict(zip([m.keys for m in naming.models], fitted_probabilities(naming.models), strict=True))
     if discrepancy and discrepancy.fit and discrepancy.is_gain:
         fits[:1], linear = [discrepancy.fit] if near else [], discrepancy.linear
     return Verdict(
@@ -66,8 +67,10 @@ def verdict_of(
         false_alarm_rate=rate,
         threshold=naming.screening.threshold,
         noise_scale=float(np.mean(linear.inflation**2)),
-        explanations=tuple(_explanation(model, fit) for model, fit in zip(near, fits, strict=True)),
-        rivals=tuple(_explanation(m, m.listed_fit(naming.linear)) for m in naming.models if m.causes and m not in near),
+        explanations=tuple(_explanation(m, fit, shares) for m, fit in zip(near, fits, strict=True)),
+        rivals=tuple(
+            _explanation(m, m.listed_fit(naming.linear), shares) for m in naming.models if m.causes and m not in near
+        ),
         findings=_findings(naming, near, fits),
         unlisted=_unlisted(naming, discrepancy),
         missing=missing,
@@ -76,7 +79,7 @@ def verdict_of(
         held_out_by=gain.by if gain else "",
         steps=tuple(_step(finding) for finding in naming.findings),
         next=proposals,
-        detectable=detection_limits(naming.screening),
+        detectable=tuple(d for d in detection_limits(naming.screening) if (d.effect, d.place) not in naming.found),
         noisy=_noisy(linear),
     )
 
@@ -159,9 +162,9 @@ def _unlisted(naming: Naming, discrepancy: Discrepancy | None) -> Unlisted | Non
     return Unlisted(block.place, block.kind, block.depends_on, parameters, runs, words, shape.stands_out)
 
 
-def _explanation(model: Model, fit: Fit) -> Explanation:
+def _explanation(model: Model, fit: Fit, shares: Mapping[frozenset[Hashable], float]) -> Explanation:
     causes = tuple(sorted((_named(cause, fit) for cause in model.causes), key=lambda cause: -cause.share))
-    return Explanation(causes, model.probability, model.log_evidence)
+    return Explanation(causes, model.probability, model.log_evidence, shares[model.keys], model.log_posterior)
 
 
 def _named(cause: Cause, fit: Fit) -> NamedCause:

@@ -131,7 +131,7 @@ def _concluded(task: Task, found: Explained, *, proposes: bool) -> Diagnosis:
                     proposals = propose(naming.linear, fits, executor)
             task.progress("what this campaign could not show")
             about = (signatures.compiled, found.segments, signatures.quantities, naming.screening, signatures.causes)
-            blind = undetectable_effects(*about, executor)
+            blind = undetectable_effects(*about, executor, naming.found)
     except Stopped as stopped:
         unfinished = unfinished_of(naming, str(stopped), task.progress.now)
     missing = unseen_of(task.catalogue.values(), measured_by(task.campaign))

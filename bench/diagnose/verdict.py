@@ -127,11 +127,21 @@ class Explanation:
         causes: That act together, the largest of its plausible range first.
         probability: Among everything that was weighed, fitted or not.
         log_evidence: Logarithm of the Bayes factor against the nominal model.
+        fitted_probability: Among the explanations that were fitted, which share what all of them have; as with the
+            names of a finding, simulation decides. What has all causes of a likelier one and more counts for that one.
+        log_posterior: Logarithm of the evidence and of the prior odds of the causes, which each of them lowers.
     """
 
     causes: tuple[NamedCause, ...]
     probability: float
     log_evidence: float
+    fitted_probability: float
+    log_posterior: float
+
+    @property
+    def names(self) -> frozenset[tuple[str, str]]:
+        """Of its causes."""
+        return frozenset(cause.name for cause in self.causes)
 
 
 @dataclass(frozen=True)
@@ -241,7 +251,7 @@ class Verdict:
         steps: The findings, the one with the most evidence first, then the refused ones.
         next: Experiments that would tell more, the best first.
         predicted: What the model will leave of a recording that nobody has made yet, by channel.
-        detectable: What would have been found, had it been there.
+        detectable: What would have been found, had it been there; without what was found.
         blind: What would not have been found at any plausible size, and what would show it.
         noisy: Channels that scatter far more than their instruments, the worst first; causes hide in them.
         unfinished: Why it ended before it was done; None: it is done.
@@ -280,7 +290,13 @@ class Verdict:
         """
         names = {one.cause.name for group in self.findings for one in group.names}
         others = [e for e in self.explanations[1:] if not {cause.name for cause in e.causes} <= names]
-        return tuple(e for e in others if e.probability >= UNLIKELY)
+        return tuple(e for e in others if e.fitted_probability >= UNLIKELY)
+
+    def counts_for(self, explanation: Explanation) -> Explanation | None:
+        """Return the likelier explanation for which another one counts, as it has all of its causes; None: itself."""
+        fitted = (*self.explanations, *self.rivals)
+        likelier = (e for e in fitted if e.log_posterior > explanation.log_posterior)
+        return next((e for e in likelier if e.names < explanation.names), None)
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of `verdict.json`."""

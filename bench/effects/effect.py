@@ -136,6 +136,7 @@ class Effect(ABC):
             "recording" or "run" are; or it "drifts", so it is looked for in all of them together and in each.
         advice: What a person should look at where it is found; "" where that is the part which the title names.
         depends_on_conditions: Whether its `edit` is another one at other temperatures.
+        covers: Names of effects that say a part of it: where it is found, these are not unseen.
         is_additive: Whether its `torques` are the same where the effect acts already; those of an effect that scales a
             figure grow with that figure.
     """
@@ -153,6 +154,7 @@ class Effect(ABC):
     advice: ClassVar[str] = ""
     depends_on_conditions: ClassVar[bool] = False
     is_additive: ClassVar[bool] = False
+    covers: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:
         """Let a class with another `edit` than its base not inherit what that said of torques."""

@@ -57,6 +57,7 @@ class UnstatedPayload(GeometryAndMass):
     name = "unstated_payload"
     title = "payload that is not stated"
     between = "anew"
+    covers = ("payload_mass", "payload_com")
     physics = (
         "A body is bolted on beside what the campaign states: mass m, centre of mass s/m from the load point in the "
         f"axes of the load body (no farther than {FARTHEST_M:.2f} m), moment of inertia J about every axis through its "

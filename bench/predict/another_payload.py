@@ -1,11 +1,12 @@
 """Another payload than the one that a model carries, for recordings in which something else was bolted on."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.effect import Conditions, Effect, Parameter, Place, Values
 from bench.effects.masses import LIGHTEST
 from bench.effects.payloads import PayloadCom, UnstatedPayload, rated_lever
 from bench.robot.compiled import CompiledRobot, SpecEdit
@@ -19,7 +20,7 @@ class AnotherPayload(Effect):
 
     name = "another_payload"
     family = "geometry and mass"
-    title = "another payload"
+    title = "change of the payload"
     physics = (
         "Mass, centre of mass (in the axes of the load body) and moment of inertia about every axis of what the model "
         "carries at the load point change by m, (x, y, z) and J; what the campaign states is beside it."
@@ -33,7 +34,8 @@ class AnotherPayload(Effect):
 
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameters with the range of a robot; no more is taken away than it carries."""
-        mass, inertia = _carried(compiled)
+        body = _carried(compiled)
+        mass, inertia = float(compiled.model.body_mass[body]), float(np.min(compiled.model.body_inertia[body]))
         stated = {p.name: p for p in UnstatedPayload().parameters_at(compiled, place)}
         least = {"mass": LIGHTEST * mass, "inertia": LIGHTEST * inertia}
         return tuple(
@@ -64,11 +66,24 @@ def _payload_in(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjsBody:
     return max([load, *load.bodies], key=lambda body: float(body.mass))
 
 
-def _carried(compiled: CompiledRobot) -> tuple[float, float]:
-    """Return mass [kg] and smallest moment of inertia [kg m^2] of what a model carries at the load point."""
+def carried_by(compiled: CompiledRobot) -> Mapping[str, float]:
+    """Return name of a fitted figure -> what a model has of it: mass [kg] and centre [m] of its payload.
+
+    The centre is in the axes of the load body. A moment of inertia is that about every axis, and a payload has three,
+    so it is left out, as is the centre of a payload that is the load body itself.
+    """
+    model, body = compiled.model, _carried(compiled)
+    known = {"mass": float(model.body_mass[body])}
+    if body != model.body(compiled.robot.figures.load_body).id:
+        turned = np.zeros(3)
+        mujoco.mju_rotVecQuat(turned, model.body_ipos[body], model.body_quat[body])
+        known |= dict(zip("xyz", (model.body_pos[body] + turned).tolist(), strict=True))
+    return {f"{AnotherPayload.title}: {name}": value for name, value in known.items()}
+
+
+def _carried(compiled: CompiledRobot) -> int:
+    """Return the body that a model carries at the load point; the load body itself if there is none."""
     model = compiled.model
     load = model.body(compiled.robot.figures.load_body).id
     bodies = [load, *(body for body in range(model.nbody) if model.body_parentid[body] == load)]
-    heaviest = max(bodies, key=lambda body: float(model.body_mass[body]))
-    inertia: Array = model.body_inertia[heaviest]
-    return float(model.body_mass[heaviest]), float(np.min(inertia))
+    return int(max(bodies, key=lambda body: float(model.body_mass[body])))

@@ -1,6 +1,6 @@
 """Errors of a prediction, by channel and by stretch."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -63,7 +63,9 @@ def channel_errors(
     return tuple(found)
 
 
-def worst_stretches(linear: LinearisedModel, error: Array, noise: Array) -> tuple[Stretch, ...]:
+def worst_stretches(
+    linear: LinearisedModel, error: Array, noise: Array, starts: Mapping[str, float]
+) -> tuple[Stretch, ...]:
     """Return the worst stretch of each channel, that which is furthest above what no model can predict first.
 
     A stretch is a visit at rest, or an eighth of a run in motion: as long as the blocks that promises rest on where
@@ -73,18 +75,31 @@ def worst_stretches(linear: LinearisedModel, error: Array, noise: Array) -> tupl
         linear: The recording.
         error: Shape (T, c), measured less predicted; nan where not measured.
         noise: Shape (T, c), standard deviation of what no model can predict.
+        starts: Name of each run -> when it began, on the clock of the recording [s].
     """
     stretches = list(_stretches(linear))
+    time = np.concatenate([segment.motion.time[segment.motion.read] for segment in linear.segments])
     found = []
     for c, quantity in enumerate(linear.quantities):
         best: Stretch | None = None
-        for run, label, rows, start_s, end_s in stretches:
+        for run, label, rows in stretches:
             seen = rows[np.isfinite(error[rows, c])]
             if len(seen) == 0:
                 continue
             left, floor = rms(error[seen, c]), rms(noise[seen, c])
             if best is None or left * best.floor > best.rms * floor:
-                best = Stretch(run, label, start_s, end_s, quantity.column, quantity.unit, left, floor)
+                best = Stretch(
+                    run=run,
+                    label=label,
+                    start_s=float(time[rows[0]]) - starts[run],
+                    end_s=float(time[rows[-1]]) - starts[run],
+                    first=int(rows[0]),
+                    last=int(rows[-1]),
+                    channel=quantity.column,
+                    unit=quantity.unit,
+                    rms=left,
+                    floor=floor,
+                )
         if best:
             found.append(best)
     return tuple(sorted(found, key=lambda one: -one.rms / one.floor))
@@ -101,17 +116,16 @@ def _by_kind(linear: LinearisedModel) -> Iterator[tuple[Literal["static", "motio
     yield "motion", ~still
 
 
-def _stretches(linear: LinearisedModel) -> Iterator[tuple[str, str, NDArray[np.int64], float, float]]:
-    """Yield run, label, instants, begin and end [s] of every visit and of the parts of every run in motion."""
+def _stretches(linear: LinearisedModel) -> Iterator[tuple[str, str, NDArray[np.int64]]]:
+    """Yield run, label and instants of every visit and of the parts of every run in motion."""
     first = np.cumsum([0, *(len(segment) for segment in linear.segments)])
-    time = np.concatenate([segment.motion.time[segment.motion.read] for segment in linear.segments])
     moving: dict[str, list[int]] = {}
     for i, segment in enumerate(linear.segments):
         rows = np.arange(first[i], first[i + 1])
         if segment.is_static:
-            yield segment.run, segment.label, rows, float(time[rows[0]]), float(time[rows[-1]])
+            yield segment.run, segment.label, rows
         else:
             moving.setdefault(segment.run, []).extend(rows.tolist())
     for run, every in moving.items():
         for rows in np.array_split(np.array(every, dtype=np.int64), min(BLOCKS, len(every))):
-            yield run, run, rows, float(time[rows[0]]), float(time[rows[-1]])
+            yield run, run, rows

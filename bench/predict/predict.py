@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench.diagnose.cross_validation.figures import FittedFigure, fitted_figures
+from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.cross_validation.floor import floor_variance, measured
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
@@ -20,6 +20,7 @@ from bench.errors import NOT_SIMULATED, InputError
 from bench.predict.errors import channel_errors, worst_stretches
 from bench.predict.fit_anew import fit_anew
 from bench.predict.free import checked
+from bench.predict.freed import FreedFigure, beside_model, known_of
 from bench.predict.prediction import PredictedRecording, Prediction
 from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
@@ -82,11 +83,13 @@ def _recording(
     there = measured(linear)
     noise = np.sqrt(floor_variance(linear))
     nominal_error = np.where(there, _left_by(nominal, linear), np.nan)
-    world, left, freed = NOMINAL, linear.residual, tuple[FittedFigure, ...]()
+    world, left, freed = NOMINAL, linear.residual, tuple[FreedFigure, ...]()
     if free:
         linear, fit = fit_anew(linear, free)
-        world, left, freed = fit.world(linear), fit.residual, fitted_figures(linear, fit)
+        world, left, known = fit.world(linear), fit.residual, known_of(model)
+        freed = tuple(beside_model(figure, known) for figure in fitted_figures(linear, fit))
     error = np.where(there, left, np.nan)
+    starts = {run.name: run.start_s for run in recording.runs}
     return PredictedRecording(
         name=name,
         linear=linear,
@@ -96,7 +99,8 @@ def _recording(
         noise=noise,
         freed=freed,
         channels=channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free)),
-        stretches=worst_stretches(linear, error, noise),
+        stretches=worst_stretches(linear, error, noise, starts),
+        starts=starts,
     )
 
 

@@ -1,13 +1,14 @@
 """What a model leaves of a campaign, recording by recording, and whether what was promised of it holds."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from bench.diagnose.cross_validation.figures import FittedFigure
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.world import World
+from bench.predict.freed import FreedFigure
 from bench.record.campaign import Array
 
 Answer = Literal["kept", "less", "more", "not promised"]
@@ -24,7 +25,7 @@ class ChannelError:
         readings: How many were compared: means of repeats, and bins of motion.
         rms: Of measured less predicted.
         nominal: Of measured less what the nominal robot predicts; nan where that finds no balance.
-        floor: Of what no model can predict: noise of the instruments, friction at rest, what rings.
+        floor: Expected of a right model (`floor_variance`); chance may leave less.
         measured: Of what was measured, about its mean.
         low, high: 90 % interval that was promised of `rms`; nan where nothing was.
     """
@@ -57,17 +58,20 @@ class Stretch:
     Attributes:
         run: Name.
         label: Run, and pose and approach of a visit.
-        start_s, end_s: On the clock of the recording [s].
+        start_s, end_s: On the clock of the run, as its `time_s` [s].
+        first, last: Its first and last instant, of those of the recording.
         channel: Column of the campaign.
         unit: SI.
         rms: Root mean square of measured less predicted.
-        floor: The same of what no model can predict there.
+        floor: The same, expected of a right model there.
     """
 
     run: str
     label: str
     start_s: float
     end_s: float
+    first: int
+    last: int
     channel: str
     unit: str
     rms: float
@@ -85,8 +89,9 @@ class PredictedRecording:
         error: Shape (T, c), measured less predicted; nan where not measured.
         nominal_error: Shape (T, c), measured less what the nominal robot predicts.
         noise: Shape (T, c), standard deviation of what no model can predict; nan where not measured.
-        freed: What was fitted anew, with intervals.
+        freed: What was fitted anew, as differences from what the model has, with intervals.
         channels: Every channel with a reading.
+        starts: Name of each run -> when it began, on the clock of the recording [s].
         stretches: The worst stretch of each channel, that which is furthest above what no model can predict first.
     """
 
@@ -96,9 +101,10 @@ class PredictedRecording:
     error: Array
     nominal_error: Array
     noise: Array
-    freed: tuple[FittedFigure, ...]
+    freed: tuple[FreedFigure, ...]
     channels: tuple[ChannelError, ...]
     stretches: tuple[Stretch, ...]
+    starts: Mapping[str, float]
 
     @property
     def measured(self) -> Array:

@@ -8,13 +8,18 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
+from bench.diagnose.experiment_design import undetectable
 from bench.diagnose.extend import relinearise
 from bench.diagnose.extend.fit import Fit
+from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.name import paying, selection
 from bench.diagnose.name.models import Model
-from bench.diagnose.name.naming import Naming, posterior_of, with_probabilities
+from bench.diagnose.name.naming import Naming, fitted_probabilities, posterior_of, with_probabilities
 from bench.diagnose.name.search import Alternative, Subset
 from bench.effects.catalogue import catalogue
+from bench.effects.effect import WHOLE
+from bench.effects.gas import GasLoss
+from bench.effects.payloads import PayloadMass, UnstatedPayload
 from bench.errors import ConvergenceError
 from tests.diagnose.sweeps import SWEEPS, made, nominal
 
@@ -94,6 +99,25 @@ def test_a_set_holds_what_cannot_be_told_from_the_best_and_nothing_with_more_in_
     assert [sorted(model.keys) for model in naming.alternatives] == [["gas"], ["heat"]]
 
 
+def test_what_is_found_is_found_with_all_that_it_covers() -> None:
+    """A payload has a mass and a centre: they were listed as what nothing could show, below the payload itself."""
+    payload = Cause(UnstatedPayload(), WHOLE, (), ())
+    model = Model(SimpleNamespace(causes=(payload,)))  # type: ignore[arg-type]
+    any_: Any = None
+    found = Naming("cause", (model,), any_, any_, (), any_).found
+    assert found == {(name, "robot") for name in ("unstated_payload", "payload_mass", "payload_com")}
+    assert set(UnstatedPayload.covers) <= set(catalogue())
+
+
+def test_what_was_found_is_not_undetectable(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(undetectable, "_seen", lambda screening, causes: set())
+    monkeypatch.setattr(undetectable, "_absent", lambda compiled, quantities: ())
+    causes = [Cause(effect, WHOLE, (), ()) for effect in (UnstatedPayload(), PayloadMass(), GasLoss())]
+    any_: Any = None
+    blind = undetectable.undetectable_effects(any_, (), (), any_, causes, found={("payload_mass", "robot")})
+    assert [spot.effect for spot in blind] == ["unstated_payload", "gas_loss"]
+
+
 def test_what_has_a_finding_more_counts_for_the_finding() -> None:
     """The probability is that the findings are at work, not that nothing else is."""
     models = (fake(9.0, "gas"), fake(8.0, "gas", "friction"), fake(5.0, "heat"))
@@ -104,6 +128,20 @@ def test_what_has_a_finding_more_counts_for_the_finding() -> None:
     assert gas == pytest.approx((np.exp(9.0) + np.exp(8.0)) / total)
     assert both == 0.0
     assert heat == pytest.approx(np.exp(5.0) / total)
+
+
+def test_models_share_their_probability_as_simulated() -> None:
+    """The names of a finding are weighed by simulations, so an explanation must not have another probability.
+
+    What was not simulated counts for heat, and made its explanation thirteen times as probable as its name.
+    """
+    models = (fake(9.0, "gas"), fake(8.0, "gas", "friction"), fake(3.6, "heat"))
+    every = {model.keys: model.log_posterior for model in models} | {frozenset({"heat", "valve"}): 6.2}
+    weighed = with_probabilities(models, every)
+    gas, both, heat = fitted_probabilities(weighed)
+    assert both == 0.0
+    assert heat / gas == pytest.approx(np.exp(3.6) / (np.exp(9.0) + np.exp(8.0)))
+    assert gas + heat == pytest.approx(sum(model.probability for model in weighed))
 
 
 def test_what_promises_more_and_was_not_simulated_counts_for_no_more_than_is_said() -> None:

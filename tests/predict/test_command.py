@@ -42,9 +42,14 @@ def model(folder: Path, tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("low", "high", "code", "said"),
     [
-        (0.1, 10.0, 0, "What was promised holds: 1 of 1 promised intervals hold"),
-        (0.01, 0.1, BROKEN, "0 of 1 promised intervals hold; motor torque 1 has larger errors than promised"),
-        (10.0, 20.0, 0, "0 of 1 promised intervals hold, and no error is larger than promised"),
+        (0.1, 10.0, 0, "No error is larger than promised (1 of 1 lies in the promised interval)."),
+        (
+            0.01,
+            0.1,
+            BROKEN,
+            "1 of 1 error is larger than promised: motor torque 1 (0 of 1 lies in the promised interval, 1 above).",
+        ),
+        (10.0, 20.0, 0, "No error is larger than promised (0 of 1 lies in the promised interval, 1 below)."),
         (np.nan, np.nan, 0, "promises nothing"),
     ],
 )

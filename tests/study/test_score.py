@@ -12,7 +12,7 @@ from tests.study.answers import COULOMB, LOSS, WARM, explanation, outcome, singl
 
 def verdict(effect: str, place: str = "robot", low: float = 0.08, high: float = 0.12) -> Verdict:
     value = ParameterValue("size", (low + high) / 2, low, high, "")
-    named = Explanation((NamedCause(effect, "a title", place, (value,)),), 0.97, 20.0)
+    named = Explanation((NamedCause(effect, "a title", place, (value,)),), 0.97, 20.0, 0.97, 16.0)
     return Verdict("cause", 0.01, 5.0, 1.0, (named,), (), None, {}, ())
 
 

@@ -1,4 +1,9 @@
-"""The floor: what no model can predict of each reading, by the same covariance that whitening undoes."""
+"""The floor: how much a right model is expected to err in each reading, by the covariance that whitening undoes.
+
+It is the expectation of what no model can predict, not a bound: noise and steps count as they are stated of the
+instruments, and where friction and play come to rest has an assumed spread. An instrument that is better than stated,
+and friction that came to rest nearer to the model than it may, leave less.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +20,11 @@ def measured(linear: LinearisedModel) -> NDArray[np.bool_]:
 
 
 def floor_variance(linear: LinearisedModel) -> Array:
-    """Return the variance of what no model can predict, shape (T, c); nan where not measured.
+    """Return the expected variance of what no model can predict, shape (T, c); nan where not measured.
 
-    Noise of the instruments, rests that swayed, and static friction. What standard errors
-    were raised by because no model fits (`linear.inflation`) is taken out: a poor model does not raise its own floor.
+    Noise of the instruments as stated, rests that swayed, and the assumed spread of static friction. What standard
+    errors were raised by because no model fits (`linear.inflation`) is taken out: a poor model does not raise its own
+    floor.
     """
     c = len(linear.quantities)
     parts = []

@@ -46,7 +46,7 @@ class ChannelGain:
         before: Root mean square of what the model without the extension leaves of a run, fitted to the other runs as
             far as the stated uncertainty of its figures allows (`leave_out.REACH`).
         after: The same with the extension.
-        floor: What noise and friction at rest would leave of a perfect model.
+        floor: Expected of a right model (`floor_variance`); chance may leave less.
         gain: 1 - after / before.
         low, high: 90 % interval of the gain, over the runs.
         measured: Root mean square of what was measured about its mean, with the same weights.

@@ -4,7 +4,7 @@ Each such effect is simulated along the same motion, with every instrument that 
 many of its standard errors, it is named; where none would, other runs are needed.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,6 +55,7 @@ def undetectable_effects(
     screening: Screening,
     causes: Sequence[Cause],
     executor: Executor = SERIAL,
+    found: Set[tuple[str, str]] = frozenset(),
 ) -> tuple[UndetectableEffect, ...]:
     """Return what a campaign cannot show.
 
@@ -65,9 +66,10 @@ def undetectable_effects(
         screening: Of everything, against the nominal model.
         causes: That were looked for.
         executor: Where to simulate.
+        found: Effect and place of what was found: the nominal robot may hide an effect that stands out beside others.
     """
     seen = _seen(screening, causes)
-    unseen = [cause for cause in causes if cause.key not in seen]
+    unseen = [cause for cause in causes if cause.key not in seen and cause.key not in found]
     more = _absent(compiled, quantities)
     if not unseen:
         return ()
@@ -77,9 +79,9 @@ def undetectable_effects(
         sigma = _sigma(compiled, more, replay.predict(NOMINAL))
         worlds = [World(acting=(cause.acting({s.name: s.null + s.high for s in cause.sizes}),)) for cause in unseen]
         nominal = replay.predict(NOMINAL)
-        for i, found in enumerate(simulate_all(replay, worlds, executor)):
-            if not isinstance(found, BenchError):
-                shown[i] = _clear(more, (found - nominal) / sigma)
+        for i, predicted in enumerate(simulate_all(replay, worlds, executor)):
+            if not isinstance(predicted, BenchError):
+                shown[i] = _clear(more, (predicted - nominal) / sigma)
     grouped: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for cause, by in zip(unseen, shown, strict=True):
         grouped.setdefault((cause.effect.name, by), []).append(str(cause.place))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.linearise.linearised_model import WHITENED_TOGETHER, LinearisedModel
-from bench.effects.effect import WHOLE, Acting, Effect, Parameter, Place
+from bench.effects.effect import Acting, Effect, Parameter, Place
 from bench.effects.levels import places_of
 from bench.effects.recorded import NOTHING_RECORDED, Recorded
 from bench.record.campaign import Array
@@ -46,8 +46,9 @@ class Cause:
         return self.place.index if self.place.kind == "joint" else -1
 
     def __str__(self) -> str:
-        where = "" if self.place == WHOLE else f" of {self.place}".replace(" of robot ", " ")
-        return f"{self.effect.title}{where}"
+        if self.place.kind == "robot":
+            return f"{self.effect.title} {str(self.place).removeprefix('robot').strip()}".strip()
+        return f"{self.effect.title} ({self.place})"
 
     def acting(self, values: Mapping[str, float]) -> Acting:
         """Return the cause with some of its parameters given."""

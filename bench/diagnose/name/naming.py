@@ -75,6 +75,13 @@ class Naming:
         return self.models[0].shape if self.models else None
 
     @property
+    def found(self) -> frozenset[tuple[str, str]]:
+        """Effect and place of every cause that may be behind a finding, and of what it covers."""
+        causes = [cause for model in self.models[:1] for cause in model.causes]
+        causes += [member.cause for group in self.groups for member in group.members]
+        return frozenset((name, one.key[1]) for one in causes for name in (one.effect.name, *one.effect.covers))
+
+    @property
     def alternatives(self) -> tuple[Model, ...]:
         """Models that these data cannot tell from the best, the best first.
 
@@ -124,9 +131,33 @@ def with_probabilities(models: Sequence[Model], every: Mapping[frozenset[Hashabl
         models: Simulated, the most probable first.
         every: Logarithm of the posterior odds of every subset, from `posterior_of`.
     """
+    mass = _mass(every)
+    return tuple(replace(model, probability=mass.get(model.keys, 0.0)) for model in models)
+
+
+def fitted_probabilities(models: Sequence[Model]) -> tuple[float, ...]:
+    """Return the probabilities of models as their simulations share them, in all as much as they have together.
+
+    Of a subset that was not simulated nothing is known but what it is not above, so it says how probable all of these
+    models are, not which of them: as for the names of a finding (`groups.py`).
+
+    Args:
+        models: With probabilities.
+    """
+    mass = _mass({model.keys: model.log_posterior for model in models})
+    total = sum(model.probability for model in models)
+    return tuple(total * mass.get(model.keys, 0.0) for model in models)
+
+
+def _mass(every: Mapping[frozenset[Hashable], float]) -> dict[frozenset[Hashable], float]:
+    """Return subset -> its share of all; what has all findings of a likelier one and more counts for that one.
+
+    Args:
+        every: Logarithm of the posterior odds of every subset.
+    """
     total = float(logsumexp(list(every.values())))
     mass: dict[frozenset[Hashable], float] = {}
     for keys in sorted(every, key=lambda keys: -every[keys]):
         whose = next((other for other in mass if other and other < keys), keys)
         mass[whose] = mass.get(whose, 0.0) + float(np.exp(every[keys] - total))
-    return tuple(replace(model, probability=mass.get(model.keys, 0.0)) for model in models)
+    return mass

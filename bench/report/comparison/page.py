@@ -19,6 +19,7 @@ from bench.report.comparison.names import (
 )
 from bench.report.comparison.words import NONLINEAR, basis_sentence, findings_sentences, headline
 from bench.report.diagnosis.names import capital, channel_name, percent
+from bench.report.html import as_html
 
 TEMPLATE = "page.html.j2"
 WIDTH, HEIGHT, EDGE = 160.0, 34.0, 4.0  # [px], of the small charts
@@ -45,6 +46,7 @@ class Line:
         zero: Height of no change in the chart [px].
         dots: One for each recording, before first.
         is_named: Whether it is part of an explanation.
+        mark: What an explanation says of it, "" where none has it.
         is_seen: Whether a plausible size would have been found.
     """
 
@@ -55,6 +57,7 @@ class Line:
     zero: float
     dots: tuple[Dot, ...]
     is_named: bool
+    mark: str
     is_seen: bool
 
 
@@ -71,6 +74,7 @@ def page_of(comparison: Comparison, robot: str, command: str) -> str:
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {
         "capital": capital,
+        "html": as_html,
         "percent": percent,
         "channel": channel_name,
         "change_name": change_name,
@@ -100,10 +104,19 @@ def lines_of(comparison: Comparison) -> list[Line]:
     n_before = sum(not one.is_after for one in comparison.recordings)
     days = np.array([one.days for one in comparison.recordings])
     time = days if np.all(np.isfinite(days)) and days[-1] > days[0] else np.arange(len(days), dtype=np.float64)
-    return [_line(one, time[n_before - 1 :]) for one in comparison.components]
+    return [_line(one, time[n_before - 1 :], _mark(one, comparison)) for one in comparison.components]
 
 
-def _line(component: Component, time: Array) -> Line:
+def _mark(component: Component, comparison: Comparison) -> str:
+    """Return that a component changed, that it is one of several of which one changed, or ""."""
+    if not component.is_named:
+        return ""
+    own = component.effect, component.place
+    explained = [{(change.effect, change.place) for change in one.changes} for one in comparison.explanations]
+    return "changed" if all(own in keys for keys in explained) else "one of these changed"
+
+
+def _line(component: Component, time: Array, mark: str) -> Line:
     low = min(0.0, *(one.low for one in component.values))
     high = max(0.0, *(one.high for one in component.values))
     span = (high - low) or 1.0
@@ -127,5 +140,6 @@ def _line(component: Component, time: Array) -> Line:
         zero=height(0.0),
         dots=tuple(dots),
         is_named=component.is_named,
+        mark=mark,
         is_seen=component.limit < component.plausible,
     )

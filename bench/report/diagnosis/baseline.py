@@ -7,6 +7,7 @@ import numpy as np
 from bench.diagnose.baseline.first_look import FirstLook
 from bench.diagnose.verdict import DriveErrors, Verdict
 from bench.identify.dynamics.first_pass import FirstPass
+from bench.report.dynamics.folds_words import folds_words
 
 # Fields of `DriveErrors` -> what they are called; the same models have other names in a first pass
 MODELS = {
@@ -22,7 +23,6 @@ OF_FIRST_PASS = {
     "plain_least_squares": "rival",
     "first_pass": "first_pass",
 }
-HELD_OUT = {"recording": "recordings", "run": "whole runs", "block": "blocks of time"}
 DIGITS = 3
 
 
@@ -35,7 +35,7 @@ def first_lines(look: FirstLook) -> Iterator[str]:
         return
     seconds = sum(len(part.samples) / part.samples.rate for part in found.stretches)
     part = f" (the first {look.share:.0%} of each run)" if look.share < 1 else ""
-    held_out = f"{len(found.folds)} {HELD_OUT[found.folds.by]}, each predicted without it"
+    held_out = f"{folds_words(found)}, each predicted without it"
     yield (
         f"First pass: least squares of the rigid dynamics over {seconds:.0f} s of motion{part}. Torque, root mean "
         f"square of the error [{_unit(found)}] on {held_out}:"

@@ -24,8 +24,8 @@ UNDECIDED = ", which these data cannot tell apart"
 def headline(verdict: Verdict) -> str:
     """Return the verdict in one sentence of `MOST` characters; of one that is unfinished, that first.
 
-    Large findings stand in it, the surest first; small ones only where there is no other, as such. Where least squares
-    predicts better for sure, a second sentence says so.
+    Large findings stand in it, the surest first; small ones are counted, and named only where there is no other. Where
+    least squares predicts better for sure, a second sentence says so.
     """
     if not verdict.unfinished:
         return f"{_headline(verdict, MOST)} {missed_sentence(verdict)}".strip()
@@ -53,7 +53,8 @@ def _headline(verdict: Verdict, room: int) -> str:
         why = ", which no effect of the catalogue explains."
         return words + (why if len(words + why) <= room else ".")
     if large:
-        return capital(f"{_large(verdict, room - 1) or 'Several causes, listed below'}.")
+        small = _small_words(verdict)
+        return capital(f"{_large(verdict, room - len(small) - 1) or 'Several causes, listed below'}{small}.")
     if verdict.findings:
         names = [_in_short(group) for group in verdict.findings]
         start = "Only small findings: "
@@ -65,7 +66,9 @@ def _headline(verdict: Verdict, room: int) -> str:
         return f"Nothing found, but {worst} scatters {verdict.noisy[0].times:.3g} times as much as its instrument."
     if missed_sentence(verdict):
         return "Nothing found, but the nominal model does not explain this campaign."
-    return "Nothing found: the nominal model explains this campaign."
+    return (
+        "Nothing found: the nominal model, its figures fitted within their stated uncertainty, explains this campaign."
+    )
 
 
 def _of_headline(verdict: Verdict) -> list[AmbiguityGroup]:
@@ -74,12 +77,19 @@ def _of_headline(verdict: Verdict) -> list[AmbiguityGroup]:
     return [group for group in verdict.findings if not (group.is_small or (is_named and group.may_be_unlisted))]
 
 
+def _small_words(verdict: Verdict) -> str:
+    """Return how many small findings there are beside the large ones, "" where there is none."""
+    count = sum(group.is_small for group in verdict.findings)
+    return f"; and {count} small one{'s' * (count > 1)}" if count else ""
+
+
 def _large(verdict: Verdict, room: int) -> str:
     """Return the large findings, each with the causes that may be behind it; "" without room."""
     large = _of_headline(verdict)
     others = verdict.other_explanations
     if not others and all(len(group.names) == 1 for group in large):
-        return _together([group.names[0].cause for group in large], room)
+        kind = "large causes" if len(large) < len(verdict.findings) else "causes"
+        return _together([group.names[0].cause for group in large], room, kind)
     words = UNDECIDED if not others else f", or another explanation{UNDECIDED}"
     names = [[_names(group) for group in large], [_in_short(group) for group in large]]
     for found in names:
@@ -101,8 +111,8 @@ def _in_short(group: AmbiguityGroup) -> str:
     return first if not others else f"{first} or {others} other{'s' * (others > 1)}"
 
 
-def _together(causes: Sequence[NamedCause], room: int) -> str:
-    """Return causes of one explanation, a single one with its size; "" where there is room for none."""
+def _together(causes: Sequence[NamedCause], room: int, kind: str) -> str:
+    """Return causes of one explanation, a single one with its size, several as causes of a kind; "" without room."""
     if len(causes) == 1:
         (cause,) = causes
         first = cause.parameters[0]
@@ -110,7 +120,7 @@ def _together(causes: Sequence[NamedCause], room: int) -> str:
         size = f"{first.name} {value} {unit_name(first.unit)}".rstrip()
         words = f"{cause_name(cause)}: {size} (95 % interval {low} to {high})"
         return words if len(words) <= room else _fitting([cause_name(cause)], "and", room)
-    for start in (f"{len(causes)} causes act together: ", f"{len(causes)} causes: ", ""):
+    for start in (f"{len(causes)} {kind} act together: ", f"{len(causes)} {kind}: ", ""):
         if names := _fitting(cause_names(causes), "and", room - len(start)):
             return start + names
     return ""

@@ -139,8 +139,16 @@ def listed(names: Sequence[str], last: str) -> str:
 def places_text(places: Sequence[str]) -> str:
     """Return places in words: "joints 1, 3, upper arm"; "" for the robot as a whole."""
     joints = sorted((p.removeprefix("joint ") for p in places if p.startswith("joint ")), key=int)
-    others = [name for place in places if not place.startswith("joint ") and (name := place_name(place))]
+    within = [place.partition(IN_RECORDING)[2] for place in places if place.startswith(f"robot{IN_RECORDING}")]
+    others = [name for p in places if not p.startswith(("joint ", f"robot{IN_RECORDING}")) and (name := place_name(p))]
+    others += [f"{IN_RECORDING.strip()}{'s' * (len(within) > 1)} {listed(within, 'and')}"] if within else []
     return ", ".join(([f"joint{'s' * (len(joints) > 1)} {', '.join(joints)}"] if joints else []) + others)
+
+
+def at_places(words: str, places: Sequence[str]) -> str:
+    """Return what acts, and where: "link length of joints 1, 3", "tracker frame in recordings may and june"."""
+    where = places_text(places)
+    return f"{words} {'' if where.startswith(IN_RECORDING.strip()) else 'of '}{where}" if where else words
 
 
 def letter(index: int) -> str:
@@ -154,8 +162,8 @@ def capital(words: str) -> str:
 
 
 def unit_name(unit: str) -> str:
-    """Return the unit in which a quantity is shown."""
-    return WORKSHOP.get(unit, (unit, 1.0))[0]
+    """Return the unit in which a quantity is shown; "" for a pure number."""
+    return "" if unit == "1" else WORKSHOP.get(unit, (unit, 1.0))[0]
 
 
 def shown(values: Sequence[float], unit: str, resolution: float) -> tuple[str, ...]:

@@ -33,6 +33,7 @@ from bench.report.diagnosis.names import (
 from bench.report.diagnosis.pictures import Picture, over_name
 from bench.report.diagnosis.readings import Channel
 from bench.report.diagnosis.sentences import (
+    FLOOR,
     confirmed_text,
     gain_sentence,
     how_predicted,
@@ -46,6 +47,7 @@ from bench.report.diagnosis.sentences import (
     undetectable_sentence,
     unfinished_sentence,
 )
+from bench.report.html import as_html
 
 TEMPLATE = "page.html.j2"
 MOST_LINES = 300  # of a difference, on the page
@@ -121,10 +123,11 @@ def page_of(
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.globals["part_of_unlisted"] = PART_OF_UNLISTED
+    environment.globals |= {"part_of_unlisted": PART_OF_UNLISTED, "floor_words": FLOOR}
     environment.filters |= {
         "base64": lambda text: b64encode(text.encode()).decode(),
         "capital": capital,
+        "html": as_html,
         "cause_name": cause_name,
         "channel": channel_name,
         "name_beside": name_beside,

@@ -81,9 +81,9 @@ def _log_verdict(writer: RecordingWriter, verdict: Verdict) -> None:
     text = "\n".join([f"## {head}", "```", *lines, "```"] if lines else [f"## {head}"])
     writer.fixed("verdict", rr.TextDocument(text, media_type="text/markdown"))
     for i, explanation in enumerate((*verdict.explanations, *verdict.rivals)):
-        name = f"{i + 1}: {explanation_name(explanation)} ({percent(explanation.probability)})"
+        name = f"{i + 1}: {explanation_name(explanation)} ({percent(explanation.fitted_probability)})"
         colour = JOINT_COLOURS[i % len(JOINT_COLOURS)]
-        bar = rr.BarChart([100 * explanation.probability], abscissa=[i + 1], widths=[0.8], color=colour)
+        bar = rr.BarChart([100 * explanation.fitted_probability], abscissa=[i + 1], widths=[0.8], color=colour)
         writer.fixed(f"probability/{rr.escape_entity_path_part(name)}", bar)
 
 

@@ -1,27 +1,36 @@
 """What a verdict says in sentences, for the page and the terminal alike."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
 
 from bench.diagnose.cross_validation.held_out import NOTICEABLE
+from bench.diagnose.experiment_design.propose import NONE
 from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, UndetectableEffect, Verdict
 from bench.report.diagnosis.names import (
+    at_places,
     cause_name,
     channel_name,
     gain_percent,
     listed,
     parameter_text,
     percent,
-    places_text,
     shown,
     unit_name,
     unlisted_name,
 )
 
 CLEARLY = 0.05  # gain of a channel by one step that is worth a word
+COLUMN = re.compile(r"[a-z]+(?:_[a-z0-9]+)+")
+KNOWN = "known_"  # before the names of what the lab knows besides (`replay/quantities.py`)
 WORST = 3  # noisy channels that are named
 DECISIVE = 4.6  # log Bayes factor of odds of 100
+FLOOR = (
+    "the error to be expected of a right model, by the stated noise and steps of the instruments, the scatter of "
+    "repeats, and an assumed spread of where friction and play come to rest; it is no bound: by chance, or with better "
+    "instruments, less is left"
+)
 
 
 def unfinished_sentence(verdict: Verdict) -> str:
@@ -80,9 +89,14 @@ def scatter_sentence(verdict: Verdict) -> str:
     return f"{words} Worst: {worst}{more}. Nothing that was tried explains that, and a cause may hide in it."
 
 
+def read_gains(verdict: Verdict) -> list[ChannelGain]:
+    """Return the gains of channels that instruments read; what the lab knows besides is no prediction."""
+    return [gain for gain in verdict.gain if not gain.channel.startswith(KNOWN)]
+
+
 def gain_sentence(verdict: Verdict) -> str:
     """Return what the extension is worth on data that it has not seen, "" where nobody tried."""
-    known = [gain for gain in verdict.gain if np.isfinite(gain.over_better_low) and np.isfinite(gain.over_better_high)]
+    known = [gain for gain in read_gains(verdict) if np.isfinite(gain.over_better_low + gain.over_better_high)]
     better = [gain for gain in known if gain.over_better_low > 0]
     worse = [gain for gain in known if gain.over_better_high < 0]
     if not known:
@@ -106,11 +120,11 @@ def gain_text(gain: ChannelGain) -> str:
     """Return the gain of one channel in a line."""
     values = (gain.measured, gain.nominal, gain.before, gain.after, gain.floor)
     measured, nominal, fitted, after, floor = shown(values, gain.unit, gain.floor or gain.after)
-    unit = unit_name(gain.unit)
+    unit = f" {unit_name(gain.unit)}".rstrip()
     return (
-        f"{channel_name(gain.channel)}: {nominal} -> {after} {unit} of {measured} measured (nominal fitted {fitted}, "
-        f"floor {floor}), gain {gain_percent(gain.over_better)} ({gain_percent(gain.over_better_low)} to "
-        f"{gain_percent(gain.over_better_high)})"
+        f"{channel_name(gain.channel)}: {nominal} -> {after}{unit} of {measured} measured "
+        f"(nominal fitted {fitted}, floor {floor}), gain {gain_percent(gain.over_better)} "
+        f"({gain_percent(gain.over_better_low)} to {gain_percent(gain.over_better_high)})"
     )
 
 
@@ -141,7 +155,7 @@ def undetectable_sentence(verdict: Verdict, but: Sequence[UndetectableEffect] = 
     places: dict[str, list[str]] = {}
     for (effect, place), names in sizes.items():
         places.setdefault(f"{effect.replace('_', ' ')} ({', '.join(names)})", []).append(place)
-    named = [f"{words} of {where}" if (where := places_text(some)) else words for words, some in places.items()]
+    named = [at_places(words, some) for words, some in places.items()]
     return f"Not detectable at a plausible size: {'; '.join(named)}." if named else ""
 
 
@@ -191,20 +205,28 @@ def step_left(step: Step) -> str:
     for gain in step.channels:
         if gain.gain > CLEARLY and gain.low > 0:
             before, after = shown((gain.before, gain.after), gain.unit, gain.floor or gain.after)
-            texts.append(f"{channel_name(gain.channel)} {before} -> {after} {unit_name(gain.unit)}")
+            texts.append(f"{channel_name(gain.channel)} {before} -> {after} {unit_name(gain.unit)}".rstrip())
     return ", ".join(texts)
 
 
 def proposal_text(proposal: Proposal) -> str:
     """Return what an experiment would tell, in words."""
-    first, second = proposal.splits
     if proposal.narrows:
-        return f"It would narrow {proposal.narrows}."
+        return f"It would narrow {_with_channels(proposal.narrows)}."
+    first, second = map(_with_channels, proposal.splits)
+    question = f"between {first} and {second}"
+    if NONE in proposal.splits:
+        question = f"whether there is {second if proposal.splits[0] == NONE else first}"
     sure = "would decide" if proposal.separation > DECISIVE else "would help to decide"
     return (
-        f"It {sure} between {first} and {second}: expected log Bayes factor {proposal.separation:.1f}, "
-        f"{proposal.today:.1f} with the data at hand."
+        f"It {sure} {question}: it is expected to add {proposal.separation:.1f} to the logarithm of "
+        f"their Bayes factor, which is {proposal.today:.1f} with the data at hand."
     )
+
+
+def _with_channels(words: str) -> str:
+    """Return words in which columns are called as people call them."""
+    return COLUMN.sub(lambda found: channel_name(found[0]), words)
 
 
 def cause_text(cause: NamedCause) -> str:

@@ -3,8 +3,6 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
 from bench.diagnose.verdict import AmbiguityGroup, Verdict
 from bench.report.diagnosis.baseline import baseline_lines
 from bench.report.diagnosis.blind import blind_sentences
@@ -23,12 +21,14 @@ from bench.report.diagnosis.names import (
     remark_text,
 )
 from bench.report.diagnosis.sentences import (
+    FLOOR,
     gain_sentence,
     gain_text,
     how_predicted,
     open_names_sentence,
     proposal_text,
     rate_sentence,
+    read_gains,
     refused_text,
     remainder_sentence,
     scatter_sentence,
@@ -51,7 +51,8 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     for group in verdict.findings:
         yield from _finding(group)
     for explanation in verdict.other_explanations:
-        yield f"{percent(explanation.probability):>9}  altogether: {name_beside(explanation, verdict.explanations[0])}"
+        name = name_beside(explanation, verdict.explanations[0])
+        yield f"{percent(explanation.fitted_probability):>9}  altogether: {name}"
     if words := open_names_sentence(verdict):
         yield words
     if remainder := remainder_sentence(verdict):
@@ -105,17 +106,19 @@ def _selection(verdict: Verdict) -> Iterator[str]:
 def _gain(verdict: Verdict) -> Iterator[str]:
     if verdict.gain:
         yield gain_sentence(verdict)
-        known = [gain for gain in verdict.gain if np.isfinite(gain.over_better)]
+        known = [gain for gain in read_gains(verdict) if gain.over_better > 0]
         for gain in sorted(known, key=lambda gain: -gain.over_better)[:BEST_CHANNELS]:
             yield f"  {gain_text(gain)}"
+        if known:
+            yield f"  Readings count by the inverse of their floor variance; the floor is {FLOOR}."
 
 
 def _predicted(verdict: Verdict) -> Iterator[str]:
     drives = [p for p in verdict.predicted if p.kind == "motion" and p.channel.startswith(("current", "tau_motor"))]
     if drives:
         yield (
-            f"What the model leaves in motion, root mean square, {how_predicted(verdict)}, and what it promises of the "
-            "next recording (90 %):"
+            f"What the model leaves in motion, root mean square with every bin alike, {how_predicted(verdict)}, and "
+            "what it promises of the next recording (90 %):"
         )
     for one in drives:
         yield f"  {error_text(one)}"

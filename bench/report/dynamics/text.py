@@ -11,6 +11,7 @@ from bench.identify.dynamics.quantities import RELATIVE, Quantity
 from bench.record.campaign import Array
 from bench.report.diagnosis.names import shown, unit_name
 from bench.report.dynamics.as_json import MODELS
+from bench.report.dynamics.folds_words import folds_words
 from bench.report.dynamics.identify import Dynamics
 from bench.report.dynamics.notes import notes_of
 from bench.report.tables import print_wide, terminal
@@ -38,11 +39,8 @@ def print_dynamics(result: Dynamics, level: float) -> None:
     found, console = result.found, terminal()
     for line in _head(found):
         console.print(line, highlight=False)
-    what = "whole runs" if found.folds.by == "run" else "blocks of time"
     errors = {model: found.held_out.rms(model) for model in MODELS}
-    print_wide(
-        console, _errors(found, f"held out: {len(found.folds)} {what}, each predicted by a fit without it", errors)
-    )
+    print_wide(console, _errors(found, f"held out: {folds_words(found)}, each predicted by a fit without it", errors))
     for folder, torques in result.predicted.items():
         print_wide(console, _errors(found, f"predicted, nothing fitted: {folder}", {m: torques.rms(m) for m in MODELS}))
     for title in dict.fromkeys(TITLES.values()):

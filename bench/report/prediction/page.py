@@ -9,10 +9,13 @@ from bench.predict.prediction import PredictedRecording, Prediction
 from bench.report.diagnosis.facts import versions
 from bench.report.diagnosis.names import capital
 from bench.report.diagnosis.pictures import Picture
+from bench.report.diagnosis.sentences import FLOOR
+from bench.report.html import as_html
 from bench.report.prediction.pictures import pictures_of
 from bench.report.prediction.sentences import (
     ChannelRow,
     broken_sentence,
+    exact_sentence,
     free_sentence,
     freed_text,
     headline,
@@ -31,6 +34,7 @@ class _Part:
     name: str
     rows: tuple[ChannelRow, ...]
     freed: tuple[str, ...]
+    exact: str
     stretches: tuple[str, ...]
     pictures: tuple[tuple[str, Picture], ...]
 
@@ -46,11 +50,16 @@ def page_of(prediction: Prediction, made: Sequence[str], command: str = "") -> s
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"base64": lambda text: b64encode(text.encode()).decode(), "capital": capital}
+    environment.filters |= {
+        "base64": lambda text: b64encode(text.encode()).decode(),
+        "capital": capital,
+        "html": as_html,
+    }
     template = environment.from_string(files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8"))
     return template.render(
         prediction=prediction,
         headline=headline(prediction),
+        floor_words=FLOOR,
         promise_words=promise_sentence(prediction),
         broken_words=broken_sentence(prediction),
         free_words=free_sentence(prediction),
@@ -66,6 +75,7 @@ def _part(recording: PredictedRecording) -> _Part:
         name=recording.name,
         rows=tuple(rows_of(recording)),
         freed=tuple(freed_text(figure) for figure in recording.freed),
-        stretches=tuple(stretch_text(stretch) for stretch in recording.stretches),
+        exact=exact_sentence(recording),
+        stretches=tuple(stretch_text(stretch, recording) for stretch in recording.stretches),
         pictures=pictures_of(recording),
     )

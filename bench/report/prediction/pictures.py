@@ -24,9 +24,10 @@ def _picture(recording: PredictedRecording, column: int) -> Picture:
     quantity = recording.linear.quantities[column]
     unit, scale = WORKSHOP.get(quantity.unit, (quantity.unit, 1.0))
     clock = recording_clock_of(recording.linear)
-    several = len(recording.linear.runs) > 1
+    runs = list(dict.fromkeys(segment.run for segment in recording.linear.segments))
+    several = len(runs) > 1
     time = np.concatenate([segment.motion.time[segment.motion.read] for segment in recording.linear.segments])
-    seconds = clock.seconds if several else time[clock.frame]
+    seconds = clock.seconds if several else time[clock.frame] - recording.starts[runs[0]]
     measured, error = scale * recording.measured[:, column], scale * recording.error[:, column]
     measured = np.where(np.isfinite(error), measured, np.nan)
     nominal = measured - scale * recording.nominal_error[:, column]
@@ -48,7 +49,7 @@ def _picture(recording: PredictedRecording, column: int) -> Picture:
     for panel in (above, below):
         panel.set_ylabel(f"[{unit_name(quantity.unit)}]")
         panel.grid(visible=False, axis="x")
-    below.set_xlabel("time, runs one after another [s]" if several else "time [s]")
+    below.set_xlabel("time, runs one after another [s]" if several else "time in the run [s]")
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=SMALL_TEXT)
     name = channel_name(quantity.column)
     return Picture(

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.diagnose.cross_validation.figures import FittedFigure
 from bench.predict.free import FREE
+from bench.predict.freed import FreedFigure
 from bench.predict.prediction import ChannelError, PredictedRecording, Prediction, Stretch
 from bench.report.diagnosis.names import channel_name, listed, shown, unit_name
+from bench.report.diagnosis.recording_clock import recording_clock_of
 
-ANSWERS = {"kept": "holds", "less": "less than promised", "more": "more than promised", "not promised": ""}
+ANSWERS = {"kept": "as promised", "less": "less than promised", "more": "more than promised", "not promised": ""}
 MOST_NAMED = 3  # channels in a headline
 
 
@@ -29,25 +30,35 @@ class ChannelRow:
 
 
 def headline(prediction: Prediction) -> str:
-    """Return what a prediction says in a sentence."""
+    """Return what a prediction says in a sentence: first whether errors are larger than promised, then how many hold.
+
+    An error that is smaller than promised is no fault of the model: the promise was too wide.
+    """
     answers = prediction.answers
     if not answers:
         return "This model promises nothing of a recording; its errors stand below."
-    kept, count = answers.count("kept"), len(answers)
+    kept, less, count = answers.count("kept"), answers.count("less"), len(answers)
+    more = _broken(prediction)
+    within = f"{kept} of {count} {'lie' if count > 1 else 'lies'} in the promised interval{'s' if count > 1 else ''}"
+    within += f", {less} below" if less else ""
+    if not more:
+        return f"No error is larger than promised ({within})."
+    within += f", {len(more)} above"
+    verb = "is" if len(more) == 1 else "are"
+    named = f"above all those of {listed(more[:MOST_NAMED], 'and')}" if len(more) > MOST_NAMED else listed(more, "and")
+    errors = "errors" if count > 1 else "error"
+    return f"{len(more)} of {count} {errors} {verb} larger than promised: {named} ({within})."
+
+
+def _broken(prediction: Prediction) -> list[str]:
+    """Return the names of channels with errors larger than promised, the worst first."""
     beyond = {
         row_name(recording, channel): channel.rms / channel.high
         for recording in prediction.recordings
         for channel in recording.channels
         if channel.answer == "more"
     }
-    more = sorted(beyond, key=lambda name: -beyond[name])
-    words = f"{kept} of {count} promised intervals hold"
-    if not more:
-        return f"What was promised holds: {words}, and no error is larger than promised."
-    if len(more) > MOST_NAMED:
-        named = listed(more[:MOST_NAMED], "and")
-        return f"{words}; {len(more)} errors are larger than promised, above all those of {named}."
-    return f"{words}; {listed(more, 'and')} {'have' if len(more) > 1 else 'has'} larger errors than promised."
+    return sorted(beyond, key=lambda name: -beyond[name])
 
 
 def promise_sentence(prediction: Prediction) -> str:
@@ -56,8 +67,9 @@ def promise_sentence(prediction: Prediction) -> str:
     if not count:
         return ""
     return (
-        f"Each interval was promised to hold with 90 %, so of {count} about {0.1 * count:.1g} fail by chance. They are "
-        "about a recording of the same robot that carries what the model carries, its instruments not set up anew."
+        f"Each interval was promised to hold with 90 %, so of {count} about {0.1 * count:.1g} fail by chance, above or "
+        "below. They are about a recording of the same robot that carries what the model carries, its instruments not "
+        "set up anew."
     )
 
 
@@ -101,20 +113,46 @@ def rows_of(recording: PredictedRecording) -> Iterator[ChannelRow]:
         yield ChannelRow(name, unit_name(one.unit), rms, promised, ANSWERS[one.answer], nominal, floor, measured)
 
 
-def stretch_text(stretch: Stretch) -> str:
-    """Return a stretch in a line."""
+def stretch_text(stretch: Stretch, recording: PredictedRecording) -> str:
+    """Return a stretch in a line; where pictures show several runs one after another, with the time there."""
     rms, floor = shown((stretch.rms, stretch.floor), stretch.unit, stretch.rms / 10)
-    when = f"{stretch.start_s:.1f} to {stretch.end_s:.1f} s"
+    when = f"{stretch.start_s:.1f} to {stretch.end_s:.1f} s of the run"
+    if len({segment.run for segment in recording.linear.segments}) > 1:
+        clock = recording_clock_of(recording.linear)
+        seconds = clock.seconds[~clock.is_break]
+        when += f", {seconds[stretch.first]:.1f} to {seconds[stretch.last]:.1f} s in the pictures"
     unit = unit_name(stretch.unit)
     return f"{channel_name(stretch.channel)}: {rms} {unit} in {stretch.label}, {when} (floor {floor} {unit})"
 
 
-def freed_text(figure: FittedFigure) -> str:
-    """Return what was fitted anew in a line, with its 95 % interval."""
+def exact_sentence(recording: PredictedRecording) -> str:
+    """Return what fitted values are relative to, and on what their intervals rest; "" where nothing was fitted."""
+    if not recording.freed:
+        return ""
+    return (
+        "Each value is a difference from what the model has, with its 95 % interval. That takes all other figures of "
+        "the model as exact: how well the model's own value is known (figures.csv of its diagnosis) comes on top."
+    )
+
+
+def freed_text(figure: FreedFigure) -> str:
+    """Return what was fitted anew in a line: its difference from what the model has, and both together if known."""
     factor, unit = (1.0, figure.unit) if figure.unit else (100.0, "%")
     values = [factor * x for x in (figure.found, figure.low, figure.high)]
-    value, low, high = shown(values, unit, (values[2] - values[1]) / 2)
+    value, low, high = (_signed(x) for x in shown(values, unit, (values[2] - values[1]) / 2))
+    words = f"{figure.name}: {value} {unit_name(unit)} ({low} to {high}) relative to "
+    if np.isfinite(figure.model):
+        half = (values[2] - values[1]) / 2
+        model, total = shown((factor * figure.model, factor * figure.total), unit, half)
+        words += f"the {model} {unit_name(unit)} of the model, so {total} {unit_name(unit)} in all"
+    else:
+        words += "what the model has"
     trades = f"; trades against {figure.trades_with} ({figure.correlation:+.2f})" if figure.trades_with else ""
     stated = shown((factor * figure.sigma,), unit, factor * figure.sigma)[0] if np.isfinite(figure.sigma) else ""
-    prior = f", stated within {stated} {unit_name(unit)}" if stated else ""
-    return f"{figure.name}: {value} {unit_name(unit)} ({low} to {high}){prior}{trades}"
+    prior = f"; stated within {stated} {unit_name(unit)}" if stated else ""
+    return f"{words}{prior}{trades}"
+
+
+def _signed(text: str) -> str:
+    """Return a number with its sign, so that it reads as a difference."""
+    return text if text.startswith("-") or text == "-" or float(text) == 0 else f"+{text}"

@@ -4,9 +4,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from bench.predict.prediction import PredictedRecording, Prediction
+from bench.report.diagnosis.sentences import FLOOR
 from bench.report.prediction.file_names import NUMBERS, REPORT, recording_name
 from bench.report.prediction.sentences import (
     broken_sentence,
+    exact_sentence,
     free_sentence,
     freed_text,
     headline,
@@ -26,14 +28,17 @@ def words_of(prediction: Prediction) -> Iterator[str]:
     if words := broken_sentence(prediction):
         yield words
     yield free_sentence(prediction)
+    yield f"The floor is {FLOOR}."
     for recording in prediction.recordings:
         if recording.name:
             yield f"Recording {recording.name}:"
         yield from _table(recording, prediction.nominal)
         for figure in recording.freed:
             yield f"  anew: {freed_text(figure)}"
+        if words := exact_sentence(recording):
+            yield f"  {words}"
         for stretch in recording.stretches[:WORST]:
-            yield f"  worst: {stretch_text(stretch)}"
+            yield f"  worst: {stretch_text(stretch, recording)}"
 
 
 def _table(recording: PredictedRecording, nominal: str) -> Iterator[str]:

@@ -51,6 +51,11 @@ def _recording(recording: PredictedRecording) -> dict[str, Any]:
     return {
         "name": recording.name,
         "channels": [asdict(channel) | {"answer": channel.answer} for channel in recording.channels],
-        "stretches": [asdict(stretch) for stretch in recording.stretches],
-        "freed": [asdict(figure) for figure in recording.freed],
+        "stretches": [_without_instants(asdict(stretch)) for stretch in recording.stretches],
+        "freed": [asdict(figure) | {"total": figure.total} for figure in recording.freed],
     }
+
+
+def _without_instants(stretch: dict[str, Any]) -> dict[str, Any]:
+    """Return a stretch without indices that count nothing in the file."""
+    return {key: value for key, value in stretch.items() if key not in ("first", "last")}

@@ -1,16 +1,17 @@
 """What a comparison prints and writes."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from bench.compare.comparison import Comparison
+from bench.compare.comparison import Comparison, Explanation
 from bench.report.comparison.page import lines_of, page_of
 from bench.report.comparison.words import headline, words_of
 from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
-from tests.report.comparison.examples import MORE, NOTHING, ONE, OTHER, SET, THREE, TWO, UNLISTED
+from tests.report.comparison.examples import COLD, FRICTION, GAS, MORE, NOTHING, ONE, OTHER, SET, THREE, TWO, UNLISTED
 
 
 @pytest.mark.parametrize(
@@ -93,3 +94,18 @@ def test_files(tmp_path: Path) -> None:
     assert content["has_changed"] is True
     assert content["explanations"][0]["changes"][0]["sizes"][0]["per_week"]["value"] == 0.006
     assert (tmp_path / REPORT).exists()
+
+
+def test_alternatives_of_one_change_are_not_all_called_changed() -> None:
+    def marks(*explanations: Explanation) -> dict[str, str]:
+        named = replace(TWO.components[0], is_named=True)
+        components = tuple(
+            replace(named, effect=one.effect, title=one.title, place=one.place) for one in (GAS, COLD, FRICTION[0])
+        )
+        return {
+            line.name: line.mark for line in lines_of(replace(TWO, explanations=explanations, components=components))
+        }
+
+    both = marks(Explanation((GAS, FRICTION[0]), 0.6, 40.0), Explanation((COLD, FRICTION[0]), 0.4, 39.0))
+    assert both[FRICTION[0].title] == "changed"
+    assert both[GAS.title] == both[COLD.title] == "one of these changed"

@@ -39,6 +39,15 @@ ZERO = NamedCause("joint_zero", "zero of a joint", "joint 2", (OFF,))
 MASS = NamedCause("link_mass", "mass of a link", "upper_arm", (ParameterValue("change", 0.0327, 0.0028, 0.0626, ""),))
 
 
+PRIOR_ODDS = -4.0  # logarithm, of each cause
+
+
+def explanation(causes: tuple[NamedCause, ...], probability: float, log_evidence: float) -> Explanation:
+    """Return an explanation that is as probable among those fitted as among everything."""
+    log_posterior = log_evidence + PRIOR_ODDS * len(causes)
+    return Explanation(causes, probability, log_evidence, probability, log_posterior)
+
+
 def finding(*causes: NamedCause) -> AmbiguityGroup:
     """Return a finding that may have several names, all as likely."""
     return AmbiguityGroup(tuple(PossibleCause(cause, 1 / len(causes)) for cause in causes), 1.0)
@@ -101,8 +110,8 @@ CAUSE = replace(
     NOTHING,
     kind="cause",
     noise_scale=1.7,
-    explanations=(Explanation((GAS,), 0.9997, 94.3),),
-    rivals=(Explanation((MASS,), 0.0003, 82.1),),
+    explanations=(explanation((GAS,), 0.9997, 94.3),),
+    rivals=(explanation((MASS,), 0.0003, 82.1),),
     findings=(finding(GAS),),
     gain=(
         STEP_GAIN,
@@ -118,14 +127,14 @@ CAUSE = replace(
 )
 A_SET = replace(
     CAUSE,
-    explanations=(Explanation((GAS, ZERO), 0.58, 87.0), Explanation((WARM, ZERO), 0.42, 86.7)),
+    explanations=(explanation((GAS, ZERO), 0.58, 87.0), explanation((WARM, ZERO), 0.42, 86.7)),
     findings=(finding(ZERO), finding(GAS, WARM)),
     next=(Proposal("a thermometer on the cylinder", ("loss of gas", "gas warmer or colder"), 24.2, 0.3),),
 )
 SEVERAL = replace(
     CAUSE,
     kind="several causes",
-    explanations=(Explanation((GAS, ZERO), 1.0, 120.4),),
+    explanations=(explanation((GAS, ZERO), 1.0, 120.4),),
     findings=(finding(GAS), finding(ZERO)),
     rivals=(),
 )
@@ -135,7 +144,7 @@ UNLISTED = replace(
 BESIDE = replace(CAUSE, kind="unlisted cause", unlisted=Unlisted("tracker", "reading", "place"))
 WITHIN = replace(
     UNLISTED,
-    explanations=(Explanation((ZERO,), 1.0, 96.4),),
+    explanations=(explanation((ZERO,), 1.0, 96.4),),
     findings=(AmbiguityGroup((PossibleCause(ZERO, 0.5),), 0.5, may_be_unlisted=True),),
 )
 REMAINDER = replace(
@@ -144,10 +153,10 @@ REMAINDER = replace(
 LITTLE = replace(GAS, share=0.11, sigmas=6.2)
 LARGE = replace(ZERO, share=0.62, sigmas=4.4)
 SURE = replace(MASS, share=0.4, sigmas=9.1)
-SMALL = replace(CAUSE, explanations=(Explanation((LITTLE,), 0.9997, 94.3),), findings=(finding(LITTLE),))
+SMALL = replace(CAUSE, explanations=(explanation((LITTLE,), 0.9997, 94.3),), findings=(finding(LITTLE),))
 MESSY = replace(
     SEVERAL,
-    explanations=(Explanation((LITTLE, LARGE, SURE), 1.0, 120.4),),
+    explanations=(explanation((LITTLE, LARGE, SURE), 1.0, 120.4),),
     findings=(finding(SURE), finding(LARGE), finding(LITTLE)),
 )
 ENOUGH = DriveErrors(2, "joint2", "Nm", 368, 1316.4, 65.53, 4.217, 8.604, 3.712, 1.0, is_missed=False)

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
 
@@ -13,7 +14,7 @@ from bench.report.diagnosis.names import WORKSHOP
 from bench.report.diagnosis.page import Pictures, page_of
 from bench.report.diagnosis.pictures import learned_picture
 from bench.report.jsonable import to_jsonable
-from tests.report.diagnosis.made import CURVE, HOSTILE, VERDICTS, facts_for, has_shape
+from tests.report.diagnosis.made import CURVE, GAS, HOSTILE, MASS, VERDICTS, WARM, explanation, facts_for, has_shape
 
 LEVELS = {95.0, 90.0, 1.0}  # of intervals, and the unit of residuals: said in words, of no campaign
 SCALES = (1.0, 100.0, *(scale for _, scale in WORKSHOP.values()))  # units of a workshop, and percent
@@ -57,6 +58,21 @@ def test_figures_that_moved_are_named_and_escaped() -> None:
     page = page_of(*known, [f"stiffness of {HOSTILE}: +9.0 % (7.0 to 11.0)"])
     assert "Figures that moved" in page
     assert "Stiffness of &lt;script&gt;" in page
+
+
+def test_explanations_say_why_more_evidence_is_no_more_probable() -> None:
+    best, more = explanation((GAS,), 0.73, 80.8), explanation((GAS, MASS), 0.0, 82.8)
+    verdict = replace(
+        VERDICTS["cause"],
+        explanations=(best,),
+        rivals=(more, explanation((WARM,), 0.27, 79.8), explanation((MASS,), 0.0, -900.0)),
+    )
+    assert verdict.counts_for(more) is best
+    assert verdict.counts_for(best) is None
+    text = Page(html_of(verdict)).text
+    assert "Loss of gas 80.8 76.8 73 %" in text
+    assert "82.8 74.8 counted for a likelier one" in text
+    assert "-900.0 -904.0 < 0.1 %" in text  # no probability is none
 
 
 @cache

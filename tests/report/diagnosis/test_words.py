@@ -6,10 +6,11 @@ from pathlib import Path
 import pytest
 
 from bench.diagnose.verdict import (
-    Explanation,
+    DetectionLimit,
     NamedCause,
     NoisyChannel,
     ParameterValue,
+    Proposal,
     RecordingGain,
     Step,
     UndetectableEffect,
@@ -22,17 +23,27 @@ from bench.report.diagnosis.names import (
     name_beside,
     unlisted_name,
 )
-from bench.report.diagnosis.sentences import confirmed_text, refused_text, step_text
+from bench.report.diagnosis.sentences import (
+    confirmed_text,
+    gain_text,
+    proposal_text,
+    refused_text,
+    step_text,
+    undetectable_sentence,
+)
 from bench.report.diagnosis.words import places_of, words_of
-from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, finding
+from tests.report.diagnosis.made import BESIDE, GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, explanation, finding
 
+NOTHING_FOUND = (
+    "Nothing found: the nominal model, its figures fitted within their stated uncertainty, explains this campaign."
+)
 OIL = replace(MASS, place="forearm")
 
 
 @pytest.mark.parametrize(
     ("kind", "first"),
     [
-        ("nothing", "Nothing found: the nominal model explains this campaign."),
+        ("nothing", NOTHING_FOUND),
         ("cause", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
         ("several", "2 causes act together: loss of gas and zero of a joint (joint 2)."),
         (
@@ -54,8 +65,11 @@ OIL = replace(MASS, place="forearm")
             "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152). "
             "Drive 4: least squares predicts 0.901 Nm, the named causes 3.93: something is missing here.",
         ),
-        ("as good as least squares", "Nothing found: the nominal model explains this campaign."),
-        ("messy", "2 causes act together: mass of a link (upper arm) and zero of a joint (joint 2)."),
+        ("as good as least squares", NOTHING_FOUND),
+        (
+            "messy",
+            "2 large causes act together: mass of a link (upper arm) and zero of a joint (joint 2); and 1 small one.",
+        ),
     ],
 )
 def test_the_first_line_is_the_verdict(kind: str, first: str) -> None:
@@ -128,6 +142,23 @@ def test_small_findings_that_are_open_are_no_either_or_of_the_headline() -> None
     assert headline(replace(VERDICTS["several"], findings=(finding(GAS), small))).startswith("Loss of gas: lost 0.133")
 
 
+def test_small_findings_are_counted_in_the_headline() -> None:
+    """Seven findings stood below a headline of three causes."""
+    small = [replace(ZERO, place=f"joint {i}", share=0.1) for i in range(1, 5)]
+    found = tuple(map(finding, (GAS, MASS, *small)))
+    assert headline(replace(VERDICTS["several"], findings=found)) == (
+        "2 large causes act together: loss of gas and mass of a link (upper arm); and 4 small ones."
+    )
+
+
+def test_what_is_undetectable_in_some_recordings_is_a_sentence() -> None:
+    limit = DetectionLimit("tracker_frame", "robot in recording may", "tx", 2.0, "m", 2.0, 1e-3, 1)
+    both = (limit, replace(limit, place="robot in recording june"), replace(limit, effect="zero", place="joint 2"))
+    assert undetectable_sentence(replace(NOTHING, detectable=both)) == (
+        "Not detectable at a plausible size: tracker frame (tx) in recordings may and june; zero (tx) of joint 2."
+    )
+
+
 def test_findings_with_several_names_have_one_each_in_a_long_headline() -> None:
     found = (finding(GAS, WARM), finding(replace(MASS, share=0.4), OIL), finding(ZERO))
     assert headline(replace(VERDICTS["several"], findings=found)) == (
@@ -136,7 +167,7 @@ def test_findings_with_several_names_have_one_each_in_a_long_headline() -> None:
 
 
 def test_two_causes_in_the_place_of_one_are_another_explanation() -> None:
-    other = Explanation((MASS, ZERO), 0.4, 90.0)
+    other = explanation((MASS, ZERO), 0.4, 90.0)
     one = replace(VERDICTS["cause"], explanations=(*VERDICTS["cause"].explanations, other))
     assert headline(one) == "Loss of gas, or another explanation, which these data cannot tell apart."
     assert any("altogether: mass of a link (upper arm) with zero of a joint" in line for line in words_of(one))
@@ -163,6 +194,16 @@ def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
         assert words in text
 
 
+def test_what_the_lab_knows_is_no_channel_that_is_predicted_better() -> None:
+    """A payload as known stood there as "0.000 -> 0.054 kg", an earlier diagnosis with the unit 1."""
+    (better, _, worse), known = VERDICTS["cause"].gain, replace(NO_GAIN, channel="known_payload_1", over_better=0.5)
+    text = "\n".join(words_of(replace(VERDICTS["cause"], gain=(better, worse, known))))
+    assert "1 of 2 channels are predicted better" in text
+    assert "payload as known" not in text
+    assert "  reflector 1 z: " not in text
+    assert "0.405 -> 0.081 of" in gain_text(replace(better, channel="known_earlier_1", unit="1"))
+
+
 def test_a_climb_is_told_step_by_step() -> None:
     first = VERDICTS["cause"].steps[0]
     steps = (first, replace(first, added=(MASS,), log_evidence=7.0, channels=(NO_GAIN,)))
@@ -187,12 +228,12 @@ def test_a_channel_that_is_wrong_is_called_as_people_call_it() -> None:
 
 
 def test_a_rival_with_much_in_common_is_told_by_its_difference() -> None:
-    best = Explanation((GAS, ZERO, MASS), 0.9, 90.0)
-    other = Explanation((WARM, ZERO, MASS), 0.1, 88.0)
+    best = explanation((GAS, ZERO, MASS), 0.9, 90.0)
+    other = explanation((WARM, ZERO, MASS), 0.1, 88.0)
     assert name_beside(other, best) == "the same with gas warmer or colder in place of loss of gas"
-    assert name_beside(Explanation((GAS, ZERO), 0.0, 1.0), best) == "the same without mass of a link (upper arm)"
-    assert name_beside(best, Explanation((GAS, ZERO), 0.0, 1.0)) == "the same with mass of a link (upper arm) too"
-    assert name_beside(Explanation((WARM,), 0.1, 1.0), best) == "gas warmer or colder"
+    assert name_beside(explanation((GAS, ZERO), 0.0, 1.0), best) == "the same without mass of a link (upper arm)"
+    assert name_beside(best, explanation((GAS, ZERO), 0.0, 1.0)) == "the same with mass of a link (upper arm) too"
+    assert name_beside(explanation((WARM,), 0.1, 1.0), best) == "gas warmer or colder"
     assert name_beside(best, best) == "loss of gas with zero of a joint (joint 2) with mass of a link (upper arm)"
 
 
@@ -206,7 +247,17 @@ def test_a_set_is_not_guessed_between() -> None:
     text = "\n".join(words_of(VERDICTS["set"]))
     assert "either loss of gas or gas warmer or colder, which these data cannot tell apart" in text
     assert "     50 %  or gas warmer or colder" in text
-    assert "It would decide between loss of gas and gas warmer or colder" in text
+    assert (
+        "It would decide between loss of gas and gas warmer or colder: it is expected to add 24.2 to the logarithm of "
+        "their Bayes factor, which is 0.3 with the data at hand."
+    ) in text
+
+
+def test_columns_of_a_proposal_are_called_as_people_call_them() -> None:
+    drift = Proposal("a sweep", ("drift (tau_motor_1_n)", "delay of the motor encoders"), 11.4, 7.1)
+    assert "between drift (motor force 1) and delay of the motor encoders" in proposal_text(drift)
+    alone = replace(drift, splits=("none of it", "drift (tau_motor_1_n)"))
+    assert proposal_text(alone).startswith("It would decide whether there is drift (motor force 1): it is expected")
 
 
 def test_nothing_found_says_what_would_have_been() -> None:
@@ -296,3 +347,10 @@ def test_a_finding_that_hangs_on_a_few_runs_is_not_confirmed() -> None:
 def test_promises_say_what_they_rest_on(by: str, how: str) -> None:
     (line,) = (words for words in words_of(replace(NOTHING, held_out_by=by)) if "what it promises" in words)
     assert how in line
+
+
+def test_the_floor_is_no_bound() -> None:
+    """Held-out errors below it were puzzling where it was called what noise would leave of a perfect model."""
+    text = "\n".join(words_of(VERDICTS["cause"]))
+    assert "the floor is the error to be expected of a right model" in text
+    assert "it is no bound" in text

@@ -1,0 +1,28 @@
+"""What a first pass holds out, in words: of how many runs the groups are made."""
+
+from types import SimpleNamespace
+from typing import Literal
+
+import pytest
+
+from bench.report.dynamics.folds_words import folds_words
+
+
+@pytest.mark.parametrize(
+    ("by", "folds", "runs", "words"),
+    [
+        ("run", 7, 40, "40 whole runs in 7 groups (those over the same angles together)"),
+        ("run", 4, 4, "4 whole runs"),
+        ("block", 8, 1, "8 blocks of time"),
+    ],
+)
+def test_groups_of_runs_say_of_how_many(by: Literal["run", "block"], folds: int, runs: int, words: str) -> None:
+    class Folds(list[int]):
+        """As many as there are folds."""
+
+        @property
+        def by(self) -> str:
+            return by
+
+    stretches = [SimpleNamespace(samples=SimpleNamespace(run=f"run {i}")) for i in range(runs)]
+    assert folds_words(SimpleNamespace(folds=Folds(range(folds)), stretches=stretches)) == words  # type: ignore[arg-type]
