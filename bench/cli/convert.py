@@ -63,7 +63,7 @@ class Convert:
             print(proposed.text, end="")
         else:
             with replacing(self.out) as partial:
-                partial.write_text(proposed.text, encoding=\"utf-8\")
+                partial.write_text(proposed.text, encoding="utf-8")
             for question in proposed.questions:
                 print(printable(question))
             print(
