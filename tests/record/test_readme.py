@@ -45,7 +45,7 @@ def test_bench_check_finds_nothing_in_the_example(
         assert len(read_campaign(tmp_path).known) == 4
     code = main(["check", str(tmp_path)])
     said = capsys.readouterr().out
-    assert said.splitlines()[-1] == f"{tmp_path}: 0 errors, 0 warnings; 1 runs on hh150"
+    assert said.splitlines()[-1] == f"{tmp_path}: 0 errors, 0 warnings; 1 run on hh150"
     assert code == 0
 
 
