@@ -30,6 +30,7 @@ class NominalDynamics:
         speed_limit: Shape (n,) [rad/s].
         load_point: Name of the point where payloads are bolted on.
         payload: Largest payload that recordings may leave unstated [kg]; 0: none.
+        payload_sigma: How well its mass is known beyond what they state [kg]; the same, unless it was weighed.
         counterbalance: With all of its gas; None where the robot has no cylinder.
         gas_amount: Share of the gas that the nominal model has in it.
         uncertainty: How well all of this is known.
@@ -46,6 +47,7 @@ class NominalDynamics:
     speed_limit: Array
     load_point: str
     payload: float
+    payload_sigma: float
     counterbalance: Counterbalance | None
     gas_amount: float
     uncertainty: Uncertainty
@@ -72,6 +74,7 @@ def nominal_dynamics(compiled: "CompiledRobot") -> NominalDynamics:
         gain, offset = error, np.zeros(n)
     stated = figures.uncertainty.payload_kg
     weight = float(np.linalg.norm(model.opt.gravity)) or 1.0
+    payload = figures.rating.force_n / weight if stated is None else stated
     full, amount = _filled(compiled)
     return NominalDynamics(
         bodies=rigid_bodies(compiled),
@@ -84,7 +87,8 @@ def nominal_dynamics(compiled: "CompiledRobot") -> NominalDynamics:
         torque_offset_sigma=read_only(offset),
         speed_limit=read_only([drive.speed_limit_rad_per_s for drive in figures.drives]),
         load_point=figures.load_point,
-        payload=figures.rating.force_n / weight if stated is None else stated,
+        payload=payload,
+        payload_sigma=payload,
         counterbalance=full,
         gas_amount=amount,
         uncertainty=figures.uncertainty,

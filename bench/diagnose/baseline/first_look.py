@@ -8,7 +8,6 @@ from threadpoolctl import threadpool_limits
 from bench.errors import InputError
 from bench.identify.dynamics.first_pass import FirstPass, first_pass
 from bench.record.campaign import Campaign, Run
-from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
 from bench.robot.nominal_dynamics import nominal_dynamics
 
@@ -37,7 +36,6 @@ def first_look(campaign: Campaign, compiled: CompiledRobot) -> FirstLook:
         campaign: A checked campaign; all of its recordings are taken to carry the same.
         compiled: Its robot, nominal.
     """
-    campaign = with_payloads(campaign)
     moving = tuple(campaign.of_kind("motion"))
     if not moving:
         return FirstLook(None)

@@ -16,7 +16,7 @@ from bench.identify.dynamics.folds import Folds, folds_of
 from bench.identify.dynamics.held_out import HeldOut, Missed, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, log_evidence, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.prior import NARROWEST, NONE, Prior, Widths, prior_of
+from bench.identify.dynamics.prior import NARROWEST, NONE, Prior, Widths, prior_of, weighed
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, drive_rows
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
@@ -157,6 +157,7 @@ def first_pass(
     Raises:
         InputError: No motion run has torques or currents, nothing moves, or the cut-off is no frequency to filter at.
     """
+    nominal = weighed(nominal, campaign)
     arm = Arm(nominal.bodies)
     layout = Layout(nominal.n_joints, nominal.payload > 0, nominal.counterbalance is not None)
     base = base_parameters(arm, layout, nominal.load_point)

@@ -8,7 +8,8 @@ from bench.identify.arm import Arm
 from bench.identify.dynamics.equations import GAS_SHAPE
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL, standard_parameters
-from bench.record.campaign import Array
+from bench.record.campaign import Array, Campaign
+from bench.record.known import PAYLOAD
 from bench.robot.nominal_dynamics import NominalDynamics
 
 UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))  # Pinocchio's order of the six entries of an inertia
@@ -125,6 +126,19 @@ class Prior:
         return total
 
 
+def weighed(nominal: NominalDynamics, campaign: Campaign) -> NominalDynamics:
+    """Return the robot with a payload that is as well known as the lab weighed it, where that is known of all runs."""
+    sigma: dict[str, float] = {}
+    for one in campaign.known:
+        if one.quantity == PAYLOAD:
+            sigma[one.recording] = min(one.sigma, sigma.get(one.recording, one.sigma))
+    if not sigma or not ("" in sigma or sigma.keys() >= set(campaign.recordings)):
+        return nominal
+    heaviest = max(one.value for one in campaign.known if one.quantity == PAYLOAD)
+    error = max(sigma.values())
+    return replace(nominal, payload=heaviest + error, payload_sigma=error)
+
+
 def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Array, speed_rms: Array) -> Prior:
     """Return the prior of a robot.
 
@@ -162,7 +176,8 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     put(layout.gain, 0.0, nominal.torque_gain_sigma, free)
     if layout.has_payload:
         reach = np.linalg.norm(arm.point(nominal.load_point).position)
-        put(layout.payload, 0.0, nominal.payload * np.array([1.0, *(reach,) * 3, *(reach**2,) * 6]), free)
+        moments = nominal.payload * np.array([*(reach,) * 3, *(reach**2,) * 6])  # its centre may be anywhere near
+        put(layout.payload, 0.0, np.array([nominal.payload_sigma, *moments]), free)
     if layout.has_gas:
         amount = u.gas_constant * nominal.gas_amount if nominal.gas_amount > 0 else 1.0
         full = nominal.counterbalance

@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.errors import InputError
 from bench.record.campaign import Array, Campaign, Run
+from bench.record.carried import load_with_weight, with_payloads
 from bench.robot.nominal_dynamics import NominalDynamics
 
 UNEVEN = 0.05  # of the median step, as in `rigid_motion_fit`: time stamps may round, a lost sample may not pass for one
@@ -50,12 +51,14 @@ class MotionSamples:
 def motion_samples(campaign: Campaign, nominal: NominalDynamics) -> tuple[MotionSamples, ...]:
     """Return the moving data of a campaign; a run with lost samples is cut where they are lost, a long one anywhere.
 
-    Where a drive reports torque that is taken, else its current times the torque constant.
+    A payload that the lab knows besides is what runs carry that state none. Where a drive reports torque that is taken,
+    else its current times the torque constant.
 
     Raises:
         InputError: No motion run has torques or currents, evenly sampled.
     """
-    found = [stretch for run in campaign.of_kind("motion") for stretch in _stretches(run, nominal)]
+    moving = with_payloads(campaign).of_kind("motion")
+    found = [stretch for run in moving for stretch in _stretches(run, nominal)]
     if not found:
         raise InputError(
             "method 'dynamics' needs a motion run with motor torques (tau_motor_i_nm) or currents (current_i_a), "
@@ -73,7 +76,7 @@ def _stretches(run: Run, nominal: NominalDynamics) -> Iterator[MotionSamples]:
     if not np.isfinite(torque).any():
         return
     time = run.columns["time_s"]
-    wrench, mass = run.load_wrench(), run.columns.get("load_mass_kg", np.zeros(len(run)))
+    wrench, mass = load_with_weight(run), run.columns.get("load_mass_kg", np.zeros(len(run)))
     step = np.diff(time)
     median = float(np.median(step))
     cuts = np.flatnonzero(np.abs(step - median) > UNEVEN * median) + 1

@@ -33,13 +33,17 @@ def notes_of(found: FirstPass) -> Iterator[str]:
             "given are the most probable ones that can."
         )
     gain = found.nominal.torque_gain_sigma
+    is_weighed = found.nominal.payload_sigma < found.nominal.payload
     if np.any(gain > 0):
         yield (
             f"All masses and friction scale with the torque reading, known to {gain.min():.1%}"
-            f"{'' if np.ptp(gain) == 0 else f' to {gain.max():.1%}'}; that is in the intervals. A known payload would "
-            "tell the scale better."
+            f"{'' if np.ptp(gain) == 0 else f' to {gain.max():.1%}'}; that is in the intervals."
+            f"{'' if is_weighed else ' A known payload would tell the scale better.'}"
         )
-    if found.layout.has_payload:
+    if is_weighed:
+        known = f"{found.nominal.payload_sigma:.2g} kg"
+        yield f"What runs carry was weighed, to {known}; an unstated payload is what they carry beyond that."
+    elif found.layout.has_payload:
         yield "The payload is told against the stated masses of the links; all runs are taken to carry the same."
 
 

@@ -52,6 +52,7 @@ def robot(bodies: RigidBodies, payload: float = 0.0, **uncertainty: float) -> No
         speed_limit=read_only(np.full(N, 2.0)),
         load_point="hook",
         payload=payload,
+        payload_sigma=payload,
         counterbalance=None,
         gas_amount=0.0,
         uncertainty=Uncertainty.model_validate(uncertainty),

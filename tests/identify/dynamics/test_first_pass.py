@@ -9,9 +9,12 @@ from bench.errors import InputError
 from bench.identify.arm import Arm
 from bench.identify.dynamics.advice import advise, sentence
 from bench.identify.dynamics.first_pass import FirstPass, first_pass
+from bench.identify.dynamics.prior import weighed
 from bench.identify.dynamics.quantities import Quantity, quantities
 from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Campaign, Run
+from bench.record.known import Known
+from bench.record.units import STANDARD_GRAVITY
 from bench.robot.bodies import read_only
 from bench.robot.nominal_dynamics import NominalDynamics
 from bench.robot.payload import with_payload
@@ -92,6 +95,37 @@ def test_payload_is_told_against_stated_masses() -> None:
     assert payload.told
     assert low < 9.0 < high
     assert payload.sigma < 1.5
+
+
+def test_a_payload_that_was_weighed_is_carried_and_tells_the_scale_of_torques() -> None:
+    """It was ignored; within a diagnosis its inertia was taken and its weight was not."""
+    nominal = replace(robot(arm(), payload=20.0, **UNCERTAIN), torque_gain_sigma=np.full(N, 0.1))
+    loaded = replace(nominal, bodies=with_payload(nominal.bodies, 9.0, "hook"))
+    campaign = recorded(loaded, FRICTION, np.random.default_rng(3))
+    known = replace(campaign, known=(Known("payload_kg", 9.0, 0.05),))
+    found, blind = first_pass(known, nominal), first_pass(campaign, nominal)
+    carries = {"load_mass_kg": 9.0, "load_z_n": -9.0 * STANDARD_GRAVITY}
+    written = [
+        replace(r, columns={**r.columns, **{k: np.full(len(r), v) for k, v in carries.items()}}) for r in campaign.runs
+    ]
+    stated = first_pass(replace(campaign, runs=tuple(written)), nominal)
+    np.testing.assert_allclose(found.held_out.rms("nominal"), stated.held_out.rms("nominal"), rtol=1e-9)
+    np.testing.assert_allclose(found.held_out.rms("rival"), stated.held_out.rms("rival"), rtol=1e-2)
+    beyond = by_name(found)["unstated payload"]
+    assert abs(beyond.value) < 3 * beyond.sigma <= 0.2
+    scale = [name for name in by_name(found) if name.startswith("torque scale")]
+    assert scale
+    assert by_name(found)[scale[0]].sigma < 0.9 * by_name(blind)[scale[0]].sigma
+
+
+def test_a_payload_that_was_weighed_in_one_recording_says_nothing_of_another() -> None:
+    nominal = robot(arm(), payload=20.0)
+    campaign = recorded(nominal, FRICTION, np.random.default_rng(3))
+    two = replace(campaign, runs=tuple(replace(run, recording=f"r{i}") for i, run in enumerate(campaign.runs)))
+    one = Known("payload_kg", 9.0, 0.05, recording="r0")
+    assert weighed(nominal, replace(two, known=(one,))) is nominal
+    both = weighed(nominal, replace(two, known=tuple(replace(one, recording=name) for name in two.recordings)))
+    assert (both.payload, both.payload_sigma) == pytest.approx((9.05, 0.05))
 
 
 def test_another_campaign_is_predicted_better_than_by_the_nominal_model() -> None:
