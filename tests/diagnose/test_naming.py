@@ -12,9 +12,11 @@ from bench.diagnose.experiment_design import undetectable
 from bench.diagnose.extend import relinearise
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name import paying, selection
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Naming, fitted_probabilities, posterior_of, with_probabilities
+from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.name.search import Alternative, Subset
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE
@@ -37,6 +39,18 @@ def test_hidden_effect_is_named_in_its_joint(name: str, value: float) -> None:
     assert verdict.kind in ("cause", "several causes")
     named = [(cause.effect, cause.place) for e in verdict.explanations for cause in e.causes]
     assert (name, "joint 2" if name == "coulomb_level" else "robot") in named
+
+
+def test_where_nothing_balances_beside_a_model_it_is_named_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The diagnosis ended with exit code 5, though it had a model that does balance."""
+
+    def unbalanced(self: Neighbourhood, linear: LinearisedModel, model: Model, *, is_last: bool = False) -> None:
+        raise ConvergenceError("no balance")
+
+    monkeypatch.setattr(Neighbourhood, "about", unbalanced)
+    verdict = found({"gas_loss": 0.15}, seed=3).verdict
+    assert verdict.kind == "cause"
+    assert [cause.effect for cause in verdict.explanations[0].causes] == ["gas_loss"]
 
 
 def test_a_finding_on_whose_size_runs_disagree_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

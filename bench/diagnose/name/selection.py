@@ -8,6 +8,7 @@ Every finding then has to pay on what was held out, or it is refused and the sea
 """
 
 from collections.abc import Callable, Hashable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -26,6 +27,7 @@ from bench.diagnose.name.paying import fit_without_cause, fit_without_shape, hel
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import SearchSpace, search_space
+from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Stopped
@@ -241,14 +243,14 @@ class _Selection:
             return
         self.progress("what the extended model makes possible")
         linear, model = self.linear, self.best
-        if not is_last:
-            about, fit = relinearised_fit(model.linear(linear), model.fit)
-            linear, model = without_shape(about, len(linear.nuisances)), replace(model, fit=fit)
-        before = linear
-        self.linear, self.tried = self.renew(linear, model, is_last=is_last)
-        if self.linear is not before:
-            self.null = refit(self.linear, (), {})
-        self.best = reweighed(model, before, self.linear)
+        with suppress(*NOT_SIMULATED):  # no balance beside the model: the campaign stays about the one before
+            if not is_last:
+                about, fit = relinearised_fit(model.linear(linear), model.fit)
+                linear, model = without_shape(about, len(linear.nuisances)), replace(model, fit=fit)
+            new, tried = self.renew(linear, model, is_last=is_last)
+            null = self.null if new is linear else refit(new, (), {})
+            best = reweighed(model, linear, new)
+            self.linear, self.tried, self.null, self.best = new, tried, null, best
 
     def _refuse(self) -> bool:
         """Hold each finding against what was held out; refuse those that do not pay, and say whether there were any.
