@@ -24,14 +24,15 @@ def floor_variance(linear: LinearisedModel) -> Array:
 
     Noise of the instruments as stated, rests that swayed, and the assumed spread of static friction. What standard
     errors were raised by because no model fits (`linear.inflation`) is taken out: a poor model does not raise its own
-    floor.
+    floor. So is what they were raised by where many readings were rounded to one number: each is no worse for that.
     """
     c = len(linear.quantities)
     parts = []
     for whitening, segment in zip(linear.whitenings, linear.weighed, strict=True):
         inflation = linear.inflation[0 if segment.is_static else 1]
         sigma = np.where(whitening.rows.reshape(-1, c), segment.sigma, 0.0)
-        parts.append(_variance_of(whitening, c) - sigma**2 * (1 - 1 / inflation**2))
+        once = 0.0 if segment.counted_once is None else segment.counted_once
+        parts.append(_variance_of(whitening, c) - sigma**2 * (1 - 1 / inflation**2) - once)
     for rests in linear.repeated:
         edges = np.cumsum([0, *(len(linear.whitenings[i].modes) for i in rests.segments)])
         power = np.sqrt(1 / (1 - rests.shrink) ** 2 - 1)

@@ -53,6 +53,8 @@ class Segment:
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest, and for a motion that nobody measured.
         recording: Name of the recording that the run belongs to.
+        counted_once: Shape (T, c), by what the variance of readings was raised that were rounded to the same number, so
+            that together they count as one; None: by nothing.
     """
 
     run: str
@@ -68,6 +70,7 @@ class Segment:
     path: Path | None = None
     recording: str = ""
     drive_error: Array | None = None
+    counted_once: Array | None = None
 
     def __len__(self) -> int:
         return len(self.observed)
@@ -167,6 +170,7 @@ def _rounded_alike(
     bin of motion that runs through k digits rounding averages out, but for a part of the first and the last: 1/k of it.
     """
     sigma = [segment.sigma.copy() for segment in found]
+    once = [np.zeros_like(segment.sigma) for segment in found]
     for c, quantity in enumerate(quantities):
         step = noise.rounding(quantity)
         if step == 0.0:
@@ -174,7 +178,7 @@ def _rounded_alike(
         seen = np.concatenate([segment.observed[:, c] for segment in found])
         known = np.sort(seen[np.isfinite(seen)])
         half = step / UNIFORM / 2
-        for segment, own in zip(found, sigma, strict=True):
+        for segment, own, more in zip(found, sigma, once, strict=True):
             values = segment.observed[:, c]
             alike = np.searchsorted(known, values + half) - np.searchsorted(known, values - half)
             digits = np.ones(len(segment))
@@ -182,7 +186,9 @@ def _rounded_alike(
                 shown = runs[segment.run].columns[quantity.column]
                 digits = np.array([max(1.0, np.ptp(shown[group]) / (2 * half)) for group in segment.path.groups])
             own[:, c] = np.hypot(own[:, c], step * np.sqrt(np.maximum(alike, 1)) / digits)
-    return tuple(replace(segment, sigma=own) for segment, own in zip(found, sigma, strict=True))
+            more[:, c] = (step / digits) ** 2 * (np.maximum(alike, 1) - 1)
+    both = zip(found, sigma, once, strict=True)
+    return tuple(replace(segment, sigma=own, counted_once=more) for segment, own, more in both)
 
 
 def conditions_of(run: Run, rows: Index, n: int) -> Conditions:
