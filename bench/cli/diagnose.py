@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 class Diagnose:
     """Say what the nominal model gets wrong about measured data, name the cause, and write the robot as fitted.
 
-    Ten seconds where little is wrong, a minute where the model lacks much. A cause is taken only where it pays on runs
+    Half a minute where little is wrong, minutes where the model lacks much. A cause is taken only where it pays on runs
     it was not fitted to; the threshold is such that chance alone passes it in 1 of 100 campaigns. How often it is right
     stands in the README.
 
