@@ -22,6 +22,7 @@ from bench.report.diagnosis.names import (
 )
 
 CLEARLY = 0.05  # gain of a channel by one step that is worth a word
+ROUNDING = 1e-3  # of a gain; a channel that a model does not touch gains nothing but this
 COLUMN = re.compile(r"[a-z]+(?:_[a-z0-9]+)+")
 KNOWN = "known_"  # before the names of what the lab knows besides (`replay/quantities.py`)
 WORST = 3  # noisy channels that are named
@@ -97,8 +98,8 @@ def read_gains(verdict: Verdict) -> list[ChannelGain]:
 def gain_sentence(verdict: Verdict) -> str:
     """Return what the extension is worth on data that it has not seen, "" where nobody tried."""
     known = [gain for gain in read_gains(verdict) if np.isfinite(gain.over_better_low + gain.over_better_high)]
-    better = [gain for gain in known if gain.over_better_low > 0]
-    worse = [gain for gain in known if gain.over_better_high < 0]
+    better = [gain for gain in known if gain.over_better_low > ROUNDING]
+    worse = [gain for gain in known if gain.over_better_high < -ROUNDING]
     if not known:
         return ""
     held_out = {"recording": "recordings", "run": "runs", "block": "stretches of runs"}.get(verdict.held_out_by, "data")

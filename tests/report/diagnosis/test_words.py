@@ -25,6 +25,7 @@ from bench.report.diagnosis.names import (
 )
 from bench.report.diagnosis.sentences import (
     confirmed_text,
+    gain_sentence,
     gain_text,
     proposal_text,
     refused_text,
@@ -202,6 +203,14 @@ def test_what_the_lab_knows_is_no_channel_that_is_predicted_better() -> None:
     assert "payload as known" not in text
     assert "  reflector 1 z: " not in text
     assert "0.405 -> 0.081 of" in gain_text(replace(better, channel="known_earlier_1", unit="1"))
+
+
+def test_a_channel_that_the_model_does_not_touch_is_predicted_no_worse() -> None:
+    """A force sensor with a gain of -1e-12 was one channel worse."""
+    better = VERDICTS["cause"].gain[0]
+    for gain, word in ((-1e-12, "none worse"), (-0.05, "1 worse")):
+        other = replace(NO_GAIN, over_better=gain, over_better_low=2 * gain, over_better_high=gain)
+        assert word in gain_sentence(replace(VERDICTS["cause"], gain=(better, other)))
 
 
 def test_a_climb_is_told_step_by_step() -> None:
