@@ -13,7 +13,6 @@ beside those of least squares, or null where there is no moving data to make a f
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from math import isfinite
 from typing import Any
 
 from bench.diagnose.baseline.comparison import Baseline as Baseline  # part of the verdict
@@ -27,121 +26,14 @@ from bench.diagnose.experiment_design.undetectable import (
 )  # part of the verdict
 from bench.diagnose.extend.size import NORMAL_95 as NORMAL_95  # of the intervals of a verdict
 from bench.diagnose.linearise.limits import DetectionLimit as DetectionLimit  # part of the verdict
+from bench.diagnose.named_causes import AmbiguityGroup as AmbiguityGroup  # part of the verdict
+from bench.diagnose.named_causes import Explanation as Explanation  # part of the verdict
+from bench.diagnose.named_causes import NamedCause as NamedCause  # part of the verdict
+from bench.diagnose.named_causes import ParameterValue as ParameterValue  # part of the verdict
+from bench.diagnose.named_causes import PossibleCause as PossibleCause  # part of the verdict
 
 CONFIRMED = 0.5  # declared: of searches without a part of the runs, that find a cause again: the majority
 UNLIKELY = 0.01  # declared: what is left out of the names of a finding and beside them: names hold 99 % (DESIGN 6.2)
-# declared: of the plausible range, as the report says (of 16 large effects hidden in messes the smallest came out at
-# 0.196: DESIGN 6.1)
-SMALL = 0.2
-
-
-@dataclass(frozen=True)
-class ParameterValue:
-    """One parameter of a cause with its 95 % interval, in `unit`; `words` say what it is."""
-
-    name: str
-    value: float
-    low: float
-    high: float
-    unit: str
-    words: str = ""
-
-
-@dataclass(frozen=True)
-class NamedCause:
-    """One cause.
-
-    Attributes:
-        effect: Of the catalogue.
-        title: What a person calls it.
-        place: Where it acts.
-        parameters: How large it is.
-        physics: Why it happens.
-        source: Who says so.
-        share, sigmas: How large and how sure it is (`extend.size.Size`); nan where it was not fitted.
-        level: Whether it is of the "machine", of one "recording", or of single runs of it ("run").
-        advice: What to look at on the robot or in the log; "" where the title says that.
-    """
-
-    effect: str
-    title: str
-    place: str
-    parameters: tuple[ParameterValue, ...]
-    physics: str = ""
-    source: str = ""
-    share: float = float("nan")
-    sigmas: float = float("nan")
-    level: str = "machine"
-    advice: str = ""
-
-    @property
-    def name(self) -> tuple[str, str]:
-        """What tells it from others: its effect and its place."""
-        return self.effect, self.place
-
-    @property
-    def is_small(self) -> bool:
-        """Whether it is a small finding, which is reported after the large ones; one that was not fitted is not."""
-        return self.share < SMALL
-
-
-@dataclass(frozen=True)
-class PossibleCause:
-    """One of the names that a finding may have, with the probability that it acts, all other findings as they are.
-
-    Parameters are those of the likeliest model that was fitted with it; a cause that no fitted model has is without.
-    """
-
-    cause: NamedCause
-    probability: float
-
-
-@dataclass(frozen=True)
-class AmbiguityGroup:
-    """One finding, with all causes that these data cannot tell apart in its place.
-
-    Attributes:
-        names: The likeliest first; the fewest that together hold 99 %.
-        probability: That any of them acts.
-        may_be_unlisted: Whether what is unlisted may hold it too: the set at 99 % has that as well.
-        is_confirmed: Whether it does not hang on a few runs, as of its step.
-    """
-
-    names: tuple[PossibleCause, ...]
-    probability: float
-    may_be_unlisted: bool = False
-    is_confirmed: bool = True
-
-    @property
-    def is_small(self) -> bool:
-        """Whether it is reported after the large ones: every cause of it that was fitted is small."""
-        fitted = [one.cause for one in self.names if isfinite(one.cause.share)]
-        return bool(fitted) and all(cause.is_small for cause in fitted)
-
-
-@dataclass(frozen=True)
-class Explanation:
-    """One or several causes together.
-
-    Attributes:
-        causes: That act together, the largest of its plausible range first.
-        probability: Among everything that was weighed, fitted or not.
-        log_evidence: Logarithm of the Bayes factor against the nominal model.
-        fitted_probability: Among the explanations that were fitted, which share what all of them have; as with the
-            names of a finding, simulation decides. What has all causes of a likelier one and more counts for that one.
-        log_posterior: Logarithm of the evidence and of the prior odds of the causes, which each of them lowers.
-    """
-
-    causes: tuple[NamedCause, ...]
-    probability: float
-    log_evidence: float
-    fitted_probability: float
-    log_posterior: float
-
-    @property
-    def names(self) -> frozenset[tuple[str, str]]:
-        """Of its causes."""
-        return frozenset(cause.name for cause in self.causes)
 
 
 @dataclass(frozen=True)

@@ -27,12 +27,13 @@ def load_with_weight(run: Run) -> Array:
     A table that states a load has that weight in it; one that states a mass alone has not.
     """
     wrench = np.array(run.load_wrench())
-    if "load_mass_kg" in run.columns and not _states_load(run):
+    if "load_mass_kg" in run.columns and not states_load(run):
         wrench[:, 2] -= STANDARD_GRAVITY * run.columns["load_mass_kg"]
     return wrench
 
 
-def _states_load(run: Run) -> bool:
+def states_load(run: Run) -> bool:
+    """Whether a table states the force or moment on the load point."""
     return any(name.startswith("load_") and name.endswith(("_n", "_nm")) for name in run.columns)
 
 
@@ -41,6 +42,6 @@ def _carrying(run: Run, mass: float | None) -> Run:
     if not mass or "load_mass_kg" in run.columns:
         return run
     columns = {**run.columns, "load_mass_kg": np.full(len(run), mass)}
-    if _states_load(run):
+    if states_load(run):
         columns["load_z_n"] = run.columns.get("load_z_n", np.zeros(len(run))) - STANDARD_GRAVITY * mass
     return replace(run, columns=columns)

@@ -11,7 +11,7 @@ from bench.diagnose.extend.size import NORMAL_95, Size, is_clear_of_none, size_o
 from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
 from bench.diagnose.linearise.limits import DetectionLimit, detection_limits, smallest_found
 from bench.diagnose.linearise.screening import Entry, Screening
-from bench.diagnose.verdict import SMALL, NamedCause
+from bench.diagnose.named_causes import SMALL, NamedCause
 from bench.effects.effect import WHOLE
 from tests.diagnose.small_models import WAVE, Shift, X, Z, fit_alone
 

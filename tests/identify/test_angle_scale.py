@@ -7,10 +7,9 @@ import pytest
 
 from bench.identify.angle_scale import AngleScale, angle_scale
 from bench.record.look.values import evenly
-from bench.robot.nominal_dynamics import NominalDynamics, nominal_dynamics
-from bench.robot.starter.folder import start_robot
-from bench.robot.starter.source import read_source
+from bench.robot.nominal_dynamics import NominalDynamics
 from tests import stranger
+from tests.stranger_started import started
 
 DRIVES = 3
 LOGS = 8  # three ratios each
@@ -23,9 +22,7 @@ EVERY = np.ones(DRIVES, dtype=np.bool_)
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory: pytest.TempPathFactory) -> NominalDynamics:
     """Return the stranger's arm as `bench new-robot` starts it."""
-    folder = tmp_path_factory.mktemp("stranger")
-    (folder / "arm.xml").write_text(stranger.mjcf())
-    return nominal_dynamics(start_robot("arm", read_source(folder / "arm.xml"), folder / "arm").compiled)
+    return started(tmp_path_factory.mktemp("stranger"))
 
 
 def scale_of(

@@ -17,6 +17,7 @@ from bench.robot.nominal_dynamics import NominalDynamics, nominal_dynamics
 from bench.robot.starter.folder import start_robot
 from bench.robot.starter.source import read_source
 from tests import stranger
+from tests.stranger_started import started
 
 DEGREE = np.pi / 180
 JOINTS = (1, 2, 3)
@@ -28,9 +29,7 @@ SLACK = 0.01  # relative: percentages are rounded to one
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory: pytest.TempPathFactory) -> NominalDynamics:
     """Return the stranger's arm as `bench new-robot` starts it."""
-    folder = tmp_path_factory.mktemp("stranger")
-    (folder / "arm.xml").write_text(stranger.mjcf())
-    return nominal_dynamics(start_robot("arm", read_source(folder / "arm.xml"), folder / "arm").compiled)
+    return started(tmp_path_factory.mktemp("stranger"))
 
 
 def log(

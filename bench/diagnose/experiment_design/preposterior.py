@@ -29,8 +29,9 @@ from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 
-# Relative error of every slope: nuisances are differentiated at the nominal robot, sizes at the explanation. Where two
-# of them act alike, and only their sum is known, an experiment must not seem to tell them apart by that difference.
+# assumed: relative error of every slope: nuisances are differentiated at the nominal robot, sizes at the explanation.
+# Where two of them act alike, and only their sum is known, an experiment must not seem to tell them apart by that
+# difference.
 SLOPE_ERROR = 0.02
 
 

@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from bench.diagnose.replay.uneven_derivative import derivative_over
 from bench.record.campaign import Array, Run
+from bench.record.carried import states_load
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
@@ -164,7 +165,7 @@ def angles_of(run: Run, compiled: CompiledRobot) -> Array:
 def wrench_of(run: Run, compiled: CompiledRobot) -> Array:
     """Return the wrench on the load point without the weight of what is bolted to it, shape (rows, 6)."""
     wrench = np.array(run.load_wrench())
-    if not any(name.startswith("load_") and name.endswith(("_n", "_nm")) for name in run.columns):
+    if not states_load(run):
         keys = ("x", "y", "z")
         sensed = np.concatenate([run.stack("force", "n", keys), run.stack("moment", "nm", keys)], axis=1)
         felt: Array = np.nan_to_num(sensed)

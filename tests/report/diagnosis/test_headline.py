@@ -1,0 +1,135 @@
+"""The headline of a verdict, and what stands beside it."""
+
+from dataclasses import replace
+
+import pytest
+
+from bench.diagnose.verdict import (
+    Unlisted,
+)
+from bench.report.diagnosis.headline import MOST, headline
+from bench.report.diagnosis.words import words_of
+from tests.report.diagnosis.made import BESIDE, GAS, MASS, NOTHING, VERDICTS, WARM, ZERO, finding
+
+NOTHING_FOUND = (
+    "Nothing found: the nominal model, its figures fitted within their stated uncertainty, explains this campaign."
+)
+OIL = replace(MASS, place="forearm")
+
+
+@pytest.mark.parametrize(
+    ("kind", "first"),
+    [
+        ("nothing", NOTHING_FOUND),
+        ("cause", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
+        ("several", "2 causes act together: loss of gas and zero of a joint (joint 2)."),
+        (
+            "unlisted",
+            "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction.",
+        ),
+        (
+            "unlisted beside a listed one",
+            "Loss of gas; and an unlisted error of the readings of tracker that depends on place.",
+        ),
+        (
+            "a part of the unlisted one",
+            "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction.",
+        ),
+        ("a remainder", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
+        ("small", "Only small findings: loss of gas."),
+        (
+            "missing",
+            "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152). "
+            "Drive 4: least squares predicts 0.901 Nm, the named causes 3.93: something is missing here.",
+        ),
+        ("as good as least squares", NOTHING_FOUND),
+        (
+            "messy",
+            "2 large causes act together: mass of a link (upper arm) and zero of a joint (joint 2); and 1 small one.",
+        ),
+    ],
+)
+def test_the_first_line_is_the_verdict(kind: str, first: str) -> None:
+    assert next(words_of(VERDICTS[kind])) == first
+
+
+def test_least_squares_stands_beside_the_diagnosed_model() -> None:
+    text = "\n".join(words_of(VERDICTS["missing"]))
+    table = text.partition("each run predicted by fits without it:\n")[2]
+    rows = [line.split() for line in table.splitlines()[:6]]
+    assert rows == [
+        ["drive", "2", "drive", "4"],
+        ["torque", "itself", "1316", "88.1"],
+        ["nominal", "model", "65.5", "13.4"],
+        ["plain", "least", "squares", "4.22", "1.22"],
+        ["first", "pass", "8.60", "0.901"],
+        ["diagnosed", "model", "3.71", "3.93"],
+    ]
+
+
+def test_where_least_squares_is_better_nothing_is_not_explained() -> None:
+    missed = replace(NOTHING, baseline=VERDICTS["missing"].baseline)
+    words = headline(missed)
+    assert words.startswith("Nothing found, but the nominal model does not explain this campaign. Drive 4: ")
+    assert "the model 3.93" in words
+
+
+@pytest.mark.parametrize("count", [1, 3, 20])
+@pytest.mark.parametrize("names", [1, 2, 6])
+@pytest.mark.parametrize("unlisted", [None, Unlisted("joint 2", "motor torque", "angle and direction")])
+def test_a_headline_has_two_lines_at_most(count: int, names: int, unlisted: Unlisted | None) -> None:
+    long = "friction of the seal of the counterbalance that the model leaves out"
+    causes = tuple(replace(ZERO, title=f"{long} {i}", share=0.5, sigmas=5.0 + i) for i in range(count))
+    open_names = finding(*(replace(GAS, title=f"{long}, {i}") for i in range(names)))
+    found = (*map(finding, causes), open_names)
+    words = headline(replace(VERDICTS["several"], findings=found, unlisted=unlisted))
+    assert len(words) <= MOST
+    assert "nan" not in words
+
+
+def test_the_surest_stand_in_a_long_headline() -> None:
+    causes = [replace(ZERO, place=f"link {i}", share=0.5, sigmas=float(i)) for i in range(19, -1, -1)]
+    words = headline(replace(VERDICTS["several"], findings=tuple(map(finding, causes))))
+    assert words.startswith("20 causes act together: zero of a joint (link 19), zero of a joint (link 18)")
+    assert words.endswith("and others.")
+
+
+def test_a_shape_makes_room_for_the_name_of_a_cause() -> None:
+    causes = tuple(replace(ZERO, title=f"Coulomb friction that the model leaves out, {i}", share=0.5) for i in range(2))
+    one = replace(BESIDE, findings=tuple(map(finding, causes)))
+    first = "Coulomb friction that the model leaves out, 0 (joint 2)"
+    assert headline(one) == f"2 causes: {first} and others; and something unlisted at tracker."
+
+
+def test_a_finding_that_may_be_large_is_large() -> None:
+    open_names = finding(replace(ZERO, share=0.5), replace(GAS, share=0.1))
+    words = headline(replace(VERDICTS["several"], findings=(finding(MASS), open_names)))
+    assert words.startswith("Mass of a link (upper arm) and either zero of a joint (joint 2) or loss of gas, which")
+
+
+def test_a_cause_that_was_not_fitted_makes_no_small_finding_large() -> None:
+    open_names = finding(replace(GAS, share=0.1), replace(WARM, parameters=()))
+    assert headline(replace(VERDICTS["set"], findings=(open_names,))).startswith(
+        "Only small findings: loss of gas or 1"
+    )
+
+
+def test_small_findings_that_are_open_are_no_either_or_of_the_headline() -> None:
+    small = finding(replace(MASS, share=0.1), replace(OIL, share=0.1))
+    assert headline(replace(VERDICTS["several"], findings=(finding(GAS), small))).startswith("Loss of gas: lost 0.133")
+
+
+def test_small_findings_are_counted_in_the_headline() -> None:
+    """Seven findings stood below a headline of three causes."""
+    small = [replace(ZERO, place=f"joint {i}", share=0.1) for i in range(1, 5)]
+    found = tuple(map(finding, (GAS, MASS, *small)))
+    assert headline(replace(VERDICTS["several"], findings=found)) == (
+        "2 large causes act together: loss of gas and mass of a link (upper arm); and 4 small ones."
+    )
+
+
+def test_findings_with_several_names_have_one_each_in_a_long_headline() -> None:
+    found = (finding(GAS, WARM), finding(replace(MASS, share=0.4), OIL), finding(ZERO))
+    assert headline(replace(VERDICTS["several"], findings=found)) == (
+        "Loss of gas or 1 other, mass of a link (upper arm) or 1 other and zero of a joint (joint 2)."
+    )
