@@ -61,6 +61,11 @@ class CompiledRobot:
         return np.array(self.model.tendon_stiffness[self.at.element])
 
     @property
+    def damping(self) -> NDArray[np.float64]:
+        """Shape (n,) [Nm s/rad]; linear damping of the elastic elements, which acts within their play as well."""
+        return np.array(self.model.tendon_damping[self.at.element])
+
+    @property
     def play(self) -> NDArray[np.float64]:
         """Shape (n,) [rad] or [m]; within which the elastic elements transmit nothing."""
         rest = self.model.tendon_lengthspring[self.at.element]

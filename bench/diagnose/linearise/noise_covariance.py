@@ -13,8 +13,8 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from bench.diagnose.linearise.rattling import PLACED, rattling
 from bench.diagnose.linearise.torque_response import TorqueResponse
-from bench.diagnose.replay.motion_segments import DAMPING_RATIO
 from bench.diagnose.replay.play import is_loose
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
@@ -34,16 +34,8 @@ SLOWNESS = 5  # assumed: polynomials over the run that describe the slow change
 # tenth of a level. Without them corners of friction at the wrist were taken for hysteresis (37 and 45 nats on two
 # sound machines).
 WALKS = 10
-# exact: of a gap: where a loose link rests, and at the instant nearest to a crossing, it may be anywhere within it
-PLACED = 12**-0.5
-# exact: of a gap, anew at every instant, when a link bounces at a flank that hardly any torque holds it to: anywhere
-# between the flanks, counted from that one
-BOUNCES = 3**-0.5
-LIGHT = 0.3  # assumed: of the torque that twists a gear by its gap; more holds links to the flank
-NEAR = 0.5  # exact: of the change of torque in which a crossing lies: no more at the nearer of both instants
 CREEPS = 0.05  # assumed: of a gap, slowly, while other joints move
 STIRS = 0.02  # assumed: of a gap, anew at every instant
-TINY = 1e-300  # rounding: so that nothing is divided by zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +132,7 @@ def whitening_of(
     gaps = np.where(moves[:, :, None], response.link * compiled.stiffness * play, 0.0)
     stirs = np.where(loose, STIRS, 0.0)
     if not segment.is_static and np.any(play):
-        stirs += _rattles(compiled, segment, response, play)
+        stirs += rattling(compiled, segment, response, play)
     stirred = gaps * stirs[:, None]
     noise = np.where(measured, segment.sigma, 1.0)
     covariance = once @ once.transpose(0, 2, 1)
@@ -218,38 +210,3 @@ def slow(length: int) -> Array:
     k = np.arange(SLOWNESS, min(SLOWNESS + WALKS, length))  # no more than there are instants
     walk = np.sqrt(2) / (np.pi * k) * np.cos(np.pi * k * (np.arange(length)[:, None] + 0.5) / length)
     return np.concatenate([polynomials, walk], axis=1, dtype=np.float64)
-
-
-def _rattles(compiled: CompiledRobot, segment: Segment, response: TorqueResponse, play: Array) -> Array:
-    """Return how links scatter while they cross the gaps of their gears and bounce, shape (T, n), in gaps.
-
-    A link that moves crosses when the torque on its gear changes sign, and bounces too when that becomes so small that
-    what the arm rings is enough. One that stands crosses when a load that friction does not hold pushes it over.
-
-    Args:
-        compiled: The robot.
-        segment: A motion.
-        response: Of its readings to torques.
-        play: Shape (n,) [rad] or [m], of the gears.
-    """
-    torque, time = response.transmitted, segment.motion.time[segment.motion.read][:, None]
-    light = LIGHT * compiled.stiffness * play
-    moves = (play > 0) & np.logical_not(segment.standing)
-    is_light: NDArray[np.bool_] = np.abs(torque) < light
-    held = np.abs(response.link_load) <= compiled.link_coulomb
-    last = np.maximum.accumulate(np.where(held, 0, np.arange(len(torque))[:, None]), axis=0)
-    pushed = np.take_along_axis(np.sign(response.link_load) * ~held, last, axis=0)
-    side = np.where(segment.standing, pushed, np.sign(torque))
-    changed: NDArray[np.bool_] = np.diff(side, axis=0, prepend=side[:1]) != 0
-    crosses = changed & (play > 0)
-    begins = crosses | (is_light & np.concatenate([np.ones_like(moves)[None], ~is_light[:-1]]) & moves)
-    since = time - np.maximum.accumulate(np.where(begins, time, -np.inf))
-    period = 2 * np.pi * np.sqrt(response.link_inertia / compiled.stiffness)
-    height = light / np.maximum(np.abs(torque), np.maximum(light, TINY))
-    scatter = np.asarray(BOUNCES * height * np.exp(-2 * np.pi * DAMPING_RATIO * since / period), dtype=np.float64)
-    change = np.abs(np.diff(torque, axis=0))
-    for rows in (slice(1, None), slice(None, -1)):  # after and before the crossing
-        soon = np.logical_or(segment.standing, np.abs(torque[rows]) <= NEAR * change)
-        is_near = np.logical_and(crosses[1:], soon)
-        scatter[rows] = np.where(is_near, np.maximum(scatter[rows], PLACED), scatter[rows])
-    return scatter

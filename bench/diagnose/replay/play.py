@@ -7,17 +7,17 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.replay.crossing import Gears, crossing_of
 from bench.effects.friction import CoulombLevel
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
+from bench.robot.mass_matrix import link_mass_matrix
 from bench.simulate.plant import Trace
 
 # derived: of its stated Coulomb level, below which a level may be in 95 % of what the catalogue expects of it: a link
 # with less load than that is not surely at a flank
 LOOSE = 1 + 1.645 * CoulombLevel.parameters[0].high / 3**0.5
 UNLOADED = 1e-3  # rounding: of the largest load on a link; less than that is none
-APART = 1.5  # rounding: times the usual distance of instants; beyond, something was left out between them
-TINY = 1e-300  # rounding: so that nothing is divided by zero
 
 
 def transmitted(compiled: CompiledRobot, trace: Trace) -> Array:
@@ -49,8 +49,8 @@ def expected(compiled: CompiledRobot, trace: Trace, stretches: Iterable[tuple[sl
     """Return a trace with links where they are to be expected, within what play leaves open.
 
     At rest a loose link is expected in the middle: by friction alone it would lag behind its motor, but stopping throws
-    it forward, and some bounce. In motion, instants are means over a while, in which a link may cross from flank to
-    flank.
+    it forward, and some bounce. In motion links take a while to cross from flank to flank (`crossing.py`), and instants
+    are means over a while.
 
     Args:
         compiled: The robot.
@@ -67,27 +67,11 @@ def expected(compiled: CompiledRobot, trace: Trace, stretches: Iterable[tuple[sl
         if is_static:
             shift[rows] = np.where(is_loose(compiled, load[rows]), -torsion[rows], 0.0)
         else:
-            shift[rows] = (_mean_sign(torque[rows], trace.time[rows]) - np.sign(torque[rows])) * half
+            inertia = np.diag(link_mass_matrix(compiled, trace.theta[rows].mean(axis=0)))
+            gears = Gears(inertia, compiled.stiffness, compiled.damping, compiled.play)
+            crossing = crossing_of(torque[rows], trace.time[rows], gears)
+            shift[rows] = np.where(torque[rows] != 0, crossing.places * half - torsion[rows], 0.0)
     return _shifted(compiled, trace, shift)
-
-
-def _mean_sign(values: Array, time: Array) -> Array:
-    """Return the mean sign of values over intervals of which they are the middles, shape (T, n), linear in between."""
-    steps = np.diff(time)
-    apart = steps > APART * np.median(steps) if len(steps) else steps > 0
-    middle = (values[1:] + values[:-1]) / 2
-    before = np.concatenate([values[:1], np.where(apart[:, None], values[1:], middle)])
-    after = np.concatenate([np.where(apart[:, None], values[:-1], middle), values[-1:]])
-    return (_sign_between(before, values) + _sign_between(values, after)) / 2
-
-
-def _sign_between(a: Array, b: Array) -> Array:
-    """Return the mean sign of what goes linearly from a to b."""
-    length = np.abs(a - b)
-    sign: Array = np.where(
-        a * b < 0, (np.abs(b) - np.abs(a)) / np.maximum(length, TINY) * np.sign(b - a), np.sign(a + b)
-    )
-    return sign
 
 
 def _shifted(compiled: CompiledRobot, trace: Trace, shift: Array) -> Trace:
