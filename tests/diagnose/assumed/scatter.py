@@ -26,7 +26,7 @@ INSTANTS = 60
 
 
 def surprise(deviation: Array, quantity: Quantity, *, rests: bool, gap: float = 0.0) -> float:
-    """Return how many standard deviations a deviation is, of a joint that stands: of its friction or, with a gap, its link.
+    """Return how many standard deviations a deviation is, of a standing joint: its friction or, with a gap, its link.
 
     Args:
         deviation: Shape (T,), in Coulomb levels, or in gaps.
