@@ -129,6 +129,8 @@ class Effect(ABC):
         scatters: Whether its `edit` gives an elastic element play (a `springlength` with two ends), which leaves to
             chance where a link rests. Its evidence is then more than what its signature shows, so it is tried wherever
             something at its place comes near the best cause.
+        holds: Name of the parameter that is a level up to which it holds a link, as Coulomb friction of links does, and
+            leaves as much to chance; "" for none.
         level: "machine": it is in the robot or its instruments all the while; "recording": a channel does not say what
             its name and time stamp promise; "run": it holds for one run, or changes in the course of the session.
         between: What becomes of it between two recordings of a machine: it is the "same" in all of them; it is another
@@ -149,6 +151,7 @@ class Effect(ABC):
     parameters: tuple[Parameter, ...]  # of the class; of an effect that is made from data, of the instance
     needs: ClassVar[tuple[str, ...]] = ()
     scatters: ClassVar[bool] = False
+    holds: ClassVar[str] = ""
     level: ClassVar[Level] = "machine"
     between: ClassVar[Between] = "same"
     advice: ClassVar[str] = ""

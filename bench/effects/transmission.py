@@ -115,6 +115,7 @@ class Hysteresis(_InElement):
         Parameter("level", "Nm", 0.0, 10.0, 300.0, "h; range for a drive of 10 kNm"),
         Parameter("slip", "rad", 1e-4, 3e-5, 5e-4, "torsion after which it slips; at least h/k", is_shape=True),
     )
+    holds = "level"
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         level, slip = values["level"], values["slip"]

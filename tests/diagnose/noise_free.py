@@ -14,6 +14,7 @@ from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.effects.catalogue import catalogue
+from bench.effects.effect import Acting
 from bench.effects.recorded import recorded_in
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
@@ -23,10 +24,10 @@ from bench.robot.folder import load_robot
 from bench.scenario.files import read_scenario
 
 
-def noise_free(scenario: str, seed: int = 4) -> Campaign:
-    """Return a session of the HH-150."""
+def noise_free(scenario: str, seed: int = 4, acting: tuple[Acting, ...] = ()) -> Campaign:
+    """Return a session of the HH-150, in which nothing acts but `acting`."""
     robot = load_robot("hh150")
-    hidden = hide_campaign(robot, read_scenario(scenario), (), np.random.default_rng(seed), background=False)
+    hidden = hide_campaign(robot, read_scenario(scenario), acting, np.random.default_rng(seed), background=False)
     truth = hidden.truth.runs
     runs = tuple(
         replace(run, columns={key: truth[run.name].get(key, values) for key, values in run.columns.items()})
@@ -44,9 +45,10 @@ def linearised(campaign: Campaign, compiled: CompiledRobot | None = None) -> Lin
     return linearised_model_of(Replay(compiled, segments_of(campaign, compiled, quantities), quantities), nuisances)
 
 
-def fitted_alone(linear: LinearisedModel, campaign: Campaign, name: str, place: str) -> Fit:
-    """Return the fit of one effect at a place."""
+def fitted_alone(linear: LinearisedModel, campaign: Campaign, name: str, place: str, **start: float) -> Fit:
+    """Return the fit of one effect at a place, from values of its parameters."""
     compiled, effect = linear.replay.compiled, catalogue()[name]
     recorded = recorded_in(campaign.runs, compiled.model.opt.gravity)
     (where,) = (one for one in effect.places_in(compiled, recorded) if str(one) == place)
-    return refit(linear, (Cause(effect, where, effect.parameters_at(compiled, where), ()),), {})
+    known = {(name, str(where), key): value for key, value in start.items()}
+    return refit(linear, (Cause(effect, where, effect.parameters_at(compiled, where), ()),), known)

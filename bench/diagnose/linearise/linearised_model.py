@@ -239,7 +239,7 @@ def with_friction_of(linear: LinearisedModel, world: World, play: Array) -> Line
     held, changes = held_friction(linear.replay, traces, linear.responses)
     names = [str(nuisance) for nuisance in linear.nuisances]
     new = relinearised(linear, [names.index(str(nuisance)) for nuisance in held], changes)
-    levels = levels_of(linear.replay.robot(world), traces)
+    levels = levels_of(linear.replay.robot(world), traces, world.acting)
     if scatters_alike(play, linear.scatter.play) and scatters_alike(levels, linear.scatter.levels):
         return new
     return with_scatter(new, replace(linear.scatter, play=play, levels=levels))
