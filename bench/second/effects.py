@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from bench.errors import InputError, unknown_name
-from bench.second.figures import Array, Figures, Friction, Lump
+from bench.second.figures import ROOM_K, Array, Figures, Friction, Lump
 
 Values = Mapping[str, float]
 Change = Callable[[Figures, int | str, Values], Figures]
@@ -75,6 +75,11 @@ def _gas(change: Callable[[Figures, Values], dict[str, Any]]) -> Change:
 def _gas_amount(figures: Figures, values: Values) -> dict[str, Any]:
     assert figures.gas
     return {"amount": figures.gas.amount * (1 - values["lost"])}
+
+
+def _warmer_gas(figures: Figures, values: Values) -> dict[str, Any]:
+    assert figures.gas
+    return {"amount": figures.gas.amount * (1 + values["offset"] / ROOM_K)}
 
 
 def _viscous(figures: Figures, place: int | str, values: Values) -> Figures:
@@ -150,12 +155,18 @@ def _readout(name: str, parameter: str) -> Change:
     return change
 
 
-def _delay(figures: Figures, place: int | str, values: Values) -> Figures:
-    return replace(figures, readout=replace(figures.readout, delay=values["delay"]))
-
-
 def _frame(figures: Figures, place: int | str, values: Values) -> Figures:
     return replace(figures, readout=replace(figures.readout, shift=_xyz(values, "t"), turn=_xyz(values, "r")))
+
+
+def _of_readout(name: str, value: Callable[[Values], Any]) -> Change:
+    """Return the change of what is one for the whole robot."""
+
+    def change(figures: Figures, place: int | str, values: Values) -> Figures:
+        new: dict[str, Any] = {name: value(values)}
+        return replace(figures, readout=replace(figures.readout, **new))
+
+    return change
 
 
 def _dent(figures: Figures, place: int | str, values: Values) -> Figures:
@@ -171,6 +182,7 @@ CHANGES: Mapping[str, Change] = {
     "gas_loss": _gas(_gas_amount),
     "polytropic_exponent": _gas(lambda _, values: {"exponent": values["exponent"]}),
     "seal_friction": _gas(lambda _, values: {"seal": values["share"]}),
+    "gas_temperature": _gas(_warmer_gas),
     "gas_leak": _gas(lambda _, values: {"leak": values["rate"]}),
     "coulomb_level": _rubs("level", "change", scales=True),
     "viscous_level": _viscous,
@@ -191,8 +203,12 @@ CHANGES: Mapping[str, Change] = {
     "joint_zero": _readout("zero", "offset"),
     "current_offset": _readout("offset", "offset"),
     "torque_constant": _readout("torque_constant", "change"),
-    "encoder_delay": _delay,
+    "encoder_delay": _of_readout("delay", lambda values: values["delay"]),
     "tracker_frame": _frame,
+    "tracker_drift": _of_readout("creep", _xyz),
+    "tracker_scale": _of_readout("scale", lambda values: values["scale"]),
+    "force_gain": _of_readout("force_gain", lambda values: values["gain"]),
+    "force_tilt": _of_readout("force_tilt", _xyz),
     # in no catalogue, for verdicts of "unlisted"
     "detent": _dent,
     "current_dead_band": _readout("dead_band", "width"),

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Law = Literal["elasto-plastic", "dahl"]
 
+ROOM_K = 293.15  # at which figures are as stated
+
 
 @dataclass(frozen=True, eq=False)
 class Lump:
@@ -183,6 +185,10 @@ class Readout:
         offset: Shape (n,) [A].
         dead_band: Shape (n,) [A], currents below which read zero.
         shift, turn: Shape (3,) [m] and [rad], of the tracker's frame.
+        creep: Shape (3,) [m/h], of the tracker.
+        scale: Of the tracker's distances from the base, relative error.
+        force_gain: Relative error of the force sensor.
+        force_tilt: Shape (3,) [rad], of its axes against a slanting load.
     """
 
     zero: Array
@@ -192,11 +198,16 @@ class Readout:
     dead_band: Array
     shift: Array
     turn: Array
+    creep: Array
+    scale: float
+    force_gain: float
+    force_tilt: Array
 
     @classmethod
     def perfect(cls, n: int) -> Self:
         """Return that of instruments that are right, for n drives."""
-        return cls(np.zeros(n), 0.0, np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(3), np.zeros(3))
+        drives, vector = np.zeros(n), np.zeros(3)
+        return cls(drives, 0.0, drives, drives, drives, vector, vector, vector, 0.0, 0.0, vector)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,6 +227,7 @@ class Figures:
         rotor_inertia, viscous: Shape (n,) [kg m^2], [Nm s/rad], reflected to the joint.
         torque_limit: Shape (n,) [Nm].
         payload_change: Relative error of what is bolted on.
+        hung_change: Relative error of what is hung on.
         payload_com: Shape (3,) [m], its centre of mass beside the load point.
         base_compliance: Of the foundation about both horizontal axes [rad/Nm].
         dents: (joint, torque [Nm], angle [rad], width [rad]): torques over a narrow angle.
@@ -241,6 +253,7 @@ class Figures:
     readout: Readout
     law: Law = "elasto-plastic"
     payload_change: float = 0.0
+    hung_change: float = 0.0
     payload_com: Array = field(default_factory=lambda: np.zeros(3))
     base_compliance: float = 0.0
     dents: tuple[tuple[int, float, float, float], ...] = ()

@@ -27,6 +27,8 @@ from bench.study.labs import Lab
 LAB = Lab(without=("line", "dwell", "repeat_at_end"))
 IN_MOTION = 2e-3  # of a drive's largest current, where it moves: bins of the replay are 40 ms wide
 SAG = 1e-2  # of a loss of gas: joint 2 sags by 5e-4 rad, the cylinder by 0.1 mm of the 130 mm that are left for gas
+ALIKE = 1e-2  # of the largest change of a channel: small rotations are to first order, and places differ by 0.1 mm
+ROUNDING = 1e-9  # [m, A, N, Nm]
 AT_REST = 1e-4  # [m]; presliding on a link is not resolved by a replay that starts 2 degrees away
 
 
@@ -117,7 +119,14 @@ def test_every_effect_changes_something(compiled: CompiledRobot, quiet: Second, 
     values = {p.name: p.typical for p in known[name].parameters}
     (acting,) = effects_of([name + place], compiled, known)
     seen = changes(quiet, Acting(acting.effect, acting.place, values))
-    if name in ("tracker_frame", "base_compliance"):
+    if name in ("tracker_drift", "tracker_scale"):
+        assert {column.split("_")[0] for column in seen} == {"reflector"}
+    elif name == "force_gain":
+        assert {column.split("_")[0] for column in seen} <= {"force", "moment"}
+        assert max(seen.values()) > 1.0
+    elif name == "force_tilt":
+        assert not seen, "a load that hangs counts as vertical"
+    elif name in ("tracker_frame", "base_compliance"):
         assert {column.split("_")[0] for column in seen} <= {"reflector", "current", "q", "gas"}
         assert max(size for column, size in seen.items() if column.startswith("reflector")) > 1e-5
     elif name in ("current_offset", "torque_constant", "current_dead_band"):
@@ -127,6 +136,30 @@ def test_every_effect_changes_something(compiled: CompiledRobot, quiet: Second, 
         assert seen["gas_pressure_pa"] == pytest.approx(loss, rel=SAG)
     else:
         assert max(size for column, size in seen.items() if column.startswith(("current", "reflector"))) > 1e-4
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["current_offset", "tracker_frame", "tracker_drift", "tracker_scale", "force_gain", "force_tilt"],
+)
+def test_both_plants_get_readings_wrong_alike(compiled: CompiledRobot, name: str) -> None:
+    """Signs, axes and units are those of the catalogue."""
+    effect = catalogue()[name]
+    place = effect.places(compiled)[-1]
+    acting = Acting(effect, place, {p.name: p.high * (1 + i) / 3 for i, p in enumerate(effect.parameters)})
+    session = LAB.scenario().without("rotations", "line", "dwell")
+    before, after = (second(*one, session=session).campaign for one in ((), (acting,)))
+    quantities = quantities_of(before.runs, compiled)
+    replay = Replay(compiled, segments_of(before, compiled, quantities, 400), quantities)
+    told = replay.predict(Hypothesis(acting=(acting,))) - replay.predict(NOMINAL)
+    read = np.concatenate([segment.observed for segment in segments_of(after, compiled, quantities, 400)])
+    read -= np.concatenate([segment.observed for segment in replay.segments])
+    seen = np.isfinite(read)
+    assert np.max(np.abs(told[seen])) > 0
+    for c in range(len(quantities)):
+        here, column = seen[:, c], quantities[c].column
+        size = np.max(np.abs(told[here, c]), initial=0.0)
+        assert np.max(np.abs(read[here, c] - told[here, c]), initial=0.0) <= ALIKE * size + ROUNDING, column
 
 
 def test_gauge_reads_gas_without_the_seals(compiled: CompiledRobot, quiet: Second) -> None:
