@@ -6,8 +6,9 @@ import mujoco
 import numpy as np
 
 from bench.effects.drifts import DAY_K, VISCOUS, own_shares
-from bench.effects.effect import Acting
+from bench.effects.effect import Acting, Place
 from bench.effects.places import torque_limit
+from bench.effects.recording_places import FORCE, GAUGE, TRACKER
 from bench.hide.campaign import reduced
 from bench.hide.plan import Leg, legs_of
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -52,14 +53,7 @@ def run_second(
     """
     robot, session, shown = reduced(robot, session, tuple(without), ())
     compiled = compile_robot(robot)
-    hidings = tuple(
-        Hiding(
-            one.effect.name,
-            one.place.name if one.place.kind == "body" else one.place.index,
-            one.effect.complete(one.values),
-        )
-        for one in acting
-    )
+    hidings = tuple(Hiding(one.effect.name, _where(one.place), one.effect.complete(one.values)) for one in acting)
     sittings = sittings_of(legs_of(robot, session))
     lasting = Machine(machine, own_shares(robot.figures), VISCOUS * DAY_K) if machine else None
     return hide_in_second(
@@ -74,6 +68,12 @@ def run_second(
         thermometers=shown,
         machine=lasting,
     )
+
+
+def _where(place: Place) -> int | str:
+    """Return the index of a drive, also of its channel, or the name of a body or another instrument."""
+    is_named = place.kind == "body" or place in (TRACKER, GAUGE, FORCE)
+    return place.name if is_named else place.index
 
 
 def sittings_of(legs: Sequence[Leg]) -> tuple[Sitting, ...]:

@@ -21,7 +21,7 @@ TAILS = 4.0  # degrees of freedom of Student's t: some readings far off, as real
 
 @dataclass(frozen=True)
 class Hiding:
-    """An effect to hide: its name, the index of the drive or name of the body, and its values."""
+    """An effect to hide: its name, the index of the drive or name of the body or instrument, and its values."""
 
     name: str
     place: int | str

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from bench.errors import InputError, unknown_name
-from bench.second.figures import ROOM_K, Array, Figures, Friction, Lump
+from bench.second.figures import ROOM_K, Array, Channel, Figures, Friction, Lump
+
+GAUGE, FORCE_SENSOR = "gauge", "force sensor"  # channels that no drive has
 
 Values = Mapping[str, float]
 Change = Callable[[Figures, int | str, Values], Figures]
@@ -160,13 +162,34 @@ def _frame(figures: Figures, place: int | str, values: Values) -> Figures:
 
 
 def _of_readout(name: str, value: Callable[[Values], Any]) -> Change:
-    """Return the change of what is one for the whole robot."""
+    """Return the change by which what is one for the whole robot grows."""
 
     def change(figures: Figures, place: int | str, values: Values) -> Figures:
-        new: dict[str, Any] = {name: value(values)}
+        new: dict[str, Any] = {name: getattr(figures.readout, name) + value(values)}
         return replace(figures, readout=replace(figures.readout, **new))
 
     return change
+
+
+def _channel(name: str, parameter: str) -> Change:
+    """Return the change of what a current, the gauge or the force sensor shows; of that one there is but a scale."""
+
+    def change(figures: Figures, place: int | str, values: Values) -> Figures:
+        out, x = figures.readout, values[parameter]
+        if place == FORCE_SENSOR:
+            out = replace(out, force_gain=(1 + out.force_gain) * (1 + x) - 1)
+        elif place == GAUGE:
+            out = replace(out, gauge=_shifted(out.gauge, name, lambda now: now + x))
+        else:
+            out = replace(out, currents=_shifted(out.currents, name, lambda now: _with(now, place, lambda v: v + x)))
+        return replace(figures, readout=out)
+
+    return change
+
+
+def _shifted(channel: Channel, name: str, change: Callable[[Any], Any]) -> Channel:
+    new: dict[str, Any] = {name: change(getattr(channel, name))}
+    return replace(channel, **new)
 
 
 def _dent(figures: Figures, place: int | str, values: Values) -> Figures:
@@ -201,7 +224,7 @@ CHANGES: Mapping[str, Change] = {
     "link_com": _lump(_moved),
     "rotor_inertia": _rotor_inertia,
     "joint_zero": _readout("zero", "offset"),
-    "current_offset": _readout("offset", "offset"),
+    "current_offset": _channel("offset", "offset"),
     "torque_constant": _readout("torque_constant", "change"),
     "encoder_delay": _of_readout("delay", lambda values: values["delay"]),
     "tracker_frame": _frame,
@@ -209,6 +232,10 @@ CHANGES: Mapping[str, Change] = {
     "tracker_scale": _of_readout("scale", lambda values: values["scale"]),
     "force_gain": _of_readout("force_gain", lambda values: values["gain"]),
     "force_tilt": _of_readout("force_tilt", _xyz),
+    "tracker_creep": _of_readout("creep", _xyz),
+    "channel_scale": _channel("scale", "scale"),
+    "channel_offset": _channel("offset", "offset"),
+    "channel_drift": _channel("drift", "rate"),
     # in no catalogue, for verdicts of "unlisted"
     "detent": _dent,
     "current_dead_band": _readout("dead_band", "width"),

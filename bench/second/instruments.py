@@ -67,7 +67,8 @@ def columns_of(
     if fitted.current:
         seen = state.torque[rows] / constants * (1 + errors.current_gain) / (1 + out.torque_constant)
         seen = seen + errors.current_offset + draws.noise(fitted.current.sigma_a, (len(rows), n))
-        seen = np.sign(seen) * np.maximum(np.abs(seen) - out.dead_band, 0) + out.offset
+        seen = np.sign(seen) * np.maximum(np.abs(seen) - out.dead_band, 0)
+        seen = out.currents.shows(seen, course.time[rows] / HOUR)
         found |= _numbered("current", "a", draws.stepped(seen, fitted.current.resolution_a))
     wrench = course.wrench[rows]
     load = wrench[:, :3] + course.payload[rows, None] * figures.gravity
@@ -86,7 +87,8 @@ def columns_of(
     if fitted.tracker:
         found |= _reflectors(state.reflectors[rows], course.time[rows], figures, fitted, errors, draws)
     if fitted.pressure and figures.gas:
-        found["gas_pressure_pa"] = draws.stepped(state.pull[rows] / figures.gas.area, fitted.pressure.resolution_pa)
+        seen = out.gauge.shows(state.pull[rows] / figures.gas.area, course.time[rows] / HOUR)
+        found["gas_pressure_pa"] = draws.stepped(seen, fitted.pressure.resolution_pa)
     return found
 
 
