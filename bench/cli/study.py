@@ -31,13 +31,14 @@ class Study:
     """Campaigns with two effects."""
     twins: bool = True
     """The four pairs of twins, each in an ordinary session and in one that splits them."""
-    world: tuple[Literal["plain", "messy", "presliding", "servo", "second", "resting"], ...] = ("plain",)
-    """In which all of this is hidden: plain, messy (10 to 60 other small effects), presliding, servo (that gives),
-    second (another plant), resting (there, links rest anywhere that friction holds them); several: a study of each."""
+    world: tuple[Literal["plain", "messy", "presliding", "servo", "second", "resting"], ...] = ()
+    """In which all of this is hidden: plain (if none is given), messy (10 to 60 other small effects), presliding,
+    servo (that gives), second (another plant), resting (there, links rest anywhere that friction holds them); several:
+    a study of each."""
     recordings: int = 0
     """Instead of this: so many recordings of each of `seeds` messy machines. They are diagnosed together, the last is
     predicted by the others, and two of them are compared, with and without a change. Of what is above, `effects`,
-    `seeds` and `small` count."""
+    `seeds`, `small` and `world` count; of worlds, messy (as without any), second and resting, one of them."""
     kinds: tuple[Literal["none", "machine", "one", "unchanged", "changed"], ...] = (
         "none",
         "machine",
@@ -83,9 +84,10 @@ class Study:
             raise InputError(
                 f"--recordings {self.recordings}: a machine has to be recorded twice at least; give 2 or more."
             )
-        counts = Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins, self.effects, self.world)
+        worlds = self.world or ("plain",)
+        counts = Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins, self.effects, worlds)
         if self.small:
-            counts = replace(SMALL, worlds=self.world)
+            counts = replace(SMALL, worlds=worlds)
         settings = Settings(checked_seed(self.seed), counts=counts)
         where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
         try:
@@ -116,6 +118,7 @@ class Study:
         from bench.report.study.several import lines_of, write_several
         from bench.study.several import SeveralSettings, run_several
         from bench.study.several_scores import several_goals
+        from bench.study.worlds import world_of_machines
 
         machines = 1 if self.small else self.seeds
         settings = SeveralSettings(
@@ -125,6 +128,7 @@ class Study:
             machines=machines,
             effects=self.effects,
             kinds=self.kinds,
+            world=world_of_machines(self.world),
         )
         where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
         with where as executor, progress_bar("machines") as progress:

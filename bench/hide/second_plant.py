@@ -1,12 +1,15 @@
 """The second plant on a robot of the bench: its model and a session as plain numbers, and a campaign of it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Acting
+from bench.effects.drifts import DAY_K, VISCOUS, own_shares
+from bench.effects.effect import Acting, Place
 from bench.effects.places import torque_limit
+from bench.effects.recording_places import FORCE, GAUGE, TRACKER
+from bench.hide.campaign import reduced
 from bench.hide.plan import Leg, legs_of
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import Robot
@@ -15,6 +18,7 @@ from bench.scenario.files import Experiment
 from bench.second.campaign import Hiding, Second, hide_in_second
 from bench.second.course import Sitting
 from bench.second.figures import Array, Figures, Friction, Gas, Lump, Readout, Servo, Spot, Springs
+from bench.second.machine import Machine
 from bench.second.worlds import QUIET, World
 from bench.simulate.env import CONTROL_PERIOD
 
@@ -27,6 +31,8 @@ def run_second(
     *,
     world: World = QUIET,
     quiet: bool = False,
+    without: Iterable[str] = (),
+    machine: np.random.Generator | None = None,
 ) -> Second:
     """Run a session on the second plant of a robot.
 
@@ -37,24 +43,37 @@ def run_second(
         rng: Source of all errors and noise.
         world: How friction and servos are.
         quiet: Nothing nominal is wrong, and the instruments are perfect.
+        without: Instruments, channels and parts of the session that the lab does not have, as in `hide_campaign`.
+        machine: Source of what is wrong with the machine itself and with its lab, as in `hide_campaign`; what drifts or
+            is set up anew comes from `rng`, as `effects/drifts.py` says. None: all of it comes from `rng`.
 
     Raises:
         ConvergenceError: It finds no balance.
         InputError: It does not know an effect, or the session does not fit the robot.
     """
+    robot, session, shown = reduced(robot, session, tuple(without), ())
     compiled = compile_robot(robot)
-    hidings = tuple(
-        Hiding(
-            one.effect.name,
-            one.place.name if one.place.kind == "body" else one.place.index,
-            one.effect.complete(one.values),
-        )
-        for one in acting
-    )
+    hidings = tuple(Hiding(one.effect.name, _where(one.place), one.effect.complete(one.values)) for one in acting)
     sittings = sittings_of(legs_of(robot, session))
+    lasting = Machine(machine, own_shares(robot.figures), VISCOUS * DAY_K) if machine else None
     return hide_in_second(
-        robot.name, figures_of(compiled), robot.figures, sittings, hidings, rng, world=world, quiet=quiet
+        robot.name,
+        figures_of(compiled),
+        robot.figures,
+        sittings,
+        hidings,
+        rng,
+        world=world,
+        quiet=quiet,
+        thermometers=shown,
+        machine=lasting,
     )
+
+
+def _where(place: Place) -> int | str:
+    """Return the index of a drive, also of its channel, or the name of a body or another instrument."""
+    is_named = place.kind == "body" or place in (TRACKER, GAUGE, FORCE)
+    return place.name if is_named else place.index
 
 
 def sittings_of(legs: Sequence[Leg]) -> tuple[Sitting, ...]:

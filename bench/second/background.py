@@ -54,4 +54,5 @@ def drawn(figures: Figures, known: Uncertainty, rng: np.random.Generator) -> Fig
         rotor_inertia=about(figures.rotor_inertia, known.rotor_inertia),
         viscous=about(figures.viscous, known.friction),
         payload_change=known.load * float(rng.standard_normal()),
+        hung_change=known.load * float(rng.standard_normal()),
     )

@@ -7,24 +7,21 @@ import numpy as np
 
 from bench.record.campaign import Campaign, Run
 from bench.robot.figures import Figures as RobotFigures
-from bench.second.background import drawn
 from bench.second.course import Course, Sitting, course_of
 from bench.second.effects import Values, changed
-from bench.second.figures import Array, Figures
+from bench.second.figures import Figures
 from bench.second.instruments import Columns, Draws, columns_of
+from bench.second.machine import Machine, imperfect, perfect
 from bench.second.plant import Chance, State, follow
+from bench.second.weather import THERMOMETERS, Weather
 from bench.second.worlds import QUIET, World
 
-ROOM_K = 293.15
-GEAR_K, GEAR_S = 11.0, 2700.0  # rise and time constant of gears in work, assumed: an arm of this class
-MOTOR_K, MOTOR_S = 22.0, 1500.0  # of motors
-SIGMA_K, STEP_K = 0.5, 0.1  # of thermometers
 TAILS = 4.0  # degrees of freedom of Student's t: some readings far off, as real ones have
 
 
 @dataclass(frozen=True)
 class Hiding:
-    """An effect to hide: its name, the index of the drive or name of the body, and its values."""
+    """An effect to hide: its name, the index of the drive or name of the body or instrument, and its values."""
 
     name: str
     place: int | str
@@ -60,6 +57,8 @@ def hide_in_second(
     *,
     world: World = QUIET,
     quiet: bool = False,
+    thermometers: Sequence[str] = THERMOMETERS,
+    machine: Machine | None = None,
 ) -> Second:
     """Run a session on the second plant.
 
@@ -72,22 +71,23 @@ def hide_in_second(
         rng: Source of all errors and noise.
         world: How friction and servos are beside the effects.
         quiet: Nothing nominal is wrong, and the instruments are perfect.
+        thermometers: Which there are.
+        machine: What lasts if it is recorded again; None: all comes from `rng`, and nothing drifts.
 
     Raises:
         ConvergenceError: It finds no balance.
         InputError: It does not know an effect.
     """
-    figures = nominal if quiet else drawn(nominal, known.uncertainty, rng)
-    figures = world.of(figures)
+    recorded = perfect(nominal) if quiet else imperfect(nominal, known, rng, machine)
+    figures = world.of(recorded.figures)
     for one in hidings:
         figures = changed(figures, one.name, one.place, one.values)
     course = course_of(sittings)
     state = follow(figures, course, Chance.draw(course, world.on_motors, world.on_links, rng))
     constants = np.array([drive.torque_constant_nm_per_a for drive in known.drives])
-    spread = np.array([drive.torque_constant_error for drive in known.drives])
     draws = Draws(rng, TAILS, quiet)
-    columns = columns_of(state, course, figures, known.instruments, constants, spread, draws)
-    columns |= _temperatures(course.time[course.read], figures.n, draws)
+    columns = columns_of(state, course, figures, known.instruments, constants, recorded.errors, draws)
+    columns |= Weather.draw(figures.n, rng).columns(course.time[course.read], thermometers, draws)
     return Second(Campaign(robot, _runs(course, columns)), figures, course, state, world)
 
 
@@ -110,14 +110,3 @@ def _runs(course: Course, columns: Columns) -> tuple[Run, ...]:
             own["load_mass_kg"] = payload[rows]
         found.append(Run(name, "static" if labels[0] else "motion", float(time[rows[0]]), own))
     return tuple(found)
-
-
-def _temperatures(time: Array, n: int, draws: Draws) -> Columns:
-    """Return what thermometers show of gears, motors and air."""
-
-    def seen(values: Array) -> Array:
-        return draws.stepped(values + draws.noise(SIGMA_K, values.shape), STEP_K)
-
-    found = {f"gear_temperature_{j + 1}_k": seen(ROOM_K - GEAR_K * np.expm1(-time / GEAR_S)) for j in range(n)}
-    found |= {f"motor_temperature_{j + 1}_k": seen(ROOM_K - MOTOR_K * np.expm1(-time / MOTOR_S)) for j in range(n)}
-    return found | {"ambient_temperature_k": seen(np.full(len(time), ROOM_K))}

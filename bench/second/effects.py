@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from bench.errors import InputError, unknown_name
-from bench.second.figures import Array, Figures, Friction, Lump
+from bench.second.figures import ROOM_K, Array, Channel, Figures, Friction, Lump
+
+GAUGE, FORCE_SENSOR = "gauge", "force sensor"  # channels that no drive has
 
 Values = Mapping[str, float]
 Change = Callable[[Figures, int | str, Values], Figures]
@@ -75,6 +77,11 @@ def _gas(change: Callable[[Figures, Values], dict[str, Any]]) -> Change:
 def _gas_amount(figures: Figures, values: Values) -> dict[str, Any]:
     assert figures.gas
     return {"amount": figures.gas.amount * (1 - values["lost"])}
+
+
+def _warmer_gas(figures: Figures, values: Values) -> dict[str, Any]:
+    assert figures.gas
+    return {"amount": figures.gas.amount * (1 + values["offset"] / ROOM_K)}
 
 
 def _viscous(figures: Figures, place: int | str, values: Values) -> Figures:
@@ -150,12 +157,39 @@ def _readout(name: str, parameter: str) -> Change:
     return change
 
 
-def _delay(figures: Figures, place: int | str, values: Values) -> Figures:
-    return replace(figures, readout=replace(figures.readout, delay=values["delay"]))
-
-
 def _frame(figures: Figures, place: int | str, values: Values) -> Figures:
     return replace(figures, readout=replace(figures.readout, shift=_xyz(values, "t"), turn=_xyz(values, "r")))
+
+
+def _of_readout(name: str, value: Callable[[Values], Any]) -> Change:
+    """Return the change by which what is one for the whole robot grows."""
+
+    def change(figures: Figures, place: int | str, values: Values) -> Figures:
+        new: dict[str, Any] = {name: getattr(figures.readout, name) + value(values)}
+        return replace(figures, readout=replace(figures.readout, **new))
+
+    return change
+
+
+def _channel(name: str, parameter: str) -> Change:
+    """Return the change of what a current, the gauge or the force sensor shows; of that one there is but a scale."""
+
+    def change(figures: Figures, place: int | str, values: Values) -> Figures:
+        out, x = figures.readout, values[parameter]
+        if place == FORCE_SENSOR:
+            out = replace(out, force_gain=(1 + out.force_gain) * (1 + x) - 1)
+        elif place == GAUGE:
+            out = replace(out, gauge=_shifted(out.gauge, name, lambda now: now + x))
+        else:
+            out = replace(out, currents=_shifted(out.currents, name, lambda now: _with(now, place, lambda v: v + x)))
+        return replace(figures, readout=out)
+
+    return change
+
+
+def _shifted(channel: Channel, name: str, change: Callable[[Any], Any]) -> Channel:
+    new: dict[str, Any] = {name: change(getattr(channel, name))}
+    return replace(channel, **new)
 
 
 def _dent(figures: Figures, place: int | str, values: Values) -> Figures:
@@ -171,6 +205,7 @@ CHANGES: Mapping[str, Change] = {
     "gas_loss": _gas(_gas_amount),
     "polytropic_exponent": _gas(lambda _, values: {"exponent": values["exponent"]}),
     "seal_friction": _gas(lambda _, values: {"seal": values["share"]}),
+    "gas_temperature": _gas(_warmer_gas),
     "gas_leak": _gas(lambda _, values: {"leak": values["rate"]}),
     "coulomb_level": _rubs("level", "change", scales=True),
     "viscous_level": _viscous,
@@ -189,10 +224,18 @@ CHANGES: Mapping[str, Change] = {
     "link_com": _lump(_moved),
     "rotor_inertia": _rotor_inertia,
     "joint_zero": _readout("zero", "offset"),
-    "current_offset": _readout("offset", "offset"),
+    "current_offset": _channel("offset", "offset"),
     "torque_constant": _readout("torque_constant", "change"),
-    "encoder_delay": _delay,
+    "encoder_delay": _of_readout("delay", lambda values: values["delay"]),
     "tracker_frame": _frame,
+    "tracker_drift": _of_readout("creep", _xyz),
+    "tracker_scale": _of_readout("scale", lambda values: values["scale"]),
+    "force_gain": _of_readout("force_gain", lambda values: values["gain"]),
+    "force_tilt": _of_readout("force_tilt", _xyz),
+    "tracker_creep": _of_readout("creep", _xyz),
+    "channel_scale": _channel("scale", "scale"),
+    "channel_offset": _channel("offset", "offset"),
+    "channel_drift": _channel("drift", "rate"),
     # in no catalogue, for verdicts of "unlisted"
     "detent": _dent,
     "current_dead_band": _readout("dead_band", "width"),

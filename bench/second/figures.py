@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Law = Literal["elasto-plastic", "dahl"]
 
+ROOM_K = 293.15  # at which figures are as stated
+
 
 @dataclass(frozen=True, eq=False)
 class Lump:
@@ -173,6 +175,32 @@ class Servo:
 
 
 @dataclass(frozen=True, eq=False)
+class Channel:
+    """What channels show of what their sensors would: (1 + scale) y + offset + drift t, t in hours since the start.
+
+    Attributes:
+        scale: Relative.
+        offset: In the unit of the channel.
+        drift: In that unit per hour.
+    """
+
+    scale: Array | float
+    offset: Array | float
+    drift: Array | float
+
+    @classmethod
+    def right(cls, zero: Array | float) -> Self:
+        """Return that of channels that show what there is; `zero` has their shape."""
+        return cls(zero, zero, zero)
+
+    def shows(self, seen: Array, hours: Array) -> Array:
+        """Return what is shown for what the sensors see, shape (T, n) or (T,); `hours`, shape (T,)."""
+        time = hours.reshape(-1, *(1 for _ in seen.shape[1:]))
+        shown: Array = (1 + self.scale) * seen + self.offset + self.drift * time
+        return shown
+
+
+@dataclass(frozen=True, eq=False)
 class Readout:
     """What instruments make of the truth beside noise and background errors; n drives.
 
@@ -180,23 +208,35 @@ class Readout:
         zero: Shape (n,) [rad], encoder reading less truth.
         delay: Of the encoders [s].
         torque_constant: Shape (n,), relative error.
-        offset: Shape (n,) [A].
+        currents: Shape (n,) each [A].
+        gauge: [Pa].
         dead_band: Shape (n,) [A], currents below which read zero.
         shift, turn: Shape (3,) [m] and [rad], of the tracker's frame.
+        creep: Shape (3,) [m/h], of the tracker.
+        scale: Of the tracker's distances from the base, relative error.
+        force_gain: Relative error of the force sensor.
+        force_tilt: Shape (3,) [rad], of its axes against a slanting load.
     """
 
     zero: Array
     delay: float
     torque_constant: Array
-    offset: Array
+    currents: Channel
+    gauge: Channel
     dead_band: Array
     shift: Array
     turn: Array
+    creep: Array
+    scale: float
+    force_gain: float
+    force_tilt: Array
 
     @classmethod
     def perfect(cls, n: int) -> Self:
         """Return that of instruments that are right, for n drives."""
-        return cls(np.zeros(n), 0.0, np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(3), np.zeros(3))
+        drives, vector = np.zeros(n), np.zeros(3)
+        currents, gauge = Channel.right(drives), Channel.right(0.0)
+        return cls(drives, 0.0, drives, currents, gauge, drives, vector, vector, vector, 0.0, 0.0, vector)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,6 +256,7 @@ class Figures:
         rotor_inertia, viscous: Shape (n,) [kg m^2], [Nm s/rad], reflected to the joint.
         torque_limit: Shape (n,) [Nm].
         payload_change: Relative error of what is bolted on.
+        hung_change: Relative error of what is hung on.
         payload_com: Shape (3,) [m], its centre of mass beside the load point.
         base_compliance: Of the foundation about both horizontal axes [rad/Nm].
         dents: (joint, torque [Nm], angle [rad], width [rad]): torques over a narrow angle.
@@ -241,6 +282,7 @@ class Figures:
     readout: Readout
     law: Law = "elasto-plastic"
     payload_change: float = 0.0
+    hung_change: float = 0.0
     payload_com: Array = field(default_factory=lambda: np.zeros(3))
     base_compliance: float = 0.0
     dents: tuple[tuple[int, float, float, float], ...] = ()

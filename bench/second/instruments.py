@@ -1,4 +1,4 @@
-"""What the instruments of the second plant show: systematic errors drawn once, noise with every reading, steps."""
+"""What the instruments of the second plant show: errors of the whole campaign, noise with every reading, steps."""
 
 from dataclasses import dataclass
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from bench.robot.figures import Instruments
 from bench.second.course import Course
+from bench.second.errors import Errors
 from bench.second.figures import Array, Figures
 from bench.second.plant import HOUR, State
 
@@ -14,12 +15,12 @@ Columns = dict[str, Array]
 
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """Source of all errors of reading; `quiet` instruments have none.
+    """Source of noise; `quiet` instruments have none.
 
     Attributes:
         rng: Random numbers.
         tails: Degrees of freedom of Student's t for the noise, above 2; None for normal noise.
-        quiet: No noise, no error, no resolution.
+        quiet: No noise and no resolution.
     """
 
     rng: np.random.Generator
@@ -35,10 +36,6 @@ class Draws:
         heavy: Array = sigma * np.sqrt((self.tails - 2) / self.tails) * self.rng.standard_t(self.tails, shape)
         return heavy
 
-    def error(self, sigma: float, shape: tuple[int, ...]) -> Array:
-        """Draw errors that stay over the campaign; they are normal."""
-        return np.zeros(shape) if self.quiet else sigma * self.rng.standard_normal(shape)
-
     def stepped(self, values: Array, step: float) -> Array:
         """Return values in steps of a resolution; 0: infinitely fine."""
         if self.quiet or step == 0:
@@ -48,7 +45,7 @@ class Draws:
 
 
 def columns_of(
-    state: State, course: Course, figures: Figures, fitted: Instruments, constants: Array, errors: Array, draws: Draws
+    state: State, course: Course, figures: Figures, fitted: Instruments, constants: Array, errors: Errors, draws: Draws
 ) -> Columns:
     """Return the columns of all K readings.
 
@@ -58,29 +55,27 @@ def columns_of(
         figures: The arm, for what its instruments get wrong.
         fitted: Which instruments there are, and how good.
         constants: Shape (n,) [Nm/A], torque constants as the lab knows them.
-        errors: Shape (n,), their relative standard deviations.
-        draws: Of noise and errors.
+        errors: What the instruments get wrong beside that.
+        draws: Of noise.
     """
     rows, n, out = course.read, figures.n, figures.readout
-    shape = (len(rows), n)
     found: Columns = {}
     found |= _numbered("q_cmd", "rad", course.command[rows])
     if fitted.encoder:
-        seen = state.q[rows] + out.zero - out.delay * course.velocity[rows]
-        seen = seen + draws.error(fitted.encoder.offset_sigma_rad, (n,))
+        seen = state.q[rows] + out.zero - out.delay * course.velocity[rows] + errors.encoder_offset
         found |= _numbered("q_motor", "rad", draws.stepped(seen, fitted.encoder.resolution_rad))
     if fitted.current:
-        gain = np.array([float(draws.error(float(np.hypot(fitted.current.gain_sigma, s)), ())) for s in errors])
-        seen = state.torque[rows] / constants * (1 + gain) / (1 + out.torque_constant)
-        seen = seen + draws.error(fitted.current.offset_sigma_a, (n,)) + draws.noise(fitted.current.sigma_a, shape)
-        seen = np.sign(seen) * np.maximum(np.abs(seen) - out.dead_band, 0) + out.offset
+        seen = state.torque[rows] / constants * (1 + errors.current_gain) / (1 + out.torque_constant)
+        seen = seen + errors.current_offset + draws.noise(fitted.current.sigma_a, (len(rows), n))
+        seen = np.sign(seen) * np.maximum(np.abs(seen) - out.dead_band, 0)
+        seen = out.currents.shows(seen, course.time[rows] / HOUR)
         found |= _numbered("current", "a", draws.stepped(seen, fitted.current.resolution_a))
     wrench = course.wrench[rows]
     load = wrench[:, :3] + course.payload[rows, None] * figures.gravity
     found |= _along("load", "n", load)
     if fitted.force:
-        gain = 1 + draws.error(fitted.force.gain_sigma, ())
-        tilt = draws.error(fitted.force.direction_sigma_rad, (3,))
+        gain = (1 + figures.hung_change) * (1 + errors.force_gain) * (1 + out.force_gain)
+        tilt = errors.force_tilt + out.force_tilt
         slants = np.hypot(wrench[:, :1], wrench[:, 1:2]) > 1e-6 * np.abs(wrench[:, 2:3])  # a hanging load points down
         for name, unit, part, sigma in (
             ("force", "n", slice(0, 3), fitted.force.sigma_n),
@@ -90,23 +85,25 @@ def columns_of(
             seen = np.where(slants, seen + np.cross(tilt, seen), seen) + draws.noise(sigma, seen.shape)
             found |= _along(name, unit, seen)
     if fitted.tracker:
-        found |= _reflectors(state.reflectors[rows], course.time[rows], figures, fitted, draws)
+        found |= _reflectors(state.reflectors[rows], course.time[rows], figures, fitted, errors, draws)
     if fitted.pressure and figures.gas:
-        found["gas_pressure_pa"] = draws.stepped(state.pull[rows] / figures.gas.area, fitted.pressure.resolution_pa)
+        seen = out.gauge.shows(state.pull[rows] / figures.gas.area, course.time[rows] / HOUR)
+        found["gas_pressure_pa"] = draws.stepped(seen, fitted.pressure.resolution_pa)
     return found
 
 
-def _reflectors(places: Array, time: Array, figures: Figures, fitted: Instruments, draws: Draws) -> Columns:
-    tracker = fitted.tracker
+def _reflectors(
+    places: Array, time: Array, figures: Figures, fitted: Instruments, errors: Errors, draws: Draws
+) -> Columns:
+    tracker, out = fitted.tracker, figures.readout
     assert tracker
-    seen = places + draws.error(tracker.placement_sigma_m, places.shape[1:])
+    seen = places + errors.placement
     distance = np.linalg.norm(seen - np.array(tracker.position_m), axis=2, keepdims=True)
     seen = seen + draws.noise(tracker.sigma_per_distance, seen.shape) * distance
-    way = draws.error(1.0, (3,))
-    drift = tracker.drift_m_per_h * way / (float(np.linalg.norm(way)) or 1.0)
-    turn = figures.readout.turn + draws.error(tracker.frame_sigma_rad, (3,))
-    shift = figures.readout.shift + draws.error(tracker.frame_sigma_m, (3,))
-    seen = seen + np.cross(turn, seen) + shift + time[:, None, None] / HOUR * drift
+    way = errors.drift_direction
+    drift = out.creep + tracker.drift_m_per_h * way / (float(np.linalg.norm(way)) or 1.0)
+    seen = (1 + out.scale) * seen + np.cross(out.turn + errors.frame_rotation, seen) + out.shift + errors.frame_shift
+    seen = seen + time[:, None, None] / HOUR * drift
     found: Columns = {}
     for k in range(seen.shape[1]):
         found |= _along(f"reflector_{k + 1}", "m", seen[:, k])

@@ -128,13 +128,14 @@ def _asked(figures: Figures, course: Course, theta: Array) -> tuple[Frames, Arra
     lean, asked = np.zeros((len(theta), 3)), np.empty_like(theta)
     for mass in np.unique(course.payload):
         rows = course.payload == mass
-        arm, here, wrench = figures.with_payload(float(mass)), Frames(at.origin[rows], at.axes[rows]), course.wrench
+        arm, here = figures.with_payload(float(mass)), Frames(at.origin[rows], at.axes[rows])
+        wrench = (1 + figures.hung_change) * course.wrench[rows]
         if figures.base_compliance:
-            moment = moment_on_base(arm, here, wrench[rows])
+            moment = moment_on_base(arm, here, wrench)
             lean[rows, :2] = figures.base_compliance * moment[:, :2]
-        turned = wrench[rows].copy()
+        turned = wrench.copy()
         for part in (slice(0, 3), slice(3, 6)):
-            turned[:, part] -= np.cross(lean[rows], wrench[rows, part])
+            turned[:, part] -= np.cross(lean[rows], wrench[:, part])
         asked[rows] = asked_of_joints(arm, here, leaned_gravity(figures, lean[rows]), turned)
     if figures.gas:
         angle = theta[:, figures.gas.joint]

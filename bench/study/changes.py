@@ -18,12 +18,12 @@ from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.effects.effect import Acting, Effect
 from bench.errors import BenchError, ConvergenceError
 from bench.record.campaign import Campaign
-from bench.study.labs import Lab, Setup, machine_components
+from bench.study.labs import Lab, Setup
 from bench.study.limits import Way, detection_limit
-from bench.study.machines import recorded
+from bench.study.machines import components_in, recorded
 from bench.study.make import Sized
 from bench.study.visible import visibility
-from bench.study.worlds import surroundings_of
+from bench.study.worlds import MachineWorld, surroundings_of
 
 QUARTER = 0.25  # of its absolute detection limit, at which a change is to be found (DESIGN 6.8)
 # Instruments that are set up anew for each recording: what they do otherwise than before is no change of the machine
@@ -78,9 +78,16 @@ class Outcome:
 
 
 def pair_of(
-    setup: Setup, number: int, seed: int, *, with_change: bool, later: Lab | None = None, size: float = QUARTER
+    setup: Setup,
+    number: int,
+    seed: int,
+    *,
+    with_change: bool,
+    later: Lab | None = None,
+    size: float = QUARTER,
+    world: MachineWorld = "messy",
 ) -> Pair:
-    """Return two recordings of a machine in a messy world.
+    """Return two recordings of a messy machine.
 
     Effects take turns; the order, places, shapes and signs are drawn. What has no plausible absolute limit gives its
     turn to the next.
@@ -92,11 +99,12 @@ def pair_of(
         with_change: Whether something comes between the two.
         later: Lab of the second recording, if it does something else.
         size: Of the change, as a share of its absolute detection limit.
+        world: Whose plant records.
 
     Raises:
         ConvergenceError: None of the machines that were drawn finds a rest.
     """
-    listed = _listed(setup)
+    listed = _listed(setup, world)
     order = np.random.default_rng([seed, len(listed)]).permutation(listed)
     for turn in range(TRIES):
         rng = np.random.default_rng([seed, number, turn, int(with_change)])
@@ -107,7 +115,7 @@ def pair_of(
             if change is None:
                 continue
         with suppress(ConvergenceError):  # a machine that finds no rest: another one
-            return _made(setup, later or setup.lab, change, rng)
+            return _made(world, setup, later or setup.lab, change, rng)
     raise ConvergenceError(f"pair {number}: none of {TRIES} machines that were drawn finds a rest")
 
 
@@ -167,8 +175,8 @@ def counts_of(outcomes: Sequence[Outcome]) -> str:
     )
 
 
-def _listed(setup: Setup) -> list[str]:
-    names = {effect.name for effect, _ in machine_components(setup.catalogue, setup.lab, setup.compiled)}
+def _listed(setup: Setup, world: MachineWorld) -> list[str]:
+    names = {effect.name for effect, _ in components_in(world, setup)}
     return sorted(names - set(ANEW))
 
 
@@ -185,11 +193,11 @@ def _sized(effect: Effect, setup: Setup, rng: np.random.Generator, size: float) 
     return Sized(way.at(size * limit, setup.compiled), size * limit, limit)
 
 
-def _made(setup: Setup, later: Lab, change: Sized | None, rng: np.random.Generator) -> Pair:
+def _made(world: MachineWorld, setup: Setup, later: Lab, change: Sized | None, rng: np.random.Generator) -> Pair:
     new: tuple[Acting, ...] = (change.acting,) if change else ()
-    known = tuple(machine_components(setup.catalogue, setup.lab, setup.compiled))
+    known = tuple(components_in(world, setup))
     stays = tuple(one for one, _ in surroundings_of("messy", new, known, setup.compiled, rng))
     machine = int(rng.integers(2**31))
-    before = recorded(setup.lab, stays, rng, machine)
-    after = recorded(later, (*stays, *new), rng, machine)
+    before = recorded(setup.lab, stays, rng, machine, world)
+    after = recorded(later, (*stays, *new), rng, machine, world)
     return Pair(before, after, change)

@@ -102,16 +102,32 @@ class Lab:
             session = session.model_copy(update={"servo": "proportional"})
         return hide_campaign(self.robot(), session, acting, rng, without=self.without, channels=self.channels)
 
-    def hide_in_second(self, acting: tuple[Acting, ...], rng: np.random.Generator, rests: bool = False) -> Campaign:
+    def hide_in_second(
+        self,
+        acting: tuple[Acting, ...],
+        rng: np.random.Generator,
+        rests: bool = False,
+        machine: np.random.Generator | None = None,
+    ) -> Campaign:
         """Make a campaign of the second plant in which some effects act, with its friction and servos at random.
 
         Args:
             acting: The effects.
             rng: Random numbers.
             rests: Links rest anywhere that their friction holds them.
+            machine: Source of what lasts from recording to recording, its friction and servos among it; None: all of
+                it comes from `rng`.
+
+        Raises:
+            InputError: The lab has a channel or an encoder that the second plant has not.
         """
-        world = World.draw(rng, rests)
-        return run_second(self.robot(), self.scenario(), acting, rng, world=world).campaign
+        if self.channels or self.link_encoder:
+            raise InputError("the second plant has neither a thermometer in its gas nor encoders on its links.")
+        world = World.draw(rng if machine is None else machine, rests)
+        done = run_second(
+            self.robot(), self.scenario(), acting, rng, world=world, without=self.without, machine=machine
+        )
+        return done.campaign
 
 
 @lru_cache(maxsize=4)

@@ -8,7 +8,7 @@ from zlib import crc32
 
 import numpy as np
 
-from bench.effects.effect import Acting, Effect
+from bench.effects.effect import Acting, Effect, Place
 from bench.errors import ConvergenceError
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
@@ -18,7 +18,7 @@ from bench.study.limits import Way
 from bench.study.make import TRIES, Sized, sized
 from bench.study.outcome import Name
 from bench.study.plan import Trial
-from bench.study.worlds import LARGEST, SMALLEST, surroundings_of
+from bench.study.worlds import LARGEST, OF_SECOND, SMALLEST, MachineWorld, catalogue_in, surroundings_of
 
 # "none": nothing; "machine": an effect of the machine in all recordings; "one": an effect in one of them alone;
 # "unchanged" and "changed": two recordings to compare, without and with an effect that comes between them
@@ -34,17 +34,20 @@ class MachineTrial:
         number: Of its kind, from 0.
         recordings: How many.
         effects: Names of what is hidden where anything is; empty: whatever can act takes turns.
+        world: Messy, of the first plant or of the second.
     """
 
     kind: Kind
     number: int
     recordings: int
     effects: tuple[str, ...] = ()
+    world: MachineWorld = "messy"
 
     @property
     def name(self) -> str:
         """Unique in a study."""
-        return f"{self.kind} {self.number + 1}"
+        plain = f"{self.kind} {self.number + 1}"
+        return plain if self.world == "messy" else f"{self.world} {plain}"
 
     def rng(self, seed: int) -> np.random.Generator:
         """Return the random numbers of this machine in a study with a seed."""
@@ -104,9 +107,18 @@ def machine_of(trial: MachineTrial, setup: Setup, seed: int) -> Machine:
     return _drawn(trial, setup, rng)
 
 
-def recorded(lab: Lab, acting: tuple[Acting, ...], rng: np.random.Generator, machine: int) -> Campaign:
-    """Return a recording of the machine with a seed, in which effects act."""
+def components_in(world: MachineWorld, setup: Setup) -> Iterator[tuple[Effect, Place]]:
+    """Yield every effect of the machine at every place where it can act in a world."""
+    yield from machine_components(catalogue_in(world, setup.catalogue), setup.lab, setup.compiled)
+
+
+def recorded(
+    lab: Lab, acting: tuple[Acting, ...], rng: np.random.Generator, machine: int, world: MachineWorld = "messy"
+) -> Campaign:
+    """Return a recording of the machine with a seed, in which effects act, by the plant of a world."""
     own = np.random.default_rng(machine)
+    if world in OF_SECOND:
+        return lab.hide_in_second(acting, rng, rests=world == "resting", machine=own)
     robot, session = lab.robot(), lab.scenario()
     known = hide_campaign(robot, session, acting, rng, without=lab.without, channels=lab.channels, machine=own)
     return known.campaign
@@ -117,16 +129,16 @@ def _drawn(trial: MachineTrial, setup: Setup, rng: np.random.Generator) -> Machi
     hidden = None if trial.kind == "none" else _hidden(trial, setup, rng)
     only = str(rng.choice(names)) if trial.kind == "one" else ""
     new = (hidden.acting,) if hidden else ()
-    known = tuple(machine_components(setup.catalogue, setup.lab, setup.compiled))
+    known = tuple(components_in(trial.world, setup))
     lasting = tuple((effect, place) for effect, place in known if effect.between == "same")
     everywhere = tuple(one for one, _ in surroundings_of("messy", new, lasting, setup.compiled, rng))
-    own = {name: tuple(_set_up_anew(setup, hidden, rng)) for name in names}
+    own = {name: tuple(_set_up_anew(trial.world, setup, hidden, rng)) for name in names}
     if hidden and only:
         own[only] = (*own[only], hidden.acting)
     elif hidden:
         everywhere = (*everywhere, hidden.acting)
     machine = int(rng.integers(2**31))
-    campaigns = {name: recorded(setup.lab, (*everywhere, *own[name]), rng, machine) for name in names}
+    campaigns = {name: recorded(setup.lab, (*everywhere, *own[name]), rng, machine, trial.world) for name in names}
     return Machine(campaigns, hidden, only, everywhere, own)
 
 
@@ -134,24 +146,24 @@ def _hidden(trial: MachineTrial, setup: Setup, rng: np.random.Generator) -> Size
     """Return what is hidden, at three times the detection limit of a single recording."""
     able = trial.effects or tuple(effect.name for effect in _able(trial, setup))
     name = able[int(rng.integers(len(able)))]
-    single = Trial(trial.name, "single", (name,), int(rng.integers(2**16)), "three limits", world="messy")
+    single = Trial(trial.name, "single", (name,), int(rng.integers(2**16)), "three limits", world=trial.world)
     return sized(setup.catalogue[name], single, setup, rng)
 
 
 def _able(trial: MachineTrial, setup: Setup) -> Iterator[Effect]:
     """Yield effects that the machine has in all recordings, or that can act in one recording alone."""
-    of_machine = {effect.name for effect, _ in machine_components(setup.catalogue, setup.lab, setup.compiled)}
+    of_machine = {effect.name for effect, _ in components_in(trial.world, setup)}
     in_one = trial.kind == "one"
-    for effect in setup.catalogue.values():
+    for effect in catalogue_in(trial.world, setup.catalogue).values():
         is_error = effect.level == "recording" and bool(setup.lab.places(effect, setup.compiled))
         if (in_one and is_error) or (effect.name in of_machine and (in_one or effect.between == "same")):
             yield effect
 
 
-def _set_up_anew(setup: Setup, hidden: Sized | None, rng: np.random.Generator) -> Iterator[Acting]:
+def _set_up_anew(world: MachineWorld, setup: Setup, hidden: Sized | None, rng: np.random.Generator) -> Iterator[Acting]:
     """Yield what is another one in each recording, as large as the small things of a messy arm."""
     taken = _name(hidden.acting) if hidden else None
-    for effect, place in machine_components(setup.catalogue, setup.lab, setup.compiled):
+    for effect, place in components_in(world, setup):
         if effect.between != "same" and (effect.name, str(place)) != taken:
             size = float(rng.uniform(SMALLEST, LARGEST))
             yield Way.draw(effect, place, setup.compiled, rng).at(size, setup.compiled)

@@ -18,8 +18,9 @@ from bench.diagnose.replay.levels import as_of
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
+from bench.effects.catalogue import catalogue
 from bench.effects.effect import IN_RECORDING
-from bench.errors import BenchError
+from bench.errors import BenchError, InputError, unknown_names
 from bench.executor.contract import Executor, Progress, ignore
 from bench.executor.serial import SERIAL
 from bench.predict.errors import channel_errors
@@ -34,6 +35,7 @@ from bench.study.line import JsonLine
 from bench.study.machines import Kind, Machine, MachineTrial, machine_of
 from bench.study.outcome import Name
 from bench.study.study import SetupSettings, setup_of
+from bench.study.worlds import MachineWorld, catalogue_in
 
 ROWS = "machines.jsonl"
 KINDS: tuple[Kind, ...] = ("none", "machine", "one", "unchanged", "changed")
@@ -48,18 +50,31 @@ class SeveralSettings(SetupSettings):
         machines: Of each kind.
         effects: Names of what is hidden where anything is; empty: all that can act.
         kinds: What is made.
+        world: Of all machines: messy, of the first plant or of the second.
+
+    Raises:
+        InputError: An effect that cannot be hidden in this world.
     """
 
     recordings: int = 3
     machines: int = 8
     effects: tuple[str, ...] = ()
     kinds: tuple[Kind, ...] = KINDS
+    world: MachineWorld = "messy"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        known = tuple(catalogue_in(self.world, catalogue()))
+        if unknown := unknown_names("effect that can act there", self.effects, known):
+            raise InputError(unknown)
 
     @property
     def trials(self) -> tuple[MachineTrial, ...]:
         """Machine by machine, so that a study that was stopped has some of every kind."""
         return tuple(
-            MachineTrial(kind, i, self.recordings, self.effects) for i in range(self.machines) for kind in self.kinds
+            MachineTrial(kind, i, self.recordings, self.effects, self.world)
+            for i in range(self.machines)
+            for kind in self.kinds
         )
 
 
@@ -183,7 +198,7 @@ def answered(trial: MachineTrial, setup: Setup, seed: int) -> SeveralOutcome:
     """Record one machine, ask of it, and only then look at what was hidden."""
     start = process_time()
     if trial.kind in ("unchanged", "changed"):
-        pair = changes.pair_of(setup, trial.number, seed, with_change=trial.kind == "changed")
+        pair = changes.pair_of(setup, trial.number, seed, with_change=trial.kind == "changed", world=trial.world)
         ready = process_time()
         change = changes.outcome_of(pair, setup)
         return SeveralOutcome(trial.name, trial.kind, None, change, "", ready - start, process_time() - ready)

@@ -16,6 +16,7 @@ import numpy as np
 
 from bench.effects.effect import WHOLE, Acting, Conditions, Effect, Parameter, Place, Values
 from bench.effects.unlisted import unlisted
+from bench.errors import InputError
 from bench.hide.second_unlisted import second_unlisted
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
@@ -26,6 +27,8 @@ from bench.study.limits import Way
 World = Literal["plain", "messy", "presliding", "servo", "second", "resting"]
 WORLDS: tuple[World, ...] = get_args(World)
 OF_SECOND: tuple[World, ...] = ("second", "resting")  # worlds of the second plant
+MachineWorld = Literal["messy", "second", "resting"]
+OF_MACHINES: tuple[MachineWorld, ...] = get_args(MachineWorld)  # in which a machine can be recorded several times
 
 FEWEST, MOST = 10, 60  # other components of a messy arm, issue 15
 SMALLEST, LARGEST = 0.01, 0.05  # of their plausible range, issue 15
@@ -95,6 +98,30 @@ def travel_of(world: World, rng: np.random.Generator) -> tuple[Acting, ...]:
 def listed_in(world: World, names: tuple[str, ...]) -> tuple[str, ...]:
     """Return those effects that can be hidden in a world."""
     return tuple(name for name in names if name in CHANGES) if world in OF_SECOND else names
+
+
+def catalogue_in(world: World, known: Mapping[str, Effect]) -> dict[str, Effect]:
+    """Return those entries of a catalogue that can act in a world."""
+    return {name: known[name] for name in listed_in(world, tuple(known))}
+
+
+def world_of_machines(asked: Sequence[World]) -> MachineWorld:
+    """Return the world of machines that are recorded several times: the one that was asked for, messy if none was.
+
+    Raises:
+        InputError: There are several, or machines cannot be recorded several times in it.
+    """
+    known: dict[World, MachineWorld] = {world: world for world in OF_MACHINES}
+    match asked:
+        case []:
+            return "messy"
+        case [world] if world in known:
+            return known[world]
+        case _:
+            raise InputError(
+                f"--world {' '.join(asked)}: machines are recorded several times in one world, out of "
+                f"{', '.join(OF_MACHINES)}; all are messy, in the last two of the second plant."
+            )
 
 
 def unlisted_in(world: World) -> Mapping[str, Effect]:

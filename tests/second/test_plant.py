@@ -24,9 +24,12 @@ from bench.second.effects import CHANGES
 from bench.second.worlds import World
 from bench.study.labs import Lab
 
+KNOWN = {**catalogue(), **unlisted()}
 LAB = Lab(without=("line", "dwell", "repeat_at_end"))
 IN_MOTION = 2e-3  # of a drive's largest current, where it moves: bins of the replay are 40 ms wide
 SAG = 1e-2  # of a loss of gas: joint 2 sags by 5e-4 rad, the cylinder by 0.1 mm of the 130 mm that are left for gas
+ALIKE = 1e-2  # of the largest change of a channel: small rotations are to first order, and places differ by 0.1 mm
+ROUNDING = 1e-9  # [m, A, N, Nm]
 AT_REST = 1e-4  # [m]; presliding on a link is not resolved by a replay that starts 2 degrees away
 
 
@@ -109,15 +112,21 @@ def changes(quiet: Second, acting: Acting) -> dict[str, float]:
     return {name: size for name, size in found.items() if size > 1e-9}
 
 
-@pytest.mark.parametrize("name", [name for name in CHANGES if name in {**catalogue(), **unlisted()}])
+@pytest.mark.parametrize("name", [name for name in CHANGES if name in KNOWN and KNOWN[name].level != "recording"])
 def test_every_effect_changes_something(compiled: CompiledRobot, quiet: Second, name: str) -> None:
     """Which of the catalogue's names it knows; and what is to be seen of it is."""
-    known = {**catalogue(), **unlisted()}
-    place = {"joint": "@2", "body": "@forearm"}.get(known[name].places(compiled)[0].kind, "")
-    values = {p.name: p.typical for p in known[name].parameters}
-    (acting,) = effects_of([name + place], compiled, known)
+    place = {"joint": "@2", "body": "@forearm"}.get(KNOWN[name].places(compiled)[0].kind, "")
+    values = {p.name: p.typical for p in KNOWN[name].parameters}
+    (acting,) = effects_of([name + place], compiled, KNOWN)
     seen = changes(quiet, Acting(acting.effect, acting.place, values))
-    if name in ("tracker_frame", "base_compliance"):
+    if name in ("tracker_drift", "tracker_scale"):
+        assert {column.split("_")[0] for column in seen} == {"reflector"}
+    elif name == "force_gain":
+        assert {column.split("_")[0] for column in seen} <= {"force", "moment"}
+        assert max(seen.values()) > 1.0
+    elif name == "force_tilt":
+        assert not seen, "a load that hangs counts as vertical"
+    elif name in ("tracker_frame", "base_compliance"):
         assert {column.split("_")[0] for column in seen} <= {"reflector", "current", "q", "gas"}
         assert max(size for column, size in seen.items() if column.startswith("reflector")) > 1e-5
     elif name in ("current_offset", "torque_constant", "current_dead_band"):
@@ -127,6 +136,53 @@ def test_every_effect_changes_something(compiled: CompiledRobot, quiet: Second, 
         assert seen["gas_pressure_pa"] == pytest.approx(loss, rel=SAG)
     else:
         assert max(size for column, size in seen.items() if column.startswith(("current", "reflector"))) > 1e-4
+
+
+WRONG = (
+    ("current_offset", "joint 2"),
+    ("channel_offset", "current_2_a"),
+    ("channel_drift", "current_2_a"),
+    ("channel_offset", "gauge"),
+    ("channel_drift", "gauge"),
+    ("channel_scale", "gauge"),
+    ("channel_scale", "force sensor"),
+    ("force_gain", "robot"),
+    ("force_tilt", "robot"),
+    ("tracker_frame", "robot"),
+    ("tracker_drift", "robot"),
+    ("tracker_scale", "robot"),
+    ("tracker_creep", "tracker"),
+)
+
+
+@pytest.mark.parametrize(("name", "where"), WRONG)
+def test_both_plants_get_readings_wrong_alike(compiled: CompiledRobot, name: str, where: str) -> None:
+    """Signs, axes and units are those of the catalogue."""
+    effect = catalogue()[name]
+    (place,) = (place for place in LAB.places(effect, compiled) if str(place) == where)
+    acting = Acting(effect, place, {p.name: p.high * (1 + i) / 3 for i, p in enumerate(effect.parameters)})
+    session = LAB.scenario().without("rotations", "line", "dwell")
+    before, after = (second(*one, session=session).campaign for one in ((), (acting,)))
+    quantities = quantities_of(before.runs, compiled)
+    replay = Replay(compiled, segments_of(before, compiled, quantities, 400), quantities)
+    told = replay.predict(Hypothesis(acting=(acting,))) - replay.predict(NOMINAL)
+    read = np.concatenate([segment.observed for segment in segments_of(after, compiled, quantities, 400)])
+    read -= np.concatenate([segment.observed for segment in replay.segments])
+    seen = np.isfinite(read)
+    assert np.max(np.abs(told[seen])) > 0
+    for c in range(len(quantities)):
+        here, column = seen[:, c], quantities[c].column
+        size = np.max(np.abs(told[here, c]), initial=0.0)
+        assert np.max(np.abs(read[here, c] - told[here, c]), initial=0.0) <= ALIKE * size + ROUNDING, column
+
+
+def test_a_channel_of_another_scale_reads_so_many_times_more(compiled: CompiledRobot, quiet: Second) -> None:
+    effect = catalogue()["channel_scale"]
+    (place,) = (place for place in LAB.places(effect, compiled) if place.name == "current_2_a")
+    scaled = second(Acting(effect, place, {"scale": -0.5})).campaign
+    for before, after in zip(quiet.campaign.runs, scaled.runs, strict=True):
+        assert np.array_equal(after.columns["current_2_a"], 0.5 * before.columns["current_2_a"])
+        assert np.array_equal(after.columns["current_1_a"], before.columns["current_1_a"])
 
 
 def test_gauge_reads_gas_without_the_seals(compiled: CompiledRobot, quiet: Second) -> None:

@@ -6,12 +6,15 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from bench.effects.catalogue import catalogue
+from bench.effects.effect import Acting
+from bench.errors import InputError
 from bench.report.study.several import NUMBERS, lines_of, write_several
 from bench.study.changes import Outcome as ChangeOutcome
 from bench.study.labs import Lab, Setup, prepare
-from bench.study.machines import MachineTrial, machine_of
+from bench.study.machines import MachineTrial, components_in, machine_of, recorded
 from bench.study.several import (
     ROWS,
     JointAnswer,
@@ -22,6 +25,7 @@ from bench.study.several import (
     run_several,
 )
 from bench.study.several_scores import several_goals
+from bench.study.worlds import OF_MACHINES, MachineWorld, world_of_machines
 from tests.study.stub_several import Instant
 
 SMALL = Lab(without=("loading", "repeat_at_end", "line", "dwell", "tracker", "pressure"), is_brief=True)
@@ -42,8 +46,9 @@ def outcome(
     return SeveralOutcome(name, kind, joint, change, "", 1.0, 1.0)  # type: ignore[arg-type]
 
 
-def test_what_acts_in_one_recording_acts_in_no_other() -> None:
-    machine = machine_of(MachineTrial("one", 0, 3, ("coulomb_level",)), setup(), 5)
+@pytest.mark.parametrize("world", OF_MACHINES)
+def test_what_acts_in_one_recording_acts_in_no_other(world: MachineWorld) -> None:
+    machine = machine_of(MachineTrial("one", 0, 3, ("coulomb_level",), world), setup(), 5)
     assert machine.hidden
     assert machine.only in machine.recordings
     assert [name for name, own in machine.own.items() if machine.hidden.acting in own] == [machine.only]
@@ -53,8 +58,9 @@ def test_what_acts_in_one_recording_acts_in_no_other() -> None:
     assert ("coulomb_level", f"{place.replace('joint', 'drive')} in recording {machine.only}") in machine.truth
 
 
-def test_what_is_set_up_anew_is_another_one_in_each_recording() -> None:
-    machine = machine_of(MachineTrial("machine", 0, 2, ("coulomb_level",)), setup(), 5)
+@pytest.mark.parametrize("world", OF_MACHINES)
+def test_what_is_set_up_anew_is_another_one_in_each_recording(world: MachineWorld) -> None:
+    machine = machine_of(MachineTrial("machine", 0, 2, ("coulomb_level",), world), setup(), 5)
     payloads = [
         one.values["change"] for own in machine.own.values() for one in own if one.effect.name == "payload_mass"
     ]
@@ -62,6 +68,49 @@ def test_what_is_set_up_anew_is_another_one_in_each_recording() -> None:
     assert machine.campaign.recordings == ("day1", "day2")
     assert machine.hidden
     assert machine.hidden.acting in machine.everywhere
+
+
+@pytest.mark.parametrize("world", OF_MACHINES)
+def test_an_effect_is_in_the_readings_of_its_recording_and_nowhere_else(world: MachineWorld) -> None:
+    effect = FEW["current_offset"]
+    place = effect.places(setup().compiled)[1]
+    offset = 0.5  # [A], whole steps of the sensor
+    acting = (Acting(effect, place, {"offset": offset}),)
+    without, there, again = (
+        recorded(SMALL, own, np.random.default_rng(1), 7, world).runs for own in ((), acting, acting)
+    )
+    for before, after, same in zip(without, there, again, strict=True):
+        changed = {name: np.unique(np.round(after.columns[name] - x, 9)) for name, x in before.columns.items()}
+        assert changed.pop("current_2_a") == [offset]
+        assert all(list(change) == [0] for change in changed.values())
+        assert all(np.array_equal(values, same.columns[name]) for name, values in after.columns.items())
+
+
+def test_the_second_plant_draws_what_it_knows() -> None:
+    every = prepare(SMALL, FEW | {"anchor": catalogue()["anchor"]}, np.random.default_rng(1))
+    assert "anchor" in {effect.name for effect, _ in components_in("messy", every)}
+    for world in ("second", "resting"):
+        assert {effect.name for effect, _ in components_in(world, every)} == set(FEW)
+
+
+def test_a_machine_has_another_name_and_other_numbers_in_each_world() -> None:
+    trials = [MachineTrial("none", 0, 2, world=world) for world in OF_MACHINES]
+    assert [trial.name for trial in trials] == ["none 1", "second none 1", "resting none 1"]
+    assert len({float(trial.rng(1).random()) for trial in trials}) == len(trials)
+
+
+def test_what_cannot_be_hidden_in_a_world_is_refused_before_anything_is_made() -> None:
+    assert SeveralSettings(code="test", effects=("anchor",)).effects == ("anchor",)
+    with pytest.raises(InputError, match="anchor"):
+        SeveralSettings(code="test", effects=("anchor",), world="second")
+
+
+def test_worlds_in_which_no_machine_is_recorded_several_times_are_refused() -> None:
+    assert world_of_machines(()) == "messy"
+    assert world_of_machines(("second",)) == "second"
+    for asked in (("presliding",), ("plain",), ("messy", "second")):
+        with pytest.raises(InputError, match="messy, second, resting"):
+            world_of_machines(asked)
 
 
 def test_a_cause_of_one_recording_is_right_there_and_wrong_as_the_machines() -> None:
@@ -132,12 +181,13 @@ def test_a_study_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
     assert len(content["machines"]) == len(settings.trials)
 
 
-def test_a_machine_is_recorded_diagnosed_and_predicted() -> None:
-    joint = answered(MachineTrial("machine", 0, 2, ("coulomb_level",)), setup(), 5).joint
+@pytest.mark.parametrize("world", ["messy", "second"])
+def test_a_machine_is_recorded_diagnosed_and_predicted(world: MachineWorld) -> None:
+    joint = answered(MachineTrial("machine", 0, 2, ("coulomb_level",), world), setup(), 5).joint
     assert joint
     assert joint.cause
     assert joint.promised > 0
     assert joint.more + joint.less <= joint.promised
-    change = answered(MachineTrial("changed", 0, 2), setup(), 5).change
+    change = answered(MachineTrial("changed", 0, 2, world=world), setup(), 5).change
     assert change
     assert change.hidden
