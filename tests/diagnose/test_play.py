@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import diagnose
+from bench.diagnose.extend.refit import refit
+from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
 from bench.diagnose.linearise.noise_covariance import STIRS
 from bench.diagnose.linearise.rattling import PLACED
 from bench.diagnose.replay.crossing import Gears, crossing_of
-from bench.diagnose.replay.play import expected, is_loose, link_load
+from bench.diagnose.replay.play import expected, is_loose, link_load, pushing
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -24,6 +26,7 @@ from bench.robot.mass_matrix import link_mass_matrix
 from bench.scenario.files import read_as
 from bench.scenario.loading import Loading
 from bench.scenario.session import SessionScenario
+from tests.diagnose.noise_free import linearised
 from tests.diagnose.small_models import linear_of
 from tests.diagnose.sweeps import LOADS, SWEEP, SWEEPS, made, nominal
 
@@ -96,9 +99,9 @@ def test_a_loose_link_is_expected_in_the_middle_and_a_loaded_one_at_its_flank(li
     assert np.all(moved[loose] < 0.1 * moved[~loose].max())
 
 
-@pytest.mark.parametrize("speed", [0.3, 0.0])
-def test_a_link_is_expected_between_its_flanks_while_it_crosses(speed: float) -> None:
-    """So is the link of a motor that stands. Taken to be at a flank, it was charged with the whole gap."""
+@pytest.mark.parametrize("stands", [False, True])
+def test_a_link_is_expected_between_its_flanks_while_it_crosses(stands: bool) -> None:
+    """So is the link of a motor that stands, by what friction does not hold. At a flank it was charged with the gap."""
     compiled = nominal()
     model = compiled.model.__copy__()
     model.tendon_lengthspring[compiled.at.element[1]] = [-GAP / 2, GAP / 2]
@@ -108,17 +111,27 @@ def test_a_link_is_expected_between_its_flanks_while_it_crosses(speed: float) ->
     segments = segments_of(campaign, compiled, quantities)
     trace = Replay(compiled, segments, quantities).traces(World())[0][np.arange(8)]
     time, torque = 0.08 * np.arange(8), np.array([14.0, 9.0, 4.0, -1.0, -6.0, -11.0, -16.0, -21.0])
-    theta, velocity = trace.q.copy(), np.zeros_like(trace.q)
+    theta, friction = trace.q.copy(), np.zeros_like(trace.q)
     theta[:, 1] += torque / compiled.stiffness[1] + np.sign(torque) * GAP / 2
-    velocity[:, 1] = speed
-    made_up = replace(trace, time=time, theta=theta, q_velocity=velocity)
-    shift = (expected(gapped, made_up, [(slice(None), False)]).theta - theta)[:, 1]
+    friction[:, 1] = -np.sign(torque) * compiled.link_coulomb[1]
+    made_up = replace(trace, time=time, theta=theta, link_friction=friction)
+    stretches = [(slice(None), np.full(compiled.n_joints, stands))]
+    shift = (expected(gapped, made_up, stretches).theta - theta)[:, 1]
     inertia = link_mass_matrix(compiled, theta.mean(axis=0))[1, 1]
     one = slice(1, 2)
     gears = Gears(np.array([inertia]), compiled.stiffness[one], compiled.damping[one], np.array([GAP]))
     places = crossing_of(torque[:, None], time, gears).places[:, 0]
     assert np.count_nonzero(np.abs(places) < 1) >= 3
     np.testing.assert_allclose(shift, (places - np.sign(torque)) * GAP / 2, atol=1e-12)
+
+
+def test_the_link_of_a_motor_that_stands_stays_where_friction_holds_it() -> None:
+    compiled = nominal()
+    load = np.linspace(-3, 3, 7)[:, None] * compiled.link_coulomb
+    stand = np.ones(compiled.n_joints, dtype=bool)
+    found = pushing(compiled, load, load, stand) / compiled.link_coulomb
+    np.testing.assert_allclose(found, np.array([-2.0, -1, 0, 0, 0, 1, 2])[:, None] * np.ones(compiled.n_joints))
+    np.testing.assert_allclose(pushing(compiled, 2 * load, load, ~stand), 2 * load)
 
 
 @pytest.mark.parametrize("seed", [3, 5])
@@ -138,6 +151,19 @@ def test_play_of_an_unloaded_joint_is_named_alone_and_as_large_as_it_is(seed: in
     assert naming.kind == "cause"
     assert [cause.key for cause in best.causes] == [("backlash", "joint 1")]
     assert abs(best.values[0] - GAP) < 2 * best.sigma[0]
+
+
+def test_a_small_play_of_a_joint_that_stands_and_has_no_load_is_worth_naming() -> None:
+    """Its link stays where friction holds it; taken to be on its way at any small load, it cost 465 nats."""
+    compiled, effect = nominal(), catalogue()["backlash"]
+    acting = Acting(effect, effect.places(compiled)[JOINT], {"gap": 1.2e-4})
+    session = read_as(SessionScenario, "session-study")
+    campaign = hide_campaign(load_robot("hh150"), session, [acting], np.random.default_rng(3)).campaign
+    linear = linearised(campaign)
+    cause = Cause(effect, acting.place, effect.parameters_at(compiled, acting.place), ())
+    found, without = refit(linear, (cause,), {(*cause.key, "gap"): 1e-4}), refit(linear, (), {})
+    assert found.log_evidence - without.log_evidence > 10
+    assert abs(found.values[0] - 1.2e-4) < 2 * found.sigma[0]
 
 
 @pytest.mark.parametrize("seed", [3, 4, 6])

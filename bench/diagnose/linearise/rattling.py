@@ -11,6 +11,7 @@ import numpy as np
 from bench.diagnose.linearise.torque_response import TorqueResponse
 from bench.diagnose.replay.crossing import Gears, crossing_of
 from bench.diagnose.replay.motion_segments import DAMPING_RATIO
+from bench.diagnose.replay.play import pushing
 from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
@@ -31,15 +32,16 @@ def rattling(compiled: CompiledRobot, segment: Segment, response: TorqueResponse
         response: Of its readings to torques.
         play: Shape (n,) [rad] or [m], of the gears.
     """
-    torque, time = response.transmitted, segment.motion.time[segment.motion.read]
+    torque = pushing(compiled, response.transmitted, response.link_load, segment.standing)
+    time = segment.motion.time[segment.motion.read]
     gears = Gears(response.link_inertia.mean(axis=0), compiled.stiffness, compiled.damping, play)
     crossing = crossing_of(torque, time, gears)
     swing = np.sqrt(response.link_inertia / compiled.stiffness)
     # a link whose motor stands has to slip to leave its flank
     slips = np.abs(response.link_load) + compiled.link_coulomb
-    push = np.where(segment.standing, slips, np.abs(torque))
+    held = np.where(segment.standing, slips, np.abs(torque))
     rings = ringing(torque, time, crossing.landing * compiled.stiffness * swing, swing)
-    height = np.minimum(flight_height(rings, push, compiled.stiffness) / np.maximum(play, TINY), 1.0)
+    height = np.minimum(flight_height(rings, held, compiled.stiffness) / np.maximum(play, TINY), 1.0)
     scatter = np.where(np.abs(crossing.places) < 1, PLACED, BOUNCES * height)
     found: Array = np.where(play > 0, scatter, 0.0)
     return found

@@ -24,7 +24,7 @@ def with_roughness(left: Array, sigma: Array) -> Array:
         if not np.all(np.isfinite(left[:, c])):
             continue
         second = np.pad(np.diff(left[:, c], 2) ** 2 / 6, 1, mode="edge")  # of white noise: its variance
-        local = uniform_filter1d(second, window, mode="nearest")
+        local = np.maximum(uniform_filter1d(second, window, mode="nearest"), 0.0)  # its running sum may round below
         raised[:, c] = np.where(local > most * sigma[:, c] ** 2, np.sqrt(local), sigma[:, c])
     return raised
 

@@ -54,7 +54,7 @@ def crossing_of(torque: Array, time: Array, gears: Gears) -> Crossing:
     """Return how links cross.
 
     Args:
-        torque: Shape (T, n) [Nm] or [N], on the links, positive towards the flank at 1; 0 counts as that.
+        torque: Shape (T, n) [Nm] or [N], on the links, positive towards the flank at 1; where it is 0, they stay.
         time: Shape (T,) [s], the middles of intervals as long as each other; between some, others may be left out.
         gears: With play or without.
     """
@@ -65,17 +65,19 @@ def crossing_of(torque: Array, time: Array, gears: Gears) -> Crossing:
     step = float(np.median(steps))
     for rows in np.split(np.arange(len(time)), np.flatnonzero(steps > APART * step) + 1):
         for j in np.flatnonzero(gears.gaps):
-            if np.any(found.places[rows, j] != found.places[rows[0], j]):
-                one = _crossing(torque[rows, j], step, Gears(*(each[j] for each in gears)))
-                found.places[rows, j], found.landing[rows, j] = one
+            one = _crossing(torque[rows, j], step, Gears(*(each[j] for each in gears)))
+            found.places[rows, j], found.landing[rows, j] = one
     return found
 
 
 def _crossing(torque: Array, step: float, gear: Gears) -> Crossing:
     """Return the same of one link, shapes (T,), whose torque is linear from one instant to the next."""
+    sides = np.sign(torque[torque != 0])
+    side = float(sides[0]) if len(sides) else 1.0
+    if np.all(sides == side):
+        return Crossing(np.full(len(torque), side), np.zeros(len(torque)))
     length, fine = len(torque), step / FINE
     along = np.interp((np.arange(length * FINE) + 0.5) / FINE - 0.5, np.arange(length), torque)
-    side = -1.0 if along[0] < 0 else 1.0
     places, landing = np.full(len(along), side), np.zeros(len(along))
     leaves = _first(along * side < 0)
     while leaves is not None:

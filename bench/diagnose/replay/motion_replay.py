@@ -193,7 +193,7 @@ class MotionReplay:
         motion, shift = moved(as_fitted, world, error.hung if error else 1.0, segments)
         trace, found = robot.follow(motion, self._guess(robot, course, shift))
         rows = slices_of(count_of(segment) for segment in segments)
-        stretches = [(here, segment.is_static) for segment, here in zip(segments, rows, strict=True)]
+        stretches = [(here, None if s.is_static else s.standing) for s, here in zip(segments, rows, strict=True)]
         return expected(compiled, trace, stretches), found
 
     def _guess(self, robot: Prescribed, course: Course, shift: Array | None) -> Array | None:

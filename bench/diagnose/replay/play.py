@@ -45,7 +45,25 @@ def is_loose(compiled: CompiledRobot, load: Array) -> NDArray[np.bool_]:
     return loose
 
 
-def expected(compiled: CompiledRobot, trace: Trace, stretches: Iterable[tuple[slice, bool]]) -> Trace:
+def pushing(compiled: CompiledRobot, transmitted: Array, load: Array, standing: NDArray[np.bool_]) -> Array:
+    """Return what pushes links to the flanks of their gears in motion, shape (T, n) [Nm] or [N].
+
+    The link of a motor that stands moves where its load is more than friction holds; elsewhere it stays, and that is 0.
+
+    Args:
+        compiled: The robot.
+        transmitted: Shape (T, n) [Nm] or [N], torques of the gears.
+        load: Shape (T, n) [Nm] or [N], on the links.
+        standing: Shape (n,), which motors stand.
+    """
+    level = compiled.link_coulomb
+    found: Array = np.where(standing, load - np.clip(load, -level, level), transmitted)
+    return found
+
+
+def expected(
+    compiled: CompiledRobot, trace: Trace, stretches: Iterable[tuple[slice, NDArray[np.bool_] | None]]
+) -> Trace:
     """Return a trace with links where they are to be expected, within what play leaves open.
 
     At rest a loose link is expected in the middle: by friction alone it would lag behind its motor, but stopping throws
@@ -55,7 +73,7 @@ def expected(compiled: CompiledRobot, trace: Trace, stretches: Iterable[tuple[sl
     Args:
         compiled: The robot.
         trace: As replayed: instants of a stretch of motion are the middles of equal intervals.
-        stretches: Where each stretch is, and whether it is of rests.
+        stretches: Where each stretch is, and which motors stand in it, shape (n,); None: it is of rests.
     """
     half = compiled.play / 2
     if not np.any(half):
@@ -63,14 +81,15 @@ def expected(compiled: CompiledRobot, trace: Trace, stretches: Iterable[tuple[sl
     torsion = np.clip(trace.theta - trace.q, -half, half)
     torque, load = transmitted(compiled, trace), link_load(compiled, trace)
     shift = np.zeros_like(torsion)
-    for rows, is_static in stretches:
-        if is_static:
+    for rows, standing in stretches:
+        if standing is None:
             shift[rows] = np.where(is_loose(compiled, load[rows]), -torsion[rows], 0.0)
         else:
+            push = pushing(compiled, torque[rows], load[rows], standing)
             inertia = np.diag(link_mass_matrix(compiled, trace.theta[rows].mean(axis=0)))
             gears = Gears(inertia, compiled.stiffness, compiled.damping, compiled.play)
-            crossing = crossing_of(torque[rows], trace.time[rows], gears)
-            shift[rows] = np.where(torque[rows] != 0, crossing.places * half - torsion[rows], 0.0)
+            places = crossing_of(push, trace.time[rows], gears).places
+            shift[rows] = np.where(push != 0, places * half - torsion[rows], 0.0)
     return _shifted(compiled, trace, shift)
 
 

@@ -64,7 +64,7 @@ class Segment:
     conditions: Conditions
     observed: Array
     sigma: Array
-    standing: Array
+    standing: NDArray[np.bool_]
     acceleration_error: Array
     rings: NDArray[np.bool_]
     path: Path | None = None
