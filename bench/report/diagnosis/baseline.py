@@ -7,6 +7,7 @@ import numpy as np
 from bench.diagnose.baseline.first_look import FirstLook
 from bench.diagnose.verdict import DriveErrors, Verdict
 from bench.identify.dynamics.first_pass import FirstPass
+from bench.report.diagnosis.names import listed
 from bench.report.dynamics.folds_words import folds_words
 
 # Fields of `DriveErrors` -> what they are called; the same models have other names in a first pass
@@ -44,6 +45,13 @@ def first_lines(look: FirstLook) -> Iterator[str]:
         words: found.held_out.rms(OF_FIRST_PASS[name]).tolist() for name, words in MODELS.items() if name != "diagnosed"
     }
     yield from table_lines([f"drive {j + 1}" for j in range(len(found.joints))], rows)
+    worse = np.flatnonzero(np.array(rows[MODELS["plain_least_squares"]]) > np.array(rows[MODELS["measured"]])) + 1
+    if len(worse):
+        drives = f"drive{'s' * (len(worse) > 1)} {listed(list(map(str, worse)), 'and')}"
+        yield (
+            f"Plain least squares, which has no prior, errs by more than the torque itself on {drives}: what is left out "
+            "moves in a way that the other runs do not show."
+        )
 
 
 def baseline_lines(verdict: Verdict) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The headline of a verdict: large findings, the surest first, in two lines; two more where something is missing."""
+"""The headline of a verdict: large, confirmed findings, the surest first, in two lines; what is missing in two more."""
 
 from collections.abc import Sequence
 
@@ -24,8 +24,8 @@ UNDECIDED = ", which these data cannot tell apart"
 def headline(verdict: Verdict) -> str:
     """Return the verdict in one sentence of `MOST` characters; of one that is unfinished, that first.
 
-    Large findings stand in it, the surest first; small ones are counted, and named only where there is no other. Where
-    least squares predicts better for sure, a second sentence says so.
+    Large findings that are confirmed stand in it, the surest first; the others are counted, and named only where there
+    is no such finding. Where least squares predicts better for sure, a second sentence says so.
     """
     if not verdict.unfinished:
         return f"{_headline(verdict, MOST)} {missed_sentence(verdict)}".strip()
@@ -53,11 +53,13 @@ def _headline(verdict: Verdict, room: int) -> str:
         why = ", which no effect of the catalogue explains."
         return words + (why if len(words + why) <= room else ".")
     if large:
-        small = _small_words(verdict)
-        return capital(f"{_large(verdict, room - len(small) - 1) or 'Several causes, listed below'}{small}.")
+        rest = _rest_words(verdict)
+        return capital(f"{_large(verdict, room - len(rest) - 1) or 'Several causes, listed below'}{rest}.")
     if verdict.findings:
         names = [_in_short(group) for group in verdict.findings]
-        start = "Only small findings: "
+        unsure = [_is_unconfirmed(group) for group in verdict.findings]
+        kind = "that are not confirmed" if all(unsure) else "that are small or not confirmed"
+        start = f"Only findings {kind}: " if any(unsure) else "Only small findings: "
         return f"{start}{_fitting(names, 'and', room - len(start) - 1) or 'listed below'}."
     if verdict.unlisted:
         return "Nothing listed was found, but something is left that is too small to give a shape."
@@ -72,15 +74,27 @@ def _headline(verdict: Verdict, room: int) -> str:
 
 
 def _of_headline(verdict: Verdict) -> list[AmbiguityGroup]:
-    """Return the large findings, without those that may be a part of the unlisted cause that the headline names."""
+    """Return the large and confirmed findings, without those that may be a part of the unlisted cause that it names."""
     is_named = verdict.unlisted is not None and verdict.unlisted.stands_out
-    return [group for group in verdict.findings if not (group.is_small or (is_named and group.may_be_unlisted))]
+    return [
+        group
+        for group in verdict.findings
+        if not (group.is_small or _is_unconfirmed(group) or (is_named and group.may_be_unlisted))
+    ]
 
 
-def _small_words(verdict: Verdict) -> str:
-    """Return how many small findings there are beside the large ones, "" where there is none."""
-    count = sum(group.is_small for group in verdict.findings)
-    return f"; and {count} small one{'s' * (count > 1)}" if count else ""
+def _is_unconfirmed(group: AmbiguityGroup) -> bool:
+    """Whether a finding is large and hangs on a few runs."""
+    return not (group.is_small or group.is_confirmed)
+
+
+def _rest_words(verdict: Verdict) -> str:
+    """Return how many findings there are beside the large and confirmed ones, "" where there is none."""
+    small = sum(group.is_small for group in verdict.findings)
+    unconfirmed = sum(map(_is_unconfirmed, verdict.findings))
+    words = [f"{small} small one{'s' * (small > 1)}"] if small else []
+    words += [f"{unconfirmed} not confirmed"] if unconfirmed else []
+    return f"; and {listed(words, 'and')}" if words else ""
 
 
 def _large(verdict: Verdict, room: int) -> str:
@@ -88,7 +102,7 @@ def _large(verdict: Verdict, room: int) -> str:
     large = _of_headline(verdict)
     others = verdict.other_explanations
     if not others and all(len(group.names) == 1 for group in large):
-        kind = "large causes" if len(large) < len(verdict.findings) else "causes"
+        kind = "large causes" if any(group.is_small for group in verdict.findings) else "causes"
         return _together([group.names[0].cause for group in large], room, kind)
     words = UNDECIDED if not others else f", or another explanation{UNDECIDED}"
     names = [[_names(group) for group in large], [_in_short(group) for group in large]]

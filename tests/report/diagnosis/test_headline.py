@@ -128,6 +128,22 @@ def test_small_findings_are_counted_in_the_headline() -> None:
     )
 
 
+def test_what_is_not_confirmed_is_counted_and_leads_no_headline() -> None:
+    """A friction that no search without a part of the runs found stood beside two causes that were certain."""
+    unsure = replace(finding(ZERO), is_confirmed=False)
+    small = finding(replace(MASS, share=0.1))
+    assert headline(replace(VERDICTS["several"], findings=(finding(GAS), finding(MASS), unsure))) == (
+        "2 causes act together: loss of gas and mass of a link (upper arm); and 1 not confirmed."
+    )
+    words = headline(replace(VERDICTS["several"], findings=(finding(GAS), unsure, small)))
+    assert words.endswith("; and 1 small one and 1 not confirmed.")
+    alone = "Only findings that are not confirmed: zero of a joint (joint 2)."
+    assert headline(replace(VERDICTS["several"], findings=(unsure,))) == alone
+    assert headline(replace(VERDICTS["several"], findings=(unsure, small))).startswith(
+        "Only findings that are small or not confirmed: zero of a joint (joint 2)"
+    )
+
+
 def test_findings_with_several_names_have_one_each_in_a_long_headline() -> None:
     found = (finding(GAS, WARM), finding(replace(MASS, share=0.4), OIL), finding(ZERO))
     assert headline(replace(VERDICTS["several"], findings=found)) == (
