@@ -49,8 +49,8 @@ def first_lines(look: FirstLook) -> Iterator[str]:
     if len(worse):
         drives = f"drive{'s' * (len(worse) > 1)} {listed(list(map(str, worse)), 'and')}"
         yield (
-            f"Plain least squares, which has no prior, errs by more than the torque itself on {drives}: what is left out "
-            "moves in a way that the other runs do not show."
+            f"Plain least squares, which has no prior, errs by more than the torque itself on {drives}: what is left "
+            "out moves in a way that the other runs do not show."
         )
 
 
