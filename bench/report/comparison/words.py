@@ -21,7 +21,7 @@ UNDECIDED = ", which these data cannot tell apart"
 MOST = 120  # characters of two lines of the page's title, as in `report.diagnosis.headline`
 BEST_LIMITS = 8
 LEAST = 1e-12  # of a probability that is said: none is nothing
-NONLINEAR = 0.12  # of a signature; beyond, its size is not to be taken at its word (bench/diagnose/README.md: 12 %)
+NONLINEAR = 0.12  # of a signature; beyond, its size is not to be taken at its word (diagnose/linearise/README.md: 12 %)
 
 
 def headline(comparison: Comparison) -> str:
