@@ -21,7 +21,7 @@ from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-# assumed: shares of the Coulomb level, from the virtual robot in time (diagnose/README.md): how far friction lies, anew at
+# assumed: shares of the Coulomb level, from the virtual robot in time (../README.md): how far friction lies, anew at
 # every rest, from what the path of commands and loads alone would leave.
 MOTOR_REST, LINK_REST = 0.8, 0.15
 MOTOR_VISIT = 2.0  # assumed: the same for a visit; a motor may have let go of all it held, and more
