@@ -1,4 +1,4 @@
-"""All recordings in one linearised model: the same nominal robot replays them, and one list of causes acts in them."""
+"""All recordings in one linearised model: the same robot replays them, and one list of causes acts in them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -27,7 +27,7 @@ from bench.store.store import Store
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """All recordings, linear about the nominal robot; K recordings, S segments, m whitened readings.
+    """All recordings, linear about the robot as it was before; K recordings, S segments, m whitened readings.
 
     Attributes:
         recordings: Which.

@@ -26,7 +26,7 @@ class Constant:
     """A number, or a tuple of numbers, with a name in capitals at the top of a module.
 
     Attributes:
-        module: That defines it, such as "bench.diagnose.name.trials".
+        module: That defines it, such as "bench.diagnose.name.search".
         name: In the module.
         value: As it stands there.
     """

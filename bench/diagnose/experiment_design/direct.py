@@ -28,7 +28,8 @@ class Direct:
     Attributes:
         words: What to do.
         family: What it is like.
-        expectations: Of each explanation, parameters as in `outlook.Outlook` without fresh ones.
+        expectations: Of each explanation, with the parameters of `preposterior.Preposterior`, but without those that a
+            new instrument brings.
     """
 
     words: str

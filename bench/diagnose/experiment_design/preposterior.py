@@ -1,4 +1,4 @@
-"""Outlook: what experiments would show if one or the other explanation is true, and how sure that is today.
+"""Preposterior analysis: what experiments would show if one or the other explanation is true.
 
 Every explanation predicts by simulation. What remains unknown after today's data (nuisances and sizes, with their joint
 posterior covariance) and what a new instrument brings along is integrated out in the linearised model.

@@ -4,7 +4,7 @@ A real drive has cogging, a real arm rings, a clock jitters. One factor for a wh
 drown the others; so each quantity has its own, at rest and in motion. Neighbours that err alike count as one reading.
 
 While a model is still far from the data, signatures are those of a wrong model, good to a share of what it misses: no
-quantity counts as known better than half of that. As the climb goes on, standard errors fall to what instruments have.
+quantity counts as known better than half of that. As the model grows, standard errors fall to what instruments have.
 """
 
 import numpy as np

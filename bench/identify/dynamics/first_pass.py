@@ -211,19 +211,24 @@ def _solved(
         inflation = inflation * beside.excess
     solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay)
     beside = missed(solution, prior, folds)
-    widths = _with_directions(solution, beside, prior, folds)
+    widths = _held_out_widths(solution, beside, prior, folds)
     if widths != solution.widths:
         solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay, widths)
         beside = missed(solution, prior, folds)
     return solution, beside
 
 
-def _with_directions(solution: Solution, beside: Missed, prior: Prior, folds: Folds) -> Widths:
-    """Return the widths with what differs between the directions.
+def _held_out_widths(solution: Solution, beside: Missed, prior: Prior, folds: Folds) -> Widths:
+    """Return the widths with those that held-out errors choose: what is not needed to predict is left out.
 
-    An offset is held where its drive's torque is predicted no worse without it. Viscous friction differs between the
-    directions where the evidence wants that and the drive is predicted better: it bends in what a model misses.
+    Scales of torques stay as read where all drives together are predicted no worse so, each by the logarithm of its
+    error. An offset is held where its drive's torque is predicted no worse without it. Viscous friction differs between
+    the directions where the evidence wants that and the drive is predicted better: it bends in what a model misses.
     """
+    as_read = replace(solution, widths=replace(solution.widths, scale=NARROWEST))
+    tried = missed(as_read, prior, folds)
+    if tried.misfit <= beside.misfit:
+        solution, beside = as_read, tried
     for drive, width in enumerate(solution.widths.offset):
         if width == NARROWEST or solution.noise[drive] is None:
             continue

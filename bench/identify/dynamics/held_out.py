@@ -62,6 +62,12 @@ class Missed:
         squares, expected = self.squares.sum(axis=0), self.expected.sum(axis=0)
         return np.asarray(np.where(expected > 0, np.maximum(squares / np.where(expected > 0, expected, 1.0), 1.0), 1.0))
 
+    @property
+    def misfit(self) -> float:
+        """Sum over the drives of the logarithm of what is missed, in squares."""
+        squares = self.squares.sum(axis=0)
+        return float(np.sum(np.log(squares[squares > 0])))
+
     def surely_less_than(self, other: "Missed") -> bool:
         """Return whether less is missed than by another model, by more than folds differ, and no drive by more.
 

@@ -1,7 +1,7 @@
 """Normal equations, and the posterior that a normal prior makes of them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -98,10 +98,11 @@ def width_errors(normal: Normal, prior: Prior, chosen: Widths) -> Array:
 
     Each width is varied alone, and each value counts by its evidence. Of wider ones the larger covariance and the other
     mean are counted (law of total variance). Where data do not tell a parameter they do not tell its width either: then
-    the narrowest would claim to know it.
+    the narrowest would claim to know it. Scales of torques are as uncertain as stated, whatever was chosen.
     """
     mean, covariance = posterior(normal, prior, chosen)
-    added = np.zeros_like(covariance)
+    other, wider = posterior(normal, prior, replace(chosen, scale=0))
+    added = wider - covariance + np.multiply.outer(other - mean, other - mean)
     for line in chosen.lines():
         evidence = np.array([log_evidence(normal, prior, widths) for widths in line])
         share = np.exp(evidence - evidence.max())

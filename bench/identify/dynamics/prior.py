@@ -24,7 +24,10 @@ NONE = NARROWEST - 1  # no difference of the directions at all
 
 @dataclass(frozen=True)
 class Widths:
-    """By how much uncertainties are wider than stated, or than usual; powers of `WIDER`, chosen by the evidence.
+    """By how much uncertainties are wider than stated, or than usual; powers of `WIDER`.
+
+    All but `scale` are chosen by the evidence. Of scales of torques it says next to nothing where masses, payload and
+    gas can follow them, and what then decides is what the model gets wrong; so held-out errors choose there.
 
     Attributes:
         figures: Of masses, centres and rotors; 0 or more, for what is stated is at least as uncertain as stated.
@@ -33,6 +36,7 @@ class Widths:
         difference: For each drive, of viscous friction that differs between the directions; 0 or less. At `NONE`, where
             it begins, there is none: it bends in what a model misses at low speed.
         held: Drives whose width of the offset stays at its least.
+        scale: Of the scales of torques; 0 as stated, or `NARROWEST`: torques are as they are read.
     """
 
     figures: int
@@ -40,6 +44,7 @@ class Widths:
     offset: tuple[int, ...]
     difference: tuple[int, ...]
     held: frozenset[int] = frozenset()
+    scale: int = 0
 
     @classmethod
     def usual(cls, n: int) -> "Widths":
@@ -97,6 +102,7 @@ class Prior:
         mean: Shape (p,), nominal figures.
         figures: Shape (p, p), of link and rotor inertia.
         friction: Shape (p, p), of friction that is stated.
+        scale: Shape (p, p), of the scales of torques.
         offset: Shape (n, p, p), of each drive's offset.
         difference: Shape (n, p, p), of each drive's viscous friction that differs between the directions.
         free: Shape (p, p), of all others.
@@ -105,6 +111,7 @@ class Prior:
     mean: Array
     figures: Array
     friction: Array
+    scale: Array
     offset: Array
     difference: Array
     free: Array
@@ -114,10 +121,15 @@ class Prior:
         offset = np.tensordot(WIDER ** np.array(widths.offset, dtype=float), self.offset, axes=1)
         uneven = np.array([0.0 if width == NONE else WIDER ** float(width) for width in widths.difference])
         stated = WIDER**widths.figures * self.figures + WIDER**widths.friction * self.friction
+        stated = stated + WIDER ** float(widths.scale) * self.scale
         return np.asarray(stated + offset + np.tensordot(uneven, self.difference, axes=1) + self.free)
 
     def covariance(self, widths: Widths) -> Array:
-        """Return the covariance before the data, shape (p, p), with any width of offsets and differences alike."""
+        """Return the covariance before the data, shape (p, p), with any width of offsets and differences alike.
+
+        Scales of torques are as uncertain as stated.
+        """
+        widths = replace(widths, scale=0)
         chosen = self.factor(widths) @ self.factor(widths).T
         total = chosen.copy()
         for line in widths.by_drive():
@@ -154,7 +166,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     """
     u, n = nominal.uncertainty, layout.n
     mean = np.zeros(layout.size)
-    figures, friction, free = (np.zeros((layout.size, layout.size)) for _ in range(3))
+    figures, friction, scale, free = (np.zeros((layout.size, layout.size)) for _ in range(4))
     mean[layout.links] = standard_parameters(arm)
     for i in range(n):
         own = slice(N_INERTIAL * i, N_INERTIAL * (i + 1))
@@ -173,7 +185,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
         put(layout.of_drives(name), stated, u.friction * stated, friction)
         put(layout.of_drives(name), stated, np.where(stated > 0, 0.0, most), free)
     put(layout.of_drives("offset"), 0.0, nominal.torque_offset_sigma, free)
-    put(layout.gain, 0.0, nominal.torque_gain_sigma, free)
+    put(layout.gain, 0.0, nominal.torque_gain_sigma, scale)
     if layout.has_payload:
         reach = np.linalg.norm(arm.point(nominal.load_point).position)
         moments = nominal.payload * np.array([*(reach,) * 3, *(reach**2,) * 6])  # its centre may be anywhere near
@@ -194,7 +206,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     for into, name, most in ((offset, "offset", torque_rms), (difference, "viscous_difference", drag)):
         where = every[layout.of_drives(name)]
         into[np.arange(n), where, where] = most
-    return Prior(mean, figures, friction, offset, difference, free)
+    return Prior(mean, figures, friction, scale, offset, difference, free)
 
 
 def _link_covariance(arm: Arm, link: int, mass_sigma: float, centre_sigma: float) -> Array:
