@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.diagnose.name.leaders import grown, scattering, without
+from bench.diagnose.name.leaders import grown, leaders_of, scattering, without
 from bench.diagnose.name.search import Alternative, Subset, SubsetPosterior, Term
 
 
@@ -63,3 +63,17 @@ def test_what_is_listed_is_tried_in_the_place_of_a_shape(rng: np.random.Generato
     terms.append(Term("shape", np.array([2]), np.full(1, 5.0), -7.0, np.zeros(1), is_listed=False))
     model = SubsetPosterior(columns.T @ columns, columns.T @ white, terms)
     assert without(SimpleNamespace(model=model), (0, 2), (2,)) == ((0,), (0, 1))
+
+
+def test_a_finding_with_many_names_leaves_room_for_those_of_another() -> None:
+    """From which of six runs on gas was lost took all places; that the gas might be colder was never simulated."""
+
+    def alternative(names: str, value: float) -> Alternative:
+        return Alternative(frozenset(names.split()), Subset((), value), value)
+
+    found = [alternative(f"loss step{i}", 50.0 - i / 10) for i in range(6)]
+    found += [alternative("cold step0", 43.0), alternative("cold step1", 42.9), alternative("cold", 42.0)]
+    many = found[:4]
+    assert leaders_of(found, 4) == many
+    assert leaders_of(found, 4, exchanged=2) == [*many, found[6]]
+    assert leaders_of(found, 8, exchanged=2) == found[:8]

@@ -10,11 +10,24 @@ GROWING = 12  # effort: subsets that are expanded to find what is missing beside
 MOST_PLAYS = 12  # effort: models with a play that are tried; one of 20 findings would be tried for minutes
 
 
-def leaders_of(found: Sequence[Alternative], count: int) -> list[Alternative]:
-    """Return what is worth a simulation: the best, and the best of those that have all of a better one and more."""
+def leaders_of(found: Sequence[Alternative], count: int, exchanged: int = 0) -> list[Alternative]:
+    """Return what is worth a simulation: the best, and the best of those that have all of a better one and more.
+
+    Args:
+        found: By a search, the most probable first.
+        count: How many of the best.
+        exchanged: For so many findings of the best of all that have the same name in these, the likeliest other name.
+            One finding with many names (from which run on gas was lost) else leaves no room for those of another one.
+    """
     near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
     larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
-    return [*[one for one in near if one not in larger][:count], *larger[:1]]
+    leaders = [one for one in near if one not in larger][:count]
+    best, others = found[0].keys, []
+    for one in near:
+        gone = best - one.keys
+        if len(gone) == len(one.keys - best) == 1 and all(gone <= other.keys for other in (*leaders, *others)):
+            others.append(one)
+    return [*leaders, *others[:exchanged], *larger[:1]]
 
 
 def grown(about: SearchSpace, leaders: Sequence[Alternative]) -> tuple[int, ...]:

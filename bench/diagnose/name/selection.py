@@ -45,6 +45,7 @@ class Renew(Protocol):
 LEFT_OPEN = 30.0  # effort: evidence of what is refused, from where something else is looked for in its place
 MOST_ROUNDS = 12  # effort: of linearising and searching; recording B of the KR300 takes 8
 LEADERS = 6  # effort: alternatives of a search that are simulated; half of them while the best model still changes
+EXCHANGED = 4  # effort: findings whose likeliest other name is simulated at last, where none of the leaders has one
 MOST_REFUSED = 20  # effort: findings that do not predict better, before they are no more replaced
 
 
@@ -184,7 +185,7 @@ class _Selection:
         self.promising = tuple(cause for cause in causes if cause)
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
         count = LEADERS if is_last else LEADERS // 2
-        leading = leaders_of(found, count)
+        leading = leaders_of(found, count, EXCHANGED if is_last else 0)
         leaders = [*(one.best.terms for one in leading), grown(about, leading)]
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known)
