@@ -22,7 +22,8 @@ def leaders_of(found: Sequence[Alternative], count: int, exchanged: int = 0) -> 
     near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
     larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
     leaders = [one for one in near if one not in larger][:count]
-    best, others = found[0].keys, []
+    best = found[0].keys
+    others: list[Alternative] = []
     for one in near:
         gone = best - one.keys
         if len(gone) == len(one.keys - best) == 1 and all(gone <= other.keys for other in (*leaders, *others)):

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.identify.dynamics.prior import Prior, Widths
+from bench.identify.dynamics.prior import AS_STATED, Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
 from bench.record.campaign import Array
 
@@ -101,7 +101,7 @@ def width_errors(normal: Normal, prior: Prior, chosen: Widths) -> Array:
     the narrowest would claim to know it. Scales of torques are as uncertain as stated, whatever was chosen.
     """
     mean, covariance = posterior(normal, prior, chosen)
-    other, wider = posterior(normal, prior, replace(chosen, scale=0))
+    other, wider = posterior(normal, prior, replace(chosen, scale=AS_STATED))
     added = wider - covariance + np.multiply.outer(other - mean, other - mean)
     for line in chosen.lines():
         evidence = np.array([log_evidence(normal, prior, widths) for widths in line])

@@ -19,6 +19,7 @@ WIDER = np.sqrt(10.0)  # between one width and the next that is tried
 
 WIDEST = 6  # a thousand times what was stated: as good as unknown
 NARROWEST = -4  # a hundredth of the whole torque: less would claim to know that there is none (assumed)
+AS_STATED = 0
 NONE = NARROWEST - 1  # no difference of the directions at all
 
 
@@ -44,7 +45,7 @@ class Widths:
     offset: tuple[int, ...]
     difference: tuple[int, ...]
     held: frozenset[int] = frozenset()
-    scale: int = 0
+    scale: int = AS_STATED
 
     @classmethod
     def usual(cls, n: int) -> "Widths":
@@ -129,7 +130,7 @@ class Prior:
 
         Scales of torques are as uncertain as stated.
         """
-        widths = replace(widths, scale=0)
+        widths = replace(widths, scale=AS_STATED)
         chosen = self.factor(widths) @ self.factor(widths).T
         total = chosen.copy()
         for line in widths.by_drive():

@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.identify.dynamics.advice import sentence
 from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.prior import AS_STATED
 from bench.identify.dynamics.quantities import RELATIVE, Quantity
 from bench.record.campaign import Array
 from bench.report.diagnosis.names import shown, unit_name
@@ -72,6 +73,11 @@ def _head(found: FirstPass) -> Iterator[str]:
         yield f"Torques are read {late:.2f} ms ({late - sigma:.2f} to {late + sigma:.2f}) after the angles."
     else:
         yield "No delay between angles and torques: with one, what was held out is not surely predicted better."
+    if found.solution.widths.scale != AS_STATED:
+        yield (
+            "Torques are taken as they are read: with their scales free, what was held out is predicted no better. "
+            "Intervals count the scales as uncertain as stated."
+        )
 
 
 def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> "Table":

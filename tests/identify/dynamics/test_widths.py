@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.identify.dynamics.first_pass import first_pass
 from bench.identify.dynamics.normal import posterior
-from bench.identify.dynamics.prior import NARROWEST, NONE
+from bench.identify.dynamics.prior import AS_STATED, NARROWEST, NONE
 from bench.identify.dynamics.quantities import quantities
 from bench.record.campaign import Campaign, Run
 from tests.identify.dynamics.rigid_world import Friction, N, arm, fourier, recorded, robot, torque_of
@@ -89,12 +89,12 @@ def test_scales_of_torques_are_fitted_where_that_predicts_and_uncertain_in_any_c
     unsure = replace(robot(arm(), payload=30.0), torque_gain_sigma=np.full(N, sigma))
     sure = replace(robot(arm(), mass=0.001, centre_of_mass_m=1e-4), torque_gain_sigma=np.full(N, sigma))
     off = first_pass(scaled((0.08, -0.06, 0.1), np.random.default_rng(5)), sure, find_delay=False)
-    assert off.solution.widths.scale == 0
+    assert off.solution.widths.scale == AS_STATED
     errors = np.sqrt(np.diag(off.solution.covariance)[off.layout.gain])
     assert np.all(np.abs(off.parameters[off.layout.gain] - (0.08, -0.06, 0.1)) < 3 * errors)
     right = first_pass(scaled((0.0, 0.0, 0.0), np.random.default_rng(5)), unsure, find_delay=False)
     assert right.solution.widths.scale == NARROWEST
-    free = posterior(right.solution.normal, right.prior, replace(right.solution.widths, scale=0))[1]
+    free = posterior(right.solution.normal, right.prior, replace(right.solution.widths, scale=AS_STATED))[1]
     gains = np.diag(right.solution.covariance)[right.layout.gain]
     assert np.all(gains >= 0.99 * np.diag(free)[right.layout.gain])
     payload = right.layout.payload.start
