@@ -2,19 +2,22 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from bench.diagnose.replay.resolution import LEAST_WINDOW, angle_noise, finest_window
+from bench.diagnose.replay.resolution import LEAST_WINDOW, angle_noise, finest_window, missed_by_average
 from bench.diagnose.replay.segment_input import Path, SegmentInput, angles_of, centre_weights, wrench_of
 from bench.diagnose.replay.smooth_derivative import averaging_kernel
 from bench.diagnose.replay.static_segments import APPROACH
 from bench.diagnose.replay.uneven_derivative import derivative_over, is_even
+from bench.identify.arm import Arm
 from bench.record.campaign import Array, Run
 from bench.record.moving import TRAVELS, TURNING
 from bench.robot.compiled import CompiledRobot
+from bench.robot.links import rigid_bodies
 from bench.robot.mass_matrix import link_mass_matrix
 from bench.simulate.prescribed import Motion
 
@@ -56,8 +59,10 @@ def stretches_of(
         inertia = link_mass_matrix(compiled, angles.mean(axis=0)) + np.diag(
             compiled.model.dof_armature[compiled.at.q_dof]
         )
-        least = min(LONGEST_WINDOW, width)
-        finest = finest_window(angle_noise(angles), inertia, torque_noise, dt, least, np.ptp(time) / LEAST_BINS)
+        stiffness = Arm(rigid_bodies(compiled)).gravity_stiffness(angles.mean(axis=0))
+        least, most = min(LONGEST_WINDOW, width), float(np.ptp(time)) / LEAST_BINS
+        missed = partial(missed_by_average, angles, stiffness)
+        finest = finest_window(angle_noise(angles), inertia, torque_noise, dt, least, most, missed)
         longest, width = max(longest, finest), max(width, finest)
     samples = max(1, round(width / dt))
     window = 2 * round(min(longest, samples * dt) / dt / 2) + 1

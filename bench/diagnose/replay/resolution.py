@@ -1,18 +1,23 @@
-"""How finely a motion is resolved: no finer than its angles are read.
+"""How finely a motion is resolved: no finer than its angles are read, and no coarser than gravity allows.
 
 Angles are read with noise and in steps. Differentiated twice over a window of m samples that grows as m^-2.5; as a
 torque it should be less than what the torques of the drives scatter over the same window, or a replay errs by what it
-makes of the encoders alone.
+makes of the encoders alone. But a torque that is averaged over a window has the gravity of the whole window, and a
+replay that of its middle: that difference, gravity's stiffness times the curvature of the motion, grows as m^2 and acts
+as inertia does. Where encoders are too coarse for both to be small, the window with the least of both is taken.
 """
 
+from collections.abc import Callable
+
 import numpy as np
+from scipy.ndimage import correlate1d
 
 from bench.diagnose.replay.smooth_derivative import averaging_kernel, noise_gain
 from bench.record.campaign import Array
 
 LEAST_WINDOW = 5  # exact: samples
 WIDER = 1.2  # effort: ratio of neighbouring windows that are tried
-SHARE = 0.5  # effort: of the noise of a torque, that angles may add to it: in all an eighth more
+SHARE = 0.5  # effort: of the noise of a torque, that windows may add to it: in all an eighth more
 ORDER = 6  # exact: of the differences that noise is read from; motion of 2 Hz at 100 Hz leaves 4e-6 of its size
 BLOCK = 64  # effort: samples over which noise is averaged; the median block counts, so jumps do not
 
@@ -34,7 +39,13 @@ def angle_noise(angles: Array) -> Array:
 
 
 def finest_window(
-    noise: Array, inertia: Array, torque_noise: Array, dt: float, shortest: float, longest: float
+    noise: Array,
+    inertia: Array,
+    torque_noise: Array,
+    dt: float,
+    shortest: float,
+    longest: float,
+    missed: Callable[[int], Array] | None = None,
 ) -> float:
     """Return over how long to differentiate a motion, so that torques are no worse for it [s].
 
@@ -45,15 +56,37 @@ def finest_window(
         dt: Between samples [s].
         shortest: [s], which will do where angles are good.
         longest: [s], which has to do.
+        missed: What a window of so many samples misses of each torque, shape (n,) [Nm] or [N]; None: nothing.
     """
-    window = shortest
-    while window < longest:
+    window, best, least = shortest, shortest, np.inf
+    while True:
         samples = max(2 * round(window / dt / 2) + 1, LEAST_WINDOW)
-        felt = np.sqrt(inertia**2 @ (noise * noise_gain(samples, 2) / dt**2) ** 2)
-        if not np.any(felt > SHARE * torque_noise * np.linalg.norm(averaging_kernel(samples))):
-            break
+        felt = inertia**2 @ (noise * noise_gain(samples, 2) / dt**2) ** 2
+        if missed:
+            felt = felt + missed(samples) ** 2
+        ratios = np.sqrt(felt) / (torque_noise * np.linalg.norm(averaging_kernel(samples)))
+        ratio = float(np.max(ratios, initial=0.0, where=np.isfinite(ratios)))
+        if ratio <= least:
+            best, least = window, ratio
+        if ratio <= SHARE or window >= longest:
+            return best
         window = min(WIDER * window, longest)
-    return window
+
+
+def missed_by_average(angles: Array, stiffness: Array, window: int) -> Array:
+    """Return by how much gravity in the middle of a window misses its average (RMS), shape (n,) [Nm] or [N].
+
+    Args:
+        angles: Shape (rows, n), equidistant samples.
+        stiffness: Shape (n, n), derivative of gravity torques with the angles.
+        window: Samples.
+    """
+    kernel = averaging_kernel(window)
+    half = len(kernel) // 2
+    if len(angles) <= 2 * half:
+        return np.zeros(angles.shape[1])
+    beside = (correlate1d(angles, kernel, axis=0) - angles)[half : len(angles) - half]
+    return np.asarray(np.sqrt(np.mean((beside @ stiffness.T) ** 2, axis=0)))
 
 
 def _power_of_differences() -> float:
