@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from scipy.special import stdtrit
 
 from bench.diagnose.cross_validation.folds import Folds, folds_of
-from bench.diagnose.cross_validation.held_out import HIGH, LOW, SEED, PredictedError
+from bench.diagnose.cross_validation.held_out import HIGH, SEED, PredictedError
 from bench.diagnose.cross_validation.leave_out import errors_of_folds, tangent_of
 from bench.diagnose.cross_validation.moderated import moderated
 from bench.diagnose.extend.fit import Fit, is_simulated
@@ -218,6 +218,9 @@ def _near(places: Array, fold: NDArray[np.int64], count: int) -> NDArray[np.bool
 def _one_more(rms: Array, drifting: Array, spread: float, degrees: float) -> tuple[float, float]:
     """Return the 90 % prediction interval of one more root mean square; nan where nothing says how far runs differ.
 
+    It may be recorded at once, when nothing has drifted yet, or on another day. So the low end is that of the one, the
+    high end that of the other, and the interval holds in both cases with 90 % at least.
+
     Args:
         rms: Shape (K,), log-normal.
         drifting: Shape (d,), root mean squares of what each drift changes at one standard deviation, independent.
@@ -228,11 +231,11 @@ def _one_more(rms: Array, drifting: Array, spread: float, degrees: float) -> tup
         return np.nan, np.nan
     logs = np.log(rms)
     sigma = spread * np.sqrt(1 + 1 / len(rms))
+    half = float(stdtrit(degrees, HIGH)) * sigma
+    low, high = float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))
     if not np.any(drifting):
-        half = float(stdtrit(degrees, HIGH)) * sigma
-        return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))
+        return low, high
     rng = np.random.default_rng(SEED)
     more = logs.mean() + sigma * rng.standard_t(degrees, DRAWS)
     square = np.exp(2 * np.minimum(more, MOST_LOG)) + rng.standard_normal((DRAWS, len(drifting))) ** 2 @ drifting**2
-    low, high = np.sqrt(np.quantile(square, (LOW, HIGH))).tolist()
-    return low, high
+    return low, float(np.sqrt(np.quantile(square, HIGH)))
