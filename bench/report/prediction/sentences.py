@@ -67,9 +67,9 @@ def promise_sentence(prediction: Prediction) -> str:
     if not count:
         return ""
     return (
-        f"Each interval was promised to hold with 90 % at least, so of {count} about {0.1 * count:.1g} or fewer fail by "
-        "chance, above or below. They are about a recording of the same robot that carries what the model carries, made "
-        "at once or on another day."
+        f"Each interval was promised to hold with 90 % at least, so of {count} about {0.1 * count:.1g} or fewer fail "
+        "by chance, above or below. They are about a recording of the same robot that carries what the model carries, "
+        "made at once or on another day."
     )
 
 
