@@ -15,7 +15,7 @@ from bench.robot.folder import FIGURES_FILE, load_robot
 from bench.robot.links import rigid_bodies
 from bench.robot.plain_words import plain_words
 from bench.robot.starter.defaults import DriveFigures, drive_figures, survey
-from bench.robot.starter.mjcf import mjcf_of, with_home
+from bench.robot.starter.mjcf import clashes, mjcf_of, with_home
 from bench.robot.starter.pages import figures_text, log_text, readme_text, scene_text
 from bench.robot.starter.source import Source
 
@@ -53,6 +53,8 @@ def start_robot(name: str, source: Source, folder: Path) -> Started:
     """
     if not NAME.fullmatch(name):
         raise InputError(f"name {name!r}: use letters, digits, '_', '-' and '.'; files are named after it.")
+    if faults := tuple(clashes(source)):
+        raise RobotError(faults)
     with new_folder(folder, FIGURES_FILE, replace=False) as partial:
         model = _compile(source)
         found = survey(source, model)
