@@ -3,10 +3,11 @@
 from collections.abc import Iterator
 
 import mujoco
+import numpy as np
 
 from bench.robot.figures import Drive
 from bench.robot.folder import Robot
-from bench.robot.plausible import OF_SERVOS, OF_TORQUE_LIMITS, OF_WIND_UP
+from bench.robot.plausible import OF_ELEMENTS, OF_SERVOS, OF_TORQUE_LIMITS
 
 JOINT_KINDS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 SITE, ON_TENDON = int(mujoco.mjtWrap.mjWRAP_SITE), int(mujoco.mjtTrn.mjTRN_TENDON)
@@ -62,12 +63,18 @@ def unlike_a_robot(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
     Only of a robot as its folder has it: with effects in it, elements may become softer than any gear.
     """
     for i, drive in enumerate(robot.figures.drives):
-        stiffness = float(model.tendon_stiffness[model.tendon(drive.element).id])
-        wound_up = float(model.actuator_forcerange[model.actuator(drive.servo).id, 1]) / stiffness
-        yield from OF_WIND_UP.faults([(f"figures.yaml: drives[{i}].element: tendon {drive.element!r}", wound_up)])
+        stiffness = model.tendon_stiffness[model.tendon(drive.element).id]
+        rotor = model.dof_armature[model.jnt_dofadr[model.joint(drive.rotor).id]]
+        frequency = float(np.sqrt(stiffness / rotor)) / (2 * np.pi)
+        yield from OF_ELEMENTS.faults([(f"figures.yaml: drives[{i}].element: tendon {drive.element!r}", frequency)])
+    known = {name for drive in robot.figures.drives for name in (drive.joint, drive.rotor)}
+    for index in range(model.njnt):
+        if mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index) not in known:
+            body = _name(model, "body", int(model.jnt_bodyid[index]))
+            yield f"{robot.mjcf.name}: body {body!r} has a joint that no drive of figures.yaml names; take it out."
     for index in range(model.neq):
-        name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_EQUALITY, index) or f"number {index + 1}"
-        yield f"{robot.mjcf.name}: equality {name}: the bench computes chains without constraints; take it out."
+        name = _name(model, "equality", index)
+        yield f"{robot.mjcf.name}: equality {name!r}: the bench computes chains without constraints; take it out."
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     if data.ncon:

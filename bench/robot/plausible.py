@@ -43,6 +43,7 @@ class Range:
                 )
 
 
+MOST_TORQUE = 1e7  # [Nm], at a joint; the strongest robots have 1e5
 TURNS = float(10 * np.pi)  # [rad], five turns; wrists of welding robots turn 2.5 either way
 IN_RADIANS = 'angles are in degrees unless <compiler angle="radian"/> stands in the file'
 OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
@@ -79,6 +80,14 @@ OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
     (Range("range", "rad", -TURNS, TURNS, IN_RADIANS), lambda model: _limits(model, slides=False)),
     (Range("range", "m", -100.0, 100.0, "lengths are in m"), lambda model: _limits(model, slides=True)),
     (
+        Range("forcerange", "Nm", -MOST_TORQUE, MOST_TORQUE, "leave it out where no limit is known"),
+        lambda model: _ends(model, "actuator", model.actuator_forcerange, model.actuator_forcelimited),
+    ),
+    (
+        Range("torque limit", "Nm", -MOST_TORQUE, MOST_TORQUE, "leave it out where none is known"),
+        lambda model: _ends(model, "joint", model.jnt_actfrcrange, model.jnt_actfrclimited),
+    ),
+    (
         Range("stiffness", "Nm/rad", 0.0, 1e10, "write a stiffness that parts can have"),
         lambda model: _named(model, "tendon", model.tendon_stiffness),
     ),
@@ -92,11 +101,13 @@ OF_SERVOS = (
     Range("kv", "Nm s/rad", 0.0, 1e9, "the servo has to damp"),
     Range("ki", "Nm/(rad s)", 0.0, 1e11, "the servo has to turn towards its set point"),
 )
-OF_TORQUE_LIMITS = Range("the larger number of forcerange", "Nm", 1e-4, 1e7, "it is the torque limit at the joint")
-# [rad] or [m], by which a torque limit winds the elastic element up: gears of robots do so by 1e-3 to 0.04, soft
-# elements of series elastic actuators by 0.3
-OF_WIND_UP = Range(
-    "what its torque limit winds it up by", "rad", 0.0, 1.0, "correct stiffness (Nm/rad) or forcerange of the servo"
+OF_TORQUE_LIMITS = Range(
+    "the larger number of forcerange", "Nm", 1e-4, MOST_TORQUE, "it is the torque limit at the joint"
+)
+# sqrt(k / J), of the rotor on its elastic element. Gears of robots: 5 to 1000 Hz; soft elements of series elastic
+# actuators and what was fitted to soft machines: 2 Hz
+OF_ELEMENTS = Range(
+    "the frequency at which its rotor swings on it", "Hz", 0.5, 1e7, "correct stiffness, in Nm/rad, or armature"
 )
 
 
@@ -125,12 +136,15 @@ def _dofs(model: mujoco.MjModel, values: ArrayLike) -> Named:
 
 
 def _limits(model: mujoco.MjModel, slides: bool) -> Named:
-    """Return both ends of the ranges of joints; an open end is none."""
+    """Return both ends of the ranges of hinges or of slides."""
+    return _ends(model, "joint", model.jnt_range, (model.jnt_limited != 0) & ((model.jnt_type == SLIDE) == slides))
+
+
+def _ends(model: mujoco.MjModel, kind: str, ranges: ArrayLike, counts: ArrayLike) -> Named:
+    """Return both ends of ranges, of those that count; an open end is none."""
     return [
         (place, end)
-        for side in (0, 1)
-        for (place, end), kind, limited in zip(
-            _named(model, "joint", model.jnt_range[:, side]), model.jnt_type, model.jnt_limited, strict=True
-        )
-        if limited and (kind == SLIDE) == slides and np.isfinite(end)
+        for ends in np.asarray(ranges).T
+        for (place, end), is_one in zip(_named(model, kind, ends), np.asarray(counts), strict=True)
+        if is_one and np.isfinite(end)
     ]

@@ -109,7 +109,7 @@ def _try(file: Path, answer: int) -> None:
 
 
 def _faults(file: Path) -> Iterator[str]:
-    """Yield what is wrong with a model; with numbers that no robot has, what MuJoCo computes of them is not looked at."""
+    """Yield what is wrong with a model. What MuJoCo computes is looked at only where its numbers are plausible."""
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         model = mujoco.MjSpec.from_file(str(file)).compile()

@@ -66,11 +66,10 @@ def start_robot(name: str, source: Source, folder: Path) -> Started:
         (partial / FIGURES_FILE).write_text(figures_text(name, source, drives, found), encoding="utf-8")
         (partial / "log.yaml").write_text(log_text(source), encoding="utf-8")
         (partial / "README.md").write_text(readme_text(name, source, drives), encoding="utf-8")
-        compiled = compile_robot(load_robot(partial))
-        rigid_bodies(compiled)
+        compiled = _compiled(source, partial)
         home = _rest(compiled, source)
         (partial / f"{name}.xml").write_text(with_home(mjcf, *home), encoding="utf-8")
-        compile_robot(load_robot(partial))
+        _compiled(source, partial)
     return Started(compile_robot(load_robot(folder)), source, drives)
 
 
@@ -79,6 +78,19 @@ def _compile(source: Source) -> mujoco.MjModel:
         return source.spec.compile()
     except ValueError as error:
         raise RobotError(f"{source.file}: with the driven joints alone: {plain_words(error)}") from error
+
+
+def _compiled(source: Source, partial: Path) -> CompiledRobot:
+    """Return the robot of the folder in the making; what does not work there is said of the file that it is made of."""
+    try:
+        compiled = compile_robot(load_robot(partial))
+        rigid_bodies(compiled)
+    except RobotError as error:
+        problems = (
+            problem.replace(f"{partial.resolve()}/", "").replace(f"{partial}/", "") for problem in error.problems
+        )
+        raise RobotError(f"{source.file}: the robot made of it: {problem}" for problem in problems) from error
+    return compiled
 
 
 def _rest(compiled: CompiledRobot, source: Source) -> tuple[list[float], list[float], list[float]]:
