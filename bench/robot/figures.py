@@ -238,6 +238,8 @@ class Figures(Strict):
             raise ValueError("instruments.tracker needs reflectors: name a site of the MJCF, or write tracker: null")
         if fitted.pressure and not self.counterbalance:
             raise ValueError("instruments.pressure needs a counterbalance: name it, or write pressure: null")
+        if twice := {name for name in self.reflectors if self.reflectors.count(name) > 1}:
+            raise ValueError(f"reflectors: {', '.join(sorted(twice))} named twice; name each once")
         joints = [drive.joint for drive in self.drives]
         unstated = [drive.joint for drive in self.drives if not drive.states_torque_constant]
         if fitted.current and unstated:
