@@ -67,9 +67,10 @@ def unlike_a_robot(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
         rotor = model.dof_armature[model.jnt_dofadr[model.joint(drive.rotor).id]]
         frequency = float(np.sqrt(stiffness / rotor)) / (2 * np.pi)
         yield from OF_ELEMENTS.faults([(f"figures.yaml: drives[{i}].element: tendon {drive.element!r}", frequency)])
-    known = {name for drive in robot.figures.drives for name in (drive.joint, drive.rotor)}
+    driven = {name for drive in robot.figures.drives for name in (drive.joint, drive.rotor)}
     for index in range(model.njnt):
-        if mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index) not in known:
+        name, is_held = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index), model.jnt_stiffness[index] > 0
+        if name not in driven and not is_held:  # what bends is a joint that a spring holds
             body = _name(model, "body", int(model.jnt_bodyid[index]))
             yield f"{robot.mjcf.name}: body {body!r} has a joint that no drive of figures.yaml names; take it out."
     for index in range(model.neq):

@@ -131,8 +131,13 @@ def _moving(model: mujoco.MjModel, values: ArrayLike) -> Named:
 
 
 def _dofs(model: mujoco.MjModel, values: ArrayLike) -> Named:
-    """Return values of degrees of freedom, of the first of each joint."""
-    return _named(model, "joint", np.asarray(values)[model.jnt_dofadr])
+    """Return values of degrees of freedom, of the first of each joint.
+
+    Of a joint that a spring holds the sign alone: what hardly bends is written down with as much of both as
+    keeps a time step stable (`bench.effects.passive_hinges`).
+    """
+    found = np.asarray(values)[model.jnt_dofadr]
+    return _named(model, "joint", np.where(model.jnt_stiffness > 0, np.minimum(found, 0.0), found))
 
 
 def _limits(model: mujoco.MjModel, slides: bool) -> Named:

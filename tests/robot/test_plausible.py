@@ -132,3 +132,14 @@ def test_every_figure_has_a_most(key: str) -> None:
     assert Figures.model_validate(figures_with(key, 1.0 if key == "uncertainty.links" else 0.05))
     with pytest.raises(ValueError, match=key.split(".")[-1]):
         Figures.model_validate(figures_with(key, 1e9 + 1 if key.endswith("_pa") else 2e7))
+
+
+def test_of_what_bends_the_sign_alone_counts() -> None:
+    """A handed-over robot holds stiff hinges in its links, with armature and damping beyond those of any drive."""
+    text = (
+        '<mujoco><worldbody><body><joint name="bends" stiffness="1e12" damping="{}" armature="4e6"/>'
+        '<geom size="0.1"/></body></worldbody></mujoco>'
+    )
+    assert list(implausible(mujoco.MjModel.from_xml_string(text.format("2e9")))) == []
+    (fault,) = implausible(mujoco.MjModel.from_xml_string(text.format("-2e9")))
+    assert "joint 'bends': damping is -2e+09" in fault
