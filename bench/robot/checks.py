@@ -67,6 +67,8 @@ def unlike_a_robot(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
         rotor = model.dof_armature[model.jnt_dofadr[model.joint(drive.rotor).id]]
         frequency = float(np.sqrt(stiffness / rotor)) / (2 * np.pi)
         yield from OF_ELEMENTS.faults([(f"figures.yaml: drives[{i}].element: tendon {drive.element!r}", frequency)])
+        if model.qpos0[model.jnt_qposadr[model.joint(drive.joint).id]] != 0:
+            yield f"{robot.mjcf.name}: joint {drive.joint!r} has ref != 0; move its zero into the pose of its body."
     driven = {name for drive in robot.figures.drives for name in (drive.joint, drive.rotor)}
     for index in range(model.njnt):
         name, is_held = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index), model.jnt_stiffness[index] > 0

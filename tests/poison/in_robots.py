@@ -148,6 +148,7 @@ def numbers_of_no_robot(rng: np.random.Generator) -> Iterator[Variant]:
         },
         "no forcerange": (limit, "", "'servo_a': forcerange is"),
         "degrees taken for radians": (joint, joint.replace("-1 2", "-150 150"), 'compiler angle="radian"'),
+        "a zero that is moved": (joint, f'{joint} ref="0.5"', "'hinge_a' has ref != 0"),
         "no range": (joint, joint.removesuffix(' range="-1 2"'), "'hinge_a' has no range"),
         **{f"a mass of {x:g}": ('mass="40.0"', f'mass="{x}"', "'upper': mass is") for x in (12000, 1e12, 1e300)},
         "an element of 3 Nm/rad": (stiffness, 'stiffness="3"', "'element_a': the frequency"),
