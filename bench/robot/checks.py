@@ -3,11 +3,14 @@
 from collections.abc import Iterator
 
 import mujoco
+import numpy as np
 
 from bench.robot.figures import Drive
 from bench.robot.folder import Robot
+from bench.robot.plausible import OF_ELEMENTS, OF_SERVOS, OF_TORQUE_LIMITS
 
 JOINT_KINDS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+SITE, ON_TENDON = int(mujoco.mjtWrap.mjWRAP_SITE), int(mujoco.mjtTrn.mjTRN_TENDON)
 SPEED_ROUNDING = 0.01  # relative; both are written down with three digits or more
 
 
@@ -39,7 +42,10 @@ def faulty_roles(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
             yield f"{place}.rotor: {drive.rotor!r} must be the only joint of a body that stands in the world."
         if model.dof_armature[model.jnt_dofadr[rotor.id]] <= 0:
             yield f"{place}.rotor: {drive.rotor!r} has no armature; write J_m N^2 there."
+        if not model.jnt_limited[joint.id]:
+            yield f"{place}.joint: {drive.joint!r} has no range; write how far the joint turns."
         yield from _element(place, drive.element, model, joint.id, rotor.id)
+        yield from _servo(place, drive.servo, model)
         yield from _speed(place, drive, model)
         for part, name, on, word in (
             ("servo", drive.servo, rotor.id, drive.rotor),
@@ -48,6 +54,80 @@ def faulty_roles(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
         ):
             if model.actuator(name).trnid[0] != on:
                 yield f"{place}.{part}: actuator {name!r} does not act on {word!r}; let it."
+    yield from _counterbalance(robot, model)
+
+
+def unlike_a_robot(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
+    """Yield a sentence for what no arm is, or what the bench does not compute, of a robot whose parts play their roles.
+
+    Only of a robot as its folder has it: with effects in it, elements may become softer than any gear.
+    """
+    for i, drive in enumerate(robot.figures.drives):
+        stiffness = model.tendon_stiffness[model.tendon(drive.element).id]
+        rotor = model.dof_armature[model.jnt_dofadr[model.joint(drive.rotor).id]]
+        frequency = float(np.sqrt(stiffness / rotor)) / (2 * np.pi)
+        yield from OF_ELEMENTS.faults([(f"figures.yaml: drives[{i}].element: tendon {drive.element!r}", frequency)])
+        if model.qpos0[model.jnt_qposadr[model.joint(drive.joint).id]] != 0:
+            yield f"{robot.mjcf.name}: joint {drive.joint!r} has ref != 0; move its zero into the pose of its body."
+    driven = {name for drive in robot.figures.drives for name in (drive.joint, drive.rotor)}
+    for index in range(model.njnt):
+        name, is_held = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index), model.jnt_stiffness[index] > 0
+        if name not in driven and not is_held:  # what bends is a joint that a spring holds
+            body = _name(model, "body", int(model.jnt_bodyid[index]))
+            yield f"{robot.mjcf.name}: body {body!r} has a joint that no drive of figures.yaml names; take it out."
+    for index in range(model.neq):
+        name = _name(model, "equality", index)
+        yield f"{robot.mjcf.name}: equality {name!r}: the bench computes chains without constraints; take it out."
+    data = mujoco.MjData(model)
+    mujoco.mj_fwdPosition(model, data)
+    if data.ncon:
+        bodies = [_name(model, "body", int(model.geom_bodyid[geom])) for geom in data.contact.geom[0]]
+        yield (
+            f"{robot.mjcf.name}: shapes of bodies {bodies[0]!r} and {bodies[1]!r} touch with all joints at zero; write "
+            'contype="0" conaffinity="0" at the geoms, contact is left out here.'
+        )
+
+
+def _name(model: mujoco.MjModel, kind: str, index: int) -> str:
+    return mujoco.mj_id2name(model, getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}"), index) or f"number {index}"
+
+
+def _servo(place: str, name: str, model: mujoco.MjModel) -> Iterator[str]:
+    """Yield a sentence for each figure of a servo that no servo has."""
+    servo = model.actuator(name).id
+    where = f"{place}.servo: actuator {name!r}"
+    if model.actuator_ctrlnum[servo] < 2 or int(model.actuator_biastype[servo]) != int(mujoco.mjtBias.mjBIAS_AFFINE):
+        yield f'{where} is no servo; write <pid> with input="pos vel".'
+        return
+    gains = (-model.actuator_biasprm[servo, 1], -model.actuator_biasprm[servo, 2], model.actuator_gainprm[servo, 0])
+    for limits, gain in zip(OF_SERVOS, gains, strict=True):
+        yield from limits.faults([(where, float(gain) + 0.0)])  # not -0
+    low, high = (float(x) for x in model.actuator_forcerange[servo])
+    if not low < 0 < high:
+        yield f'{where}: forcerange is "{low:g} {high:g}"; write the torque limit, as forcerange="-300 300".'
+    else:
+        yield from OF_TORQUE_LIMITS.faults([(where, max(-low, high))])
+
+
+def _counterbalance(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
+    """Yield a sentence where tendon or actuator of the counterbalance are not those of a cylinder."""
+    named = robot.figures.counterbalance
+    if named is None:
+        return
+    tendon, actuator = model.tendon(named.tendon).id, model.actuator(named.actuator).id
+    start, count = model.tendon_adr[tendon], model.tendon_num[tendon]
+    if count != 2 or any(int(kind) != SITE for kind in model.wrap_type[start : start + count]):
+        yield (
+            f"figures.yaml: counterbalance.tendon: {named.tendon!r} must be <spatial> and run straight between two "
+            "sites, from the fixed side to the moving one."
+        )
+    elif model.actuator_trntype[actuator] != ON_TENDON or model.actuator_trnid[actuator, 0] != tendon:
+        yield f"figures.yaml: counterbalance.actuator: {named.actuator!r} does not act on {named.tendon!r}; let it."
+    if model.actuator_plugin[actuator] < 0:
+        yield (
+            f"figures.yaml: counterbalance.actuator: {named.actuator!r} is no gas spring; write "
+            '<plugin plugin="bench.gas_spring"> with its figures.'
+        )
 
 
 def _speed(place: str, drive: Drive, model: mujoco.MjModel) -> Iterator[str]:

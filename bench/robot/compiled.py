@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bench.errors import RobotError, unknown_name
 from bench.robot.addresses import Addresses, addresses_of
-from bench.robot.checks import faulty_roles, negative_masses
+from bench.robot.checks import faulty_roles, negative_masses, unlike_a_robot
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.folder import Robot
 from bench.robot.plain_words import plain_words
@@ -114,9 +114,12 @@ def compile_robot(robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float 
 
     Raises:
         RobotError: The MJCF does not compile, lacks a part that the figures name, or a part does not play its role;
-            every missing or misplaced part is listed.
+            every missing or misplaced part is listed. Or it is what no arm is.
     """
-    return compile_spec(read_spec(robot), robot, edits, timestep)
+    compiled = compile_spec(read_spec(robot), robot, edits, timestep)
+    if faults := tuple(unlike_a_robot(robot, compiled.model)):
+        raise RobotError(faults)
+    return compiled
 
 
 def compile_spec(
@@ -181,7 +184,7 @@ def counterbalance_of(
     `data` has kinematics with all joints at zero. None where `CompiledRobot.counterbalance` is.
 
     Raises:
-        RobotError: The figures name no driven joint, or the tendon does not run straight in a plane across the joint.
+        RobotError: The figures name no driven joint, or the tendon does not run in a plane across the joint.
     """
     named = robot.figures.counterbalance
     if named is None:
@@ -189,8 +192,6 @@ def counterbalance_of(
     joints = [drive.joint for drive in robot.figures.drives]
     if named.joint not in joints:
         raise RobotError(f"figures.yaml: counterbalance.joint: {unknown_name('driven joint', named.joint, joints)}")
-    if model.tendon_num[at.counterbalance_tendon] != 2:
-        raise RobotError(f"{robot.mjcf}: tendon {named.tendon!r} must run straight between two sites.")
     index = joints.index(named.joint)
     joint = at.joint[index]
     axis, pivot = data.xaxis[joint], data.xanchor[joint]

@@ -11,6 +11,25 @@ from bench.robot.strict import Strict
 
 Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
+# Most that a figure of a robot or of its instruments can be: far above real ones, and below what a slip of the keyboard
+# or of a unit makes of them. Of a slide rad stands for m, Nm for N
+SHARE = 100.0  # relative standard deviation of a figure of the model
+GAIN = 10.0  # relative standard deviation of a gain, an instrument's or a torque constant's
+RAD = 1.0
+TURN = 7.0  # [rad], of a zero or a frame of which nobody knows where it points
+M = 10.0
+M2 = 10.0
+RAD_PER_S = 1e3
+S = 10.0
+N = NM = 1e7
+A = 1e5
+KG = 1e5
+PA = 1e9
+NM_PER_A = RATIO = 1e6
+AWAY = 1e3  # [m], of an instrument from the robot; laser trackers see 160 m far
+PositiveTorque = Annotated[float, Field(gt=0, le=NM)]
+Torque = Annotated[float, Field(ge=0, le=NM)]
+Place = Annotated[float, Field(ge=-AWAY, le=AWAY)]
 
 
 class Drive(Strict):
@@ -23,13 +42,17 @@ class Drive(Strict):
     motor_friction: str = Field(description="friction actuator on the rotor joint")
     link_friction: str = Field(description="friction actuator on the link-side joint")
     torque_constant_nm_per_a: Positive = Field(
-        1.0, description="xi = tau_motor / I, at the joint (Table 2); left out where the drive reports torque"
+        1.0,
+        le=NM_PER_A,
+        description="xi = tau_motor / I, at the joint (Table 2); left out where the drive reports torque",
     )
-    torque_constant_error: NonNegative = Field(0.01, description="relative standard deviation of xi as known")
+    torque_constant_error: NonNegative = Field(0.01, le=GAIN, description="relative standard deviation of xi as known")
     gear_ratio: Positive | None = Field(
-        None, description="turns of the motor to one of the joint; for logs with angles of the motors, of hinges alone"
+        None,
+        le=RATIO,
+        description="turns of the motor to one of the joint; for logs with angles of the motors, of hinges alone",
     )
-    speed_limit_rad_per_s: Positive = Field(description="at the joint; of a slide [m/s]")
+    speed_limit_rad_per_s: Positive = Field(le=RAD_PER_S, description="at the joint; of a slide [m/s]")
 
     @property
     def states_torque_constant(self) -> bool:
@@ -48,50 +71,60 @@ class Counterbalance(Strict):
 class Rating(Strict):
     """Largest load at the load point."""
 
-    force_n: Positive
-    moment_nm: Positive
+    force_n: Positive = Field(le=N)
+    moment_nm: Positive = Field(le=NM)
 
 
 class Tracker(Strict):
     """Laser tracker; noise grows with the distance from where it stands."""
 
-    position_m: tuple[float, float, float] = Field(description="[m], where it stands, in the base frame")
-    sigma_per_distance: Positive = Field(10e-6, description="[m/m], one coordinate of one reading")
-    placement_sigma_m: NonNegative = Field(15e-6, description="[m], each time a reflector is taken off and put back")
-    frame_sigma_m: NonNegative = Field(0.1e-3, description="[m], each coordinate of its frame, one draw per set-up")
-    frame_sigma_rad: NonNegative = Field(0.2e-3, description="[rad], about each axis of its frame, one draw per set-up")
-    drift_m_per_h: NonNegative = Field(5e-6, description="[m/h], of its frame, each coordinate")
+    position_m: tuple[Place, Place, Place] = Field(description="[m], where it stands, in the base frame")
+    sigma_per_distance: Positive = Field(10e-6, le=0.1, description="[m/m], one coordinate of one reading")
+    placement_sigma_m: NonNegative = Field(
+        15e-6, le=M, description="[m], each time a reflector is taken off and put back"
+    )
+    frame_sigma_m: NonNegative = Field(
+        0.1e-3, le=M, description="[m], each coordinate of its frame, one draw per set-up"
+    )
+    frame_sigma_rad: NonNegative = Field(
+        0.2e-3, le=TURN, description="[rad], about each axis of its frame, one draw per set-up"
+    )
+    drift_m_per_h: NonNegative = Field(5e-6, le=M, description="[m/h], of its frame, each coordinate")
 
 
 class ForceSensor(Strict):
     """Force sensor at the load point. The direction error counts only where the load does not hang."""
 
-    sigma_n: Positive = Field(0.5, description="[N], noise of one reading of a force")
-    sigma_nm: Positive = Field(0.2, description="[Nm], noise of one reading of a moment")
-    gain_sigma: NonNegative = Field(0.005, description="relative gain error of the reading, one draw")
-    direction_sigma_rad: NonNegative = Field(0.005, description="[rad], of the direction of a load that does not hang")
+    sigma_n: Positive = Field(0.5, le=N, description="[N], noise of one reading of a force")
+    sigma_nm: Positive = Field(0.2, le=NM, description="[Nm], noise of one reading of a moment")
+    gain_sigma: NonNegative = Field(0.005, le=GAIN, description="relative gain error of the reading, one draw")
+    direction_sigma_rad: NonNegative = Field(
+        0.005, le=RAD, description="[rad], of the direction of a load that does not hang"
+    )
 
 
 class CurrentSensor(Strict):
     """Motor current as the drive reports it."""
 
-    sigma_a: Positive = Field(0.02, description="[A], noise of one reading")
-    resolution_a: NonNegative = Field(0.01, description="[A], step of the reading")
-    offset_sigma_a: NonNegative = Field(0.01, description="[A], offset of the reading, one draw per drive")
-    gain_sigma: NonNegative = Field(0.005, description="relative gain error of the reading, one draw per drive")
+    sigma_a: Positive = Field(0.02, le=A, description="[A], noise of one reading")
+    resolution_a: NonNegative = Field(0.01, le=A, description="[A], step of the reading")
+    offset_sigma_a: NonNegative = Field(0.01, le=A, description="[A], offset of the reading, one draw per drive")
+    gain_sigma: NonNegative = Field(
+        0.005, le=GAIN, description="relative gain error of the reading, one draw per drive"
+    )
 
 
 class TorqueSensor(Strict):
     """Motor torque as a drive reports it, reflected to the joint; of a slide a force, in N for Nm."""
 
-    sigma_nm: Positive | tuple[Positive, ...] = Field(
+    sigma_nm: PositiveTorque | tuple[PositiveTorque, ...] = Field(
         description="[Nm], noise of one reading; one for all drives, or one for each"
     )
-    resolution_nm: NonNegative = Field(0.0, description="[Nm], step of the reading")
-    offset_sigma_nm: NonNegative | tuple[NonNegative, ...] = Field(
+    resolution_nm: NonNegative = Field(0.0, le=NM, description="[Nm], step of the reading")
+    offset_sigma_nm: Torque | tuple[Torque, ...] = Field(
         0.0, description="[Nm], offset of the reading, one draw per drive; one sigma for all drives, or one for each"
     )
-    gain_sigma: NonNegative = Field(0.02, description="relative gain error of the reading, one draw per drive")
+    gain_sigma: NonNegative = Field(0.02, le=GAIN, description="relative gain error of the reading, one draw per drive")
 
     def sigma_of(self, n: int) -> tuple[float, ...]:
         """Return `sigma_nm` of each of n drives [Nm]."""
@@ -105,31 +138,32 @@ class TorqueSensor(Strict):
 class Encoder(Strict):
     """Motor encoder, reflected to the joint; of a slide in m for rad."""
 
-    resolution_rad: Positive = Field(2e-7, description="[rad], step of the reading, at the joint")
-    offset_sigma_rad: NonNegative = Field(0.0, description="[rad], of its zero, one draw per drive")
-    delay_s: NonNegative = Field(0.0, description="[s], by which it reads late")
+    resolution_rad: Positive = Field(2e-7, le=RAD, description="[rad], step of the reading, at the joint")
+    offset_sigma_rad: NonNegative = Field(0.0, le=TURN, description="[rad], of its zero, one draw per drive")
+    delay_s: NonNegative = Field(0.0, le=S, description="[s], by which it reads late")
 
 
 class LinkEncoder(Strict):
     """Secondary encoders behind the gear, on some joints; of a slide in m for rad."""
 
     joints: tuple[str, ...] = Field(min_length=1, description="link-side joints that have one, by their names")
-    resolution_rad: Positive = Field(default=2e-7, description="[rad], step of the reading")
-    offset_sigma_rad: NonNegative = Field(default=0.0, description="[rad], of its zero, one draw per joint")
+    resolution_rad: Positive = Field(default=2e-7, le=RAD, description="[rad], step of the reading")
+    offset_sigma_rad: NonNegative = Field(default=0.0, le=TURN, description="[rad], of its zero, one draw per joint")
     zeroing_sigma_rad: NonNegative | None = Field(
         default=None,
+        le=TURN,
         description="[rad], of the part of its zero that is another one in each recording",
     )
     accuracy_rad: NonNegative = Field(
-        0.0, description="[rad], error within a turn: graduation, centring; no mean lessens it"
+        0.0, le=RAD, description="[rad], error within a turn: graduation, centring; no mean lessens it"
     )
 
 
 class PressureGauge(Strict):
     """Gauge of the gas pressure in the counterbalance."""
 
-    resolution_pa: Positive = Field(1e5, description="[Pa], step of the reading")
-    piston_area_m2: Positive = Field(description="[m^2], on which the gas acts")
+    resolution_pa: Positive = Field(1e5, le=PA, description="[Pa], step of the reading")
+    piston_area_m2: Positive = Field(le=M2, description="[m^2], on which the gas acts")
 
 
 class Instruments(Strict):
@@ -151,20 +185,29 @@ class Uncertainty(Strict):
     well-kept model of a heavy arm; a model taken from a drawing deserves larger ones.
     """
 
-    mass: NonNegative = Field(0.01, description="relative, of each link")
-    centre_of_mass_m: NonNegative = Field(1e-3, description="[m], each coordinate, of each link")
+    mass: NonNegative = Field(0.01, le=SHARE, description="relative, of each link")
+    centre_of_mass_m: NonNegative = Field(1e-3, le=M, description="[m], each coordinate, of each link")
     links: float = Field(
-        1.0, ge=1, description="times that these two are larger; above 1, moments of inertia of links are as unknown"
+        1.0,
+        ge=1,
+        le=SHARE,
+        description="times that these two are larger; above 1, moments of inertia of links are as unknown",
     )
-    geometry_m: NonNegative = Field(0.2e-3, description="[m], each coordinate of each joint's place and of the anchors")
-    friction: NonNegative = Field(0.05, description="relative, of each Coulomb level and each viscous coefficient")
-    rotor_inertia: NonNegative = Field(0.1, description="relative, of each rotor with its gear")
-    stiffness: NonNegative = Field(0.03, description="relative, of each elastic element; 3: known to a factor of 4")
-    gas_constant: NonNegative = Field(0.01, description="relative, of the counterbalance's C")
-    critical_length_m: NonNegative = Field(0.5e-3, description="[m], of the counterbalance's l_c")
-    load: NonNegative = Field(0.001, description="relative, of weights hung or bolted on")
+    geometry_m: NonNegative = Field(
+        0.2e-3, le=M, description="[m], each coordinate of each joint's place and of the anchors"
+    )
+    friction: NonNegative = Field(
+        0.05, le=SHARE, description="relative, of each Coulomb level and each viscous coefficient"
+    )
+    rotor_inertia: NonNegative = Field(0.1, le=SHARE, description="relative, of each rotor with its gear")
+    stiffness: NonNegative = Field(
+        0.03, le=SHARE, description="relative, of each elastic element; 3: known to a factor of 4"
+    )
+    gas_constant: NonNegative = Field(0.01, le=SHARE, description="relative, of the counterbalance's C")
+    critical_length_m: NonNegative = Field(0.5e-3, le=M, description="[m], of the counterbalance's l_c")
+    load: NonNegative = Field(0.001, le=SHARE, description="relative, of weights hung or bolted on")
     payload_kg: NonNegative | None = Field(
-        None, description="[kg], largest payload that recordings may leave unstated; by default the rated load"
+        None, le=KG, description="[kg], largest payload that recordings may leave unstated; by default the rated load"
     )
 
 
@@ -195,6 +238,8 @@ class Figures(Strict):
             raise ValueError("instruments.tracker needs reflectors: name a site of the MJCF, or write tracker: null")
         if fitted.pressure and not self.counterbalance:
             raise ValueError("instruments.pressure needs a counterbalance: name it, or write pressure: null")
+        if twice := {name for name in self.reflectors if self.reflectors.count(name) > 1}:
+            raise ValueError(f"reflectors: {', '.join(sorted(twice))} named twice; name each once")
         joints = [drive.joint for drive in self.drives]
         unstated = [drive.joint for drive in self.drives if not drive.states_torque_constant]
         if fitted.current and unstated:

@@ -13,6 +13,7 @@ from bench.robot.strict import Strict
 
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
+MOST_WEIGHT = 100.0  # grams written down for kilograms would make a thousand
 
 
 class FittedReadings(Strict):
@@ -33,10 +34,13 @@ class FittedReadings(Strict):
 
 
 class FittedWeights(Strict):
-    """By how much what hangs at the load point, and what is bolted to it, is heavier than written down; relative."""
+    """By how much what hangs at the load point, and what is bolted to it, is heavier than written down; relative.
 
-    hung: float = 0.0
-    bolted: float = 0.0
+    Above -1, where there would be no weight.
+    """
+
+    hung: float = Field(0.0, gt=-1, le=MOST_WEIGHT)
+    bolted: float = Field(0.0, gt=-1, le=MOST_WEIGHT)
 
 
 NO_READINGS, NO_WEIGHTS = FittedReadings.model_validate({}), FittedWeights.model_validate({})

@@ -16,6 +16,7 @@ from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.figures import Figures
 
 FIGURES_FILE = "figures.yaml"
+MJCF_ENDINGS = (".xml", ".mjcf")
 
 
 @dataclass(frozen=True)
@@ -73,9 +74,17 @@ def load_robot(name_or_folder: str | Path) -> Robot:
     ]:
         raise RobotError(faults)
     robot = Robot(folder.resolve().name, folder.resolve(), figures)
-    if not robot.mjcf.is_file():
-        raise RobotError(f"{source}: mjcf: there is no file {figures.mjcf!r} beside it.")
+    if faults := [
+        f"{source}: {key}: there is no MJCF (.xml) {name!r} beside it."
+        for key, name in (("mjcf", figures.mjcf), ("scene", figures.scene))
+        if name is not None and not _is_mjcf(robot.folder / name)
+    ]:
+        raise RobotError(faults)
     return robot
+
+
+def _is_mjcf(file: Path) -> bool:
+    return file.suffix in MJCF_ENDINGS and file.is_file()
 
 
 def _too_large(content: object, key: str = "") -> Iterator[tuple[str, float]]:

@@ -1,5 +1,8 @@
 """The defaults of `figures.yaml` as a table for people; a test holds models/README.md to it."""
 
+from collections.abc import Iterator
+from typing import Any
+
 from pydantic import BaseModel
 
 from bench.robot.figures import (
@@ -35,13 +38,14 @@ IN_WORDS = {
 
 def table() -> str:
     """Return all figures with their defaults in Markdown, as they stand in models/README.md."""
-    lines = ["| key | unless given | is |", "|---|---|---|"]
+    lines = ["| key | unless given | can be | is |", "|---|---|---|---|"]
     for place, kind in PARTS:
+        schemas = kind.model_json_schema()["properties"]
         for name, field in kind.model_fields.items():
             if kind is Drive and not isinstance(field.default, float):
                 continue  # names of parts
             default = IN_WORDS[name] if name in IN_WORDS else _said(field.default, field.is_required())
-            lines.append(f"| `{place}.{name}` | {default} | {field.description} |")
+            lines.append(f"| `{place}.{name}` | {default} | {_range(schemas[name])} | {field.description} |")
     return "\n".join(lines)
 
 
@@ -49,3 +53,23 @@ def _said(default: object, is_required: bool) -> str:
     if is_required:
         return "must be given"
     return f"{default:g}"
+
+
+def _range(schema: Any) -> str:
+    """Return in words between which numbers a figure can be, from its JSON schema; "names" where it is no number."""
+    bounds = dict(_bounds(schema))
+    if "maximum" not in bounds:
+        return "names"
+    if "minimum" in bounds:
+        return f"{bounds['minimum']:g} to {bounds['maximum']:g}"
+    return f"above {bounds['exclusiveMinimum']:g}, to {bounds['maximum']:g}"
+
+
+def _bounds(schema: Any) -> Iterator[tuple[str, float]]:
+    """Yield the bounds that stand in a schema, in whatever they are nested."""
+    parts = schema.items() if isinstance(schema, dict) else enumerate(schema) if isinstance(schema, list) else ()
+    for key, part in parts:
+        if key in ("minimum", "exclusiveMinimum", "maximum"):
+            yield key, part
+        else:
+            yield from _bounds(part)

@@ -8,12 +8,14 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from xml.parsers import expat
 
-from bench.errors import RobotError
+from bench.errors import UNPRINTABLE, RobotError
 from bench.record.limits import ASSET_BYTES, MODEL_BYTES, MODEL_COPIES, MODEL_DEPTH, MODEL_INCLUDES
 from bench.record.plain_file import FileFault, expect_plain, read_plain
 
 COPIED = ("replicate", "composite", "flexcomp")  # elements that stand for `count` of what is in them
+REMEDY = "give the file that `xacro ARM.xacro > ARM.urdf` makes"
 DIRECTORIES = ("meshdir", "texturedir", "assetdir")  # attributes of <compiler>
+XACRO = ("${", "$(")  # begin what xacro fills in
 _NAN = re.compile(r"(?:^|\s)[+-]?(nan|inf)(?:inity|\(\w*\))?(?=\s|$)", re.IGNORECASE)
 
 
@@ -22,7 +24,8 @@ def look_through(file: Path) -> None:
 
     Raises:
         RobotError: It is not XML, has entities, nests too deep, includes too much, copies too often, has numbers that
-            are none, or names files that are no plain files; with file and line.
+            are none or names that no line holds, is meant for xacro, or names files that are no plain files; with file
+            and line.
     """
     _Reader(file).read(file, depth=0)
 
@@ -60,7 +63,13 @@ class _Reader:
             copies.append(copies[-1] * (_count(attributes) if tag in COPIED else 1))
             if MODEL_COPIES.exceeded(copies[-1]):
                 refuse(f"<{tag}> makes more than {MODEL_COPIES}", MODEL_COPIES.remedy)
+            if tag.startswith("xacro:"):
+                refuse(f"<{tag}> is for xacro", REMEDY)
             for name, value in attributes.items():
+                if any(sign in value for sign in XACRO):
+                    refuse(f"<{tag}>: {name} holds {value[:40]!r}, which is for xacro", REMEDY)
+                if name == "name" and ("\n" in value or UNPRINTABLE.search(value)):
+                    refuse(f"<{tag}>: name {value[:40]!r} has a line break or control character", "give another name")
                 if "\ufffd" in value:
                     refuse(f"<{tag}>: {name} is not UTF-8", "save the file as UTF-8")
                 if name != "name" and (found := _NAN.search(value)):

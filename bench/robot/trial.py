@@ -9,7 +9,9 @@ import os
 import resource
 import select
 import signal
+import warnings
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import mujoco
@@ -21,11 +23,14 @@ from bench.record.limits import MODEL_BYTES, MODEL_MEMORY, MODEL_SECONDS
 from bench.record.plain_file import FileFault, expect_plain
 from bench.robot.mjcf_text import look_through
 from bench.robot.plain_words import plain_words
+from bench.robot.plausible import implausible
 
 PATIENCE = 4  # times the limit of processor time, by the wall clock: others may need the cores
 KEYFRAMES = 20  # that are computed; a file may have thousands
+MOST_TOLD = 8  # faults of one model; one slip is often made at every joint
 PIPE_SIZE = 4096  # [bytes] of an answer, at most: what a pipe takes at once (POSIX: at least 512)
 FINITE = ("qpos0", "body_pos", "body_mass", "body_inertia", "dof_armature", "dof_damping", "tendon_stiffness")
+SINGULAR = "too close to singular"  # in a warning of MuJoCo's compiler
 _harmless: set[tuple[str, int, int]] = set()
 
 
@@ -48,7 +53,7 @@ def expect_harmless(file: Path) -> None:
         return
     look_through(file)
     if told := _tried(file.absolute()):
-        raise RobotError(f"{file}: {told}")
+        raise RobotError(f"{file}: {fault}" for fault in told.splitlines())
     _harmless.add(known)
 
 
@@ -91,7 +96,7 @@ def _try(file: Path, answer: int) -> None:
         _limit(resource.RLIMIT_CPU, MODEL_SECONDS.value)
         _limit(resource.RLIMIT_AS, _address_space() + MODEL_MEMORY.value)
         mujoco.set_mju_user_warning(lambda words: None)
-        told = next(_faults(file), " ")
+        told = "\n".join(islice(_faults(file), MOST_TOLD)) or " "
     except MemoryError:
         told = f"needs more than {MODEL_MEMORY} of memory; {MODEL_MEMORY.remedy}."
     except (ValueError, mujoco.FatalError) as error:
@@ -104,11 +109,20 @@ def _try(file: Path, answer: int) -> None:
 
 
 def _faults(file: Path) -> Iterator[str]:
-    """Yield what is wrong with a model."""
-    model = mujoco.MjSpec.from_file(str(file)).compile()
-    for name in FINITE:
-        if not np.all(np.isfinite(getattr(model, name))):
-            yield f"its {name} is not finite once compiled; look for numbers that are far too large."
+    """Yield what is wrong with a model. What MuJoCo computes is looked at only where its numbers are plausible."""
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        model = mujoco.MjSpec.from_file(str(file)).compile()
+    infinite = [name for name in FINITE if not np.all(np.isfinite(getattr(model, name)))]
+    if infinite:
+        yield f"its {infinite[0]} is not finite once compiled; look for numbers that are far too large."
+        return
+    if faults := list(implausible(model)):
+        yield from faults
+        return
+    for warning in warned:
+        if SINGULAR in str(warning.message):
+            yield "its mass matrix is singular: look for armatures, masses and inertias that are far too small."
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     if not np.all(np.isfinite(data.qacc)):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.poison.variant import Answer, Spoil, Variant
-from tests.small_robot import MJCF, write_small_robot
+from tests.small_robot import MJCF, ROTOR, write_small_robot
 
 FIGURES = "figures.yaml"
 ARM = "small.xml"
@@ -28,6 +28,10 @@ def _in_world(text: str) -> Spoil:
 
 def _before(text: str) -> Spoil:
     return _mjcf("<worldbody>", f"{text}<worldbody>")
+
+
+def _keyframe(qpos: str) -> Spoil:
+    return _mjcf("</mujoco>", f'<keyframe><key qpos="{qpos}"/></keyframe></mujoco>')
 
 
 def mjcf_that_crashes_its_reader(rng: np.random.Generator) -> Iterator[Variant]:
@@ -124,8 +128,89 @@ def parts_of_robots(rng: np.random.Generator) -> Iterator[Variant]:
     }
     for name, (old, new, places) in changes.items():
         yield Variant("parts of robots", name, _mjcf(old, new), "error", places)
-    heavy = _mjcf('mass="40.0"', 'mass="1e300"')
-    yield Variant("parts of robots", "a mass of 1e300", heavy, "doubt", ("the nominal model cannot follow",))
+
+
+def numbers_of_no_robot(rng: np.random.Generator) -> Iterator[Variant]:
+    """Write into the MJCF what compiles and is no robot: lost signs, other units, slips of the keyboard."""
+    family, kp, limit = "numbers of no robot", f'kp="{ROTOR[0] * 3600}"', 'forcerange="-9000 9000"'
+    stiffness, joint, fore = (
+        'stiffness="200000.0"',
+        'name="hinge_a" axis="0 1 0" range="-1 2"',
+        '<body name="fore" pos="0 0 0.8">',
+    )
+    changes: dict[str, tuple[str, str, str]] = {
+        **{f"a time step of {x}": ('timestep="0.001"', f'timestep="{x}"', "timestep is") for x in (0, -1, 1, 1e-12)},
+        **{f"a servo's kp of {x}": (kp, f'kp="{x}"', "'servo_a': kp is") for x in (0, -7630, 1e15)},
+        "a servo's kv below zero": (f'kv="{ROTOR[0] * 120}"', 'kv="-1"', "kv cannot be negative"),
+        **{
+            f"a forcerange of {x}": (limit, f'forcerange="{x}"', "'servo_a': forcerange is")
+            for x in ("300 -300", "100 300", "0 0", "-2e8 2e8")
+        },
+        "no forcerange": (limit, "", "'servo_a': forcerange is"),
+        "degrees taken for radians": (joint, joint.replace("-1 2", "-150 150"), 'compiler angle="radian"'),
+        "a zero that is moved": (joint, f'{joint} ref="0.5"', "'hinge_a' has ref != 0"),
+        "no range": (joint, joint.removesuffix(' range="-1 2"'), "'hinge_a' has no range"),
+        **{f"a mass of {x:g}": ('mass="40.0"', f'mass="{x}"', "'upper': mass is") for x in (12000, 1e12, 1e300)},
+        "an element of 3 Nm/rad": (stiffness, 'stiffness="3"', "'element_a': the frequency"),
+        "an element of 1e15 Nm/rad": (stiffness, 'stiffness="1e15"', "'element_a': stiffness is"),
+        "an element that drives": ('damping="400.0"', 'damping="-400"', "'element_a': damping is"),
+        **{f"an armature of {x:g}": ('armature="40.0"', f'armature="{x}"', "armature is") for x in (1e30, -2)},
+        "friction that drives": (joint, f'{joint} damping="-1"', "'hinge_a': damping is"),
+        "millimetres for metres": (fore, fore.replace("0.8", "800"), "'fore': distance"),
+        "gravity in mm/s^2": ('timestep="0.001"', 'timestep="0.001" gravity="0 0 -9810"', "gravity is"),
+    }  # fmt: skip
+    for name, (old, new, place) in changes.items():
+        yield Variant(family, name, _mjcf(old, new), "error", (place,))
+
+
+def other_machines(rng: np.random.Generator) -> Iterator[Variant]:
+    """Make something else of the robot: what no serial arm has is refused, what changes nothing is harmless."""
+    loose = '<body name="loose" pos="0 0 5"><freejoint/><geom size="0.5" mass="100"/></body>'
+    ball = '<joint name="hinge_a" type="ball"/>'
+    joint = '<joint name="hinge_a" axis="0 1 0" range="-1 2"/>'
+    touching = 'contype="0" conaffinity="0"'
+    wide = '<body name="post"><geom size="3" mass="1"/></body>'
+
+    def touches(folder: Path) -> None:
+        text = MJCF.replace(touching, "").replace("<worldbody>", f"<worldbody>{wide}")
+        (folder / "robot" / ARM).write_text(text)
+
+    def part(folder: Path) -> None:
+        _before('<include file="part.xml"/>')(folder)
+        (folder / "robot" / "part.xml").write_text('<mujoco><custom><numeric name="x" data="1"/></custom></mujoco>')
+
+    changes: dict[str, tuple[Spoil, Answer, str]] = {
+        "a free body beside it": (_in_world(loose), "error", "'loose'"),
+        "a base that floats": (_mjcf('<body name="upper">', '<body name="upper"><freejoint/>'), "error", ""),
+        "a ball joint in place of a hinge": (_mjcf(joint, ball), "error", "'hinge_a'"),
+        "joints that are coupled": (
+            _before('<equality><joint joint1="hinge_a" joint2="hinge_b"/></equality>'), "error", "equality"
+        ),
+        "a tool that is welded to the world": (
+            _before('<equality><weld name="grip" body1="fore"/></equality>'), "error", "equality 'grip'"
+        ),
+        "shapes that touch": (touches, "error", "'post'"),
+        "shapes of neighbours that overlap": (_mjcf(touching, "", 2), "error or harmless", ""),
+        "an include": (part, "harmless", ""),
+        "an include that is not there": (_before('<include file="nowhere.xml"/>'), "error", "nowhere.xml"),
+        "twenty sites by replicate": (_in_world('<replicate count="20"><site/></replicate>'), "harmless", ""),
+        "two arms by replicate": (
+            _mjcf('<joint name="hinge_b"', '<replicate count="2"><geom size="0.1" mass="1"/></replicate>'
+            '<joint name="hinge_b"'), "error or harmless", ""
+        ),
+        "a mesh that is not there": (
+            _before('<asset><mesh name="m" file="nowhere.stl"/></asset>'), "error", "nowhere.stl"
+        ),
+        "a keyframe that is too short": (_keyframe("0 0"), "harmless", ""),  # MuJoCo takes the rest from the model
+        "a keyframe that is too long": (_keyframe("0 0 0 0 0"), "error", "qpos"),
+        "a body that a mouse moves": (
+            _in_world('<body name="m" mocap="true"><geom size="0.1" contype="0" conaffinity="0"/></body>'),
+            "harmless", "",
+        ),
+        "a name with a line break": (_mjcf('name="hinge_a"', 'name="hinge&#10;a"'), "error", "line break"),
+    }  # fmt: skip
+    for name, (spoil, answer, place) in changes.items():
+        yield Variant("other machines", name, spoil, answer, (place,))
 
 
 def _figures(change: str, new: str = "") -> Spoil:
@@ -160,6 +245,10 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
         "an uncertainty below zero": ("uncertainty: {mass: -1}\n", ("uncertainty.mass",)),
         "an uncertainty of nan": ("uncertainty: {mass: .nan}\n", ("uncertainty.mass",)),
         "a list for a section": ("uncertainty: [1]\n", ("uncertainty",)),
+        "an uncertainty of 1e9": ("uncertainty: {mass: 1.0e+9}\n", ("uncertainty.mass",)),
+        "a weight below zero": ("fitted: {weights: {hung: -5}}\n", ("fitted.weights.hung",)),
+        "a scene that is not there": ("scene: nowhere.xml\n", ("scene", "nowhere.xml")),
+        "a scene that is no MJCF": ("scene: figures.yaml\n", ("scene",)),
     }
     for name, (line, places) in appended.items():
         yield Variant("figures", name, _append(line), "error", (FIGURES, *places))
@@ -176,7 +265,18 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
         "one joint twice": ("joint: hinge_b", "joint: hinge_a", ("drives[1]",)),
         "a reflector that is not there": ("- nest_1", "- nest_9", ("reflectors[0]", "nest_9")),
         "a piston of no area": ("piston_area_m2: 0.001", "piston_area_m2: 0", ("piston_area_m2",)),
+        "a counterbalance that is an elastic element": (
+            "  actuator: balance\n  joint: hinge_a\n  tendon: balance",
+            "  actuator: servo_a\n  joint: hinge_a\n  tendon: element_a",
+            ("counterbalance.tendon", "'element_a'", "counterbalance.actuator", "'servo_a'"),
+        ),
+        "a counterbalance that acts on another tendon": (
+            "  actuator: balance\n", "  actuator: servo_a\n", ("counterbalance.actuator", "'servo_a'"),
+        ),
     }  # fmt: skip
+    for key, value in (("delay_s", "1.0e+9"), ("resolution_rad", "10")):
+        changed[f"{key} of {value}"] = ("encoder: {}", f"encoder: {{{key}: {value}}}", (f"encoder.{key}",))
+    changed["a gain of 1e9"] = ("force: {}", "force: {gain_sigma: 1.0e+9}", ("force.gain_sigma",))
     for name, (old, new, places) in changed.items():
         yield Variant("figures", name, _figures(old, new), "error", places)
 
@@ -215,5 +315,5 @@ def robots_of_strangers(rng: np.random.Generator) -> Iterator[Variant]:
 
 FAMILIES = (
     *(mjcf_that_crashes_its_reader, damaged_mjcf, attributes_of_plugins, parts_of_robots, figures),
-    robots_of_strangers,
+    *(numbers_of_no_robot, other_machines, robots_of_strangers),
 )

@@ -9,9 +9,7 @@ from bench.errors import RobotError
 from bench.record.limits import MODEL_COPIES, MODEL_DEPTH, MODEL_INCLUDES, MODEL_SECONDS
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
-from bench.robot.starter.folder import start_robot
 from bench.robot.starter.source import read_source
-from tests import stranger
 from tests.small_robot import MJCF, write_small_robot
 
 TABLE = (
@@ -133,10 +131,3 @@ def test_figures_of_no_robot_are_named(tmp_path: Path) -> None:
     (folder / "figures.yaml").write_text(text + "\nfitted: {readings: {torque_gain: {hinge_a: 1e300}}}\n")
     with pytest.raises(RobotError, match=r"fitted.readings.torque_gain.hinge_a: 1e\+300 is no figure of a robot"):
         load_robot(folder)
-
-
-def test_an_arm_that_nothing_moves_is_named_by_its_joint(tmp_path: Path) -> None:
-    first = f'armature="{stranger.ROTOR[0]}"'
-    (tmp_path / "arm.xml").write_text(stranger.mjcf().replace(first, 'armature="-0.01"', 1))
-    with pytest.raises(RobotError, match="what moves with it has an inertia"):
-        start_robot("arm", read_source(tmp_path / "arm.xml"), tmp_path / "arm")

@@ -28,6 +28,8 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
             found.append(f"{words} ({', '.join(who)}): {_plainly(reason)}")
     if unlimited := [joint.name for joint in source.joints if not joint.has_limits]:
         found.append(f"range of {', '.join(unlimited)}: the file has none")
+    if source.made_up_names:
+        found.append(f"name of {', '.join(source.made_up_names)}: the file has none")
     if source.guessed_masses:
         found.append(
             f"mass of {', '.join(source.guessed_masses)}: the file gives shapes alone; made of them at 1000 kg/m^3"

@@ -15,7 +15,7 @@ from bench.robot.folder import FIGURES_FILE, load_robot
 from bench.robot.links import rigid_bodies
 from bench.robot.plain_words import plain_words
 from bench.robot.starter.defaults import DriveFigures, drive_figures, survey
-from bench.robot.starter.mjcf import mjcf_of, with_home
+from bench.robot.starter.mjcf import clashes, mjcf_of, with_home
 from bench.robot.starter.pages import figures_text, log_text, readme_text, scene_text
 from bench.robot.starter.source import Source
 
@@ -53,6 +53,8 @@ def start_robot(name: str, source: Source, folder: Path) -> Started:
     """
     if not NAME.fullmatch(name):
         raise InputError(f"name {name!r}: use letters, digits, '_', '-' and '.'; files are named after it.")
+    if faults := tuple(clashes(source)):
+        raise RobotError(faults)
     with new_folder(folder, FIGURES_FILE, replace=False) as partial:
         model = _compile(source)
         found = survey(source, model)
@@ -64,11 +66,10 @@ def start_robot(name: str, source: Source, folder: Path) -> Started:
         (partial / FIGURES_FILE).write_text(figures_text(name, source, drives, found), encoding="utf-8")
         (partial / "log.yaml").write_text(log_text(source), encoding="utf-8")
         (partial / "README.md").write_text(readme_text(name, source, drives), encoding="utf-8")
-        compiled = compile_robot(load_robot(partial))
-        rigid_bodies(compiled)
+        compiled = _compiled(source, partial)
         home = _rest(compiled, source)
         (partial / f"{name}.xml").write_text(with_home(mjcf, *home), encoding="utf-8")
-        compile_robot(load_robot(partial))
+        _compiled(source, partial)
     return Started(compile_robot(load_robot(folder)), source, drives)
 
 
@@ -77,6 +78,19 @@ def _compile(source: Source) -> mujoco.MjModel:
         return source.spec.compile()
     except ValueError as error:
         raise RobotError(f"{source.file}: with the driven joints alone: {plain_words(error)}") from error
+
+
+def _compiled(source: Source, partial: Path) -> CompiledRobot:
+    """Return the robot of the folder in the making; what does not work there is said of the file that it is made of."""
+    try:
+        compiled = compile_robot(load_robot(partial))
+        rigid_bodies(compiled)
+    except RobotError as error:
+        problems = (
+            problem.replace(f"{partial.resolve()}/", "").replace(f"{partial}/", "") for problem in error.problems
+        )
+        raise RobotError(f"{source.file}: the robot made of it: {problem}" for problem in problems) from error
+    return compiled
 
 
 def _rest(compiled: CompiledRobot, source: Source) -> tuple[list[float], list[float], list[float]]:

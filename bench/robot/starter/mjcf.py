@@ -1,7 +1,7 @@
 """The MJCF of a started robot: the cleared links, and beside them rotors, elements, servos, friction, load body."""
 
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from bench.robot.starter.defaults import STEP, DriveFigures
 from bench.robot.starter.source import Source
@@ -9,6 +9,7 @@ from bench.robot.starter.source import Source
 ORDER = ("compiler", "option", "size", "visual", "statistic", "extension", "default", "asset", "worldbody", "tendon")
 ACTUATION = {"general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion"}
 NOT_INHERITED = ACTUATION | {"pid", "dcmotor", "tendon", "equality", "pair"}
+LOAD_BODY, LOAD_POINT, REFLECTOR = "bench_load", "bench_load_point", "bench_reflector"
 # Written out so that defaults of the file do not reach the rotors
 BARE_JOINT = {"frictionloss": "0", "stiffness": "0", "limited": "false", "actuatorfrclimited": "false", "axis": "1 0 0"}
 
@@ -23,6 +24,19 @@ def names_of(joint: str) -> dict[str, str]:
         "motor_friction": f"{joint}_motor_friction",
         "link_friction": f"{joint}_link_friction",
     }
+
+
+def clashes(source: Source) -> Iterator[str]:
+    """Yield a sentence for each part of the file that has a name which a part that is added will have."""
+    rotors = {names_of(joint.name)["rotor"] for joint in source.joints}
+    for kind, parts, taken in (
+        ("body", source.spec.bodies, {LOAD_BODY, *rotors}),
+        ("joint", source.spec.joints, rotors),
+        ("site", source.spec.sites, {LOAD_POINT, REFLECTOR}),
+    ):
+        for part in parts:
+            if part.name in taken:
+                yield f"{source.file}: {kind} {part.name!r}: a part that is added will have this name; rename yours."
 
 
 def mjcf_of(name: str, source: Source, drives: Sequence[DriveFigures], links: str) -> str:
@@ -70,10 +84,10 @@ def with_home(mjcf: str, qpos: Sequence[float], act: Sequence[float], ctrl: Sequ
 def _add_load(root: ElementTree.Element, source: Source) -> None:
     carrier = next(body for body in root.iter("body") if body.get("name") == source.load_body)
     place = " ".join(f"{x:.12g}" for x in source.load_position)
-    load = ElementTree.SubElement(carrier, "body", name="bench_load", pos=place)
+    load = ElementTree.SubElement(carrier, "body", name=LOAD_BODY, pos=place)
     ElementTree.SubElement(load, "inertial", mass="0", pos="0 0 0", diaginertia="0 0 0")
-    ElementTree.SubElement(load, "site", name="bench_load_point", size="0.01")
-    ElementTree.SubElement(load, "site", name="bench_reflector", size="0.01")
+    ElementTree.SubElement(load, "site", name=LOAD_POINT, size="0.01")
+    ElementTree.SubElement(load, "site", name=REFLECTOR, size="0.01")
 
 
 def _add_drive(

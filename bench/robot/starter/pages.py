@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 
+import yaml
 from pydantic import BaseModel
 
 from bench.record.units import STANDARD_GRAVITY
@@ -181,4 +182,6 @@ def readme_text(name: str, source: Source, drives: Sequence[DriveFigures]) -> st
 
 
 def _quoted(text: str) -> str:
-    return text if text.replace("_", "").replace("-", "").isalnum() and not text[0].isdigit() else f'"{text}"'
+    """Return a text as YAML has it; in quotation marks unless it is one word that YAML takes for a text."""
+    is_word = text.replace("_", "").replace("-", "").isalnum() and not text[0].isdigit()
+    return text if is_word and yaml.safe_load(text) == text else json.dumps(text, ensure_ascii=False)

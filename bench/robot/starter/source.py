@@ -69,6 +69,7 @@ class Source:
         load_origin: Where the load point comes from, in words.
         left_out: What was left out, in words.
         guessed_masses: Bodies whose mass the file does not give; MuJoCo makes it of their shapes, 1000 kg/m^3.
+        made_up_names: Names of driven joints that have none in the file.
     """
 
     file: Path
@@ -79,6 +80,7 @@ class Source:
     load_origin: str
     left_out: tuple[str, ...]
     guessed_masses: tuple[str, ...]
+    made_up_names: tuple[str, ...]
 
 
 def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "") -> Source:
@@ -99,13 +101,13 @@ def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "") ->
     urdf = read_urdf(file)
     spec, model = _read(file, urdf)
     driven = _driven(file, model, joints)
-    names = _name_joints(spec, model, driven)
+    names, made_up = _name_joints(spec, driven)
     speeds = urdf.speed_limits if urdf else {}
     described = tuple(_describe(model, j, name, speeds) for j, name in zip(driven, names, strict=True))
     guessed = _guessed_masses(spec)
     left_out = (*_clear(spec, set(names)), *(urdf.left_out if urdf else ()))
     load_body, position, origin = _load_point(file, spec, names[-1], load_point)
-    return Source(file, spec, described, load_body, position, origin, left_out, guessed)
+    return Source(file, spec, described, load_body, position, origin, left_out, guessed, tuple(made_up))
 
 
 def _read(file: Path, urdf: Urdf | None) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
@@ -133,6 +135,8 @@ def _driven(file: Path, model: mujoco.MjModel, wanted: Sequence[str]) -> list[in
     if wanted:
         if problems := unknown_names("joint", wanted, known):
             raise RobotError(f"--joints: {' '.join(problems)}")
+        if len(set(wanted)) < len(wanted):
+            raise RobotError(f"--joints: {' '.join(wanted)} names a joint twice; name each once.")
         driven = [known.index(name) for name in wanted]
     else:
         driven = _trunk(file, model, known)
@@ -179,15 +183,17 @@ def _ancestors(model: mujoco.MjModel, body: int) -> list[int]:
     return found
 
 
-def _name_joints(spec: mujoco.MjSpec, model: mujoco.MjModel, driven: list[int]) -> list[str]:
-    """Give every driven joint a name in the spec; return them."""
-    names = []
+def _name_joints(spec: mujoco.MjSpec, driven: list[int]) -> tuple[list[str], list[str]]:
+    """Give every driven joint a name in the spec; return all of them, and those that the file did not have."""
+    taken = {joint.name for joint in spec.joints}
+    names, made_up = [], []
     for number, j in enumerate(driven, start=1):
         joint = spec.joints[j]
         if not joint.name:
-            joint.name = f"joint{number}"
+            joint.name = next(name for name in (f"joint{number}", f"joint{number}_unnamed") if name not in taken)
+            made_up.append(joint.name)
         names.append(joint.name)
-    return names
+    return names, made_up
 
 
 def _describe(model: mujoco.MjModel, j: int, name: str, speeds: Mapping[str, float]) -> SourceJoint:

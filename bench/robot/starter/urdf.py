@@ -2,6 +2,8 @@
 
 import tempfile
 import xml.etree.ElementTree as ElementTree
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -63,18 +65,24 @@ def read_urdf(file: Path) -> Urdf | None:
     """Read a URDF; None if the file is none.
 
     Raises:
-        RobotError: It is no XML, or breaks the limits for strangers' files.
+        RobotError: It is no XML, breaks the limits for strangers' files, or has joints that cannot be.
     """
     try:
         expect_plain(file, MODEL_BYTES)
     except FileFault as fault:
         raise RobotError(f"{file}: {fault}; {fault.remedy}.") from fault
     look_through(file)
-    root = ElementTree.parse(file).getroot()
+    try:
+        root = ElementTree.parse(file).getroot()
+    except ElementTree.ParseError as error:  # a prefix that stands for nothing is XML to others
+        raise RobotError(f"{file}: not XML ({error}); correct that line.") from error
     if root.tag != "robot":
         return None
+    joints = root.findall("joint")
+    if faults := [f"{file}: {fault}" for fault in (*_repeated(joints), *_faulty_limits(joints))]:
+        raise RobotError(faults)
     speeds = {}
-    for joint in root.iter("joint"):
+    for joint in joints:
         limit = joint.find("limit")
         if limit is not None and (speed := _number(limit.get("velocity", ""))) > 0:
             speeds[joint.get("name", "")] = speed
@@ -93,6 +101,27 @@ def read_urdf(file: Path) -> Urdf | None:
     compiler = ElementTree.SubElement(extension, "compiler") if compiler is None else compiler
     compiler.attrib |= {"discardvisual": "false", "fusestatic": "false", "strippath": "false"}
     return Urdf(file, root, speeds, left_out, meshes)
+
+
+def _repeated(joints: list[ElementTree.Element]) -> Iterator[str]:
+    """Yield a sentence for each name that several joints have; MuJoCo would leave all but one without a name."""
+    for name, count in Counter(joint.get("name", "") for joint in joints).items():
+        if count > 1:
+            yield f"{count} joints have the name {name!r}; give each its own."
+
+
+def _faulty_limits(joints: list[ElementTree.Element]) -> Iterator[str]:
+    """Yield a sentence for each limit of a joint that cannot be; MuJoCo takes it for one that is not given."""
+    for joint in joints:
+        limit, place = joint.find("limit"), f"joint {joint.get('name')!r}: limit"
+        if limit is None:
+            continue
+        for key in ("effort", "velocity"):
+            if (value := _number(limit.get(key, ""))) < 0:
+                yield f"{place}: {key} is {value:g}; write how much it is either way, as a positive number."
+        lower, upper = (_number(limit.get(key, "")) for key in ("lower", "upper"))
+        if lower > upper:
+            yield f"{place}: lower is {lower:g}, above upper, {upper:g}; exchange them."
 
 
 def _place_mesh(
