@@ -86,11 +86,22 @@ def expected(
             shift[rows] = np.where(is_loose(compiled, load[rows]), -torsion[rows], 0.0)
         else:
             push = pushing(compiled, torque[rows], load[rows], standing)
-            inertia = np.diag(link_mass_matrix(compiled, trace.theta[rows].mean(axis=0)))
-            gears = Gears(inertia, compiled.stiffness, compiled.damping, compiled.play)
-            places = crossing_of(push, trace.time[rows], gears).places
+            places = _places(compiled, trace[rows], push)
             shift[rows] = np.where(push != 0, places * half - torsion[rows], 0.0)
     return _shifted(compiled, trace, shift)
+
+
+def _places(compiled: CompiledRobot, trace: Trace, push: Array) -> Array:
+    """Return where links are in the gaps of their gears in a stretch of motion, shape (T, n), as of a `Crossing`.
+
+    Mass matrices take as long as all else of a replay, so none is made where no link crosses.
+    """
+    crosses = (np.min(push, axis=0) < 0) & (np.max(push, axis=0) > 0) & (compiled.play > 0)
+    if not np.any(crosses):
+        return np.where(push < 0, -1.0, 1.0)
+    inertia = np.diag(link_mass_matrix(compiled, trace.theta.mean(axis=0)))
+    gears = Gears(inertia, compiled.stiffness, compiled.damping, compiled.play)
+    return crossing_of(push, trace.time, gears).places
 
 
 def _shifted(compiled: CompiledRobot, trace: Trace, shift: Array) -> Trace:
