@@ -4,14 +4,14 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from bench.diagnose.plausibility.channels import BINS, readings_of
+from bench.diagnose.plausibility.channels import BINS
 from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_reflectors
 from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import segments_of
+from bench.diagnose.replay.segments import readings_of, segments_of
 from bench.effects.recorded import LATEST_DRIVE_S
 from bench.effects.recording_channel import ChannelDelay
 from bench.effects.sensing_drive import DriveDelay

@@ -130,8 +130,8 @@ class Noise:
         Returns:
             Shape (c,).
         """
-        sizes = np.array([len(group) for group in groups])
-        n = int(np.median(sizes)) if len(sizes) else 0
+        sizes = [len(group) for group in groups]
+        n = int(np.quantile(sizes, 0.5, method="lower")) if sizes else 0  # the size of a group, not between two
         if n < FEWEST:
             return np.zeros(values.shape[1])
         samples = np.stack([values[group] for group in groups if len(group) == n]).transpose(0, 2, 1)
