@@ -9,9 +9,11 @@ from bench.errors import CampaignError
 from bench.record.campaign import Arm, Array, Campaign, Run
 from bench.record.check import examine_all
 from bench.record.finding import Finding
+from bench.record.limits import TABLE_BYTES
 from bench.record.log_format import LogFormat
 from bench.record.logs.likewise import likewise
 from bench.record.logs.read import LogColumns, in_log, no_values, read_log
+from bench.record.plain_file import FileFault, expect_plain
 from bench.record.rules.sheet import Sheet
 
 PAUSE_S = 60.0  # [s] between two logs whose times of day nobody wrote down
@@ -75,7 +77,11 @@ def _logs(source: Path, layout: LogFormat) -> list[Path]:
     if source.is_file():
         return [source]
     if not source.is_dir():
-        raise CampaignError(f"{source}: no such file or folder; give a log, or a folder of logs")
+        try:
+            expect_plain(source, TABLE_BYTES)
+        except FileFault as fault:
+            raise CampaignError(f"{source}: {fault}; give a log, or a folder of logs") from fault
+        return [source]
     files = sorted(path for path in source.iterdir() if path.suffix.lower() in SUFFIXES)
     files = files or sorted(path for path in source.iterdir() if path.suffix.lower() == PLAIN_TEXT)
     besides = {

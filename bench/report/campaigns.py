@@ -87,4 +87,5 @@ def plain_arm(compiled: CompiledRobot) -> Arm:
         tuple(bool(slide) for slide in is_slide),
         tuple((float(low), float(high)) for low, high in limits),
         tuple(drive.gear_ratio for drive in compiled.robot.figures.drives),
+        len(compiled.robot.figures.reflectors),
     )

@@ -6,7 +6,6 @@ well once a channel is read in another way (`mistaken.py`), or on distances far 
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np

@@ -158,6 +158,6 @@ def torque_sigma(sensor: TorqueSensor, drive: int) -> float:
 
 
 def _distance(run: Run, reflector: int, tracker: Tracker) -> float:
-    """Return the mean distance of a reflector from the tracker over a run [m]."""
+    """Return the mean distance of a reflector from the tracker over a run [m], along the axes that were read."""
     seen = run.stack(f"reflector_{reflector + 1}", "m", ("x", "y", "z"))
-    return float(np.nanmean(np.linalg.norm(seen - np.array(tracker.position_m), axis=1)))
+    return float(np.mean(np.linalg.norm(np.nan_to_num(seen - np.array(tracker.position_m)), axis=1)))
