@@ -113,11 +113,10 @@ def _wrong_length(names: Sequence[str], rows: Sequence[Sequence[str]], wrong: Se
     message = f"{len(first)} cells under {len(names)} names in {spell_rows(wrong)}"
     if len(wrong) < len(rows) or len(first) < len(names):
         return message, "give every row one cell for each name"
-    alike = len({len(cells) for cells in rows}) == 1
-    if len(names) == 1 and alike:
-        message = f"its first line, {names[0][:40]!r}, holds no names for {len(first)} columns"
+    if len(names) == 1 or _has_words_alone(rows[0]):
+        message = f"its first line, {','.join(names)[:40]!r}, holds no names for {len(first)} columns"
         return message, "put the names into the first line, and remarks into the note of the run"
-    if alike and len(first) < 2 * len(names):
+    if any("." in cell for cells in rows for cell in cells):
         return message, "name every column in the first line"
     return message, "write numbers with decimal points, not commas"
 

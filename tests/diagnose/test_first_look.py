@@ -17,7 +17,7 @@ from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.figures import CurrentSensor
 from bench.scenario.files import read_as
 from bench.scenario.session import SessionScenario
-from tests.diagnose.sweeps import Change, changed, made, nominal, scale
+from tests.diagnose.sweeps import SWEEPS, Change, changed, made, nominal, scale
 
 DRAWS = 3000
 DECLARED = 0.01  # share of healthy clocks outside of an interval at 99 %
@@ -101,6 +101,24 @@ def smooth(name: str) -> Change:
 def test_a_healthy_session_gets_no_hint(session: Campaign, robot: CompiledRobot) -> None:
     assert doubts_of(session, robot) == ()
     assert hints_of(session, robot) == ()
+
+
+def rows_for_seconds(columns: dict[str, np.ndarray]) -> None:
+    columns["time_s"] = np.arange(len(columns["time_s"]), dtype=np.float64)
+
+
+@pytest.mark.parametrize("change", [scale(60.0, "time_s"), scale(10.0, "time_s"), rows_for_seconds])
+def test_a_clock_by_which_no_inertia_shows_is_doubted(session: Campaign, robot: CompiledRobot, change: Change) -> None:
+    (doubt,) = doubts_of(changed(session, in_motion(change)), robot)
+    assert doubt.column == "time_s"
+    assert "seconds for each second" in doubt.message
+
+
+@pytest.mark.parametrize("speed", [2.0, 8.0])
+def test_a_recording_that_was_slow_has_a_right_clock(robot: CompiledRobot, speed: float) -> None:
+    """It shows no inertia either, at 2 to 8 % of what its drives can."""
+    sweeps = SWEEPS.model_copy(update={"speeds_deg_per_s": (speed,), "end_deg": -20 + 6 * speed})
+    assert doubts_of(made(sweeps, seed=1), robot) == ()
 
 
 def test_a_clock_that_is_20_percent_fast_is_doubted(session: Campaign, robot: CompiledRobot) -> None:

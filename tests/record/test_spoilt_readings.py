@@ -102,6 +102,14 @@ def test_a_copied_campaign_is_no_second_recording() -> None:
     assert "2 of 2 runs hold the same readings as those of may" in doubt.message
 
 
+@pytest.mark.parametrize("factor", [1 + 1e-9, 1 - 1e-12])
+def test_a_campaign_copied_to_within_rounding_is_no_second_recording(factor: float) -> None:
+    runs = session(1).runs
+    again = tuple(replace(run, columns={name: factor * v for name, v in run.columns.items()}) for run in runs)
+    copied = {"may": session(1), "june": replace(session(1), runs=again)}
+    assert [name for name, _ in no_campaign_twice(copied)] == ["june"]
+
+
 def test_a_force_without_a_stated_load_is_told() -> None:
     columns = loading()
     columns["load_z_n"] = np.zeros_like(columns["load_z_n"])

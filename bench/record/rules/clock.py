@@ -9,7 +9,7 @@ from bench.record.rules.sheet import Sheet, rows_where
 
 UNEVEN = 0.5  # of the median step; jitter of an ordinary logger stays below, a lost sample makes 1
 LATE_S = 60.0  # a run may begin with settling; a clock that counts from when the controller was switched on is later
-SHORTEST_STEP_S = 1e-6  # no drive and no instrument of a robot is read more often
+SHORTEST_STEP_S = 1e-7  # [s]; no instrument of a robot is read ten million times a second
 SLOW_STEP_S = 0.5  # samples of a movement come faster than this
 SLOWEST = {"rad": 1e-3, "m": 1e-4}  # [rad/s], [m/s]; the slowest sweeps for friction are ten times faster
 
