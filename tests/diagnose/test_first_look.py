@@ -114,6 +114,16 @@ def test_a_clock_by_which_no_inertia_shows_is_doubted(session: Campaign, robot: 
     assert "seconds for each second" in doubt.message
 
 
+@pytest.mark.parametrize(("factor", "doubts"), [(1.0005, 0), (0.9995, 0), (1.02, 1), (0.98, 1)])
+def test_a_tracker_that_is_two_percent_off_is_doubted(
+    session: Campaign, robot: CompiledRobot, factor: float, doubts: int
+) -> None:
+    """What a wrong refractive index makes of distances is left to a diagnosis (tracker_scale)."""
+    found = doubts_of(changed(session, scale(factor, *(f"reflector_1_{axis}_m" for axis in "xyz"))), robot)
+    assert [doubt.column for doubt in found] == ["reflector_1_x_m"] * doubts
+    assert all("times as far as the model has it" in doubt.message for doubt in found)
+
+
 @pytest.mark.parametrize("speed", [2.0, 8.0])
 def test_a_recording_that_was_slow_has_a_right_clock(robot: CompiledRobot, speed: float) -> None:
     """It shows no inertia either, at 2 to 8 % of what its drives can."""

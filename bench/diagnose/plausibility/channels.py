@@ -45,6 +45,7 @@ FEEBLE = 0.1  # of the torque that the model needs; friction only adds to it, no
 ANOTHERS, FAR_BETTER = 0.8, 0.3  # variance explained by another joint's motion; part of the own misfit that this leaves
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of a robot with absurd masses, whose model then finds no balance
 def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = ()) -> tuple[Finding, ...]:
     """Return a doubt for each channel that can hardly be what its name says.
 
