@@ -5,6 +5,7 @@ from pathlib import Path
 
 import tyro
 
+SCREEN = 40  # lines that are shown, the gravest first
 READ = 0.5  # of the time, about, that reading the tables takes; the rest goes into what the robot says of them
 
 
@@ -24,6 +25,7 @@ class Check:
         from bench.diagnose.plausibility.hints import hints_of
         from bench.errors import CampaignError
         from bench.record.finding import Level, counted
+        from bench.record.logs.likewise import at_a_glance
         from bench.report.campaigns import open_campaign
 
         with progress_bar("checking") as progress:
@@ -35,8 +37,11 @@ class Check:
                 findings += hints_of(report.campaign, compiled, findings)
         for line in compiled.robot.figures.assumed if compiled else ():
             print(f"assumed {line}")
-        for finding in findings:
+        shown = sorted(at_a_glance(findings), key=lambda finding: get_args(Level).index(finding.level))
+        for finding in shown[:SCREEN]:
             print(f"{finding.label:14}{finding}")
+        if len(shown) > SCREEN:
+            print(f"... and {len(shown) - SCREEN} more kinds of findings; put these right first")
         campaign = report.campaign
         runs = f"{counted(len(campaign.runs), 'run')} on {campaign.robot}" if campaign else "not usable"
         count = {level: sum(finding.level == level for finding in findings) for level in get_args(Level)}

@@ -72,11 +72,14 @@ class Convert:
         return 0
 
     def _convert(self, source: Path, out: Path) -> int:
+        from bench.errors import CampaignError
         from bench.record.check import check_campaign
         from bench.record.convert import convert
         from bench.record.finding import counted
         from bench.record.logs.cuts import in_window
         from bench.record.write import write_campaign
+        from bench.report.campaigns import faults_with_robot, plain_arm
+        from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
         from bench.robot.logs import campaign_name, log_format_of
 
@@ -84,8 +87,10 @@ class Convert:
         layout = log_format_of(robot, self.log)
         if self.window_s is not None:
             layout = layout.model_copy(update={"runs": in_window(layout.runs, self.window_s)})
-        gear_ratios = tuple(drive.gear_ratio for drive in robot.figures.drives)
-        converted = convert(source, layout, campaign_name(robot), gear_ratios)
+        compiled = compile_robot(robot)
+        converted = convert(source, layout, campaign_name(robot), plain_arm(compiled))
+        if faults := tuple(faults_with_robot(converted.campaign, compiled)):
+            raise CampaignError(map(str, faults))
         write_campaign(converted.campaign, out, "parquet" if self.parquet else "csv")
         unused: dict[tuple[str, ...], list[str]] = {}
         for file, names in converted.unused.items():
@@ -93,7 +98,7 @@ class Convert:
         for names, files in unused.items():
             if names:
                 print(f"{', '.join(files)}: not used: {', '.join(names)}")
-        warnings = check_campaign(out).findings  # one with errors was not written
+        warnings = check_campaign(out, plain_arm(compiled)).findings  # one with errors was not written
         for warning in warnings:
             print(f"{warning.label:14}{warning}")
         runs = converted.campaign.runs

@@ -1,6 +1,6 @@
 """What commands do about channels that are hardly what their names say."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,6 +31,15 @@ def heed(
     from bench.errors import CampaignError
 
     if doubts and not despite_doubts:
-        raise CampaignError([*(f"{folder}: {doubt}" for folder, doubt in doubts), WAYS_OUT])
-    for folder, finding in (*warnings, *doubts):
+        raise CampaignError([*(f"{folder}: {doubt}" for folder, doubt in _at_a_glance(doubts)), WAYS_OUT])
+    for folder, finding in (*_at_a_glance(warnings), *_at_a_glance(doubts)):
         print(f"{finding.label:14}{folder}: {finding}", file=sys.stderr)
+
+
+def _at_a_glance(findings: "Sequence[tuple[Path, Finding]]") -> Iterator[tuple["Path", "Finding"]]:
+    """Yield findings of each folder, the same fault in many places once."""
+    from bench.record.logs.likewise import at_a_glance
+
+    for folder in dict.fromkeys(place for place, _ in findings):
+        for finding in at_a_glance(one for place, one in findings if place == folder):
+            yield folder, finding

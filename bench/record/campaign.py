@@ -130,11 +130,13 @@ class Arm:
         is_slide: One for each drive; a joint that is not a slide is a hinge.
         limits: One (lower, upper) for each drive [rad] or [m]; infinite where the joint has no limit.
         gear_ratios: One for each drive, None where its figures do not state it; or none at all.
+        n_reflectors: How many reflectors it carries; None: nobody says.
     """
 
     is_slide: tuple[bool, ...]
     limits: tuple[tuple[float, float], ...]
     gear_ratios: tuple[float | None, ...] = ()
+    n_reflectors: int | None = None
 
     def __post_init__(self) -> None:
         if len(self.is_slide) != len(self.limits):

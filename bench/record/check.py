@@ -12,10 +12,9 @@ from bench.record.finding import Finding, Report
 from bench.record.limits import CAMPAIGN_CELLS, FOLDER_ENTRIES
 from bench.record.manifest import SUFFIXES, Manifest, RunEntry, read_manifest
 from bench.record.rules import examine, suits_arm
-from bench.record.rules.names import SET_ASIDE
 from bench.record.rules.session import examine_session
 from bench.record.rules.sheet import Sheet
-from bench.record.table import Table, read_table
+from bench.record.table import SET_ASIDE, Table, read_table
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,19 +6,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from bench.errors import CampaignError
-from bench.record.campaign import Array, Campaign, Run
+from bench.record.campaign import Arm, Array, Campaign, Run
 from bench.record.check import examine_all
 from bench.record.finding import Finding
+from bench.record.limits import TABLE_BYTES
 from bench.record.log_format import LogFormat
 from bench.record.logs.likewise import likewise
 from bench.record.logs.read import LogColumns, in_log, no_values, read_log
+from bench.record.plain_file import FileFault, expect_plain
 from bench.record.rules.sheet import Sheet
 
 PAUSE_S = 60.0  # [s] between two logs whose times of day nobody wrote down
 SUFFIXES = (".csv", ".tsv", ".dat", ".parquet", ".mcap")  # of the logs in a folder; a log by its own name has any
 PLAIN_TEXT = ".txt"  # logs too where a folder has no others; beside them it is somebody's notes
-
-GearRatios = tuple[float | None, ...]
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Converted:
     unused: Mapping[str, tuple[str, ...]]
 
 
-def convert(source: Path, layout: LogFormat, robot: str, gear_ratios: GearRatios = ()) -> Converted:
+def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None) -> Converted:
     """Make a campaign of a log, or of all logs of a folder in the order of their names.
 
     The clock of each run begins at its first row. Logs do not say when they were started: each is put a minute after
@@ -44,7 +44,7 @@ def convert(source: Path, layout: LogFormat, robot: str, gear_ratios: GearRatios
         source: A file, or a folder of files; text, Parquet or MCAP.
         layout: How they read.
         robot: Name of the robot, or path to its folder; written into the campaign.
-        gear_ratios: As the robot's figures state them, one for each drive; errors name them.
+        arm: The robot, if it is known; then what a check refuses because of it is refused here.
 
     Raises:
         CampaignError: There is no log, or one cannot be used; every fault once, with file, row and column.
@@ -59,7 +59,7 @@ def convert(source: Path, layout: LogFormat, robot: str, gear_ratios: GearRatios
         if log is None:
             continue
         unused[file.name] = log.unused
-        pieces, length = _pieces(file, log, layout, gear_ratios, findings)
+        pieces, length = _pieces(file, log, layout, arm, findings)
         when = "" if len(files) == 1 else "; the time of its start is not known"
         for begin, columns in pieces:
             name = _run_name(file, {run.name for run in runs})
@@ -77,7 +77,11 @@ def _logs(source: Path, layout: LogFormat) -> list[Path]:
     if source.is_file():
         return [source]
     if not source.is_dir():
-        raise CampaignError(f"{source}: no such file or folder; give a log, or a folder of logs")
+        try:
+            expect_plain(source, TABLE_BYTES)
+        except FileFault as fault:
+            raise CampaignError(f"{source}: {fault}; give a log, or a folder of logs") from fault
+        return [source]
     files = sorted(path for path in source.iterdir() if path.suffix.lower() in SUFFIXES)
     files = files or sorted(path for path in source.iterdir() if path.suffix.lower() == PLAIN_TEXT)
     besides = {
@@ -93,7 +97,7 @@ def _logs(source: Path, layout: LogFormat) -> list[Path]:
 
 
 def _pieces(
-    file: Path, log: LogColumns, layout: LogFormat, gear_ratios: GearRatios, findings: list[Finding]
+    file: Path, log: LogColumns, layout: LogFormat, arm: Arm | None, findings: list[Finding]
 ) -> tuple[list[tuple[float, dict[str, Array]]], float]:
     """Return the runs of a log, each with the time at which it begins [s], and the length of the log [s]."""
     columns = dict(log.columns)
@@ -104,7 +108,7 @@ def _pieces(
     time = columns.get("time_s")
     if time is None:
         faults = no_values(file, columns, slice(0, None), log, layout)
-        findings += faults or _faults_of(columns, file, log, layout, gear_ratios, 0)
+        findings += faults or _faults_of(columns, file, log, layout, arm, 0)
         return [(0.0, columns)], 0.0
     columns["time_s"] = time = time - time[0]
     pieces = []
@@ -116,7 +120,9 @@ def _pieces(
             continue
         part = {name: values[rows] for name, values in columns.items()}
         faults = no_values(file, columns, rows, log, layout)
-        faults = faults or _faults_of(part, file, log, layout, gear_ratios, rows.start)
+        faults = faults or _faults_of(part, file, log, layout, arm, rows.start)
+        if layout.resample and not faults:
+            faults = [Finding("error", file.name, None, "", *words) for words in layout.resample.faults(part)]
         findings += faults
         if faults:
             continue
@@ -129,18 +135,19 @@ def _pieces(
 
 
 def _faults_of(
-    columns: dict[str, Array], file: Path, log: LogColumns, layout: LogFormat, gear_ratios: GearRatios, first: int
+    columns: dict[str, Array], file: Path, log: LogColumns, layout: LogFormat, arm: Arm | None, first: int
 ) -> list[Finding]:
     """Return what keeps a run from being used, in the words of the log it was made of, whose row `first` is its own."""
     run = Run("log", layout.kind, 0.0, columns)
     factors = {name: origin.factor for name, origin in layout.columns.items()}
-    found = examine_all([Sheet(run, file.name, tuple(columns), gear_ratios=gear_ratios, factors=factors)])
+    gear_ratios = arm.gear_ratios if arm else ()
+    found = examine_all([Sheet(run, file.name, tuple(columns), arm, gear_ratios, factors)])
     return [_in_words(in_log(finding, log), layout, first) for finding in found if finding.level == "error"]
 
 
 def _in_words(finding: Finding, layout: LogFormat, first: int) -> Finding:
     origin = layout.columns.get(finding.column)
-    column = f"{origin} ({finding.column})" if origin else ""
+    column = f"{origin} ({finding.column})" if origin else finding.column
     if not first or finding.row is None:
         return replace(finding, column=column)
     message = f"{finding.message}, counted from row {first + 1} on"

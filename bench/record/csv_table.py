@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.errors import MOST_OF_NAME
 from bench.record.campaign import Array
 from bench.record.finding import Finding, spell_rows
 from bench.record.limits import TABLE_BYTES, TABLE_CELLS, TABLE_COLUMNS
@@ -51,32 +52,30 @@ def cell_by_cell(data: bytes, file: str, findings: list[Finding]) -> tuple[tuple
         findings.append(Finding("error", file, row, column, message, remedy))
 
     text = _text(data)
-    if text is None:
-        fault("is not UTF-8 text", "save it as UTF-8")
+    if text is None or text[:MOST_OF_NAME].count("\0") > len(text[:MOST_OF_NAME]) / 3:
+        fault("holds zero bytes: UTF-16 text, or damaged" if text else "is not UTF-8 text", "save it as UTF-8")
         return None
     header, *lines = text.split("\n")
     while lines and not lines[-1].strip():
         lines.pop()
-    for separator, word in ((";", "semicolons"), ("\t", "tabs")):
-        if separator in header and "," not in header:
-            decimals = " and numbers have decimal commas" if any("," in line for line in lines) else ""
-            fault(f"cells are separated by {word}{decimals}", "save it with commas and decimal points")
-            return None
+    if other := _another_separator(header, lines):
+        fault(other, "save it with commas and decimal points")
+        return None
     names = tuple(_cells(header)) if header or lines else ()
     rows = [_cells(line) for line in lines]
     wrong = [number for number, cells in enumerate(rows, 1) if len(cells) != len(names)]
     if wrong:
-        first = rows[wrong[0] - 1]
-        decimal = len(first) > len(names) and len(wrong) == len(rows)
-        fault(
-            f"{len(first)} cells under {len(names)} names in {spell_rows(wrong)}",
-            "write numbers with decimal points, not commas" if decimal else "give every row one cell for each name",
-            wrong[0],
-        )
+        message, remedy = _wrong_length(names, rows, wrong)
+        fault(message, remedy, wrong[0])
+        return None
+    if worded := [number for number, cells in enumerate(rows, 1) if _has_words_alone(cells)]:
+        is_header = tuple(rows[worded[0] - 1]) == names
+        what = "the header again" if is_header else "no number at all; a line of units?"
+        fault(f"holds {what}, {spell_rows(worded)}", "remove it: every row is a reading", worded[0])
         return None
     columns: dict[str, Array] = {}
     for name, cells in zip(names, zip(*rows, strict=True) if rows else ((),) * len(names), strict=True):
-        bad = [number for number, cell in enumerate(cells, 1) if cell and not _is_number(cell)]
+        bad = [number for number, cell in enumerate(cells, 1) if cell and not is_number(cell)]
         if bad:
             comma = _COMMA_NUMBER.fullmatch(cells[bad[0] - 1][:LONGEST_CELL])
             fault(
@@ -97,7 +96,38 @@ def write(path: Path, columns: Mapping[str, Array]) -> None:
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
 
 
-def _is_number(cell: str) -> bool:
+def _another_separator(header: str, lines: Sequence[str]) -> str:
+    """Return what separates the cells of a table in place of commas, "" if commas do."""
+    if "," in header:
+        return ""
+    for separator, word in ((";", "semicolons"), ("\t", "tabs"), ("|", "upright bars"), (" ", "spaces")):
+        if separator in header.strip() and any(separator in line.strip() for line in lines):
+            decimals = " and numbers have decimal commas" if any("," in line for line in lines) else ""
+            return f"cells are separated by {word}{decimals}"
+    return ""
+
+
+def _wrong_length(names: Sequence[str], rows: Sequence[Sequence[str]], wrong: Sequence[int]) -> tuple[str, str]:
+    """Return message and remedy for rows that have more or fewer cells than there are names."""
+    first = rows[wrong[0] - 1]
+    message = f"{len(first)} cells under {len(names)} names in {spell_rows(wrong)}"
+    if len(wrong) < len(rows) or len(first) < len(names):
+        return message, "give every row one cell for each name"
+    if len(names) == 1 or _has_words_alone(rows[0]):
+        message = f"its first line, {','.join(names)[:40]!r}, holds no names for {len(first)} columns"
+        return message, "put the names into the first line, and remarks into the note of the run"
+    if any("." in cell for cells in rows for cell in cells):
+        return message, "name every column in the first line"
+    return message, "write numbers with decimal points, not commas"
+
+
+def _has_words_alone(cells: Sequence[str]) -> bool:
+    """Whether a row of several cells holds words or nothing where readings stand."""
+    return len(cells) > 1 and any(cells) and not any(is_number(cell) for cell in cells)
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell is written as a number, also as nan or inf."""
     return len(cell) <= LONGEST_CELL and _NUMBER.fullmatch(cell) is not None
 
 

@@ -91,10 +91,12 @@ class Report:
         """Return the campaign.
 
         Raises:
-            CampaignError: There are errors; `problems` holds all of them.
+            CampaignError: There are errors; `problems` holds each kind of them, with its places.
         """
         if self.campaign is None:
-            raise CampaignError(f"{self.folder}/{error}" for error in self.errors)
+            from bench.record.logs.likewise import at_a_glance  # here: it knows findings
+
+            raise CampaignError(f"{self.folder}/{error}" for error in at_a_glance(self.errors))
         return self.campaign
 
 

@@ -4,6 +4,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from bench.record.possible import (
+    MAX_MASS,
+    MAX_PRESSURE,
+    MIN_PRESSURE,
+    PRESSURES,
+    TEMPERATURES,
+    what_a_temperature_may_be,
+)
+
 KnownQuantity = Literal["payload_kg", "stiffness_nm_per_rad", "gas_pressure_pa", "gas_temperature_k"]
 PAYLOAD = "payload_kg"
 
@@ -43,9 +52,26 @@ class Known:
             yield "at", words, "give at: [angle of every joint in rad] with a pressure alone"
         if self.value < 0 or (self.value == 0 and self.quantity != PAYLOAD):
             yield "value", f"{self.value:g} cannot be", "correct it; units are SI"
+        else:
+            yield from (("value", *words) for words in self._out_of_limits())
         if self.recording and self.recording not in recordings:
             names = ", ".join(name for name in recordings if name) or "none has a name"
             yield "recording", f"there is no recording {self.recording!r}", f"recordings: {names}"
         if not self.recording and len(recordings) > 1 and self.quantity != "stiffness_nm_per_rad":
             names = ", ".join(name for name in recordings if name)
             yield "recording", "is missing, and the campaign has several", f"say in which it was so: {names}"
+
+    def _out_of_limits(self) -> Iterator[tuple[str, str]]:
+        """Yield fault and remedy of a value that no column could hold either."""
+        match self.quantity:
+            case "payload_kg" if self.value > MAX_MASS:
+                yield f"{self.value:g} kg is no mass that hangs on an arm", "correct it"
+            case "gas_pressure_pa" if self.value < MIN_PRESSURE:
+                yield f"{self.value:g} Pa is an empty cylinder", PRESSURES
+            case "gas_pressure_pa" if self.value > MAX_PRESSURE:
+                yield f"{self.value:g} Pa is more than a cylinder holds", "look at its unit"
+            case "gas_temperature_k":
+                limits = TEMPERATURES["gas_temperature"]
+                if not limits[0] <= self.value <= limits[1]:
+                    guess = what_a_temperature_may_be(self.value, limits)
+                    yield f"{self.value:g} K is no temperature of the gas", guess

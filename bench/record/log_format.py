@@ -56,6 +56,8 @@ class Origin(_Strict):
 
     def __str__(self) -> str:
         """How an error names it."""
+        if self.rate_hz is not None:
+            return "rate_hz"
         where = f" of {self.table}" if self.table else ""
         return (f"column {self.source}" if self._is_number else self.source) + where
 
@@ -72,6 +74,8 @@ class Beside(_Strict):
     def _stands_somewhere(self) -> Self:
         if bool(self.file) == bool(self.topic):
             raise ValueError("write either file (beside the log) or topic (of an MCAP recording)")
+        if self.file and (Path(self.file).name != self.file or self.file == ".."):
+            raise ValueError("file stands beside the log: give its name alone, without folders")
         return self
 
 

@@ -97,6 +97,9 @@ def read_manifest(folder: Path) -> Manifest:
     try:
         content = load_yaml(folder / MANIFEST)
     except YamlFault as fault:
+        if os.path.isfile(folder):  # noqa: PTH113  a name may be too long for pathlib
+            message = f"{folder.name} is a file, not a folder with a {MANIFEST}"
+            return Manifest(None, (), (_fault("", message, "give the folder; of logs `bench convert` makes one"),))
         return Manifest(None, (), (_fault("", str(fault), fault.remedy),))
     entries, besides = content.pop("runs", None), content.pop("known", None)
     findings: list[Finding] = []

@@ -58,7 +58,8 @@ def expect_plain(path: Path, most: Limit) -> int:
         if is_kind(found.st_mode):
             raise FileFault(f"is {word}, not a file", "put a plain file there")
     if most.exceeded(found.st_size):
-        raise FileFault(f"has {found.st_size:,} bytes, more than {most}".replace(",", " "), most.remedy)
+        size = f"{found.st_size:,}".replace(",", " ")
+        raise FileFault(f"has {size} bytes, more than {most}", most.remedy)
     return found.st_size
 
 

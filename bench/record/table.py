@@ -34,6 +34,9 @@ FORMATS: Mapping[str, Format] = {
 }
 
 
+SET_ASIDE = "_"  # a column whose name begins with this is not read
+
+
 @dataclass(frozen=True)
 class Table:
     """What could be read of one file.
@@ -58,6 +61,10 @@ def read_table(folder: Path, file: str) -> Table:
         findings.append(Finding("error", file, None, "", str(fault), fault.remedy))
         content = None
     names, columns = content or ((), {})
+    findings = [finding for finding in findings if not finding.column.startswith(SET_ASIDE)]
+    if names and all(csv_table.is_number(name) for name in names):
+        message, remedy = "has no header: its first line holds numbers", "write the names of the columns above them"
+        return Table((), {}, (Finding("error", file, None, "", message, remedy),))
     if not names and not findings:
         findings.append(
             Finding("error", file, None, "", "is empty", "write the column names, and a row for each reading")

@@ -39,9 +39,15 @@ def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot 
     report = check_with_robot(folder, arm_of)
     if not found or report.campaign is None:
         return report, found[0] if found else None
-    if faults := (*_unknown_constants(report.campaign, found[0]), *_unknown_to_robot(report.campaign, found[0])):
+    if faults := tuple(faults_with_robot(report.campaign, found[0])):
         return Report(folder, (*faults, *report.findings), None), found[0]
     return report, found[0]
+
+
+def faults_with_robot(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+    """Yield an error for what a robot's figures do not say or cannot have, and a campaign needs."""
+    yield from _unknown_constants(campaign, compiled)
+    yield from _unknown_to_robot(campaign, compiled)
 
 
 def _unknown_to_robot(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
@@ -81,4 +87,5 @@ def plain_arm(compiled: CompiledRobot) -> Arm:
         tuple(bool(slide) for slide in is_slide),
         tuple((float(low), float(high)) for low, high in limits),
         tuple(drive.gear_ratio for drive in compiled.robot.figures.drives),
+        len(compiled.robot.figures.reflectors),
     )

@@ -17,7 +17,7 @@ from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.figures import CurrentSensor
 from bench.scenario.files import read_as
 from bench.scenario.session import SessionScenario
-from tests.diagnose.sweeps import Change, changed, made, nominal, scale
+from tests.diagnose.sweeps import SWEEPS, Change, changed, made, nominal, scale
 
 DRAWS = 3000
 DECLARED = 0.01  # share of healthy clocks outside of an interval at 99 %
@@ -101,6 +101,34 @@ def smooth(name: str) -> Change:
 def test_a_healthy_session_gets_no_hint(session: Campaign, robot: CompiledRobot) -> None:
     assert doubts_of(session, robot) == ()
     assert hints_of(session, robot) == ()
+
+
+def rows_for_seconds(columns: dict[str, np.ndarray]) -> None:
+    columns["time_s"] = np.arange(len(columns["time_s"]), dtype=np.float64)
+
+
+@pytest.mark.parametrize("change", [scale(60.0, "time_s"), scale(10.0, "time_s"), rows_for_seconds])
+def test_a_clock_by_which_no_inertia_shows_is_doubted(session: Campaign, robot: CompiledRobot, change: Change) -> None:
+    (doubt,) = doubts_of(changed(session, in_motion(change)), robot)
+    assert doubt.column == "time_s"
+    assert "seconds for each second" in doubt.message
+
+
+@pytest.mark.parametrize(("factor", "doubts"), [(1.0005, 0), (0.9995, 0), (1.02, 1), (0.98, 1)])
+def test_a_tracker_that_is_two_percent_off_is_doubted(
+    session: Campaign, robot: CompiledRobot, factor: float, doubts: int
+) -> None:
+    """What a wrong refractive index makes of distances is left to a diagnosis (tracker_scale)."""
+    found = doubts_of(changed(session, scale(factor, *(f"reflector_1_{axis}_m" for axis in "xyz"))), robot)
+    assert [doubt.column for doubt in found] == ["reflector_1_x_m"] * doubts
+    assert all("times as far as the model has it" in doubt.message for doubt in found)
+
+
+@pytest.mark.parametrize("speed", [2.0, 8.0])
+def test_a_recording_that_was_slow_has_a_right_clock(robot: CompiledRobot, speed: float) -> None:
+    """It shows no inertia either, at 2 to 8 % of what its drives can."""
+    sweeps = SWEEPS.model_copy(update={"speeds_deg_per_s": (speed,), "end_deg": -20 + 6 * speed})
+    assert doubts_of(made(sweeps, seed=1), robot) == ()
 
 
 def test_a_clock_that_is_20_percent_fast_is_doubted(session: Campaign, robot: CompiledRobot) -> None:

@@ -143,6 +143,7 @@ def cross_checks(rng: np.random.Generator) -> Iterator[Variant]:
     found: dict[str, tuple[Spoil, Answer, tuple[str, ...]]] = {
         "a clock 10 % fast": (times(1.1, "time_s"), "doubt", ("time_s", "seconds for each second")),
         "a clock twice as fast": (times(2, "time_s"), "doubt", ("time_s", "seconds for each second")),
+        "a clock ten times as fast": (times(10, "time_s"), "doubt", ("time_s", "seconds for each second")),
         "a clock half as fast": (times(0.5, "time_s"), "doubt", ("time_s", "seconds for each second")),
         "a current smoothed": (in_column(smooth, "current_2_a"), "doubt", ("current_2_a", "smoothed?")),
         "a tracker's axis smoothed": (in_column(smooth, tracker[0]), "doubt", (tracker[0], "smoothed?")),

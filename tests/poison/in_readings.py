@@ -1,7 +1,7 @@
 """Readings that were lost, copied or spoilt, and things known besides that the robot cannot have."""
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,7 @@ def spoilt_readings(rng: np.random.Generator) -> Iterator[Variant]:
     alone: dict[str, tuple[float, Answer, tuple[str, ...]]] = {
         "current_2_a": (200.0, "harmless", ("current_2_a", "lost or spoilt?")),
         "reflector_1_x_m": (9.0, "harmless", ("reflector_1_x_m", "lost or spoilt?")),
-        "gas_pressure_pa": (-1e9, "error", ("gas_pressure_pa", "vacuum")),
+        "gas_pressure_pa": (-1e9, "error", ("gas_pressure_pa", "below zero")),
         "load_mass_kg": (-1.0, "error", ("load_mass_kg", "is no mass")),
         "load_z_n": (-1e9, "error", ("load_z_n", "over 1e+06")),
     }
@@ -49,12 +49,90 @@ def copied_runs(rng: np.random.Generator) -> Iterator[Variant]:
         name = "a link to another run" if link else "a copy of another run"
         yield Variant("copied runs", name, over("motion", link), "doubt", ("holds the same readings as",))
 
+    def rewritten(change: Callable[[float], float]) -> Spoil:
+        def spoil(folder: Path) -> None:
+            over("motion", link=False)(folder)
+            alike = [file for file in tables(folder) if "pose" not in Sheet(file).names]
+            sheet = Sheet(alike[1])
+            sheet.rows = [[repr(change(float(cell))) for cell in row] for row in sheet.rows]
+            sheet.write()
+
+        return spoil
+
+    for name, change in (
+        ("a copy with other zeros", lambda x: -0.0 if x == 0 else x),
+        ("a copy times 1 + 1e-9", lambda x: x * (1 + 1e-9)),
+        ("a copy of nine digits", lambda x: float(f"{x:.9g}")),
+    ):
+        yield Variant("copied runs", name, rewritten(change), "doubt", ("holds the same readings as",))
+
+    def freeze(folder: Path) -> None:
+        sheet = Sheet(folder / "runs" / MOTION)
+        sheet.rows = [[row[0], *sheet.rows[0][1:]] for row in sheet.rows]
+        sheet.write()
+
+    yield Variant("copied runs", "a run frozen to its first row", freeze, "doubt", (MOTION, "that of the first row"))
+
+
+def impossible_readings(rng: np.random.Generator) -> Iterator[Variant]:
+    changes: dict[str, tuple[Callable[[np.ndarray], np.ndarray], tuple[str, ...]]] = {
+        "ambient_temperature_k": (lambda v: 0 * v + 950, ("over 343 K",)),
+        "ambient_temperature_k ": (lambda v: 0 * v + 210, ("under 223 K",)),
+        "gear_temperature_1_k": (lambda v: v + 300, ("over 473 K",)),
+        "gas_temperature_k": (lambda v: 0 * v + 900, ("over 473 K",)),
+        "gas_pressure_pa": (lambda v: np.where(np.arange(len(v)) == 17, -5, v), ("-5 Pa among readings",)),
+        "gas_pressure_pa ": (lambda v: np.where(np.arange(len(v)) == 17, -9e4, v), ("below zero",)),
+    }
+    for name, (change, words) in changes.items():
+        column = name.strip()
+        spoil = _in_column(change, column)
+        yield Variant("impossible readings", f"{column} {words[0]}", spoil, "error", (column, *words))
+
+    def reported(folder: Path) -> None:
+        sheet = Sheet(folder / "runs" / MOTION)
+        sheet.names.append("tau_motor_1_nm")
+        sheet.rows = [[*row, repr(-1e5 - i % 7)] for i, row in enumerate(sheet.rows)]
+        sheet.write()
+
+    words = ("tau_motor_1_nm", "is not used")
+    yield Variant("impossible readings", "a torque beside a current", reported, "harmless", words)
+
+    def renamed(old: str, new: str) -> Spoil:
+        def spoil(folder: Path) -> None:
+            for file in tables(folder):
+                file.write_text(file.read_text().replace(old, new, 1))
+
+        return spoil
+
+    nine = renamed("reflector_1_x_m,reflector_1_y_m,reflector_1_z_m", "reflector_9_x_m,reflector_9_y_m,reflector_9_z_m")
+    yield Variant("impossible readings", "a ninth reflector", nine, "error", ("reflector_9_x_m", "the robot has"))
+    alone = renamed("reflector_1_y_m,reflector_1_z_m", "_y,_z")
+    yield Variant("impossible readings", "a coordinate alone", alone, "harmless", ("comes without reflector_1_y_m",))
+
+
+def _in_column(change: Callable[[np.ndarray], np.ndarray], column: str) -> Spoil:
+    """Return what changes a column of one run, which is made where it has none."""
+
+    def spoil(folder: Path) -> None:
+        sheet = Sheet(folder / "runs" / MOTION)
+        if column not in sheet.names:
+            sheet.names.append(column)
+            sheet.rows = [[*row, "293.0"] for row in sheet.rows]
+        sheet.change(column, change)
+        sheet.write()
+
+    return spoil
+
 
 def known_of_no_such_robot(rng: np.random.Generator) -> Iterator[Variant]:
     entries = {
         "joint 9": ("{quantity: stiffness_nm_per_rad, joint: 9, value: 1.0e6, sigma: 1.0e5}", "known[0].joint"),
         "too few angles": ("{quantity: gas_pressure_pa, at: [0.0], value: 1.0e7, sigma: 1.0e5}", "known[0].at"),
         "degrees": ("{quantity: gas_pressure_pa, at: [0.0, -90.0], value: 1.0e7, sigma: 1.0e5}", "known[0].at"),
+        "Celsius": ("{quantity: gas_temperature_k, value: 20, sigma: 1}", "degrees Celsius? add 273.15"),
+        "a hot gas": ("{quantity: gas_temperature_k, value: 1.0e6, sigma: 1}", "known[0].value"),
+        "bar": ("{quantity: gas_pressure_pa, at: [0.0, 0.0], value: 70, sigma: 1}", "bar? multiply by 100000"),
+        "kNm/rad": ("{quantity: stiffness_nm_per_rad, joint: 1, value: 300, sigma: 1}", "kNm/rad or kN/m?"),
         "a sigma of nothing": ("{quantity: payload_kg, value: 1, sigma: 1.0e-300}", "known[0].sigma"),
     }
     for name, (entry, place) in entries.items():
@@ -66,4 +144,4 @@ def known_of_no_such_robot(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("known of no such robot", name, spoil, "error", ("campaign.yaml", place))
 
 
-FAMILIES = (spoilt_readings, copied_runs, known_of_no_such_robot)
+FAMILIES = (spoilt_readings, copied_runs, impossible_readings, known_of_no_such_robot)

@@ -14,7 +14,8 @@ SCENARIO = "mine.yaml"
 RUN = ("run", SCENARIO, "-o", "out")
 CONVERT = ("convert", "robot", "log.csv", "-o", "out")
 LOG = "kind: motion\ncolumns:\n  time_s: {from: t}\n  q_cmd_1_rad: {from: q}\n  q_motor_1_rad: {from: m}\n"
-ROWS = "t,q,m\n0,0.1,0.1\n0.1,0.2,0.2\n0.2,0.3,0.3\n"
+LOG += "  q_cmd_2_rad: {from: s}\n"
+ROWS = "t,q,m,s\n0,0.1,0.1,0\n0.1,0.2,0.2,0\n0.2,0.3,0.3,0\n"
 
 
 def _file(name: str, text: str | bytes) -> Spoil:
@@ -84,12 +85,12 @@ def logs(rng: np.random.Generator) -> Iterator[Variant]:
         "an endless device": (lambda file: file.symlink_to("/dev/zero"), "log.csv"),
         "a loop of links": (lambda file: file.symlink_to("log.csv"), "log.csv"),
         "nothing": (lambda file: None, "log.csv"),
-        "no rows": (lambda file: file.write_text("t,q,m\n"), "log.csv"),
+        "no rows": (lambda file: file.write_text("t,q,m,s\n"), "log.csv"),
         "an empty file": (lambda file: file.write_text(""), "log.csv"),
         "zeros": (lambda file: file.write_bytes(bytes(500)), "log.csv"),
-        "a word": (lambda file: file.write_text(ROWS.replace("0.2,0.2", "two,0.2")), "row 2"),
-        "a missing value": (lambda file: file.write_text(ROWS.replace("0.2,0.2", ",0.2")), "row 2"),
-        "time that runs back": (lambda file: file.write_text(ROWS + "0.1,1,1\n"), "row 4"),
+        "a word": (lambda file: file.write_text(ROWS.replace("0.2,0.2,", "two,0.2,")), "row 2"),
+        "a missing value": (lambda file: file.write_text(ROWS.replace("0.2,0.2,", ",0.2,")), "row 2"),
+        "time that runs back": (lambda file: file.write_text(ROWS + "0.1,1,1,0\n"), "row 4"),
         "a column given twice": (lambda file: file.write_text(ROWS.replace("t,q,m", "t,q,q")), "q"),
     }
     for name, (make, place) in made.items():
@@ -99,6 +100,58 @@ def logs(rng: np.random.Generator) -> Iterator[Variant]:
             make(folder / "log.csv")
 
         yield Variant("logs", name, spoil, "error", (place,), CONVERT)
+
+
+def logs_that_ask_too_much(rng: np.random.Generator) -> Iterator[Variant]:
+    beside = "tables:\n  f: {{file: {}, time_s: {{from: t}}}}\n"
+    force = LOG + "  force_z_n: {from: z, table: f}\n"
+    long = "t,q,m,s\n" + "".join(f"{i / 100},{i / 1000},{i / 1000},0\n" for i in range(200))
+    faults: dict[str, tuple[str, str]] = {
+        "1e9 rows a second": (LOG + "resample: {rate_hz: 1.0e9}\n", "rate_hz"),
+        "1e6 rows a second and a day": (LOG.replace("from: t", "from: t, factor: 40000"), ""),
+        "a row in 100 seconds": (LOG + "resample: {rate_hz: 0.01}\n", "leave one row"),
+        "a low-pass of years": (LOG + "resample: {rate_hz: 50, cutoff_hz: 1.0e-9}\n", "give a cutoff_hz"),
+        "a file of the system": (force + beside.format("../../../etc/passwd"), "without folders"),
+        "a folder as a file": (force + beside.format("'..'"), "without folders"),
+        "a name too long": (force + beside.format("x" * 5000), "cannot be read"),
+        "1e9 lines to skip": (LOG + "table: {skip_lines: 1000000000}\n", "has 202 lines"),
+        "a drive that is not there": (LOG + "  tau_motor_9_nm: {from: m}\n", "the robot has 2 drives"),
+        "a drive without an angle": (LOG.replace("  q_cmd_2_rad: {from: s}\n", ""), "no angle of drive 2"),
+        "1e300 rows a second": (LOG.replace("{from: t}", "{rate_hz: 1.0e300}"), "give it in seconds"),
+        "6000 windows over each other": (LOG + f"runs: {{windows_s: {[[0, 2]] * 6000}}}\n", "and 5998 more"),
+    }
+    faults["1e6 rows a second and a day"] = (
+        faults["1e6 rows a second and a day"][0] + "resample: {rate_hz: 1.0e6}\n",
+        "more than 20 000 000 cells",
+    )
+    for name, (text, place) in faults.items():
+
+        def spoil(folder: Path, text: str = text) -> None:
+            (folder / "robot" / "log.yaml").write_text(text)
+            (folder / "log.csv").write_text(long)
+
+        yield Variant("logs that ask too much", name, spoil, "error", (place,), CONVERT)
+    for name, file in (("a pipe", os.mkfifo), ("a device", lambda path: path.symlink_to("/dev/zero"))):
+
+        def in_place(folder: Path, file: Callable[[Path], object] = file) -> None:
+            (folder / "robot" / "log.yaml").write_text(LOG)
+            file(folder / "log.csv")
+
+        place = "is a named pipe" if name == "a pipe" else "is a device"
+        yield Variant("logs that ask too much", f"{name} as a log", in_place, "error", (place,), CONVERT)
+
+
+def logs_to_look_at(rng: np.random.Generator) -> Iterator[Variant]:
+    """Give `bench convert --look` logs that are too short or too odd to tell anything."""
+    command = ("convert", "--look", "log.csv", "--robot", "robot")
+
+    def rows(count: int) -> str:
+        return "t,q1,q2,i1,i2\n" + "".join(f"{i / 100},{i / 100},0.1,{i % 3},{i % 5}\n" for i in range(count))
+
+    for count in (3, 5, 12, 40):
+        yield Variant("logs to look at", f"{count} rows", _file("log.csv", rows(count)), "harmless", (), command)
+    huge = rows(40).replace("\n0.0", "\n1e3000")
+    yield Variant("logs to look at", "clock cells beyond all numbers", _file("log.csv", huge), "harmless", (), command)
 
 
 def models_of_others(rng: np.random.Generator) -> Iterator[Variant]:
@@ -150,4 +203,4 @@ def places_to_write_to(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("places to write to", out, sound, "harmless", (), command)
 
 
-FAMILIES = (scenarios, log_formats, logs, models_of_others, places_to_write_to)
+FAMILIES = (scenarios, log_formats, logs, logs_that_ask_too_much, logs_to_look_at, models_of_others, places_to_write_to)

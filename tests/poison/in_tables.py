@@ -164,6 +164,36 @@ def headers(rng: np.random.Generator) -> Iterator[Variant]:
     )
 
 
+def first_lines(rng: np.random.Generator) -> Iterator[Variant]:
+    """Spoil what stands above the numbers; each is one sentence."""
+
+    def without_a_name(data: bytes) -> bytes:
+        return data.replace(b"q_cmd_1_rad,", b"", 1)
+
+    def header(data: bytes) -> bytes:
+        return data[: data.index(b"\n") + 1]
+
+    faults: dict[str, tuple[Callable[[bytes], bytes], str]] = {
+        "the header twice": (lambda data: header(data) + data, "holds the header again, row 1"),
+        "units": (lambda data: data.replace(b"\n", b"\n" + b"s," * header(data).count(b",") + b"s\n", 1), "of units?"),
+        "no header": (lambda data: data[data.index(b"\n") + 1 :], "has no header"),
+        "a comment": (lambda data: b"# made by X\n" + data, "holds no names"),
+        "a separator": (lambda data: b"sep=,\n" + data, "holds no names"),
+        "a name too few": (without_a_name, "name every column in the first line"),
+        "UTF-16 without a mark": (lambda data: data.decode().encode("utf-16-le"), "UTF-16"),
+        "pipes": (lambda data: data.replace(b",", b"|"), "separated by upright bars"),
+        "blanks": (lambda data: data.replace(b",", b" "), "separated by spaces"),
+    }
+    for name, (change, words) in faults.items():
+        yield Variant("first lines", name, _text(change), "error", (MOTION, words, ": 1 error,"))
+
+    def noted(data: bytes) -> bytes:
+        first, *lines = data.strip().split(b"\n")
+        return b"\n".join([first + b",_note", *(line + b",a word" for line in lines)])
+
+    yield Variant("first lines", "words in a column that is not read", _text(noted), "harmless", (" 0 warnings",))
+
+
 def labels(rng: np.random.Generator) -> Iterator[Variant]:
     for column, cell in (
         *(("pose", "1.5"), ("pose", "-1"), ("approach", "0"), ("approach", "2"), ("load_step", "-1")),
@@ -176,5 +206,5 @@ def labels(rng: np.random.Generator) -> Iterator[Variant]:
 
 FAMILIES = (
     *(cells_without_a_value, cells_that_are_words, numbers_that_are_too_long, readings_that_cannot_be, encodings),
-    *(separators, rows_of_a_wrong_length, truncated_tables, headers, labels),
+    *(separators, rows_of_a_wrong_length, truncated_tables, headers, first_lines, labels),
 )

@@ -37,6 +37,7 @@ from tests.simulate.session_small import QUICK, small_session
 from tests.small_robot import write_small_robot
 
 LONGEST_S = 20.0  # the wall clock of one variant
+MOST_LINES = 50  # of a check; what is longer than a screen is not read
 SEED = 20261122
 FAMILIES: Sequence[Family] = (
     *(*in_tables.FAMILIES, *in_channels.FAMILIES, *in_manifests.FAMILIES, *in_files.FAMILIES),
@@ -111,7 +112,9 @@ def _judged(variant: Variant, code: int, said: str) -> Kind:
         "harmless": is_harmless,
         "error or harmless": is_error or is_doubt or is_harmless,
     }[variant.answer]
-    if fits and not missing:
+    is_clean = "Warning:" not in said  # Python's own; nobody can act on it
+    is_short = variant.command[0] != "check" or len(said.splitlines()) <= MOST_LINES
+    if fits and not missing and is_clean and is_short:
         return "right"
     return "silent" if code == 0 and variant.answer in ("error", "doubt") else "wrong"
 

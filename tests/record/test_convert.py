@@ -8,6 +8,7 @@ import pytest
 
 from bench.cli import main
 from bench.errors import CampaignError, InputError
+from bench.record.campaign import Arm
 from bench.record.check import check_campaign
 from bench.record.convert import PAUSE_S, convert
 from bench.record.log_format import LogFormat, read_log_format
@@ -185,7 +186,7 @@ def test_an_angle_that_reaches_too_far_is_advised_what_brings_it_into_range(
     file = log(tmp_path, "a.csv", f"t,q,i\n0,0,1\n0.1,{largest / 2:g},1\n0.2,{largest:g},2\n")
     columns = {"time_s": {"from": "t"}, "q_motor_1_rad": {"from": "q", "factor": factor}, "current_1_a": {"from": "i"}}
     with pytest.raises(CampaignError) as caught:
-        convert(file, LogFormat.model_validate({"columns": columns}), "mine", (ratio,))
+        convert(file, LogFormat.model_validate({"columns": columns}), "mine", Arm((False,), ((-3.0, 3.0),), (ratio,)))
     (problem,) = [line for line in str(caught.value).splitlines() if "no position of this joint" in line]
     assert said in problem
     assert not not_said or not_said not in problem

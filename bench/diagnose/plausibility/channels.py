@@ -5,28 +5,29 @@ takes energy, a drive stays within its limits, a joint's torque follows that joi
 well once a channel is read in another way (`mistaken.py`), or on distances far beyond any defect (`displaced.py`).
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.displaced import displaced
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.plausibility.first_look import DriveLook, clock_of, first_look, resting_torque
+from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
 from bench.diagnose.plausibility.loads import loads_too_small
 from bench.diagnose.plausibility.mistaken import doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
 from bench.diagnose.plausibility.physical_fit import misfit
+from bench.diagnose.plausibility.slow_clock import slow_clock
 from bench.diagnose.plausibility.smoothed import smoothed
+from bench.diagnose.plausibility.speeds import least_top_speed
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment, segments_of
+from bench.diagnose.replay.segments import Segment, readings_of, segments_of
 from bench.effects.places import speed_limit, torque_limit
 from bench.errors import ConvergenceError
-from bench.record.campaign import Array, Campaign, Run
+from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
-from bench.record.channels import columns_of
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
@@ -35,7 +36,6 @@ BLOCKS = 6  # of the readings; what is said has to hold with any of them left ou
 LEAST = 30  # readings of a drive in motion
 GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
 SURE_OF_CLOCK = 0.999  # level of the interval of a clock's rate: one healthy campaign in a thousand is doubted
-PARTS = 20  # of a run; no noise or resolution of an encoder looks like a speed over so long
 BEYOND = 2.0  # times the limits of a drive
 # Times a limit that was made up: nearer, on a logarithmic scale, to what another unit would make of data (degrees, mNm)
 # than to data in SI units
@@ -45,6 +45,7 @@ FEEBLE = 0.1  # of the torque that the model needs; friction only adds to it, no
 ANOTHERS, FAR_BETTER = 0.8, 0.3  # variance explained by another joint's motion; part of the own misfit that this leaves
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of a robot with absurd masses, whose model then finds no balance
 def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = ()) -> tuple[Finding, ...]:
     """Return a doubt for each channel that can hardly be what its name says.
 
@@ -64,7 +65,8 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
             return too_fast
         segments = segments_of(campaign, compiled, every, BINS)
         drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
-        found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told))
+        sped_up = partial(slow_clock, campaign, compiled, drives, SURE_OF_CLOCK, BINS)
+        found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told, sped_up))
         if readings := readings_of(segments, every, others):
             found += displaced(Replay(compiled, readings, others))
     except ConvergenceError as error:
@@ -74,24 +76,18 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     return (*kept, *(finding for finding in smoothed(campaign, compiled, every) if finding.column not in told))
 
 
-def readings_of(
-    segments: tuple[Segment, ...], every: tuple[Quantity, ...], kept: tuple[Quantity, ...]
-) -> tuple[Segment, ...]:
-    """Return the segments that have readings of some of the quantities, with those alone."""
-    columns = [every.index(quantity) for quantity in kept]
-    parts = (
-        replace(segment, observed=segment.observed[:, columns], sigma=segment.sigma[:, columns]) for segment in segments
-    )
-    return tuple(part for part in parts if np.any(np.isfinite(part.observed)))
-
-
 def _of_drives(
-    compiled: CompiledRobot, segments: tuple[Segment, ...], quantities: tuple[Quantity, ...], told: set[str]
+    compiled: CompiledRobot,
+    segments: tuple[Segment, ...],
+    quantities: tuple[Quantity, ...],
+    told: set[str],
+    sped_up: Callable[[], Clock | None],
 ) -> Iterator[Finding]:
     if not segments:
         return
     picture = drive_picture(Replay(compiled, segments, quantities))
-    if wrong_clock := tuple(_of_clock(first_look(picture, resting_torque(compiled, segments, quantities)), compiled)):
+    looks = first_look(picture, resting_torque(compiled, segments, quantities))
+    if wrong_clock := tuple(_of_clock(clock_of(looks, compiled, SURE_OF_CLOCK) or sped_up())):
         yield from wrong_clock
         return
     dead = tuple(_dead(picture))
@@ -115,8 +111,7 @@ def _of_drives(
             yield from list(_of_drive(picture, compiled, j, rows))[:1]
 
 
-def _of_clock(looks: Sequence[DriveLook], compiled: CompiledRobot) -> Iterator[Finding]:
-    clock = clock_of(looks, compiled, SURE_OF_CLOCK)
+def _of_clock(clock: Clock | None) -> Iterator[Finding]:
     if clock and not clock.low <= 1 <= clock.high:
         message = (
             f"counts {clock.rate:.2f} seconds for each second ({clock.low:.2f} to {clock.high:.2f}), by the inertia "
@@ -130,7 +125,7 @@ def _beyond_speed(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Findi
     for j in range(compiled.n_joints):
         drive, limit = compiled.robot.figures.drives[j].joint, speed_limit(compiled, j)
         top, run = max(
-            ((_least_top_speed(run, j + 1), run.name) for run in campaign.of_kind("motion")), default=(0.0, "")
+            ((least_top_speed(run, j + 1), run.name) for run in campaign.of_kind("motion")), default=(0.0, "")
         )
         if top > _tolerated(compiled, "speed limit", drive) * limit:
             message = f"{drive} moves at {top:.3g} per s in run {run!r}, its limit is {limit:.3g}"
@@ -139,17 +134,6 @@ def _beyond_speed(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Findi
                 "figures.yaml"
             )
             yield doubt(f"q_motor_{j + 1}", message, remedy)
-
-
-def _least_top_speed(run: Run, number: int) -> float:
-    """Return a speed that a joint surely reached: the largest mean one over a `PARTS`-th of a run."""
-    columns = columns_of(run.columns, "q_motor", "q_cmd")
-    angles = next((run.columns[column.name] for column in columns if column.index == number), None)
-    span = max(len(run) // PARTS, 1)
-    if angles is None or len(run) < LEAST:
-        return 0.0
-    time = run.columns["time_s"]
-    return float(np.max(np.abs(angles[span:] - angles[:-span]) / (time[span:] - time[:-span])))
 
 
 def _tolerated(compiled: CompiledRobot, figure: str, drive: str) -> float:

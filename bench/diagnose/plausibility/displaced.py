@@ -16,6 +16,9 @@ from bench.record.finding import Finding
 
 FAR = 0.1  # [m]; a calibrated arm errs by millimetres, a nominal one by a centimetre
 FAR_BETTER = 0.2  # part of the distance that the right unit or the right axes leave
+SCALE = 0.01  # twenty times the scale that a wrong refractive index gives a tracker; a nominal arm is longer by less
+SPREAD = 0.2  # [m] rms, over which a scale is told from shifts and zeros of joints
+EXPLAINED = 0.1  # of the square of the distance, at most, that a scale leaves
 TRAVEL = 0.01  # [m] that no tracker misses
 LENGTHS: Mapping[float, str] = {1e3: "millimetres", 100.0: "centimetres", 39.37: "inches", 3.281: "feet", 1e-3: "km"}
 PRESSURES: Mapping[float, str] = {1e-6: "MPa", 1e-5: "bar", 1e-3: "kPa"}
@@ -64,6 +67,7 @@ def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
 def _reflector(name: str, axes: list[int], observed: Array, nominal: Array) -> Iterator[Finding]:
     off = _off(observed, nominal)
     if off < FAR:
+        yield from _scaled(name, observed, nominal)
         return
     factor = min(LENGTHS, key=lambda factor: _off(observed / factor, nominal))
     if _off(observed / factor, nominal) < FAR_BETTER * min(off, _off(nominal, np.zeros(3))):
@@ -78,6 +82,18 @@ def _reflector(name: str, axes: list[int], observed: Array, nominal: Array) -> I
             return
     advice = "is it in the base frame? else look at zero, sign and order of the joints"
     yield doubt(name, f"lies {off:.2g} m from where the model has it", advice)
+
+
+def _scaled(name: str, observed: Array, nominal: Array) -> Iterator[Finding]:
+    """Yield a doubt for a reflector whose travel is the model's times a factor that no tracker's scale explains."""
+    seen, there = observed - observed.mean(axis=0), nominal - nominal.mean(axis=0)
+    if np.sqrt(np.mean(np.sum(there**2, axis=1))) < SPREAD:
+        return
+    factor = float(np.sum(seen * there) / np.sum(there**2))
+    left, before = (float(np.sum((seen - f * there) ** 2)) for f in (factor, 1.0))
+    if abs(factor - 1) > SCALE and left < EXPLAINED * before:
+        message = f"travels {factor:.3f} times as far as the model has it"
+        yield doubt(name, message, "look at the tracker's unit and scale; refraction makes 0.0005 at most")
 
 
 def _in_one_run(

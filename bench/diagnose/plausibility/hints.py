@@ -4,14 +4,15 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from bench.diagnose.plausibility.channels import BINS, readings_of
+from bench.diagnose.plausibility.channels import BINS
 from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_reflectors
+from bench.diagnose.plausibility.reported_torques import unlike_currents
 from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import segments_of
+from bench.diagnose.replay.segments import readings_of, segments_of
 from bench.effects.recorded import LATEST_DRIVE_S
 from bench.effects.recording_channel import ChannelDelay
 from bench.effects.sensing_drive import DriveDelay
@@ -36,14 +37,15 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
         return ()
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
-    found: list[Finding] = []
+    found = list(unlike_currents(campaign, compiled))
     try:
         segments = segments_of(campaign, compiled, every, BINS)
         if not segments:
             words = (
                 "nothing can be held against the model: there is no rest, and no motion that goes on for long enough"
             )
-            return (Finding("warning", "all runs", None, "time_s", words, "look at the clock; move for longer"),)
+            remedy = "look at the clock; move for longer"
+            return (*found, Finding("warning", "all runs", None, "time_s", words, remedy))
         drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
         if paid := readings_of(segments, every, drives):
             replay = Replay(compiled, paid, drives)
@@ -58,7 +60,7 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
             late = late_reflectors(Replay(compiled, seen, others))
             found += _late(late, ChannelDelay.parameters[0].low, ChannelDelay.name)
     except ConvergenceError:
-        return ()
+        return tuple(unlike_currents(campaign, compiled))
     return tuple(found)
 
 

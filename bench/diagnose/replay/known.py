@@ -21,6 +21,9 @@ from bench.record.manifest import MANIFEST
 from bench.record.rules.scale import BESIDE
 from bench.robot.compiled import CompiledRobot
 
+# to Nm/rad, or N/m of a slide: what data sheets have
+STIFFNESS_UNITS = {"Nm/arcmin": 180 * 60 / np.pi, "kNm/rad or kN/m": 1e3, "MNm/rad or kN/mm": 1e6}
+FAR = 100.0  # times; joints of one size differ by less, and the smallest of these factors is ten times that
 KINDS = {
     "payload_kg": "known_payload",
     "stiffness_nm_per_rad": "known_stiffness",
@@ -141,6 +144,8 @@ def _faults(one: Known, compiled: CompiledRobot) -> Iterator[tuple[str, str]]:
     n, name = compiled.n_joints, compiled.robot.name
     if one.joint > n:
         yield "joint", f"{name} has {n} joints, not {one.joint}"
+    elif one.joint and one.value > 0:
+        yield from _another_unit(one.value, float(compiled.stiffness[one.joint - 1]))
     if one.at and len(one.at) != n:
         yield "at", f"needs a position for each of the {n} joints of {name}, not {len(one.at)}"
     limited = compiled.model.jnt_limited[compiled.at.joint]
@@ -151,6 +156,15 @@ def _faults(one: Known, compiled: CompiledRobot) -> Iterator[tuple[str, str]]:
         yield "quantity", f"{name} has no counterbalance with gas in it"
     elif one.quantity == "gas_pressure_pa" and compiled.robot.figures.instruments.pressure is None:
         yield "quantity", f"figures.yaml of {name} has no instruments.pressure.piston_area_m2"
+
+
+def _another_unit(value: float, nominal: float) -> Iterator[tuple[str, str]]:
+    """Yield a fault where a stiffness is far from the model's and another unit brings it near."""
+    off = {unit: abs(np.log(factor * value / nominal)) for unit, factor in STIFFNESS_UNITS.items()}
+    unit = min(off, key=lambda name: off[name])
+    if value * FAR < nominal and off[unit] < np.log(FAR) / 2:
+        words = f"{value:g} is {nominal / value:.3g} times softer than the model's joint"
+        yield "value", f"{words}: {unit}? multiply by {STIFFNESS_UNITS[unit]:.6g}"
 
 
 def _rest(one: Known, run: Run, label: str, compiled: CompiledRobot, quantities: Sequence[Quantity]) -> Segment:

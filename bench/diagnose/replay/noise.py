@@ -130,8 +130,8 @@ class Noise:
         Returns:
             Shape (c,).
         """
-        sizes = np.array([len(group) for group in groups])
-        n = int(np.median(sizes)) if len(sizes) else 0
+        sizes = [len(group) for group in groups]
+        n = int(np.quantile(sizes, 0.5, method="lower")) if sizes else 0  # the size of a group, not between two
         if n < FEWEST:
             return np.zeros(values.shape[1])
         samples = np.stack([values[group] for group in groups if len(group) == n]).transpose(0, 2, 1)
@@ -158,6 +158,6 @@ def torque_sigma(sensor: TorqueSensor, drive: int) -> float:
 
 
 def _distance(run: Run, reflector: int, tracker: Tracker) -> float:
-    """Return the mean distance of a reflector from the tracker over a run [m]."""
+    """Return the mean distance of a reflector from the tracker over a run [m], along the axes that were read."""
     seen = run.stack(f"reflector_{reflector + 1}", "m", ("x", "y", "z"))
-    return float(np.nanmean(np.linalg.norm(seen - np.array(tracker.position_m), axis=1)))
+    return float(np.mean(np.linalg.norm(np.nan_to_num(seen - np.array(tracker.position_m)), axis=1)))

@@ -26,12 +26,14 @@ class Cuts(BaseModel):
 
     @model_validator(mode="after")
     def _are_in_order(self) -> "Cuts":
-        problems = [f"windows_s: {w[0]:g} is not before {w[1]:g}" for w in self.windows_s if not 0 <= w[0] < w[1]]
-        problems += [
-            f"windows_s: {list(b)} begins before {list(a)} has ended; a row belongs to one run"
-            for a, b in pairwise(self.windows_s)
-            if b[0] < a[1]
-        ]
+        turned = [w for w in self.windows_s if not 0 <= w[0] < w[1]]
+        more = f", and {len(turned) - 1} more likewise" if len(turned) > 1 else ""
+        problems = [f"windows_s: {turned[0][0]:g} is not before {turned[0][1]:g}{more}"] if turned else []
+        over = [(a, b) for a, b in pairwise(self.windows_s) if b[0] < a[1]]
+        if over:
+            a, b = over[0]
+            more = f", and {len(over) - 1} more likewise" if len(over) > 1 else ""
+            problems.append(f"windows_s: {list(b)} begins before {list(a)} has ended{more}; a row belongs to one run")
         if any(b <= a for a, b in pairwise((0.0, *self.split_at_s))):
             problems.append("split_at_s: write times above zero in rising order")
         if problems:

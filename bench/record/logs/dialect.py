@@ -72,6 +72,10 @@ def read_log_table(file: Path, dialect: Dialect) -> Table:
         return Table((), {}, (Finding("error", file.name, None, "", str(fault), fault.remedy),))
     if not data.strip():
         return Table((), {}, (Finding("error", file.name, None, "", "is empty", "give a log with rows in it"),))
+    lines = max(data.count(b"\n"), data.count(b"\r")) + 1
+    if dialect.skip_lines >= lines:
+        message = f"has {lines} lines, and skip_lines passes over {dialect.skip_lines}"
+        return Table((), {}, (Finding("error", file.name, None, "", message, "correct it in the log.yaml"),))
     guess = guess_dialect(data)
     if guess is not None and (other := _contradiction(dialect, guess, _lines(data))):
         remedy = f"write `table: {guess}` into the log.yaml; `bench convert --look` with this log proposes it"

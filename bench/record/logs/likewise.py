@@ -7,16 +7,34 @@ from dataclasses import replace
 from bench.record.finding import Finding
 
 SPELT = 6  # names that a message spells out
+FEW = 3  # findings that are all shown, with their own figures
 _FIGURES = re.compile(r"rows? \d[\d, ]*((to|and|more) [\d, ]*)*|-?\d+(\.\d+)?([eE][+-]?\d+)?|'[^']*'")
 
 
 def likewise(findings: Iterable[Finding]) -> list[Finding]:
     """Return the first of all findings that say the same but for figures, with the places of the others."""
+    return [_with_others(group) for group in _alike(findings)]
+
+
+def at_a_glance(findings: Iterable[Finding]) -> list[Finding]:
+    """Return findings as people read them: a fault of many runs or columns is said once, with the other places.
+
+    A few are shown one by one, and so is what is said of the channels of all runs together: their figures differ.
+    """
+    shown = []
+    for group in _alike(findings):
+        in_tables = len({finding.file for finding in group}) > 1 or group[0].row is not None
+        shown += [_with_others(group)] if in_tables and len(group) > FEW else group
+    return shown
+
+
+def _alike(findings: Iterable[Finding]) -> list[list[Finding]]:
+    """Return findings in groups that say the same but for figures."""
     alike: dict[tuple[str, ...], list[Finding]] = {}
     for finding in findings:
         key = (finding.level, _FIGURES.sub("#", finding.message), _FIGURES.sub("#", finding.remedy))
         alike.setdefault(key, []).append(finding)
-    return [_with_others(group) for group in alike.values()]
+    return list(alike.values())
 
 
 def listed(names: Sequence[str]) -> str:

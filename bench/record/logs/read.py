@@ -1,5 +1,6 @@
 """The columns of a campaign out of one log, with every fault in the words of the log."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -9,11 +10,12 @@ import numpy as np
 
 from bench.record.campaign import Array, Run
 from bench.record.finding import Finding
+from bench.record.limits import TABLE_CELLS
 from bench.record.log_format import Beside, LogFormat, Origin
 from bench.record.logs.dialect import Dialect, read_log_table
 from bench.record.logs.likewise import listed
 from bench.record.logs.mcap_table import MCAP, read_topic
-from bench.record.logs.resample import at_times, filled
+from bench.record.logs.resample import at_times, even_rows, filled
 from bench.record.rules.sheet import Sheet, rows_where
 from bench.record.table import Table
 
@@ -136,7 +138,8 @@ def _beside(
 ) -> dict[str, Array]:
     """Return columns of another table of a log at the times of the log."""
     other = file if beside.topic else file.with_name(beside.file.replace("*", file.stem))
-    if all(origin.optional for origin in wanted.values()) and not other.is_file():
+    is_there = os.path.isfile(other)  # noqa: PTH113  a name may be too long for pathlib
+    if all(origin.optional for origin in wanted.values()) and not is_there:
         return {}
     columns, found = _columns(other.name, _table(other, beside.topic, beside.table), {"time_s": beside.time_s} | wanted)
     clock = columns.pop("time_s", np.empty(0))
@@ -145,6 +148,11 @@ def _beside(
         return {}
     if len(clock) < 2 or not np.all(np.diff(clock) > 0):
         message, remedy = "does not rise from row to row", "put the rows in order of time, one for each"
+        faults.append(Finding("error", other.name, None, str(beside.time_s), message, remedy))
+        return {}
+    if TABLE_CELLS.exceeded(even_rows(clock) * len(columns)):
+        message = f"pauses: {clock[-1] - clock[0]:g} s in steps of {float(np.median(np.diff(clock))):g} s"
+        remedy = f"are more than {TABLE_CELLS}; cut what does not belong together"
         faults.append(Finding("error", other.name, None, str(beside.time_s), message, remedy))
         return {}
     return at_times(clock, columns, time)

@@ -1,12 +1,13 @@
 """Readings of one clock at the times of another, and what empty cells stand for."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from bench.record.campaign import Array
+from bench.record.limits import TABLE_CELLS
 
 ORDER = 4  # of the Butterworth low-pass; forth and back it is of order 8 and delays nothing
 SHARE = 0.4  # of the new rate, where the low-pass has lost half of the amplitude; half of the rate is Nyquist's limit
@@ -39,8 +40,26 @@ class Resampling(BaseModel):
             f"order {ORDER}, forth and back, {cutoff:g} Hz, on all columns alike."
         )
 
+    def faults(self, columns: Mapping[str, Array]) -> Iterator[tuple[str, str]]:
+        """Yield fault and remedy of what cannot be done to a log; nothing is computed yet."""
+        time = columns["time_s"]
+        length = float(time[-1] - time[0])
+        if TABLE_CELLS.exceeded(self.rate_hz * length * len(columns)):
+            rows = f"{self.rate_hz:g} Hz make {self.rate_hz * length:.3g} rows of {len(columns)} columns"
+            yield f"resample: {rows} of {length:g} s, more than {TABLE_CELLS}", "give a lower rate_hz"
+        elif self.rate_hz * length < 1:
+            message = f"resample: {self.rate_hz:g} Hz leave one row of {length:g} s"
+            least = f"more than {1 / length:.3g}" if length else "a log of more than one row"
+            yield message, f"give {least}; rate_hz is in samples per second"
+        elif self.cutoff_hz is not None and self.cutoff_hz * length < SHARE:
+            message = f"resample: a low-pass of {self.cutoff_hz:g} Hz leaves a mean of {length:g} s"
+            yield message, f"give a cutoff_hz of more than {SHARE / length:.3g}, or leave it out"
+
     def applied(self, columns: Mapping[str, Array]) -> list[dict[str, Array]]:
-        """Return stretches of a log on the new clock; it is cut where samples are lost. `time_s` is the clock."""
+        """Return stretches of a log on the new clock; it is cut where samples are lost. `time_s` is the clock.
+
+        Stretches that are shorter than a step of the new clock are left out. `faults` has found nothing.
+        """
         time = columns["time_s"]
         others = {name: values for name, values in columns.items() if name != "time_s"}
         found = []
@@ -49,6 +68,8 @@ class Resampling(BaseModel):
                 continue
             first, last = time[rows[0]], time[rows[-1]]
             even = first + np.arange(int((last - first) * self.rate_hz * (1 + 1e-12)) + 1) / self.rate_hz
+            if len(even) < 2:
+                continue
             cut = {name: values[rows] for name, values in others.items()}
             found.append({"time_s": even} | at_times(time[rows], cut, even, self.cutoff_hz))
         return found
@@ -65,13 +86,14 @@ def at_times(
     Args:
         time: Shape (T,) [s], rising.
         columns: Each of shape (T,).
-        wanted: Shape (N,) [s], rising; outside of `time` there is no reading: nan.
+        wanted: Shape (N,) [s], rising; outside of `time` there is no reading: nan. A single instant has no rate, and
+            no low-pass comes before it.
         cutoff_hz: Where it has lost half of the amplitude; None: 0.4 times the wanted rate.
     """
     rate, new = _rate(time), _rate(wanted)
     cutoff = cutoff_hz or SHARE * new
-    if rate > FASTER * new and cutoff < rate / 2 and len(time) > 6 * ORDER:
-        even = np.linspace(time[0], time[-1], round((time[-1] - time[0]) * rate) + 1)
+    if rate > FASTER * new and 0 < cutoff < rate / 2 and len(time) > 6 * ORDER:
+        even = np.linspace(time[0], time[-1], even_rows(time))
         columns = {name: _low_pass(np.interp(even, time, values), cutoff, rate) for name, values in columns.items()}
         time = even
     outside = np.nan
@@ -98,6 +120,11 @@ def _low_pass(values: Array, cutoff: float, rate: float) -> Array:
 
     with np.errstate(under="ignore"):
         return np.asarray(sosfiltfilt(butter(ORDER, cutoff, fs=rate, output="sos"), values))
+
+
+def even_rows(time: Array) -> int:
+    """Return how many rows a clock has when its pauses are filled with its own steps."""
+    return round(float(time[-1] - time[0]) * _rate(time)) + 1
 
 
 def _rate(time: Array) -> float:

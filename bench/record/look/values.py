@@ -22,9 +22,8 @@ ALIKE = 0.1  # of its own spread, by which a command differs from what it comman
 
 def clock_of(columns: Mapping[str, Array], preferred: Sequence[str]) -> str | None:
     """Return the column that rises evenly; one with a preferred name if it rises, else the first that is no counter."""
-    rising = [
-        name for name, values in columns.items() if len(values) > 2 and np.all(np.diff(values) > 0) and _is_even(values)
-    ]
+    finite = {name: values for name, values in columns.items() if len(values) > 2 and np.all(np.isfinite(values))}
+    rising = [name for name, values in finite.items() if np.all(np.diff(values) > 0) and _is_even(values)]
     named = [name for name in preferred if name in rising]
     others = [name for name in rising if not np.all(np.diff(columns[name]) == 1)]
     return next(iter((*named, *others)), None)

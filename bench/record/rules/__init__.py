@@ -26,7 +26,7 @@ from bench.record.rules.sheet import Sheet
 
 Rule = Callable[[Sheet], Iterator[Finding]]
 
-HEADER_RULES: tuple[Rule, ...] = (names.known, names.enough, names.fits_arm)
+HEADER_RULES: tuple[Rule, ...] = (names.known, names.enough, names.fits_arm, names.reflectors)
 
 READING_RULES: tuple[Rule, ...] = (
     values.finite,
@@ -41,6 +41,7 @@ READING_RULES: tuple[Rule, ...] = (
     scale.magnitudes,
     spikes.no_spikes,
     stuck.frozen_or_saturated,
+    stuck.all_frozen,
     tracker.sees_reflectors,
     copies.identical,
     pairing.encoders_follow,
@@ -52,7 +53,7 @@ READING_RULES: tuple[Rule, ...] = (
 )
 
 
-OF_ARM: tuple[Rule, ...] = (names.fits_arm, scale.angles)  # no other rule looks at the robot
+OF_ARM: tuple[Rule, ...] = (names.fits_arm, names.reflectors, scale.angles)  # no other rule looks at the robot
 
 
 def suits_arm(sheet: Sheet) -> bool:

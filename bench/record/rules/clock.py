@@ -9,6 +9,7 @@ from bench.record.rules.sheet import Sheet, rows_where
 
 UNEVEN = 0.5  # of the median step; jitter of an ordinary logger stays below, a lost sample makes 1
 LATE_S = 60.0  # a run may begin with settling; a clock that counts from when the controller was switched on is later
+SHORTEST_STEP_S = 1e-7  # [s]; no instrument of a robot is read ten million times a second
 SLOW_STEP_S = 0.5  # samples of a movement come faster than this
 SLOWEST = {"rad": 1e-3, "m": 1e-4}  # [rad/s], [m/s]; the slowest sweeps for friction are ten times faster
 
@@ -23,6 +24,8 @@ def rises(sheet: Sheet) -> Iterator[Finding]:
         yield sheet.error("time_s", "runs backwards", "put the rows in order of time", back)
     if sheet.run.kind == "motion" and (same := rows_where(np.append(False, step == 0))):
         yield sheet.error("time_s", "is the same as in the row before", "keep one of each", same)
+    elif sheet.run.kind == "motion" and len(step) and 0 < (median := float(np.median(step))) < SHORTEST_STEP_S:
+        yield sheet.error("time_s", f"goes on by {median:.2g} s from row to row", "give it in seconds")
 
 
 def is_regular(sheet: Sheet) -> Iterator[Finding]:

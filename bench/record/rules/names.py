@@ -4,12 +4,11 @@ from collections import Counter
 from collections.abc import Iterator
 from difflib import get_close_matches
 
-from bench.record.channels import Column, columns_of, known_names, parse_column
-from bench.record.finding import Finding
+from bench.record.channels import AXES, Column, columns_of, known_names, parse_column
+from bench.record.finding import Finding, counted
 from bench.record.rules.sheet import Sheet
+from bench.record.table import SET_ASIDE
 from bench.record.units import right_name
-
-SET_ASIDE = "_"  # a column whose name begins with this is not read
 
 REQUIRED = {"static": ("pose", "load_step"), "motion": ("time_s",)}
 
@@ -57,6 +56,23 @@ def fits_arm(sheet: Sheet) -> Iterator[Finding]:
         if seen and (unseen := sorted(set(kinds) - seen)):
             numbers = ", ".join(map(str, unseen))
             yield sheet.error("", f"no angle of drive {numbers}", "add q_cmd or q_motor, constant if it stood still")
+
+
+def reflectors(sheet: Sheet) -> Iterator[Finding]:
+    """Each reflector is one that the robot carries, with all three of its coordinates."""
+    present: dict[int, list[str]] = {}
+    for column in columns_of(dict.fromkeys(sheet.names), "reflector"):
+        present.setdefault(column.index, []).append(column.name)
+    carried = sheet.arm.n_reflectors if sheet.arm else None
+    for index, names in present.items():
+        if carried is not None and index > carried:
+            remedy = "number it as reflectors in figures.yaml, or name a site of the MJCF there"
+            for name in names:
+                yield sheet.error(name, f"the robot has {counted(carried, 'reflector')}", remedy)
+        elif len(names) < len(AXES):
+            missing = [name for axis in AXES if (name := f"reflector_{index}_{axis}_m") not in names]
+            message = f"comes without {' and '.join(missing)}"
+            yield sheet.warning(names[0], message, "add what the tracker read; a distance needs all three")
 
 
 def _is_of_drive(column: Column) -> bool:

@@ -7,19 +7,23 @@ import numpy as np
 
 from bench.record.channels import Column
 from bench.record.finding import Finding
+from bench.record.possible import (
+    BELOW_ZERO,
+    FILLED,
+    MAX_MASS,
+    MAX_PRESSURE,
+    MIN_PRESSURE,
+    PRESSURES,
+    TEMPERATURES,
+    what_a_temperature_may_be,
+)
 from bench.record.rules.sheet import Sheet, rows_where
 
 # A joint of an arm turns by at most two rounds either way; the wrist axes with the widest range have 720 deg.
 MAX_ANGLE = 4 * pi
 MAX_LENGTH = 100.0  # [m]; no arm stands on a longer track, and no tracker sees a reflector much further away
 MAX_CURRENT = 1000.0  # [A]; drives of the heaviest arms stay below 200
-MIN_TEMPERATURE = 200.0  # [K]; colder than any place with a robot, and above any temperature there in degrees Celsius
-MAX_TEMPERATURE = 1000.0  # [K]; iron glows, and no winding or gas seal lasts
 MAX_FORCE = 1e6  # [N], [Nm]; the strongest arms carry 2.3 t, 4 m out
-MAX_MASS = 1e5  # [kg]; weighs as much
-VACUUM = -1.1e5  # [Pa] above ambient pressure; the highest ambient pressure ever measured is 1.085e5 (Tosontsengel)
-MAX_PRESSURE = 1e9  # [Pa]; no cylinder holds it
-MIN_PRESSURE = 5e4  # [Pa]; counterbalances hold 2 to 30 MPa, and 30 MPa are 3e4 in kPa
 
 DEGREE = pi / 180
 ROUNDED = 1e-3  # of a factor for degrees that somebody rounded
@@ -84,17 +88,23 @@ def magnitudes(sheet: Sheet) -> Iterator[Finding]:
         if not sheet.within(column.name, 0.0, MAX_MASS) and (rows := rows_where((values < 0) | (values > MAX_MASS))):
             message = f"{values[rows[0] - 1]:g} kg is no mass that hangs on an arm"
             yield sheet.error(column.name, message, "correct it; a weight has its sign in load_z_n", rows)
-    temperatures = ("motor_temperature", "gear_temperature", "gas_temperature", "ambient_temperature")
-    for column, values in sheet.columns(*temperatures):
-        if not sheet.within(column.name, MIN_TEMPERATURE, inf) and (rows := rows_where(values < MIN_TEMPERATURE)):
-            yield sheet.error(column.name, f"under {MIN_TEMPERATURE:g} K", "degrees Celsius? add 273.15", rows)
-        if not sheet.within(column.name, -inf, MAX_TEMPERATURE) and (rows := rows_where(values > MAX_TEMPERATURE)):
-            yield sheet.error(column.name, f"over {MAX_TEMPERATURE:g} K", "millikelvin? multiply by 0.001", rows)
+    for column, values in sheet.columns(*TEMPERATURES):
+        least, most = TEMPERATURES[column.channel.quantity]
+        if not sheet.within(column.name, least, inf) and (rows := rows_where(values < least)):
+            guess = what_a_temperature_may_be(values[rows[0] - 1], (least, most))
+            yield sheet.error(column.name, f"under {least:g} K", guess, rows)
+        if not sheet.within(column.name, -inf, most) and (rows := rows_where(values > most)):
+            guess = what_a_temperature_may_be(values[rows[0] - 1], (least, most))
+            yield sheet.error(column.name, f"over {most:g} K", guess, rows)
     for column, values in sheet.columns("gas_pressure"):
         if not sheet.within(column.name, -inf, MAX_PRESSURE) and (rows := rows_where(values > MAX_PRESSURE)):
             yield sheet.error(column.name, f"over {MAX_PRESSURE:g} Pa", "look at its unit", rows)
-        if not sheet.within(column.name, VACUUM, inf) and (rows := rows_where(values < VACUUM)):
-            yield sheet.error(column.name, "under that of a vacuum", "give pascals above ambient pressure", rows)
+        if not sheet.within(column.name, BELOW_ZERO, inf) and (rows := rows_where(values < BELOW_ZERO)):
+            message = f"under {BELOW_ZERO:g} Pa, further below zero than a gauge errs"
+            yield sheet.error(column.name, message, "give pascals above ambient pressure", rows)
+        elif np.max(values, initial=0.0) > FILLED and (rows := rows_where(values < MIN_PRESSURE)):
+            message = f"{values[rows[0] - 1]:g} Pa among readings up to {np.max(values):.3g} Pa"
+            yield sheet.error(column.name, message, "lost readings? remove these rows", rows)
         if 0 < np.max(np.abs(values), initial=0.0) < MIN_PRESSURE:
             message = f"never reaches {MIN_PRESSURE:g} Pa, an empty cylinder"
-            yield sheet.doubt(column.name, message, "bar? multiply by 100000; MPa? by 1000000")
+            yield sheet.doubt(column.name, message, PRESSURES)

@@ -1,4 +1,4 @@
-"""Channels that stand still to the last digit while what they measure goes on: frozen, clipped, or not connected."""
+"""Channels that stand still to the last digit: frozen, clipped, or not connected."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -7,11 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.record.campaign import Array
-from bench.record.channels import Column
+from bench.record.channels import CHANNELS, Column
 from bench.record.finding import Finding
 from bench.record.rules.sheet import TRAVEL, Sheet
 
 EFFORT = ("current", "tau_motor")
+NOISY = (*EFFORT, "force", "moment", "reflector", "gas_pressure")  # no instrument repeats itself to the last digit
+MEASURED = tuple(channel.quantity for channel in CHANNELS if channel.role == "measured")
 LOAD_N = 10.0  # [N] change of a load that a force sensor cannot miss
 AT_EXTREME = 5  # equal samples in a row at the largest or smallest value, which noise rarely reaches even once
 ANYWHERE = 15  # equal samples in a row at another value: 0.2^14 of 1e5 samples is 2e-5 by chance (see EQUAL)
@@ -41,11 +43,22 @@ def frozen_or_saturated(sheet: Sheet) -> Iterator[Finding]:
             continue
         low, high = sheet.run.extremes[column.name]
         if high > low:
-            if _repeats(values) and (not is_effort or _is_noisy(values)):
+            if _repeats(values) and (not is_effort or is_noisy(values)):
                 yield from _resting(sheet, column.name, values, cause)
         elif np.ptp(cause.values) > cause.enough:
             what = f"is {values[0]:g} in every row while {cause.name} changes"
             yield sheet.doubt(column.name, what, "look whether it is connected, or remove it")
+
+
+def all_frozen(sheet: Sheet) -> Iterator[Finding]:
+    """In a motion, not every reading repeats its first row while the clock goes on: instruments are noisy."""
+    if sheet.run.kind != "motion" or len(sheet.run) < ANYWHERE:
+        return
+    ranges = [sheet.run.extremes[column.name] for column, _ in sheet.columns(*MEASURED)]
+    reads = any(values[0] != 0 for _, values in sheet.columns(*NOISY))
+    if reads and all(low == high for low, high in ranges):
+        message = f"every reading of {len(sheet.run)} rows is that of the first row"
+        yield sheet.doubt("", message, "was the recording frozen? leave the run out")
 
 
 def _cause(sheet: Sheet, column: Column) -> Cause | None:
@@ -71,7 +84,8 @@ def _repeats(values: Array) -> bool:
     )
 
 
-def _is_noisy(values: Array) -> bool:
+def is_noisy(values: Array) -> bool:
+    """Whether a channel goes up and down from row to row, as noise does; what rests at one value is left out."""
     starts, ends = _stretches(values)
     length, level = ends - starts, values[starts]
     is_extreme = (level == values.max()) | (level == values.min())

@@ -66,6 +66,8 @@ def drives(
         return _unscaled(families, columns)
     slow = slow_motion(lines, families, time, columns, nominal.n_joints)
     if slow is None:
+        if families:
+            remarks.append("nothing tells torques and currents: a drive has no angle, or the log is too short")
         return Drives(())
     if any(line.side == "motor" and not line.was_estimated for line in slow.angles):
         remarks.append("torques and currents are as logged: nothing tells factors and signs before angles are known")

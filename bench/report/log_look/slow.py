@@ -11,6 +11,7 @@ from bench.record.look.values import evenly
 from bench.report.log_look.lines import Line
 
 EDGE = 5  # samples at either end, which the low-pass sees past
+SHORTEST = 40  # samples that are left, less than a second; eight parts of five tell the scatter of a factor (assumed)
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Slow:
 def slow_motion(
     lines: Sequence[Line], families: Sequence[Family], time: Array, columns: Mapping[str, Array], n: int
 ) -> Slow | None:
-    """Return a log on a slow clock; None where a drive has no angle."""
+    """Return a log on a slow clock; None where a drive has no angle, or the log is too short."""
     angles = _angles(lines, n)
     if angles is None:
         return None
@@ -42,6 +43,8 @@ def slow_motion(
     )
     clock, slow = evenly(time, {name: columns[name] for name in names})
     position = np.stack([line.factor * slow[line.source] for line in angles], axis=1)[EDGE:-EDGE]
+    if len(position) < SHORTEST:
+        return None
     stacked = {f.sources: np.stack([slow[name] for name in f.sources], axis=1)[EDGE:-EDGE] for f in families}
     moving = {sources: reading for sources, reading in stacked.items() if np.all(np.ptp(reading, axis=0) > 0)}
     return Slow(clock[EDGE:-EDGE], tuple(angles), position, moving)

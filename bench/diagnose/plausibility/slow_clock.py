@@ -1,0 +1,57 @@
+"""A clock so slow that no inertia shows in its accelerations: minutes for seconds, or the number of a row.
+
+The recording is looked at once more with a clock by which its fastest joint moves as a drive does. Where drives paid
+for inertia, that look tells by how much that clock is off, and so by how much the stated one is. A recording that was
+slow shows none either way.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from bench.diagnose.plausibility.drive_picture import drive_picture
+from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
+from bench.diagnose.plausibility.speeds import fastest
+from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import readings_of, segments_of
+from bench.errors import ConvergenceError
+from bench.record.campaign import Campaign, Run
+from bench.robot.compiled import CompiledRobot
+
+USUAL = 0.3  # of a drive's speed limit, that the fastest joint of a recording reaches; assumed, and then estimated
+SLOW = 0.5  # of the usual; what is faster shows inertia as it is
+
+
+def slow_clock(
+    campaign: Campaign, compiled: CompiledRobot, drives: tuple[Quantity, ...], level: float, bins: int
+) -> Clock | None:
+    """Return the rate of a clock that counts more than a second for each second; None where nothing tells.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot, nominal.
+        drives: What drives paid.
+        level: Of the interval.
+        bins: Of one run at most.
+    """
+    factor = fastest(campaign, compiled) / USUAL
+    if not 0 < factor < SLOW:
+        return None
+    faster = replace(campaign, runs=tuple(_with_clock(campaign, factor)))
+    try:
+        segments = readings_of(segments_of(faster, compiled, drives, bins), drives, drives)
+        picture = drive_picture(Replay(compiled, segments, drives))
+        found = clock_of(first_look(picture, resting_torque(compiled, segments, drives)), compiled, level)
+    except ConvergenceError:
+        return None
+    if found is None or found.low < factor:
+        return None
+    return Clock(found.rate / factor, found.low / factor, found.high / factor, found.drives)
+
+
+def _with_clock(campaign: Campaign, factor: float) -> Iterator[Run]:
+    """Yield the runs with the clock of each motion multiplied; readings at rest stay as they are."""
+    for run in campaign.runs:
+        is_motion = run.kind == "motion"
+        columns = {**run.columns, "time_s": factor * run.columns["time_s"]} if is_motion else run.columns
+        yield replace(run, columns=columns)

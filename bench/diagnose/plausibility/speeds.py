@@ -1,0 +1,29 @@
+"""How fast joints went by a recording's own clock."""
+
+import numpy as np
+
+from bench.effects.places import speed_limit
+from bench.record.campaign import Campaign, Run
+from bench.record.channels import columns_of
+from bench.robot.compiled import CompiledRobot
+
+PARTS = 20  # of a run; no noise or resolution of an encoder looks like a speed over so long
+LEAST = 30  # rows of a run
+
+
+def least_top_speed(run: Run, number: int) -> float:
+    """Return a speed that a joint surely reached: the largest mean one over a `PARTS`-th of a run."""
+    columns = columns_of(run.columns, "q_motor", "q_cmd")
+    angles = next((run.columns[column.name] for column in columns if column.index == number), None)
+    span = max(len(run) // PARTS, 1)
+    if angles is None or len(run) < LEAST:
+        return 0.0
+    time = run.columns["time_s"]
+    return float(np.max(np.abs(angles[span:] - angles[:-span]) / (time[span:] - time[:-span])))
+
+
+def fastest(campaign: Campaign, compiled: CompiledRobot) -> float:
+    """Return the largest speed of any joint, as a part of its drive's limit; 0 where nothing moves."""
+    runs = campaign.of_kind("motion")
+    speeds = (least_top_speed(run, j + 1) / speed_limit(compiled, j) for j in range(compiled.n_joints) for run in runs)
+    return max(speeds, default=0.0)
