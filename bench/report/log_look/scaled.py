@@ -192,9 +192,7 @@ def _motor_torques(family: Family, scale: DriveScale, nominal: NominalDynamics, 
             yield Line(name, source, factor, 0.0, why, is_open=wide)
 
 
-def _of_motor_torques(
-    family: Family, scale: DriveScale, nominal: NominalDynamics, factors: _Factors
-) -> Iterator[str]:
+def _of_motor_torques(family: Family, scale: DriveScale, nominal: NominalDynamics, factors: _Factors) -> Iterator[str]:
     """Yield which factors are estimates or are not told, and which the log contradicts."""
     yield from _contradictions("gear_ratio", np.where(factors.is_stated, factors.size, np.nan), scale, nominal)
     estimated = ~factors.is_stated & (scale.sigma <= UNTOLD)
@@ -205,8 +203,8 @@ def _of_motor_torques(
         )
     elif not np.any(factors.is_stated):
         yield (
-            f"this log tells no factor of {family.shown} to {100 * UNTOLD:.0f} %, so none is proposed: write gear ratios "
-            "or torque constants there, or look at a log of larger and faster movements"
+            f"this log tells no factor of {family.shown} to {100 * UNTOLD:.0f} %, so none is proposed: write gear "
+            "ratios or torque constants there, or look at a log of larger and faster movements"
         )
 
 
