@@ -94,7 +94,7 @@ def _currents(family: Family, scale: DriveScale) -> Iterator[Line]:
 def _of_constants(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
     """Yield the torque constants that figures do not state, and those that they state and the log contradicts."""
     names, constants = nominal.bodies.names, nominal.stated_constant
-    missing = np.flatnonzero(~np.isfinite(constants))
+    missing = np.flatnonzero(~np.isfinite(constants)).tolist()
     told = [f"{names[k]} {_estimate(scale, k)}" for k in missing if _is_told(scale, k)]
     if told:
         yield f"for figures.yaml, torque_constant_nm_per_a as estimated: {', '.join(told)} (torque_constant_error)"
@@ -212,7 +212,7 @@ def _contradictions(key: str, stated: Array, scale: DriveScale, nominal: Nominal
     """Yield where a log that tells a factor well speaks against the figures, beyond the interval of 99 %."""
     off = [
         f"{nominal.bodies.names[k]} {stated[k]:.4g} stated, {_estimate(scale, k)} by torque"
-        for k in np.flatnonzero(np.isfinite(stated) & (scale.sigma <= UNTOLD))
+        for k in np.flatnonzero(np.isfinite(stated) & (scale.sigma <= UNTOLD)).tolist()
         if abs(np.log(np.abs(scale.factor[k]) / stated[k])) > NINETY_NINE * scale.sigma[k]
     ]
     if off:
