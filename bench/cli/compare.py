@@ -34,8 +34,8 @@ class Compare:
     """Go on although channels failed plausibility checks; by default that ends in an error."""
     cores: int = 0
     """Processes; 0: one for each core. The result does not depend on it."""
-    no_store: bool = False
-    """Simulate all signatures anew and keep none on disk (bench/store/README.md)."""
+    store: bool = True
+    """Keep simulated signatures on disk for later, and use those that are kept (bench/store/README.md)."""
 
     def run(self) -> int:
         """Compare, print and write; return the exit code: 0 where nothing changed, 9 where something did."""
@@ -83,7 +83,7 @@ class Compare:
             shown.phase("the robot as it was")
             fitted = as_it_was(campaigns[0], compiled, Path(files))
             executor = Watched(on_cores(self.cores), shows=shown.share)
-            store = None if self.no_store else open_store()
+            store = open_store() if self.store else None
             found = compare(recordings, fitted, effects, progress=shown.phase, executor=executor, store=store)
             if folder:
                 write_comparison(found, folder, compiled.robot.figures.title, self.command)
@@ -104,5 +104,5 @@ class Compare:
         words += ["--robot", self.robot] if self.robot else []
         words += [word for file in self.file for word in ("--file", str(file))]
         words += ["--despite-doubts"] * self.despite_doubts
-        words += ["--no-store"] * self.no_store
+        words += ["--no-store"] * (not self.store)
         return shlex.join(words)

@@ -76,6 +76,7 @@ class Convert:
         from bench.record.check import check_campaign
         from bench.record.convert import convert
         from bench.record.finding import counted
+        from bench.record.log_format import LOG_FORMAT
         from bench.record.logs.cuts import in_window
         from bench.record.write import write_campaign
         from bench.report.campaigns import faults_with_robot, plain_arm
@@ -101,7 +102,12 @@ class Convert:
         warnings = check_campaign(out, plain_arm(compiled)).findings  # one with errors was not written
         for warning in warnings:
             print(f"{warning.label:14}{warning}")
-        runs = converted.campaign.runs
-        words = (counted(len(runs), "run"), counted(sum(map(len, runs)), "row"), counted(len(warnings), "warning"))
+        if without_torque := layout.kind == "motion" and not layout.reads_drives:
+            print(
+                f"{'warning':14}{self.log or LOG_FORMAT} reads neither torques nor currents of the drives: motions "
+                "without them tell nothing about the robot's dynamics; write tau_motor_N_nm or current_N_a"
+            )
+        runs, count = converted.campaign.runs, len(warnings) + without_torque
+        words = (counted(len(runs), "run"), counted(sum(map(len, runs)), "row"), counted(count, "warning"))
         print(f"{out}: {', '.join(words)}")
         return 0

@@ -42,8 +42,8 @@ class Diagnose:
     """Processes; 0: one for each core. The verdict does not depend on it."""
     at_most: str | None = None
     """Time after which to end with what was found so far, such as 90, 60s or 2m; so does Ctrl-C."""
-    no_store: bool = False
-    """Simulate all signatures anew and keep none on disk (bench/store/README.md)."""
+    store: bool = True
+    """Keep simulated signatures on disk for later, and use those that are kept (bench/store/README.md)."""
 
     def run(self) -> int:
         """Diagnose, print and write; return the exit code: 0, or 7 for a verdict that is unfinished."""
@@ -92,7 +92,7 @@ class Diagnose:
                 look = first_look(campaign, compiled)
                 for line in first_lines(look):
                     print(line, flush=True)
-                store = None if self.no_store else open_store()
+                store = open_store() if self.store else None
                 found = diagnose(
                     campaign,
                     compiled,
@@ -147,5 +147,5 @@ class Diagnose:
         files += [word for file in self.file for word in ("--file", str(file))]
         files += ["--at-most", self.at_most] if self.at_most is not None else []
         files += ["--despite-doubts"] * self.despite_doubts
-        files += ["--no-store"] * self.no_store
+        files += ["--no-store"] * (not self.store)
         return shlex.join(["bench", "diagnose", *map(str, self.campaigns), "-o", str(self.out), *files])

@@ -35,6 +35,8 @@ class Identify:
     """Dynamics: cut-off of the low-pass that model and data go through; by default ten times the motion's bandwidth."""
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Dynamics: folder to write dynamics.json into; must not exist yet."""
+    despite_doubts: bool = False
+    """Dynamics: go on although channels failed plausibility checks; by default that ends in an error."""
     json: bool = False
     """Print JSON instead of a table."""
 
@@ -50,8 +52,10 @@ class Identify:
             return self._dynamics(0.9 if self.level is None else self.level)
         if self.weights == "equal" and self.method not in {"current", "force"}:
             raise InputError("--weights equal needs --method current or --method force.")
-        if len(self.campaign) > 1 or self.held_out or self.cutoff_hz is not None or self.out is not None:
-            raise InputError("several campaigns, --held-out, --cutoff-hz and --out are for --method dynamics.")
+        if len(self.campaign) > 1 or self.held_out or self.cutoff_hz is not None or self.out or self.despite_doubts:
+            raise InputError(
+                "several campaigns, --held-out, --cutoff-hz, --out and --despite-doubts are for --method dynamics."
+            )
         from bench.identify.options import PLAIN, Options
         from bench.report.identification import identify_campaign, print_json, print_table
 
@@ -65,12 +69,15 @@ class Identify:
     def _dynamics(self, level: float) -> int:
         import json
 
+        from bench.cli.doubts import heed
         from bench.record.folder import new_folder
         from bench.report.dynamics.as_json import as_json
-        from bench.report.dynamics.identify import identify_dynamics
+        from bench.report.dynamics.identify import identify_dynamics, open_recordings
         from bench.report.dynamics.text import print_dynamics
 
-        result = identify_dynamics(self.campaign, self.held_out, self.robot, self.cutoff_hz)
+        recordings = open_recordings(self.campaign, self.held_out, self.robot)
+        heed(recordings.warnings, recordings.doubts, despite_doubts=self.despite_doubts)
+        result = identify_dynamics(recordings, self.cutoff_hz)
         content = json.dumps(as_json(result, level), indent=2)
         if self.out is not None:
             with new_folder(self.out, DYNAMICS, replace=False) as folder:

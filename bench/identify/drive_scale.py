@@ -22,7 +22,6 @@ from bench.identify.drive_model import (
     model_columns,
     shifted,
     solved,
-    total_misfit,
 )
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
@@ -30,6 +29,8 @@ from bench.robot.nominal_dynamics import NominalDynamics
 BLOCKS = 8  # of the record, fitted one by one; their spread is the statistical error of the factor (assumed)
 LATEST = 0.03  # [s], delay up to which is looked; drives report within a few control periods (assumed)
 MOST_FLIPPED = 6  # drives up to which all signs of angles are tried; 64 fits
+LAG_STEP = 1e-3  # [s] between the delays that are tried; a parabola through three of them tells the rest
+CLEARLY_MOVING = 0.1  # of the top speed (assumed; friction that turns within 0.1 mrad was taken for 5 ms otherwise)
 HALF = 0.5  # of what is unexplained: signs are turned only where that is left (assumed; symmetric signs leave all)
 SAMPLES = 400  # with which signs are tried, and centres of mass moved
 LEAST_KNOWN = 0.5  # relative: an angle that is known less well is nudged by this, in place of infinitely far
@@ -47,6 +48,7 @@ class DriveScale:
         sigma: Shape (n,), its relative standard deviation: statistics, masses and rotors together.
         explained: Shape (n,), share of the reading's variance that model and friction explain.
         delay: [s], by which readings lag positions.
+        delay_sigma: [s], its standard deviation: scatter between parts of the record.
         turned: Shape (n,), whether the angle of a drive seems to count the other way round than in the model.
         payload: [kg], point mass at the load point with which all drives agree best.
         unsure: Shape (n,), drives whose direction is not told: with some of them the other way round, torques are
@@ -57,6 +59,7 @@ class DriveScale:
     sigma: Array
     explained: Array
     delay: float
+    delay_sigma: float
     turned: Flags
     payload: float
     unsure: Flags
@@ -78,10 +81,8 @@ def drive_scale(
     motion = Motion.along(time, position * np.where(turned, -1.0, 1.0))
     columns = model_columns(nominal, motion)
     heaviest = nominal.payload
-    lags = np.arange(-LATEST, LATEST + 1e-9, 1e-3)
     payload = best_payload(columns, reading, heaviest)
-    misfits = np.array([total_misfit(columns, shifted(time, reading, lag), payload) for lag in lags])
-    delay = _lowest(lags, misfits)
+    delay, delay_sigma = _delay(time, reading, columns, _sliding(motion))
     reading = shifted(time, reading, delay)
     payload = best_payload(columns, reading, heaviest)
     slopes = _slopes(columns, reading, payload)
@@ -97,7 +98,43 @@ def drive_scale(
     if angle_sigma is not None:
         stated = np.hypot(stated, _of_angles(nominal, motion, reading, slopes, angle_sigma))
     explained = 1 - misfit(carrying(columns, payload), reading)
-    return DriveScale(1 / slopes, np.hypot(scatter, stated), explained, delay, turned, payload, unsure)
+    sigma = np.hypot(scatter, stated)
+    return DriveScale(1 / slopes, sigma, explained, delay, delay_sigma, turned, payload, unsure)
+
+
+def _sliding(motion: Motion) -> Array:
+    """Return 1 where a drive moves clearly, 0 where it turns round, shape (T, n)."""
+    speed = np.abs(motion.velocity)
+    return np.where(speed > CLEARLY_MOVING * np.max(speed, axis=0), 1.0, 0.0)
+
+
+def _delay(time: Array, reading: Array, columns: Array, sliding: Array) -> tuple[float, float]:
+    """Return the delay with which least is left of readings, and its standard deviation [s].
+
+    Instants at which a drive turns round are left out: bristles bend before friction has turned, which looks like a
+    delay of the readings.
+
+    Args:
+        time: Shape (T,) [s], even.
+        reading: Shape (T, n).
+        columns: Shape (n, T, c), of the model at the angles' own times.
+        sliding: Shape (T, n), 1 for the instants that count, else 0.
+    """
+    lags = np.arange(-LATEST, LATEST + 1e-9, LAG_STEP)
+    parts = [slice(None), *(slice(rows[0], rows[-1] + 1) for rows in np.array_split(np.arange(len(time)), BLOCKS))]
+    masked = [columns[:, rows] * sliding[rows].T[:, :, None] for rows in parts]
+    left = np.empty((len(parts), len(lags)))
+    for k, lag in enumerate(lags):
+        seen = sliding * shifted(time, reading, lag)
+        left[:, k] = [_left(model, seen[rows]) for model, rows in zip(masked, parts, strict=True)]
+    whole, *cut = [_lowest(lags, misfits) for misfits in left]
+    return whole, float(np.std(cut, ddof=1) / np.sqrt(BLOCKS))
+
+
+def _left(columns: Array, reading: Array) -> float:
+    """Return the logarithm of the variance that is left of each reading, summed over drives."""
+    left = reading.T - np.einsum("jtc,jc->jt", columns, solved(columns, reading))
+    return float(np.sum(np.log(np.maximum(np.var(left, axis=1), TINY))))
 
 
 def _slopes(columns: Array, reading: Array, payload: float) -> Array:

@@ -104,6 +104,11 @@ class LogFormat(_Strict):
     noise: dict[str, Annotated[float, Field(gt=0)]] = {}
     notes: str = ""
 
+    @property
+    def reads_drives(self) -> bool:
+        """Whether it reads a torque or a current of a drive."""
+        return any(name.startswith(("tau_motor_", "current_")) for name in self.columns)
+
     @model_validator(mode="after")
     def _names_are_known(self) -> Self:
         problems = []

@@ -25,6 +25,7 @@ class Foreign:
 
 FOREIGN: Mapping[str, Foreign] = {
     "deg": Foreign("rad", pi / 180),
+    "mdeg": Foreign("rad", pi / 180e3),
     "mrad": Foreign("rad", 1e-3),
     "urad": Foreign("rad", 1e-6),
     "arcmin": Foreign("rad", pi / 180 / 60),

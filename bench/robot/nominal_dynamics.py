@@ -23,6 +23,7 @@ class NominalDynamics:
         coulomb: Shape (n,) [Nm], Coulomb levels of motor and link side together.
         viscous: Shape (n,) [Nm s/rad], of motor and link side together.
         torque_constant: Shape (n,) [Nm/A].
+        stated_constant: Shape (n,) [Nm/A], the same; nan where the figures do not state it.
         gear_ratio: Shape (n,), turns of the motor to one of the joint; nan where the figures do not state it.
         torque_gain_sigma: Shape (n,), relative standard deviation of the torque that is read, of a current with its
             constant.
@@ -41,6 +42,7 @@ class NominalDynamics:
     coulomb: Array
     viscous: Array
     torque_constant: Array
+    stated_constant: Array
     gear_ratio: Array
     torque_gain_sigma: Array
     torque_offset_sigma: Array
@@ -82,6 +84,7 @@ def nominal_dynamics(compiled: "CompiledRobot") -> NominalDynamics:
         coulomb=read_only(compiled.motor_coulomb + compiled.link_coulomb),
         viscous=read_only(model.dof_damping[at.q_dof] + model.dof_damping[at.theta_dof]),
         torque_constant=read_only(constant),
+        stated_constant=read_only(np.where([d.states_torque_constant for d in figures.drives], constant, np.nan)),
         gear_ratio=read_only([np.nan if drive.gear_ratio is None else drive.gear_ratio for drive in figures.drives]),
         torque_gain_sigma=read_only(gain),
         torque_offset_sigma=read_only(offset),

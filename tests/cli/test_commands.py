@@ -223,3 +223,12 @@ def test_a_failed_plausibility_check_is_called_that(
     assert "failed check  runs/" in said
     assert "0 errors, 1 failed plausibility check, " in said
     assert "doubt" not in said
+
+
+@pytest.mark.parametrize("command", ["diagnose", "compare"])
+def test_help_names_no_option_twice_denied(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    said = capsys.readouterr().out
+    assert "--no-store" in said
+    assert "--no-no" not in said

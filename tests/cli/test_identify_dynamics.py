@@ -67,3 +67,29 @@ def test_refusals_say_what_to_do(
 def test_the_same_campaign_twice_is_refused(campaigns: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["identify", str(campaigns[0]), str(campaigns[0]), "--method", "dynamics"]) == 2
     assert "is given twice" in capsys.readouterr().err
+
+
+def test_failed_checks_come_first(
+    campaigns: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A campaign that `bench check` fails was fitted without a word: 2144 Nm of friction for an arm of 3 kg."""
+    (folder := tmp_path / "turned").mkdir()
+    for file in campaigns[0].rglob("*"):
+        if file.is_file():
+            (to := folder / file.relative_to(campaigns[0])).parent.mkdir(parents=True, exist_ok=True)
+            to.write_bytes(file.read_bytes())
+    (table,) = folder.rglob("*.csv")
+    header, *rows = table.read_text().splitlines()
+    place = header.split(",").index("tau_motor_2_nm")
+    cells = [row.split(",") for row in rows]
+    for row in cells:
+        row[place] = repr(-float(row[place]))
+    table.write_text("\n".join([header, *map(",".join, cells)]) + "\n")
+    command = ["identify", str(folder), "--method", "dynamics", "--json"]
+    capsys.readouterr()
+    assert main(command) == 3
+    assert "tau_motor_2_nm" in (said := capsys.readouterr().err)
+    assert "--despite-doubts" in said
+    assert main([*command, "--despite-doubts"]) == 0
+    assert capsys.readouterr().err.startswith("failed check")
+    assert main(["identify", str(folder), "--despite-doubts"]) == 2

@@ -103,7 +103,7 @@ def test_a_delay_and_a_turned_angle_are_told(tmp_path: Path, arm: NominalDynamic
     np.savetxt(tmp_path / "x.csv", rows, delimiter=",", header=header, comments="", fmt="%.8g")
     text = look(tmp_path / "x.csv", nominal=arm).text
     assert "angles of j2 count the other way round than the model's" in text
-    (told,) = re.findall(r"they (lag|lead) the angles by ([\d.]+) ms", text)
+    (told,) = re.findall(r"they (lag|lead) the angles by ([\d.]+) \+- [\d.]+ ms", text)
     assert abs(float(told[1]) * (1e-3 if told[0] == "lag" else -1e-3) - delay) < LAG
     form = proposed(tmp_path, text)
     assert [form.columns[f"tau_motor_{j}_nm"].factor for j in (1, 2, 3)] == [1, -1, 1]

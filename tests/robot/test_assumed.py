@@ -217,6 +217,20 @@ def test_a_mass_that_the_file_does_not_give_is_said(tmp_path: Path) -> None:
     assert "mass of l3: the file gives shapes alone" in " ".join(started(tmp_path, text).compiled.robot.figures.assumed)
 
 
+def test_the_world_has_no_mass_to_assume(tmp_path: Path) -> None:
+    text = stranger.mjcf().replace("<worldbody>", '<worldbody><geom type="plane" size="1 1 1"/><geom size="0.1"/>')
+    assert not any(line.startswith("mass of") for line in started(tmp_path, text).compiled.robot.figures.assumed)
+
+
+def test_how_well_rotors_of_the_file_are_known_is_said(tmp_path: Path) -> None:
+    """They were taken as known to a tenth without a word."""
+    said = "uncertainty of rotor inertias: those of the file are taken as known to 10 %"
+    assert said in started(tmp_path / "stated", stranger.mjcf()).compiled.robot.figures.assumed
+    guessed = started(tmp_path / "guessed", stranger.mjcf(armature=5.0)).compiled.robot.figures
+    assert guessed.uncertainty.rotor_inertia > 1
+    assert said not in guessed.assumed
+
+
 def test_defaults_of_instruments_stand_in_one_table() -> None:
     """The README said 0.02 of a torque constant, the source 0.01."""
     text = MODELS.read_text(encoding="utf-8")

@@ -14,6 +14,10 @@ from bench.record.held_out import BLOCKS, GAP, MOST_FOLDS
 
 SAME_PATH = 0.5  # share of the instants of one that lie on the path of the other: more than by crossing it (assumed)
 
+ALONG = np.cos(np.deg2rad(20.0))  # of the angle between paths that run along each other (assumed; two that cross in a
+# plane at any angle pass in 2 of 9 places, less than half)
+AT_REST = 0.1  # of the step between two points, below which a path has no direction (assumed)
+
 
 @dataclass(frozen=True)
 class Folds:
@@ -102,9 +106,22 @@ def _joined(
 
 
 def _covers(one: Array, other: Array) -> bool:
-    """Return whether most of one path, shape (T, n), lies on the other, to within a step between its points."""
+    """Return whether most of one path, shape (T, n), lies on the other and runs along it, there or back.
+
+    On it is what lies within a step between its points. Any two paths of two joints lie near each other wherever they
+    cross, so directions count as well.
+    """
     if len(one) < 2 or len(other) < 2:
         return False
     step = max(float(np.median(np.linalg.norm(np.diff(path, axis=0), axis=1))) for path in (one, other))
-    distance, _ = cKDTree(other).query(one)
-    return bool(np.mean(distance <= step) > SAME_PATH)
+    distance, nearest = cKDTree(other).query(one)
+    along = np.abs(np.sum(_direction(one, step) * _direction(other, step)[nearest], axis=1))
+    at_rest = np.isnan(along)
+    return bool(np.mean((distance <= step) & (at_rest | (along > ALONG))) > SAME_PATH)
+
+
+def _direction(path: Array, step: float) -> Array:
+    """Return the unit vector along a path at each instant, shape (T, n); nan where it moves far less than a step."""
+    change = np.gradient(path, axis=0)
+    length = np.linalg.norm(change, axis=1, keepdims=True)
+    return np.asarray(change / np.where(length > AT_REST * step, length, np.nan))

@@ -13,15 +13,18 @@ WORDS: tuple[tuple[Kind, frozenset[str]], ...] = (
     ("acceleration", frozenset({"qdd", "ddq", "acc", "accel", "acceleration"})),
     ("velocity", frozenset({"qd", "dq", "vel", "velocity", "velocities", "speed", "qdot", "omega"})),
     ("current", frozenset({"current", "currents", "curr", "cur", "amp", "amps", "i", "iq", "strom"})),
-    ("torque", frozenset({"torque", "torques", "tau", "effort", "trq", "moment", "drehmoment", "m"})),
+    ("torque", frozenset({"torque", "torques", "tau", "effort", "trq", "moment", "drehmoment"})),
     ("link", frozenset({"link", "secondary", "abtrieb"})),
-    ("position", frozenset({"q", "pos", "position", "positions", "angle", "theta", "joint", "axis", "achse", "enc"})),
+    ("position", frozenset({"q", "pos", "position", "positions", "angle", "theta", "enc"})),
+    ("torque", frozenset({"m"})),  # behind "pos" and "angle": of "m1_pos" it is the motor
+    ("position", frozenset({"joint", "axis", "achse"})),  # may be any quantity of a joint
 )
 CLOCKS = {"t", "time", "timestamp", "stamp", "zeit", "clock", "log"}
 STAMPS = {"time", "timestamp", "stamp"}  # "log_time", "header.stamp"
 SI = {"rad", "m", "s", "a", "nm", "n", "k"}
 # where no word tells the quantity
 BY_UNIT: dict[str, Kind] = {"a": "current", "nm": "torque", "n": "torque", "rad": "position", "m": "position"}
+ANGLES = {unit for unit, foreign in FOREIGN.items() if foreign.si == "rad"} | {"rad"}
 LISTS = {"position", "velocity", "effort"}  # of a JointState, with the names of joints behind a dot
 _INDEX = re.compile(r"\d+")
 
@@ -60,10 +63,8 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
         words = _words(stem)
         words = words[:-1] if unit and words and words[-1] == unit else words
         measured = FOREIGN[unit].si if unit in FOREIGN else unit
-        by_word = next((kind for kind, known in WORDS if known & set(words)), None)
         by_unit = BY_UNIT.get(measured, "unknown")
-        if by_word == "position" and by_unit != "unknown":  # "joint 1" may be any quantity of a joint
-            by_word = None if by_unit != "position" else by_word
+        by_word = next((kind for kind, known in WORDS if known & set(words) and _fits(kind, unit, by_unit)), None)
         kind = by_word or by_unit
         ordered = sorted(members, key=lambda member: member[0])
         numbers = tuple(number - min(first, 1) + 1 for number, _ in ordered)
@@ -72,6 +73,13 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
         why = "by name" if by_word else f"unit {unit} in its name" if kind != "unknown" else "moves with the robot"
         found.append(Family(kind, bool(COMMANDED & set(words)), sources, unit, why, numbers))
     return found
+
+
+def _fits(kind: Kind, unit: str, by_unit: Kind) -> bool:
+    """Return whether a quantity may have a unit: an angle is no torque, and what is not measured in angles is none."""
+    if kind == "position":
+        return by_unit in ("position", "unknown")
+    return kind not in ("torque", "current") or unit not in ANGLES
 
 
 def _stem(name: str, joints: Sequence[str]) -> tuple[str, int | None]:

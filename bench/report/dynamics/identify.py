@@ -11,9 +11,10 @@ from bench.identify.dynamics.advice import Motion, advise
 from bench.identify.dynamics.first_pass import FirstPass, Torques, first_pass
 from bench.identify.dynamics.quantities import Quantity, quantities
 from bench.record.campaign import Campaign
+from bench.record.finding import Finding
 from bench.record.joined import joined, names_of
 from bench.record.rules.repeated_runs import no_campaign_twice
-from bench.report.campaigns import open_campaign
+from bench.report.joint_campaign import open_doubted
 from bench.robot.compiled import CompiledRobot
 from bench.robot.nominal_dynamics import nominal_dynamics
 
@@ -37,36 +38,68 @@ class Dynamics:
     predicted: dict[Path, Torques]
 
 
-def identify_dynamics(
-    folders: Sequence[Path], held_out: Sequence[Path] = (), robot: str = "", cutoff_hz: float | None = None
-) -> Dynamics:
-    """Identify the dynamics from the motion runs of campaigns, and predict others.
+@dataclass(frozen=True, eq=False)
+class Recordings:
+    """Campaigns of one machine, read and held against its robot, for a first pass.
+
+    Attributes:
+        named: Name -> each that is fitted.
+        folders: Of these.
+        held_out: Folder -> each that is only predicted.
+        compiled: Their robot.
+        warnings: What to look at in all of them: folder, and finding.
+        doubts: Failed plausibility checks, likewise.
+    """
+
+    named: dict[str, Campaign]
+    folders: tuple[Path, ...]
+    held_out: dict[Path, Campaign]
+    compiled: CompiledRobot
+    warnings: tuple[tuple[Path, Finding], ...]
+    doubts: tuple[tuple[Path, Finding], ...]
+
+
+def open_recordings(folders: Sequence[Path], held_out: Sequence[Path] = (), robot: str = "") -> Recordings:
+    """Read campaigns, and check that their channels are what their names say.
 
     Args:
         folders: Campaigns of one machine with one payload.
         held_out: Further ones, which are only predicted.
         robot: Name or folder of the robot to take; "": the one that the campaigns name.
+
+    Raises:
+        CampaignError: A folder is not a usable campaign or a copy of another.
+        InputError: A folder is given twice.
+    """
+    names = names_of(folders)
+    opened = {folder: open_doubted(folder, robot) for folder in (*folders, *held_out)}
+    named = {name: opened[folder].campaign for name, folder in zip(names, folders, strict=True)}
+    others = {folder: opened[folder].campaign for folder in held_out}
+    for name, doubt in no_campaign_twice(named | {str(folder): campaign for folder, campaign in others.items()}):
+        raise CampaignError(f"{name}: {doubt}")
+    return Recordings(
+        named,
+        tuple(folders),
+        others,
+        opened[folders[-1]].compiled,
+        tuple((folder, warning) for folder, one in opened.items() for warning in one.warnings),
+        tuple((folder, doubt) for folder, one in opened.items() for doubt in one.doubts),
+    )
+
+
+def identify_dynamics(recordings: Recordings, cutoff_hz: float | None = None) -> Dynamics:
+    """Identify the dynamics from the motion runs of campaigns, and predict others.
+
+    Args:
+        recordings: Campaigns of one machine with one payload.
         cutoff_hz: Of the filter on model and data [Hz]; None: from the bandwidth of the motion.
 
     Raises:
-        CampaignError: A folder is not a usable campaign or a copy of another, or they are of different machines.
-        InputError: A folder is given twice, or the data do not serve; the message says why.
+        CampaignError: They are of different machines.
+        InputError: The data do not serve; the message says why.
     """
-    named: dict[str, Campaign] = {}
-    for name, folder in zip(names_of(folders), folders, strict=True):
-        named[name], compiled = _opened(folder, robot)
-    others = {folder: _opened(folder, robot)[0] for folder in held_out}
-    for name, doubt in no_campaign_twice(named | {str(folder): campaign for folder, campaign in others.items()}):
-        raise CampaignError(f"{name}: {doubt}")
     with threadpool_limits(1, "blas"):  # the matrices are small: threads cost more than they give
-        found = first_pass(joined(named), nominal_dynamics(compiled), cutoff_hz)
+        found = first_pass(joined(recordings.named), nominal_dynamics(recordings.compiled), cutoff_hz)
         told = quantities(found)
-        predicted = {folder: found.predict(campaign) for folder, campaign in others.items()}
-        return Dynamics(tuple(folders), found, told, advise(found, told), predicted)
-
-
-def _opened(folder: Path, robot: str) -> tuple[Campaign, CompiledRobot]:
-    report, compiled = open_campaign(folder, robot)
-    campaign = report.usable()
-    assert compiled is not None  # a usable campaign comes with its robot
-    return campaign, compiled
+        predicted = {folder: found.predict(campaign) for folder, campaign in recordings.held_out.items()}
+        return Dynamics(recordings.folders, found, told, advise(found, told), predicted)

@@ -113,11 +113,16 @@ def _slide_unit(family: Family, values: Array) -> tuple[float, str]:
     return 1.0, "taken as m"
 
 
+def si_factor(family: Family) -> float:
+    """Return the factor from the unit in the name of torques, forces or currents to Nm, N or A; 1 if there is none."""
+    foreign = FOREIGN.get(family.unit)
+    wanted = {"a"} if family.kind == "current" else {"nm", "n"}
+    return foreign.factor if foreign and foreign.si in wanted else 1.0
+
+
 def as_logged(family: Family, columns: Mapping[str, Array]) -> Iterator[Line]:
     """Yield the lines of torques or currents as they stand in the log."""
-    unit = "a" if family.kind == "current" else "nm"
-    foreign = FOREIGN.get(family.unit)
-    factor = foreign.factor if foreign and foreign.si == unit else 1.0
+    unit, factor = "a" if family.kind == "current" else "nm", si_factor(family)
     for number, source in zip(family.numbers, family.sources, strict=True):
         yield Line(f"{QUANTITY[family.kind]}_{number}_{unit}", source, factor, 0.0, family.why if number == 1 else "")
 

@@ -74,9 +74,8 @@ def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) ->
     lines = [*(line.turned() if line.number in found.turned else line for line in lines), *found.lines]
     lines += temperatures(families, others)
     if len(lines) == 1:
-        remarks.append(
-            "no column was recognised as a position; name the robot with --robot, or write the lines yourself"
-        )
+        remedy = "name the robot with --robot, or write the lines yourself" if nominal is None else "write the lines"
+        remarks.append(f"no column was recognised as a position; {remedy}")
     named = {line.source for line in lines}
     head = [f"# Proposed by `bench convert --look {file.name}`: guesses, each with its reason. Check every line."]
     named |= {

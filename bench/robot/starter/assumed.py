@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from bench.robot.figures import Uncertainty
 from bench.robot.starter.defaults import DriveFigures
 from bench.robot.starter.source import Source
 
@@ -34,6 +35,9 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
         found.append(
             f"mass of {', '.join(source.guessed_masses)}: the file gives shapes alone; made of them at 1000 kg/m^3"
         )
+    if all(drive.origins["rotor_inertia"] in KEPT for drive in drives):
+        known = Uncertainty.model_fields["rotor_inertia"].default
+        found.append(f"uncertainty of rotor inertias: those of the file are taken as known to {100 * known:.0f} %")
     return (
         *found,
         "instruments: drives that report torque with noise of 0.2 % of the torque limit, encoders, a laser tracker",

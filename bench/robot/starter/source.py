@@ -222,7 +222,7 @@ def _guessed_masses(spec: mujoco.MjSpec) -> tuple[str, ...]:
     """Return the bodies whose mass comes from nothing but the shapes of the file and the density of water."""
     return tuple(
         body.name or "without a name"
-        for body in spec.bodies
+        for body in spec.bodies[1:]  # the first is the world, which weighs nothing
         if not body.explicitinertial and any(np.isnan(g.mass) and g.density == WATER for g in body.geoms)
     )
 

@@ -46,6 +46,7 @@ def robot(bodies: RigidBodies, payload: float = 0.0, **uncertainty: float) -> No
         coulomb=read_only(np.zeros(N)),
         viscous=read_only(np.zeros(N)),
         torque_constant=read_only(np.full(N, 50.0)),
+        stated_constant=read_only(np.full(N, 50.0)),
         gear_ratio=read_only(np.full(N, np.nan)),
         torque_gain_sigma=read_only(np.zeros(N)),
         torque_offset_sigma=read_only(np.full(N, 1.0)),

@@ -54,3 +54,32 @@ def test_a_path_repeated_throughout_is_said(rng: np.random.Generator) -> None:
     folds = folds_of([stretch("one", path), stretch("two", path[::-1])])
     assert folds.repeats
     assert len(folds) == 2
+
+
+def in_a_plane(seed: int) -> np.ndarray:
+    """Return a Fourier run of two joints; the third stands."""
+    path = fourier(np.random.default_rng(seed), seconds=20.0, rate=100.0)[1]
+    return np.asarray(path * [1, 1, 0])
+
+
+def test_two_runs_of_two_joints_are_two_paths() -> None:
+    """They were "the same angles": in a plane every path lies near every other one that crosses it often."""
+    time = np.arange(6000) / 100
+    one, two = (
+        np.column_stack([np.sin(a * time + 0.3), np.sin(b * time), 0 * time]) for a, b in ((1.3, 2.1), (1.9, 1.1))
+    )
+    folds = folds_of([stretch("one", one), stretch("two", two)])
+    assert not folds.repeats
+
+
+def test_there_and_back_at_another_speed_is_one_fold_in_a_plane(rng: np.random.Generator) -> None:
+    there, other = in_a_plane(0), in_a_plane(1)
+    slowly = np.stack([np.interp(np.arange(0, 1999, 0.6), np.arange(2000), values) for values in there.T], axis=1)
+    back = slowly[::-1] + 1e-5 * rng.normal(size=slowly.shape) * [1, 1, 0]
+    folds = folds_of([stretch("there", there), stretch("other", other), stretch("back", back)])
+    assert folds.names == ("there and back", "other")
+
+
+def test_one_axis_has_one_path() -> None:
+    one, two = (in_a_plane(seed) * [1, 0, 0] for seed in (0, 1))
+    assert folds_of([stretch("one", one), stretch("two", two)]).repeats

@@ -1,0 +1,254 @@
+"""Lines of torques and currents that go by the torque which the arm needs: on which side of the gear, with what factor.
+
+A unit in the name decides the power of ten, gear ratios and torque constants that the figures state are used as they
+are, and only what is left is estimated. What the log contradicts is said.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.identify.drive_scale import DriveScale
+from bench.record.campaign import Array
+from bench.record.look.families import Family
+from bench.report.log_look.angle_units import SLOWEST_GEAR
+from bench.report.log_look.lines import UNTOLD, Line, si_factor
+from bench.robot.nominal_dynamics import NominalDynamics
+
+NEAR_ONE = 0.25  # relative: a factor this near to one is no gear ratio; payload and masses may be off so far (assumed)
+NINETY = 1.645  # exact: standard deviations to either side that hold 90 %
+NINETY_NINE = 2.576  # exact: those that hold 99 %; six drives that are as stated stay within in 19 logs of 20
+AT_LIMIT = 1e-2  # rounding: of a payload that was searched to a thousandth
+
+
+def named_by_constants(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks: list[str]) -> Family:
+    """Return readings without a name as currents if their factors are the torque constants that the figures state."""
+    constants = nominal.stated_constant
+    is_open = family.kind == "unknown" and bool(np.all(np.isfinite(constants)))
+    if not is_open or _agree(scale, np.ones_like(constants)) or not _agree(scale, constants):
+        return family
+    remarks.append(f"{family.shown}: taken as currents, for the torque constants of the figures fit them")
+    return replace(family, kind="current")
+
+
+def scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks: list[str]) -> Iterator[Line]:
+    """Yield the lines of one family of readings that go by the torque that the arm needs.
+
+    Args:
+        family: One reading for each drive.
+        scale: Its factors are by the SI unit of its name.
+        nominal: The robot.
+        remarks: To which is added what was taken.
+    """
+    remarks += _of_directions(scale, nominal)
+    remarks += _of_delay_and_payload(family, scale, nominal)
+    if family.kind == "current":
+        remarks += _of_constants(scale, nominal)
+        yield from _currents(family, scale)
+    elif _is_of_joints(family, scale, nominal):
+        remarks += _of_joint_torques(family, scale, nominal)
+        yield from _joint_torques(family, scale, nominal)
+    else:
+        factors = _motor_factors(family, scale, nominal)
+        remarks += _of_motor_torques(family, scale, nominal, factors)
+        yield from _motor_torques(family, scale, nominal, factors)
+
+
+def _of_directions(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
+    """Yield which angles are turned, and of which nobody can tell."""
+    names = nominal.bodies.names
+    if not np.any(scale.turned):
+        return
+    who = ", ".join(name for name, turned in zip(names, scale.turned, strict=True) if turned)
+    yield f"angles of {who} count the other way round than the model's: their factors are turned below"
+    if np.any(scale.unsure):
+        others = ", ".join(name for name, unsure in zip(names, scale.unsure, strict=True) if unsure)
+        yield (
+            f"the direction of {others} is not told by torques (an arm and its mirror image need the same): look "
+            "at the robot; an angle and its torque or current are turned together"
+        )
+
+
+def _of_delay_and_payload(family: Family, scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
+    """Yield against which payload readings were held, if it is told, and how late they are."""
+    told = bool(np.any(scale.sigma <= UNTOLD))
+    payload = f" with {scale.payload:.3g} kg of payload, with which all drives agree best" if told else ""
+    yield (
+        f"{family.shown}: held against the masses of the robot{payload}; they "
+        f"{'lag' if scale.delay >= 0 else 'lead'} the angles by {1e3 * abs(scale.delay):.1f} +- "
+        f"{1e3 * scale.delay_sigma:.1f} ms (what the model gets wrong of rotors and friction looks like that too)"
+    )
+    if told and 0 < nominal.payload <= scale.payload * (1 + AT_LIMIT):
+        yield "that is the largest payload that may be unstated: if more hangs there, raise payload_kg in figures.yaml"
+
+
+def _currents(family: Family, scale: DriveScale) -> Iterator[Line]:
+    for number, source, k in _each(family):
+        sign = float(np.sign(scale.factor[k]))
+        direction = "turned, it counts against the model's torque" if sign < 0 else "sign as the model has it"
+        why = f"{_explained(scale, k)}; {direction}{_unit(family)}"
+        yield Line(f"current_{number}_a", source, sign * si_factor(family), 0.0, why)
+
+
+def _of_constants(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
+    """Yield the torque constants that figures do not state, and those that they state and the log contradicts."""
+    names, constants = nominal.bodies.names, nominal.stated_constant
+    missing = np.flatnonzero(~np.isfinite(constants)).tolist()
+    told = [f"{names[k]} {_estimate(scale, k)}" for k in missing if _is_told(scale, k)]
+    if told:
+        yield f"for figures.yaml, torque_constant_nm_per_a as estimated: {', '.join(told)} (torque_constant_error)"
+    if untold := [names[k] for k in missing if not _is_told(scale, k)]:
+        yield f"this log does not tell the torque constant of {', '.join(untold)}"
+    yield from _contradictions("torque_constant_nm_per_a", constants, scale, nominal)
+
+
+def _is_of_joints(family: Family, scale: DriveScale, nominal: NominalDynamics) -> bool:
+    """Return whether readings are torques at the joints: near to the model's, or in Nm and no gear ratio away from it.
+
+    What is called a torque is one at the joint or one at the motor. The middle between both, on a logarithmic scale, is
+    held against the mean of all drives, which counts those most that are told best. Torques that are smaller than
+    what their names say have the unit of their names all the same. What has no name is one at the joint if the mean is
+    near to the model's and no drive is surely off.
+    """
+    size = np.abs(scale.factor)
+    if np.all(np.abs(size - 1) < NEAR_ONE):
+        return True
+    if family.kind != "torque":
+        return _agree(scale, np.ones_like(size))
+    ratio = nominal.gear_ratio
+    slowest = np.log(np.where(np.isfinite(ratio) & (ratio > SLOWEST_GEAR), ratio, SLOWEST_GEAR))
+    weights = scale.sigma**-2.0
+    off, middle = np.average(np.log(size), weights=weights), 0.5 * np.average(slowest, weights=weights)
+    return bool((off if family.unit else abs(off)) < middle)
+
+
+def _agree(scale: DriveScale, expected: Array) -> bool:
+    """Return whether factors are sharply told, in the mean near to what is expected, and no drive is surely off."""
+    off = np.log(np.abs(scale.factor) / expected)
+    weights = scale.sigma**-2.0
+    is_sharp = NINETY * np.sum(weights) ** -0.5 < NEAR_ONE
+    is_near = abs(np.average(off, weights=weights)) < NEAR_ONE
+    return bool(is_sharp and is_near and np.all(np.abs(np.exp(-off) - 1) < NINETY * scale.sigma))
+
+
+def _joint_torques(family: Family, scale: DriveScale, nominal: NominalDynamics) -> Iterator[Line]:
+    for number, source, k in _each(family):
+        off = abs(abs(scale.factor[k]) - 1)
+        near = f" within {100 * off:.0f} % of the model's" if off < NEAR_ONE else ""
+        why = f"{_explained(scale, k)}; joint torque{near}{_unit(family)}"
+        yield Line(_torque(number, nominal), source, _sign(scale, k) * si_factor(family), 0.0, why)
+
+
+def _of_joint_torques(family: Family, scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
+    """Yield how the model's torques compare, where they are not near."""
+    size = np.abs(scale.factor)
+    if not np.any(np.abs(size - 1) >= NEAR_ONE):
+        return
+    factors = ", ".join(f"{name} {_estimate(scale, k)}" for k, name in enumerate(nominal.bodies.names))
+    if np.average(np.log(size), weights=scale.sigma**-2.0) < -0.5 * np.log(SLOWEST_GEAR):
+        yield (
+            f"unit {family.unit} in the name of {family.shown} is used, but this log contradicts it. "
+            f"Model by reading: {factors}"
+        )
+        return
+    yield (
+        f"{family.shown}: taken as torques at the joints, for they are no gear ratio away from the model's; on the "
+        f"motor's side they need gear ratios as factors. Model by reading: {factors}"
+    )
+
+
+@dataclass(frozen=True)
+class _Factors:
+    """Gear ratios with which torques of the motors are read, shape (n,) each; whether the figures state them."""
+
+    size: Array
+    is_stated: np.ndarray[tuple[int], np.dtype[np.bool_]]
+
+
+def _motor_factors(family: Family, scale: DriveScale, nominal: NominalDynamics) -> _Factors:
+    """Return gear ratios of the figures, or estimates; readings that nobody calls torques need not go by the former."""
+    stated = np.isfinite(nominal.gear_ratio)
+    if family.kind == "unknown" and not (np.all(stated) and _agree(scale, nominal.gear_ratio)):
+        stated = np.zeros_like(stated)
+    return _Factors(np.where(stated, nominal.gear_ratio, np.abs(scale.factor)), stated)
+
+
+def _motor_torques(family: Family, scale: DriveScale, nominal: NominalDynamics, factors: _Factors) -> Iterator[Line]:
+    column = [_torque(number, nominal) for number in family.numbers]
+    for (_, source, k), name in zip(_each(family), column, strict=True):
+        told, to_si = _explained(scale, k), si_factor(family)
+        if factors.is_stated[k]:
+            why = f"{told}; gear ratio {factors.size[k]:.6g} of the figures{_unit(family)}"
+            yield Line(name, source, _sign(scale, k) * to_si * float(factors.size[k]), 0.0, why)
+        elif not _is_told(scale, k):
+            why = f"{told}; this log does not tell the factor: write gear ratio or constant{_unit(family)}"
+            yield Line(name, source, to_si, 0.0, why, is_open=True)
+        else:
+            wide = bool(scale.sigma[k] > UNTOLD)
+            remedy = ": not told by this log, write the gear ratio" if wide else ""
+            why = f"{told}; +- {100 * scale.sigma[k]:.0f} %{remedy}{_unit(family)}"
+            factor = float(f"{to_si * _sign(scale, k) * factors.size[k]:.3g}")
+            yield Line(name, source, factor, 0.0, why, is_open=wide)
+
+
+def _of_motor_torques(family: Family, scale: DriveScale, nominal: NominalDynamics, factors: _Factors) -> Iterator[str]:
+    """Yield which factors are estimates or are not told, and which the log contradicts."""
+    yield from _contradictions("gear_ratio", np.where(factors.is_stated, factors.size, np.nan), scale, nominal)
+    estimated = ~factors.is_stated & (scale.sigma <= UNTOLD)
+    if np.any(estimated):
+        yield (
+            f"factors of {family.shown} are estimates: write gear ratios or constants there where they are known, else "
+            f"`gain_sigma: {np.max(scale.sigma[estimated]):.2g}` under instruments: torque: of figures.yaml"
+        )
+    elif not np.any(factors.is_stated):
+        yield (
+            f"this log tells no factor of {family.shown} to {100 * UNTOLD:.0f} %, so none is proposed: write gear "
+            "ratios or torque constants there, or look at a log of larger and faster movements"
+        )
+
+
+def _contradictions(key: str, stated: Array, scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
+    """Yield where a log that tells a factor well speaks against the figures, beyond the interval of 99 %."""
+    off = [
+        f"{nominal.bodies.names[k]} {stated[k]:.4g} stated, {_estimate(scale, k)} by torque"
+        for k in np.flatnonzero(np.isfinite(stated) & (scale.sigma <= UNTOLD)).tolist()
+        if abs(np.log(np.abs(scale.factor[k]) / stated[k])) > NINETY_NINE * scale.sigma[k]
+    ]
+    if off:
+        yield (
+            f"{key} of the figures is used, but this log contradicts it: {'; '.join(off)}. Look at that figure, the "
+            "unit, the payload and the masses"
+        )
+
+
+def _each(family: Family) -> Iterator[tuple[int, str, int]]:
+    """Yield number, column and place of each drive."""
+    for number, source in zip(family.numbers, family.sources, strict=True):
+        yield number, source, number - 1
+
+
+def _torque(number: int, nominal: NominalDynamics) -> str:
+    return f"tau_motor_{number}_{'nm' if nominal.bodies.is_hinge[number - 1] else 'n'}"
+
+
+def _is_told(scale: DriveScale, k: int) -> bool:
+    """Return whether the 90 % interval of a factor leaves zero out: it tells a sign, and a size."""
+    return bool(NINETY * scale.sigma[k] < 1)
+
+
+def _sign(scale: DriveScale, k: int) -> float:
+    return float(np.sign(scale.factor[k])) if _is_told(scale, k) else 1.0
+
+
+def _estimate(scale: DriveScale, k: int) -> str:
+    size = abs(scale.factor[k])
+    return f"{size:.3g} +- {100 * scale.sigma[k]:.0f} %" if _is_told(scale, k) else "not told"
+
+
+def _explained(scale: DriveScale, k: int) -> str:
+    return f"{100 * scale.explained[k]:.0f} % explained"
+
+
+def _unit(family: Family) -> str:
+    return f"; unit {family.unit} in its name" if si_factor(family) != 1 else ""
