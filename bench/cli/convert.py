@@ -79,7 +79,7 @@ class Convert:
         from bench.record.log_format import LOG_FORMAT
         from bench.record.logs.cuts import in_window
         from bench.record.write import write_campaign
-        from bench.report.campaigns import faults_with_robot, plain_arm
+        from bench.report.campaigns import plain_arm, unknown_constants, unknown_to_robot
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
         from bench.robot.logs import campaign_name, log_format_of
@@ -90,7 +90,7 @@ class Convert:
             layout = layout.model_copy(update={"runs": in_window(layout.runs, self.window_s)})
         compiled = compile_robot(robot)
         converted = convert(source, layout, campaign_name(robot), plain_arm(compiled))
-        if faults := tuple(faults_with_robot(converted.campaign, compiled)):
+        if faults := tuple(unknown_to_robot(converted.campaign, compiled)):
             raise CampaignError(map(str, faults))
         write_campaign(converted.campaign, out, "parquet" if self.parquet else "csv")
         unused: dict[tuple[str, ...], list[str]] = {}
@@ -102,12 +102,16 @@ class Convert:
         warnings = check_campaign(out, plain_arm(compiled)).findings  # one with errors was not written
         for warning in warnings:
             print(f"{warning.label:14}{warning}")
+        for fault in (
+            faults := tuple(unknown_constants(converted.campaign, compiled))
+        ):  # of the robot: to be mended there
+            print(f"{'warning':14}{fault}")
         if without_torque := layout.kind == "motion" and not layout.reads_drives:
             print(
                 f"{'warning':14}{self.log or LOG_FORMAT} reads neither torques nor currents of the drives: motions "
                 "without them tell nothing about the robot's dynamics; write tau_motor_N_nm or current_N_a"
             )
-        runs, count = converted.campaign.runs, len(warnings) + without_torque
+        runs, count = converted.campaign.runs, len(warnings) + len(faults) + without_torque
         words = (counted(len(runs), "run"), counted(sum(map(len, runs)), "row"), counted(count, "warning"))
         print(f"{out}: {', '.join(words)}")
         return 0

@@ -46,17 +46,17 @@ def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot 
 
 def faults_with_robot(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
     """Yield an error for what a robot's figures do not say or cannot have, and a campaign needs."""
-    yield from _unknown_constants(campaign, compiled)
-    yield from _unknown_to_robot(campaign, compiled)
+    yield from unknown_constants(campaign, compiled)
+    yield from unknown_to_robot(campaign, compiled)
 
 
-def _unknown_to_robot(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+def unknown_to_robot(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
     """Yield an error for each thing known besides that the robot cannot have."""
     for key, words in known_faults(campaign, compiled):
         yield Finding("error", MANIFEST, None, key, words, "correct it, or leave it out")
 
 
-def _unknown_constants(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+def unknown_constants(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
     """Yield an error where currents are logged of drives whose torque constant nobody wrote down."""
     drives = compiled.robot.figures.drives
     columns = [f"current_{j}_a" for j, drive in enumerate(drives, start=1) if not drive.states_torque_constant]

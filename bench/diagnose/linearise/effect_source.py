@@ -17,7 +17,7 @@ from bench.effects.effect import Effect
 from bench.store.digest import digest
 
 PACKAGE = Path(inspect.getfile(Effect)).parents[1]
-MAKES_SIGNATURES = ("actuators", "robot", "simulate", "effects", "diagnose/replay", "diagnose/linearise")
+MAKES_SIGNATURES = ("actuators", "robot", "simulate", "effects", "identify", "diagnose/replay", "diagnose/linearise")
 INSTALLED = tuple(Path(sysconfig.get_path(name)) for name in ("stdlib", "platstdlib", "purelib", "platlib"))
 
 

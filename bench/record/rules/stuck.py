@@ -46,7 +46,7 @@ def frozen_or_saturated(sheet: Sheet) -> Iterator[Finding]:
             if _repeats(values) and (not is_effort or is_noisy(values)):
                 yield from _resting(sheet, column.name, values, cause)
         elif np.ptp(cause.values) > cause.enough:
-            what = f"is {values[0]:g} in every row while {cause.name} changes"
+            what = f"is {values[0] + 0.0:g} in every row while {cause.name} changes"
             yield sheet.doubt(column.name, what, "look whether it is connected, or remove it")
 
 
