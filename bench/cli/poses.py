@@ -24,12 +24,14 @@ class Poses(PoseRequest):
 
     def run(self) -> int:
         """Design and print; return the exit code."""
+        from bench.cli.seeds import checked_seed
         from bench.errors import InputError
         from bench.report.measuring_poses.plan import plan_poses
         from bench.report.measuring_poses.tables import print_json, print_plan, write_scenario
 
         if self.count < 1:
             raise InputError(f"-n {self.count}: give how many poses to choose, 1 or more.")
+        checked_seed(self.seed)
         plan = plan_poses(self)
         if self.out is not None:
             write_scenario(plan, self.out)

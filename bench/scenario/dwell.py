@@ -8,7 +8,7 @@ from pydantic import Field
 from bench.errors import InputError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import MOST_REPEATS, Positive, Strict
+from bench.scenario.types import MOST_REPEATS, Positive, Seconds, Strict
 
 
 class DwellPart(Strict):
@@ -16,13 +16,13 @@ class DwellPart(Strict):
 
     from_deg: tuple[float, ...] = Field(description="where it stands before; far away, so that the gas is compressed")
     q_deg: tuple[float, ...]
-    duration_s: Positive = 600.0
-    read_every_s: Positive = Field(20.0, description="the first reading is after as much time")
-    simulated_s: Positive | None = Field(
+    duration_s: Seconds = 600.0
+    read_every_s: Seconds = Field(20.0, description="the first reading is after as much time")
+    simulated_s: Seconds | None = Field(
         None, description="how much of each such interval is simulated; the robot only stands in the rest. None: all"
     )
     repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = Field(3, description="readings each time")
-    repeat_interval_s: Positive = 0.1
+    repeat_interval_s: Seconds = 0.1
     move_speed: Positive = Field(0.6, le=1.0, description="share of the drives' speed limit")
     acceleration_deg_per_s2: Positive = 60.0
 

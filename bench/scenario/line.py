@@ -14,7 +14,7 @@ from bench.robot.kinematics import place, turn_onto
 from bench.robot.line_path import JointPath, line_path
 from bench.robot.links import rigid_bodies
 from bench.scenario.rotation import CONTROL_PERIOD_S
-from bench.scenario.types import NonNegative, Positive, ScenarioBase, Strict
+from bench.scenario.types import DAY_S, Pause, Positive, ScenarioBase, Seconds, Strict
 
 Triple = tuple[float, float, float]
 Coordinate = Annotated[float, Field(ge=-MAX_LENGTH, le=MAX_LENGTH)]
@@ -62,9 +62,9 @@ class LinePart(Strict):
     force_n: Positive
     direction: Triple = (0.0, 0.0, -1.0)
     unloaded: bool = Field(True, description="run the line without the load first")
-    lead_in_s: Positive = Field(3.0, description="at both ends: half of it from rest to speed, half at speed")
-    settle_s: NonNegative = 2.0
-    load_ramp_s: Positive = 2.0
+    lead_in_s: Seconds = Field(3.0, description="at both ends: half of it from rest to speed, half at speed")
+    settle_s: Pause = 2.0
+    load_ramp_s: Seconds = 2.0
     sample_period_s: Annotated[float, Field(ge=CONTROL_PERIOD_S, multiple_of=CONTROL_PERIOD_S)] = 0.1
     corrections: Corrections | None = None
 
@@ -119,6 +119,8 @@ class LinePart(Strict):
                 f"sample_period_s: {self.length_m:g} m at {self.speed_m_per_s:g} m/s are {samples:g} samples; make "
                 "it a whole number, so that both ends of the line are read."
             )
+        if self.length_m > self.speed_m_per_s * DAY_S:
+            problems.append(f"speed_m_per_s: {self.length_m:g} m take more than a day; go faster.")
         rating = robot.figures.rating.force_n
         if self.force_n > rating:
             problems.append(f"force_n: {self.force_n:g} N is above the rating of {robot.name}, {rating:g} N.")

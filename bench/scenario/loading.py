@@ -8,7 +8,7 @@ from pydantic import Field
 from bench.errors import InputError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import MOST_REPEATS, NonNegative, Positive, ScenarioBase, Strict
+from bench.scenario.types import MOST_REPEATS, Pause, Positive, ScenarioBase, Seconds, Strict
 
 ApproachDirection = Literal[-1, 1]
 
@@ -36,12 +36,12 @@ class LoadingPart(Strict):
     approach_deg: Positive = 3.0
     unload: bool = Field(True, description="take the loads off again in steps and read at each")
     repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = 10
-    repeat_interval_s: Positive = 0.1
+    repeat_interval_s: Seconds = 0.1
     move_speed: Positive = Field(0.3, le=1.0, description="share of the drives' speed limit, between poses")
     acceleration_deg_per_s2: Positive = 30.0
-    approach_speed_deg_per_s: Positive = 2.0
-    load_ramp_s: Positive = 1.0
-    settle_s: NonNegative = 2.0
+    approach_speed_deg_per_s: Seconds = 2.0
+    load_ramp_s: Seconds = 1.0
+    settle_s: Pause = 2.0
     orientation: bool = Field(False, description="carry a reflector round the other nests at every load, for Eq. (23)")
 
     def check(self, robot: Robot, limits: Array) -> None:

@@ -8,7 +8,7 @@ from pydantic import Field
 from bench.errors import InputError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import MOST_REPEATS, NonNegative, Positive, ScenarioBase, Strict
+from bench.scenario.types import DAY_S, MOST_REPEATS, NonNegative, Pause, Positive, ScenarioBase, Seconds, Strict
 
 CONTROL_PERIOD_S = 0.004  # of `bench.simulate.env`; a test holds the two together
 STANDARD_GRAVITY = 9.80665  # [m/s^2]
@@ -26,8 +26,8 @@ class RotationPart(Strict):
     end_deg: float = Field(description="where the constant speed of the turning joint ends")
     speeds_deg_per_s: tuple[Positive, ...] = Field(min_length=1)
     payloads_kg: tuple[NonNegative, ...] = Field((0.0,), min_length=1, description="bolted to the load point, in turn")
-    ramp_s: Positive = Field(1.0, description="time in which the joint reaches its speed, and in which it stops")
-    settle_s: NonNegative = Field(1.0, description="standstill before each traverse")
+    ramp_s: Seconds = Field(1.0, description="time in which the joint reaches its speed, and in which it stops")
+    settle_s: Pause = Field(1.0, description="standstill before each traverse")
     repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = 1
     sample_period_s: Annotated[float, Field(ge=CONTROL_PERIOD_S, multiple_of=CONTROL_PERIOD_S)] = 0.02
     move_speed: Positive = Field(0.3, le=1.0, description="share of the drives' speed limit, between traverses")
@@ -69,6 +69,11 @@ class RotationPart(Strict):
                 f"joint {self.joint}'s {low:g} to {high:g} deg; shorten the way or ramp_s, or lower the speeds."
             )
         fastest = np.rad2deg(robot.figures.drives[swept].speed_limit_rad_per_s)
+        problems += [
+            f"speeds_deg_per_s[{i}]: {last - first:g} deg take more than a day; go faster."
+            for i, speed in enumerate(self.speeds_deg_per_s)
+            if last - first > speed * DAY_S
+        ]
         problems += [
             f"speeds_deg_per_s[{i}]: {speed:g} deg/s is above the limit of joint {self.joint}, {fastest:g} deg/s."
             for i, speed in enumerate(self.speeds_deg_per_s)

@@ -12,7 +12,7 @@ from bench.scenario.dwell import DwellPart
 from bench.scenario.line import LinePart
 from bench.scenario.loading import LoadingPart
 from bench.scenario.rotation import RotationPart
-from bench.scenario.types import NonNegative, ScenarioBase, Strict
+from bench.scenario.types import Pause, ScenarioBase, Strict
 
 Part = DwellPart | LinePart | LoadingPart | RotationPart
 
@@ -33,7 +33,7 @@ class SessionScenario(ScenarioBase):
     rotations: tuple[RotationPart, ...] = ()
     line: LinePart | None = None
     dwell: DwellPart | None = None
-    break_s: NonNegative = Field(300.0, description="between parts: rigging, moving the tracker's target, a coffee")
+    break_s: Pause = Field(300.0, description="between parts: rigging, moving the tracker's target, a coffee")
 
     @model_validator(mode="after")
     def _has_parts(self) -> Self:

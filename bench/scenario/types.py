@@ -6,6 +6,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
+DAY_S = 86400.0  # [s]; longer than any part of an experiment, and a day of readings fits into memory
+Seconds = Annotated[float, Field(gt=0, le=DAY_S)]
+Pause = Annotated[float, Field(ge=0, le=DAY_S)]
 MOST_REPEATS = 10_000  # assumed: a thousand times what a laboratory reads at one pose; more never ends
 FrictionSide = Literal["as-model", "motor", "link", "none"]
 

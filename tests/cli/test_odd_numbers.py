@@ -14,6 +14,7 @@ from bench.cli import main
         (["hide", "--none", "--seed", "-1"], "--seed -1: a seed is a whole number from 0 on"),
         (["hide", "--none", "--machine", "-1"], "--machine -1: a seed is a whole number from 0 on"),
         (["run", "loading", "--seed", "-1"], "--seed -1: a seed is a whole number from 0 on"),
+        (["poses", "--robot", "hh150", "--seed", "-1"], "--seed -1: a seed is a whole number from 0 on"),
         (["demo", "--seed", "-1"], "--seed -1: a seed is a whole number from 0 on"),
         (["study", "--seed", "-1"], "--seed -1: a seed is a whole number from 0 on"),
         (["study", "--cores", "-1"], "--cores -1: give how many cores to use, or 0 for all"),
