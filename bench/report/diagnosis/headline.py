@@ -69,7 +69,7 @@ def _headline(verdict: Verdict, room: int) -> str:
     if missed_sentence(verdict):
         return "Nothing found, but the nominal model does not explain this campaign."
     return (
-        "Nothing found: the nominal model, its figures fitted within their stated uncertainty, explains this campaign."
+        "Nothing found: the nominal model, with its figures fitted, explains this campaign; what moved far is listed."
     )
 
 

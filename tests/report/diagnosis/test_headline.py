@@ -12,7 +12,7 @@ from bench.report.diagnosis.words import words_of
 from tests.report.diagnosis.made import BESIDE, GAS, MASS, NOTHING, VERDICTS, WARM, ZERO, finding
 
 NOTHING_FOUND = (
-    "Nothing found: the nominal model, its figures fitted within their stated uncertainty, explains this campaign."
+    "Nothing found: the nominal model, with its figures fitted, explains this campaign; what moved far is listed."
 )
 OIL = replace(MASS, place="forearm")
 
