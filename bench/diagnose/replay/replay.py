@@ -120,10 +120,13 @@ class Replay(MotionReplay):
         late = [acting.effect.lateness(acting.place, acting.values) for acting in world.acting]
         trace = read_late(self.compiled, segments, trace, [one for one in late if one and one.field != "motor_torque"])
         reading = ideal_reading(self.compiled, trace)
-        reading = distorted(reading, segments, trace, world.acting)
+        of_machine = [one for one in world.acting if one.effect.level == "machine"]
+        reading = distorted(reading, segments, trace, of_machine)
         for nuisance, value in world.deviations.items():
             if nuisance.on_reading:
                 reading = nuisance.on_reading(value, reading)
+        # what is wrong with a recording comes last: a jump of a current is one of what the sensor shows, scale and all
+        reading = distorted(reading, segments, trace, [one for one in world.acting if one.effect.level != "machine"])
         return predicted(self.quantities, reading)
 
     def _say_known(self, values: Array, world: World, trace: Trace) -> None:
