@@ -102,16 +102,15 @@ class Convert:
         warnings = check_campaign(out, plain_arm(compiled)).findings  # one with errors was not written
         for warning in warnings:
             print(f"{warning.label:14}{warning}")
-        for fault in (
-            faults := tuple(unknown_constants(converted.campaign, compiled))
-        ):  # of the robot: to be mended there
+        unknown = tuple(unknown_constants(converted.campaign, compiled))  # of the robot, and to be mended there
+        for fault in unknown:
             print(f"{'warning':14}{fault}")
         if without_torque := layout.kind == "motion" and not layout.reads_drives:
             print(
                 f"{'warning':14}{self.log or LOG_FORMAT} reads neither torques nor currents of the drives: motions "
                 "without them tell nothing about the robot's dynamics; write tau_motor_N_nm or current_N_a"
             )
-        runs, count = converted.campaign.runs, len(warnings) + len(faults) + without_torque
+        runs, count = converted.campaign.runs, len(warnings) + len(unknown) + without_torque
         words = (counted(len(runs), "run"), counted(sum(map(len, runs)), "row"), counted(count, "warning"))
         print(f"{out}: {', '.join(words)}")
         return 0
