@@ -8,6 +8,7 @@ from typing import Annotated
 
 import tyro
 
+import bench
 from bench.cli.apply import Apply
 from bench.cli.benchmark import Benchmark
 from bench.cli.check import Check
@@ -92,6 +93,9 @@ def _ended(arguments: list[str] | None) -> int:
 
 
 def _run(arguments: list[str] | None) -> int:
+    if (sys.argv[1:] if arguments is None else arguments) == ["--version"]:
+        print(f"bench {bench.__version__}")
+        return 0
     try:
         command: Command = tyro.cli(
             Command,

@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 
 from bench.record.campaign import Array
-from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.compiled import FRICTION, CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
 
@@ -94,6 +94,21 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
             if i != _across(compiled)
         ]
     return tuple(parameter for parameter in found if parameter.sigma > 0)
+
+
+def presliding_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
+    """Return how stiff the friction elements hold, of all that have a level, with a sigma above zero.
+
+    Hardly any data sheet states it. At rest it says how much of its friction a link takes up again under a load.
+    """
+    sigma = compiled.robot.figures.uncertainty.presliding
+    sides = (("motor", compiled.motor_coulomb), ("link", compiled.link_coulomb))
+    return tuple(
+        _factor(f"presliding stiffness on the {side} side of {drive.joint}", sigma, _scaled(element, FRICTION[1]))
+        for j, drive in enumerate(compiled.robot.figures.drives)
+        for (side, level), element in zip(sides, (drive.motor_friction, drive.link_friction), strict=True)
+        if sigma > 0 and level[j] > 0
+    )
 
 
 def _of_link(compiled: CompiledRobot, name: str) -> Iterator[NominalParameter]:

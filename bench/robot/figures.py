@@ -199,6 +199,9 @@ class Uncertainty(Strict):
     friction: NonNegative = Field(
         0.05, le=SHARE, description="relative, of each Coulomb level and each viscous coefficient"
     )
+    presliding: NonNegative = Field(
+        2.0, le=SHARE, description="relative, of how stiff each friction element holds; 2: known to a factor of 3"
+    )
     rotor_inertia: NonNegative = Field(0.1, le=SHARE, description="relative, of each rotor with its gear")
     stiffness: NonNegative = Field(
         0.03, le=SHARE, description="relative, of each elastic element; 3: known to a factor of 4"

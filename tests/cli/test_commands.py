@@ -13,6 +13,7 @@ import yaml
 from bench.cli import main
 from bench.record.read import read_campaign
 from bench.record.write import write_campaign
+from bench.report.diagnosis.facts import versions
 from tests.simulate.loading_small import small_loading
 
 
@@ -35,6 +36,11 @@ def test_run_writes_campaign_truth_and_recording_apart(results: Path) -> None:
     assert {entry.name for entry in results.iterdir()} == {"campaign", "truth", "session.rrd"}
     assert (results / "campaign" / "campaign.yaml").is_file()
     assert (results / "truth" / "truth.yaml").is_file()
+
+
+def test_the_version_is_the_one_that_verdicts_state(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"bench {versions()['bench']}\n"
 
 
 def test_check_accepts_it(results: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -36,8 +36,13 @@ def draws(found: Path, compiled: CompiledRobot) -> PosteriorDraws:
 
 
 def drawn_values(draws: PosteriorDraws, count: int) -> np.ndarray:
+    """Return deviations, shape (count, d); of what is known to a factor, of its logarithm."""
     rng = np.random.default_rng(11)
-    return np.array([list(draws(rng).parameters.values()) for _ in range(count)])
+    drawn = np.array([list(draws(rng).parameters.values()) for _ in range(count)])
+    is_factor = np.array([name.startswith(("stiffness of", "presliding stiffness")) for name in draws.names])
+    factor, sigma = drawn[:, is_factor], draws.sigmas[is_factor]
+    drawn[:, is_factor] = np.log1p(factor) / np.log1p(sigma) * sigma
+    return drawn
 
 
 def test_a_diagnosis_stands_for_its_robot(found: Path, compiled: CompiledRobot) -> None:

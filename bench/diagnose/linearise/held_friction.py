@@ -33,6 +33,10 @@ def held_friction(
         segment.is_static & motor_gave(replay.compiled, response)
         for segment, response in zip(replay.segments, responses, strict=True)
     ]
+    otherwise = [
+        arrived_otherwise(replay.compiled, trace) if segment.is_static else np.zeros_like(trace.theta)
+        for segment, trace in zip(replay.segments, traces, strict=True)
+    ]
     for j, drive in enumerate(replay.compiled.robot.figures.drives):
         for side in ("motor", "link"):
             change = [
@@ -43,6 +47,12 @@ def held_friction(
             ]
             found.append(Nuisance(f"{side}-side friction held at rest by {drive.joint}", "", LET_GO))
             sensitivities.append(LET_GO * np.concatenate(change))
+        arrived = [
+            response.link[:, :, j] * change[:, [j]] for response, change in zip(responses, otherwise, strict=True)
+        ]
+        if any(np.any(change) for change in arrived):
+            found.append(Nuisance(f"link-side friction held at rest by {drive.joint} as it arrived", "", LET_GO))
+            sensitivities.append(LET_GO * np.concatenate(arrived))
         if any(np.any(moved[:, j]) for moved in gave):
             turned = [
                 moved[:, [j]] * response.link[:, :, j] * trace.link_friction[:, [j]]
@@ -52,6 +62,26 @@ def held_friction(
             found.append(Nuisance(name, "", TURNED))
             sensitivities.append(TURNED * np.concatenate(turned))
     return tuple(found), np.stack(sensitivities, axis=2)
+
+
+def arrived_otherwise(compiled: CompiledRobot, trace: Trace) -> Array:
+    """Return by how much the friction of links changes at the rests of a visit if they arrive the other way, (T, n).
+
+    A link whose joint stops briskly is thrown forward and comes back, which may turn its friction round. The loads
+    that follow move it on, until its friction is what they alone leave.
+    """
+    level, stiffness, hold = compiled.link_coulomb, compiled.stiffness, compiled.link_presliding
+    friction = -trace.link_friction[0]
+    theta = trace.theta[0] + 2 * friction / stiffness
+    found = [2 * friction]
+    for at, held in zip(trace.theta[1:], trace.link_friction[1:], strict=True):
+        # k (theta - at) = other - held, where other = friction - hold (theta - theta before) within its levels
+        stays = friction - hold * (at - held / stiffness - theta)
+        stays /= 1 + hold / stiffness
+        new = np.clip(stays, -level, level)
+        theta, friction = at + (new - held) / stiffness, new
+        found.append(new - held)
+    return np.asarray(found, dtype=np.float64)
 
 
 def motor_gave(compiled: CompiledRobot, response: TorqueResponse) -> NDArray[np.bool_]:

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.linearise.each_weight import each_weight
 from bench.diagnose.linearise.held_friction import held_friction, levels_of
 from bench.diagnose.linearise.noise_covariance import Scatter, Whitening
 from bench.diagnose.linearise.repeated_rests import RepeatedRests, repeating_share, whitenings_of
@@ -148,7 +149,9 @@ def linearised_model_of(
     traces = replay.traces(NOMINAL)
     responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
     held, held_changes = held_friction(replay, traces, responses)
-    nuisances, sensitivities = (*nuisances, *held), np.concatenate([sensitivities, held_changes], axis=2)
+    weights, their_changes = each_weight(replay.segments, nuisances, sensitivities)
+    nuisances = (*nuisances, *held, *weights)
+    sensitivities = np.concatenate([sensitivities, held_changes, their_changes], axis=2)
     parts = np.split(residual, np.cumsum([len(segment) for segment in replay.segments])[:-1])
     shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
     scatter = Scatter(replay.compiled.play, levels_of(replay.compiled), shaken)

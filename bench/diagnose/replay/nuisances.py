@@ -12,7 +12,7 @@ from bench.diagnose.replay.quantities import Quantity
 from bench.effects.drifts import BETWEEN, DAY_K, VISCOUS, own_part
 from bench.effects.effect import IN_RECORDING, Between
 from bench.effects.geometry import JointZero
-from bench.effects.nominal import factor_of, nominal_parameters
+from bench.effects.nominal import factor_of, nominal_parameters, presliding_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
@@ -87,7 +87,7 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     """Return everything that may be off in a robot and in the instruments that were there."""
     kinds = {quantity.kind for quantity in quantities}
     found = []
-    for p in nominal_parameters(compiled):
+    for p in (*nominal_parameters(compiled), *presliding_parameters(compiled)):
         one = Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor, least=p.least, widened=p.widened)
         found.append(replace(one, between="drifts", own=VISCOUS * DAY_K) if p.is_viscous else one)
     load = compiled.robot.figures.uncertainty.load

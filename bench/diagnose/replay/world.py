@@ -79,7 +79,7 @@ def steps_of(world: World, conditions: Conditions) -> list[Step]:
     """Return the same, as steps that another world may have in common with this one."""
     share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_payload)
     payload_kg = share * conditions.payload_kg
-    off = [(nuisance, value) for nuisance, value in world.deviations.items() if nuisance.edit]
+    off = [(nuisance, value) for nuisance, value in world.deviations.items() if nuisance.edit and value]
     steps = [
         Step(tuple(off), tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit)),
         Step(payload_kg, (bolt_on(payload_kg),) if payload_kg else ()),

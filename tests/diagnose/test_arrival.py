@@ -1,0 +1,42 @@
+"""A joint that stops briskly throws its link forward, and friction may arrive turned round."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.diagnose.linearise.held_friction import arrived_otherwise
+from bench.diagnose.linearise.linearised_model import fit
+from bench.simulate.prescribed import Prescribed
+from tests.diagnose.noise_free import linearised
+from tests.diagnose.sweeps import LOADS, made, nominal
+
+
+def test_a_link_that_arrives_the_other_way_is_what_an_approach_from_there_leaves() -> None:
+    """Held against the replay: the same rests, approached from the other side; loads wipe out where friction was."""
+    linear, robot = linearised(made(LOADS, seed=5)), nominal()
+    levels, most = robot.link_coulomb, 0.0
+    for segment in linear.segments:
+        motion = segment.motion
+        mirrored = motion.q.copy()
+        mirrored[0] = 2 * motion.q[1] - motion.q[0]
+        here, _ = Prescribed(robot).follow(motion)
+        there, _ = Prescribed(robot).follow(replace(motion, q=mirrored))
+        change = (there.link_friction - here.link_friction) / levels
+        found = arrived_otherwise(robot, here) / levels
+        np.testing.assert_allclose(np.abs(found[0]), 2.0, rtol=0.02)
+        np.testing.assert_allclose(found, change, atol=0.02)
+        assert np.all(np.abs(found[-1][1:3]) < 0.05)  # joints 2 and 3, which the loads moved
+        most = max(most, float(np.max(np.abs(found - change))))
+    print(f"largest difference to the replay: {most:.3f} levels")
+
+
+def test_friction_that_arrives_turned_round_is_read_from_the_campaign() -> None:
+    linear = linearised(made(LOADS, seed=5))
+    names = [one.name for one in linear.nuisances]
+    which = names.index("link-side friction held at rest by joint2 as it arrived")
+    turned = linear.sensitivities[:, :, which] / linear.nuisances[which].sigma
+    moved = replace(linear, white=linear.white + linear.whiten(turned))
+    scale = linear.nuisances[which].sigma
+    difference = scale * (fit(moved) - fit(linear))[which]
+    print(f"turned by {difference:.2f} of the whole")
+    assert 0.7 < difference < 1 + 1e-6  # its prior, 0.58 of the whole, takes a part back
