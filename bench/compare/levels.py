@@ -21,26 +21,20 @@ def is_of_machine(nuisance: Nuisance) -> bool:
     return nuisance.edit is not None or nuisance.name.startswith(GAIN)
 
 
-def is_held_friction(nuisance: Nuisance) -> bool:
-    """Whether it is how much of its friction a joint holds at rest: neither a figure nor an error of a reading."""
-    acts_otherwise = nuisance.scales_wrench or nuisance.scales_payload
-    return nuisance.edit is None and nuisance.on_reading is None and not acts_otherwise
-
-
 def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[np.intp], held: float) -> Array:
     """Return the slopes with one column for each of the machine's nuisances, and one per recording for the others.
 
-    What drifts has both, and so has how much of its friction a joint holds at rest: what it does every time, and by how
-    much that changes.
+    What drifts has both, and so has what acts to first order alone: how much of its friction a joint holds at rest, and
+    how a single weight errs. They are alike every time but for a share.
 
     Args:
         jacobian: Shape (m, p), whitened, of one standard deviation of each nuisance.
         nuisances: Shape (p,).
         recording: Shape (m,), index of the recording of each row.
-        held: Share of friction at rest, as a standard deviation, that is new in each recording.
+        held: Share of those, as a standard deviation, that is new in each recording.
     """
     machine = np.array([is_of_machine(nuisance) for nuisance in nuisances], dtype=bool)
-    rests = np.array([is_held_friction(nuisance) for nuisance in nuisances], dtype=bool)
+    rests = np.array([not nuisance.is_simulated for nuisance in nuisances], dtype=bool)
     drifting = np.array([nuisance.own / nuisance.sigma for nuisance in nuisances])
     share = np.where(machine, drifting, np.where(rests, held, 1.0))
     lasting = np.array([nuisance.lasting / nuisance.sigma for nuisance in nuisances])

@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.compare.coincidence import cells_of
 from bench.compare.joint import Joint, joint_of
-from bench.compare.levels import by_level, is_held_friction, is_of_machine
+from bench.compare.levels import by_level, is_of_machine
 from bench.compare.noise import Repeatability, row_facts
 from bench.compare.recordings import recordings_of
 from bench.compare.shared import shared_whitening
@@ -52,7 +52,7 @@ def test_what_is_set_up_anew_is_anew_in_each_recording() -> None:
     own = joint("sweep")
     linear = own.linear
     machine = sum(is_of_machine(one) for one in linear.nuisances)
-    rests = sum(is_held_friction(one) for one in linear.nuisances)
+    rests = sum(not one.is_simulated for one in linear.nuisances)
     assert any(one.name.startswith("tracker frame") and not is_of_machine(one) for one in linear.nuisances)
     slopes = by_level(linear.jacobian, linear.nuisances, own.of_row, 0.5)
     drifting = sum(is_of_machine(one) and one.own > 0 for one in linear.nuisances)
@@ -64,7 +64,7 @@ def test_what_is_set_up_anew_is_anew_in_each_recording() -> None:
     # friction at rest keeps its whole variance, whatever the share that is new in each recording; so does all else, but
     # for the drift of viscous friction, which comes on top of what is stated
     whole = np.array([1 + (one.own / one.sigma) ** 2 if one.edit else 1.0 for one in linear.nuisances])
-    held = np.array([is_held_friction(one) for one in linear.nuisances])
+    held = np.array([not one.is_simulated for one in linear.nuisances])
     for share in (0.0, 0.3, 1.0):
         variance = np.sum(by_level(linear.jacobian, linear.nuisances, own.of_row, share) ** 2, axis=1)
         np.testing.assert_allclose(variance, linear.jacobian**2 @ whole, rtol=1e-9, err_msg=str(share))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.diagnose.cross_validation.leave_out import tangent_of
-from bench.diagnose.extend.fit import Fit, Unknown, is_simulated
+from bench.diagnose.extend.fit import Fit, Unknown
 from bench.diagnose.extend.size import NORMAL_95
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import torque_constant_of
@@ -91,7 +91,7 @@ _Row = tuple[str, str, float, float, float, float, float, float]
 def _figure(nuisance: Nuisance, x: float, spread: float) -> _Row:
     """Return what a row says of a deviation that is x standard deviations as stated, give or take `spread` of them."""
     found, low, high = (nuisance.off_by(x + side * NORMAL_95 * spread) for side in (0, -1, 1))
-    kind = "figure" if is_simulated(nuisance) else "campaign"
+    kind = "figure" if nuisance.is_simulated else "campaign"
     stated = nuisance.sigma / nuisance.widened
     return kind, nuisance.unit, 0.0, found, low, high, stated, x * nuisance.widened
 

@@ -15,7 +15,7 @@ from bench.diagnose.cross_validation.folds import Folds, folds_of
 from bench.diagnose.cross_validation.held_out import HIGH, SEED, PredictedError
 from bench.diagnose.cross_validation.leave_out import errors_of_folds, tangent_of
 from bench.diagnose.cross_validation.moderated import moderated
-from bench.diagnose.extend.fit import Fit, is_simulated
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.alike import ALIKE, passes_same
 from bench.diagnose.replay.quantities import Quantity
@@ -50,7 +50,7 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
         fit: The model.
     """
     folds = apart(linear, folds_of(linear))
-    of_campaign = np.array([not is_simulated(nuisance) for nuisance in linear.nuisances], dtype=bool)
+    of_campaign = np.array([not nuisance.is_simulated for nuisance in linear.nuisances], dtype=bool)
     error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds, unknown=of_campaign)
     drifts = {**changes_of(linear, fit, "drifts"), **errors_found(linear, fit, _is_of_recording)}
     set_up = {**changes_of(linear, fit, "anew"), **errors_found(linear, fit, _is_set_up)}

@@ -3,7 +3,7 @@
 import numpy as np
 
 from bench.diagnose.cross_validation.leave_out import tangent_of
-from bench.diagnose.extend.fit import Fit, is_simulated
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.given import Posterior, PosteriorParameter
 from bench.effects.fitted import entry_of
@@ -24,7 +24,7 @@ def posterior_of(linear: LinearisedModel, fit: Fit) -> Posterior:
     covariance[p:, p:] += np.diag(np.maximum(more, 0.0))
     found, which, width = [], [], []
     for i, nuisance in enumerate(linear.nuisances):
-        if is_simulated(nuisance) and nuisance.recording is None:
+        if nuisance.is_simulated and nuisance.recording is None:
             value = float(fit.nuisances[i]) * nuisance.sigma
             found.append(PosteriorParameter(nuisance.name, nuisance.unit, nuisance.sigma, value))
             which.append(i)

@@ -18,7 +18,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import whitening_of
 from bench.diagnose.linearise.torque_response import torque_response
 from bench.diagnose.replay.levels import with_recordings
-from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
+from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, recordings_of
@@ -123,7 +123,7 @@ class Preposterior:
         nuisances = with_recordings(
             nuisances_of(self._replay.compiled, quantities), self._replay.compiled, recordings_of(linear.segments)
         )
-        simulated = [n for n in nuisances if not (is_quick and _moves(n))]
+        simulated = [n for n in nuisances if not (is_quick and n.moves_robot)]
         unknown_worlds, steps = _unknown_worlds(linear, fits)
         worlds = [NOMINAL, *(fit.world(linear) for fit in fits), *unknown_worlds]
         found = simulate_all(self._replay, worlds + [World({n: n.sigma}) for n in simulated], executor)
@@ -164,11 +164,6 @@ class Preposterior:
             slope = np.concatenate([w(jacobian[i]) for w, i in zip(maps, where, strict=True)])
             found.append(Expectation(mean, slope, covariance))
         return found
-
-
-def _moves(nuisance: Nuisance) -> bool:
-    """Whether a nuisance changes the motion, so that the robot has to be simulated anew."""
-    return bool(nuisance.edit) or nuisance.scales_wrench or nuisance.scales_payload
 
 
 def _unknown_worlds(linear: LinearisedModel, fits: Sequence[Fit]) -> tuple[list[World], list[float]]:

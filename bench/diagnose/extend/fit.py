@@ -7,7 +7,6 @@ import numpy as np
 
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
-from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
 from bench.effects.effect import Parameter
 from bench.record.campaign import Array
@@ -149,7 +148,7 @@ def world_of(
     deviations = {
         nuisance: float(x) * nuisance.sigma
         for nuisance, x in zip(linear.nuisances, nuisances, strict=True)
-        if is_simulated(nuisance)
+        if nuisance.is_simulated
     }
     acting = []
     for cause in causes:
@@ -166,11 +165,6 @@ def unknowns_of(causes: tuple[Cause, ...]) -> tuple[Unknown, ...]:
 def play_of(linear: LinearisedModel, causes: tuple[Cause, ...], unknowns: tuple[Unknown, ...], values: Array) -> Array:
     """Return the play of the gears in a model with these values, shape (n,) [rad] or [m]."""
     return linear.replay.play(world_of(linear, causes, unknowns, values, np.zeros(len(linear.nuisances))))
-
-
-def is_simulated(nuisance: Nuisance) -> bool:
-    """Whether a nuisance changes model or readings; if not, it acts by its changes alone."""
-    return bool(nuisance.edit or nuisance.on_reading or nuisance.scales_wrench or nuisance.scales_payload)
 
 
 def fit_without(linear: LinearisedModel, fit: Fit, cause: Cause) -> Fit:

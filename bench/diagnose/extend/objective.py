@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.extend.fit import Unknown, is_simulated, unknowns_of, world_of
+from bench.diagnose.extend.fit import Unknown, unknowns_of, world_of
 from bench.diagnose.extend.steps import HALVINGS, broyden
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.first_order import FirstOrder
@@ -75,7 +75,7 @@ class Objective:
         self.origin = np.array([unknown.parameter.null for unknown in self.unknowns])
         self.low, self.high = bounds_of(linear.nuisances, self.unknowns)
         self.units = np.concatenate([np.ones(len(linear.nuisances)), self.sigma])
-        self._by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not is_simulated(nuisance)]
+        self._by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not nuisance.is_simulated]
         self._observed = np.concatenate([segment.observed for segment in linear.segments])
 
     def at(self, nuisances: Array, values: Array, residual: Array | None = None) -> State:
@@ -190,7 +190,7 @@ class Objective:
         return {
             i: (simulated(_moved(nuisances, i, STEP_OF_NUISANCE)) - here) / STEP_OF_NUISANCE
             for i in which
-            if is_simulated(self.linear.nuisances[i])
+            if self.linear.nuisances[i].is_simulated
         }
 
     def corrected(self, derivatives: Derivatives, before: State, after: State) -> Derivatives:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bench.diagnose.extend.fit import Fit, is_simulated
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.objective import TELLS, Objective
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
@@ -43,4 +43,4 @@ def _akin(linear: LinearisedModel, fit: Fit) -> list[int]:
     size = np.linalg.norm(linear.jacobian, axis=0)
     cosine = np.max(np.abs(unknowns.T @ linear.jacobian), axis=0) / np.maximum(size, TINY)
     order = np.argsort(-cosine)[: MOST_AKIN * len(fit.causes)]
-    return [int(i) for i in order if cosine[i] > AKIN and size[i] > TELLS and is_simulated(linear.nuisances[i])]
+    return [int(i) for i in order if cosine[i] > AKIN and size[i] > TELLS and linear.nuisances[i].is_simulated]

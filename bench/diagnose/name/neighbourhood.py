@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnose.extend.fit import is_simulated, pseudo_residual
+from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import blocks_of
 from bench.diagnose.linearise.lack_of_fit import missed, unexplained
@@ -90,7 +90,7 @@ class Neighbourhood:
         causes = self._causes_of(own.replay.robot(world))
         taken = {cause.key for cause in fit.causes}
         if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
-            which = [i for i, nuisance in enumerate(own.nuisances) if is_simulated(nuisance)]
+            which = [i for i, nuisance in enumerate(own.nuisances) if nuisance.is_simulated]
             nuisances = tuple(own.nuisances[i] for i in which)
             known = {cause.key for cause in causes}
             self._causes = (*causes, *(cause for cause in self._causes if cause.key not in known))

@@ -66,6 +66,16 @@ class Nuisance:
     least: float = -np.inf
     widened: float = 1.0
 
+    @property
+    def moves_robot(self) -> bool:
+        """Whether a robot in which it is off moves differently, and has to be simulated anew."""
+        return self.edit is not None or self.scales_wrench or self.scales_payload
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether it changes model or readings; if not (friction at rest, a single weight), it acts to first order."""
+        return self.moves_robot or self.on_reading is not None
+
     def off_by(self, sigmas: float) -> float:
         """Return by how much something is off at so many standard deviations of its prior, in its unit."""
         deviation = sigmas * self.sigma

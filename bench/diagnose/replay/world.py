@@ -39,7 +39,7 @@ class World:
     @cached_property
     def changes_robot(self) -> bool:
         """Whether it moves differently from the nominal world, or only reads differently."""
-        if any(n.edit or n.scales_wrench or n.scales_payload for n in self.deviations):
+        if any(nuisance.moves_robot for nuisance in self.deviations):
             return True
         return any(moves(acting.effect) for acting in self.acting)
 
@@ -59,7 +59,7 @@ def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
 
 def key_of_motion(world: World) -> Hashable:
     """Return what decides how the robot of a world moves; what only reads differently does not count."""
-    off = tuple((n, value) for n, value in world.deviations.items() if n.edit or n.scales_wrench or n.scales_payload)
+    off = tuple((nuisance, value) for nuisance, value in world.deviations.items() if nuisance.moves_robot)
     acting = tuple((one.effect, one.place, tuple(one.values.items())) for one in world.acting if moves(one.effect))
     return off, acting
 
