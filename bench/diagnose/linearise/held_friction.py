@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.linearise.torque_response import TorqueResponse
 from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.play import is_loose
 from bench.diagnose.replay.replay import Replay
 from bench.effects.effect import Acting
 from bench.record.campaign import Array
@@ -26,7 +27,8 @@ def held_friction(
 
     Settling and shaking let go of part of it, on each side of the gear, and more in one joint than in another. A load
     that the motor's friction does not hold moves the motor until the servo brings it back, and the link with it: that
-    may turn the friction of the link round, from what the load alone would leave.
+    may turn the friction of the link round, from what the load alone would leave. A link may arrive with its friction
+    turned round as well, if it has a load; one whose friction holds it anywhere does rest anywhere (`LINK_VISIT`).
     """
     found, sensitivities = [], []
     gave = [
@@ -34,8 +36,10 @@ def held_friction(
         for segment, response in zip(replay.segments, responses, strict=True)
     ]
     otherwise = [
-        arrived_otherwise(replay.compiled, trace) if segment.is_static else np.zeros_like(trace.theta)
-        for segment, trace in zip(replay.segments, traces, strict=True)
+        arrived_otherwise(replay.compiled, trace) * ~is_loose(replay.compiled, response.link_load)[0]
+        if segment.is_static
+        else np.zeros_like(trace.theta)
+        for segment, trace, response in zip(replay.segments, traces, responses, strict=True)
     ]
     for j, drive in enumerate(replay.compiled.robot.figures.drives):
         for side in ("motor", "link"):
