@@ -36,6 +36,10 @@ class InputError(BenchError):
         super().__init__(printable("\n".join(self.problems)))
 
 
+class ScenarioError(InputError):
+    """A scenario that cannot be had on its robot; the places are keys of its file, which whoever read it knows."""
+
+
 class CampaignError(InputError):
     """A campaign folder that breaks the format of `bench/record/README.md`."""
 
@@ -46,6 +50,10 @@ class RobotError(InputError):
     """A robot folder that breaks the format of `models/README.md`."""
 
     exit_code = 4
+
+
+class UnknownRobotError(RobotError):
+    """A name that is neither a robot that comes along nor a robot folder."""
 
 
 class ConvergenceError(BenchError):

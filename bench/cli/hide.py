@@ -55,7 +55,7 @@ class Hide:
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
         from bench.scenario.complementary import Complementary
-        from bench.scenario.files import read_scenario
+        from bench.scenario.files import read_scenario, said_of
 
         rng = np.random.default_rng(checked_seed(self.seed))
         machine = None if self.machine is None else np.random.default_rng(checked_seed(self.machine, "--machine"))
@@ -64,8 +64,9 @@ class Hide:
         session = read_scenario(self.scenario)
         if isinstance(session, Complementary):
             raise InputError(f"{self.scenario}: is no experiment on the robot; take a session, such as session-short.")
-        robot = load_robot(session.robot)
-        recorded = recorded_of(robot, session, self.without, self.channels)
+        with said_of(self.scenario):
+            robot = load_robot(session.robot)
+            recorded = recorded_of(robot, session, self.without, self.channels)
         acting = effects_of(self.effects, compile_robot(robot), catalogue(), self.joint, recorded)
         with new_folder(self.out, CAMPAIGN, replace=False) as folder:
             try:

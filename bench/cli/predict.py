@@ -83,8 +83,9 @@ class Predict:
 
         joint = open_joint(self.campaign, str(load_robot(model_folder(self.model)).folder))
         heed(joint.warnings, joint.doubts, despite_doubts=self.despite_doubts)
-        nominal = self.nominal or robot_of(self.campaign[0], joint.campaign.robot)
-        return joint.campaign, joint.compiled, compile_robot(load_robot(nominal))
+        stated = joint.campaign.robot
+        nominal = load_robot(self.nominal) if self.nominal else robot_of(self.campaign[0], stated)
+        return joint.campaign, joint.compiled, compile_robot(nominal)
 
     @property
     def command(self) -> str:

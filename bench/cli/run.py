@@ -31,19 +31,19 @@ class Run:
         from bench.report.paper.complementary.run import NUMBERS, run_complementary
         from bench.report.results import RECORDING, write_session
         from bench.scenario.complementary import Complementary
-        from bench.scenario.files import read_scenario
+        from bench.scenario.files import read_scenario, said_of
         from bench.simulate.session import run_session
 
         scenario = read_scenario(self.scenario)
         if isinstance(scenario, Complementary):
-            with new_folder(self.out, NUMBERS, replace=False) as folder:
+            with new_folder(self.out, NUMBERS, replace=False) as folder, said_of(self.scenario):
                 run_complementary(scenario, folder)
             print(f"numbers and figures  {self.out}")
             return 0
         if self.seed is not None:
             scenario = type(scenario).model_validate(scenario.model_dump() | {"seed": checked_seed(self.seed)})
         with new_folder(self.out, RECORDING, replace=False) as folder:
-            with progress_bar(f"{scenario.experiment} on {scenario.robot}") as progress:
+            with progress_bar(f"{scenario.experiment} on {scenario.robot}") as progress, said_of(self.scenario):
                 session = run_session(scenario, progress)
             write_session(session, folder, "parquet" if self.parquet else "csv")
         print(f"campaign   {self.out / 'campaign'}")

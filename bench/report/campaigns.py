@@ -8,13 +8,14 @@ import mujoco
 import numpy as np
 
 from bench.diagnose.replay.known import known_faults
+from bench.errors import UnknownRobotError
 from bench.record.campaign import Arm, Campaign
 from bench.record.check import check_with_robot
 from bench.record.finding import Finding, Report
 from bench.record.logs.likewise import listed
 from bench.record.manifest import MANIFEST
 from bench.robot.compiled import CompiledRobot, compile_robot
-from bench.robot.folder import load_robot
+from bench.robot.folder import Robot, load_robot
 
 
 def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot | None]:
@@ -33,7 +34,7 @@ def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot 
     found: list[CompiledRobot] = []
 
     def arm_of(name: str) -> Arm:
-        found.append(compile_robot(load_robot(robot or robot_of(folder, name))))
+        found.append(compile_robot(load_robot(robot) if robot else robot_of(folder, name)))
         return plain_arm(found[0])
 
     report = check_with_robot(folder, arm_of)
@@ -72,10 +73,19 @@ def unknown_constants(campaign: Campaign, compiled: CompiledRobot) -> Iterator[F
     yield Finding("error", place, None, "drives", message, remedy)
 
 
-def robot_of(folder: Path, name: str) -> str:
-    """Return the robot that a campaign folder names: a folder within it, or else the name as it stands."""
+def robot_of(folder: Path, name: str) -> Robot:
+    """Return the robot that a campaign names: a folder within it, or else one of that name.
+
+    Raises:
+        UnknownRobotError: There is none; with the file that names it.
+        RobotError: Its folder is broken.
+    """
     beside = folder.absolute() / name  # absolute: a robot that comes along may have the same name
-    return str(beside) if os.path.isdir(beside) else name  # noqa: PTH112  a name may be too long for pathlib
+    is_beside = os.path.isdir(beside)  # noqa: PTH112  a name may be too long for pathlib
+    try:
+        return load_robot(beside if is_beside else name)
+    except UnknownRobotError as error:
+        raise UnknownRobotError(f"{folder / MANIFEST}: robot: {error}") from error
 
 
 def plain_arm(compiled: CompiledRobot) -> Arm:

@@ -9,7 +9,7 @@ from pathlib import Path
 from pydantic import BaseModel, ValidationError
 
 from bench import paths
-from bench.errors import RobotError, unknown_name
+from bench.errors import RobotError, UnknownRobotError, unknown_name
 from bench.record.rules.values import IMPOSSIBLE
 from bench.record.schema_words import words_of
 from bench.record.yaml_text import YamlFault, load_typed_yaml
@@ -53,12 +53,13 @@ def load_robot(name_or_folder: str | Path) -> Robot:
     """Read a robot by the name of a folder in `models/`, or by a path to a folder of one's own.
 
     Raises:
-        RobotError: No such robot, or its figures break the schema; every fault is listed.
+        UnknownRobotError: No such robot.
+        RobotError: Its figures break the schema; every fault is listed.
     """
     known = robot_names()
     folder = paths.models_dir() / name_or_folder if str(name_or_folder) in known else Path(name_or_folder)
     if not os.path.isfile(folder / FIGURES_FILE):  # noqa: PTH113  a name may be too long for pathlib
-        raise RobotError(
+        raise UnknownRobotError(
             unknown_name("robot", str(name_or_folder), known)
             + f" A robot folder holds a {FIGURES_FILE}; `bench diagnose -o DIR` writes one as DIR/robot."
         )

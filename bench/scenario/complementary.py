@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from bench.errors import InputError
+from bench.errors import ScenarioError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
 from bench.scenario.types import Positive, Strict
@@ -28,7 +28,7 @@ class Complementary(Strict):
         """Hold the scenario against the robot.
 
         Raises:
-            InputError: A wrong number of values, or a swept joint that does not exist; all listed.
+            ScenarioError: A wrong number of values, or a swept joint that does not exist; all listed.
         """
         n = robot.n_joints
         problems = [
@@ -39,4 +39,4 @@ class Complementary(Strict):
         if len(set(self.swept)) < 2 or not all(1 <= joint <= n for joint in self.swept):
             problems.append(f"swept: {list(self.swept)} must name two joints between 1 and {n}.")
         if problems:
-            raise InputError(problems)
+            raise ScenarioError(problems)

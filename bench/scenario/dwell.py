@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from bench.errors import InputError
+from bench.errors import ScenarioError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
 from bench.scenario.types import MOST_REPEATS, Positive, Seconds, Strict
@@ -39,7 +39,7 @@ class DwellPart(Strict):
             limits: Shape (n, 2) [rad], ranges of the link joints.
 
         Raises:
-            InputError: Wrong number of angles, an angle outside the limits, readings that last longer than the time
+            ScenarioError: Wrong number of angles, an angle outside the limits, readings that last longer than the time
                 between them; all listed.
         """
         problems = []
@@ -58,4 +58,4 @@ class DwellPart(Strict):
         if self.repeats * self.repeat_interval_s > live:
             problems.append(f"repeats: {self.repeats} readings do not fit into {live:g} s.")
         if problems:
-            raise InputError(problems)
+            raise ScenarioError(problems)

@@ -1,12 +1,14 @@
 """Scenario files: find, read, validate; all faults at once."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
 
 from pydantic import ValidationError
 
 from bench import paths
-from bench.errors import InputError, unknown_name
+from bench.errors import InputError, ScenarioError, UnknownRobotError, unknown_name
 from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.folder import problems_of
 from bench.scenario.complementary import Complementary
@@ -65,6 +67,23 @@ def read_scenario(name_or_file: str | Path) -> Scenario:
         return EXPERIMENTS[experiment].model_validate(content)
     except ValidationError as error:
         raise InputError(problems_of(error, file.name, EXPERIMENTS[experiment])) from error
+
+
+@contextmanager
+def said_of(name_or_file: str | Path) -> Iterator[None]:
+    """Name the file of a scenario in what is wrong with it while it is held against its robot.
+
+    Raises:
+        ScenarioError: As the block, with the file before each key.
+        UnknownRobotError: As the block, with file and key.
+    """
+    try:
+        yield
+    except ScenarioError as error:
+        file = scenario_file(name_or_file).name
+        raise ScenarioError(f"{file}: {problem}" for problem in error.problems) from error
+    except UnknownRobotError as error:
+        raise UnknownRobotError(f"{scenario_file(name_or_file).name}: robot: {error}") from error
 
 
 def read_as(kind: type[Kind], name_or_file: str | Path) -> Kind:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from bench.errors import InputError, unknown_name
+from bench.errors import InputError, ScenarioError, unknown_name
 from bench.record.rules.scale import MAX_LENGTH
 from bench.robot.bodies import Array, Point, RigidBodies, read_only
 from bench.robot.compiled import compile_robot
@@ -104,7 +104,7 @@ class LinePart(Strict):
             limits: Shape (n, 2) [rad], ranges of the link joints.
 
         Raises:
-            InputError: Wrong number of angles, no line, load above the rating, a tool point that is not there; all
+            ScenarioError: Wrong number of angles, no line, load above the rating, a tool point that is not there; all
                 listed. If there is none of these: a line that is not reached, leaves a joint's range or is too fast.
         """
         n, problems = robot.n_joints, []
@@ -131,8 +131,12 @@ class LinePart(Strict):
         if isinstance(self.tool_point, str) and self.tool_point not in bodies.points:
             problems.append(f"tool_point: {unknown_name('point of the arm', self.tool_point, bodies.points)}")
         if problems:
-            raise InputError(problems)
-        self._check_path(robot, self.path(bodies), limits)
+            raise ScenarioError(problems)
+        try:
+            path = self.path(bodies)
+        except InputError as error:
+            raise ScenarioError(f"start_m, end_m: {problem}" for problem in error.problems) from error
+        self._check_path(robot, path, limits)
 
     def _check_path(self, robot: Robot, path: JointPath, limits: Array) -> None:
         problems = []
@@ -151,7 +155,7 @@ class LinePart(Strict):
                 for j in np.flatnonzero((low < limits[:, 0]) | (high > limits[:, 1]))
             ]
         if problems:
-            raise InputError(problems)
+            raise ScenarioError(problems)
 
     def _tool(self, bodies: RigidBodies) -> Point:
         if isinstance(self.tool_point, str):

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from bench.errors import InputError
+from bench.errors import ScenarioError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
 from bench.scenario.types import MOST_REPEATS, Pause, Positive, ScenarioBase, Seconds, Strict
@@ -52,7 +52,8 @@ class LoadingPart(Strict):
             limits: Shape (n, 2) [rad], ranges of the link joints.
 
         Raises:
-            InputError: Wrong number of angles, pose or approach outside the limits, load above the rating; all listed.
+            ScenarioError: Wrong number of angles, pose or approach outside the limits, load above the rating; all are
+                listed.
         """
         problems = []
         degrees = np.rad2deg(limits)
@@ -86,7 +87,7 @@ class LoadingPart(Strict):
                 if force > rating
             ]
         if problems:
-            raise InputError(problems)
+            raise ScenarioError(problems)
 
 
 class Loading(ScenarioBase, LoadingPart):

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from bench.errors import InputError
+from bench.errors import ScenarioError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
 from bench.scenario.types import DAY_S, MOST_REPEATS, NonNegative, Pause, Positive, ScenarioBase, Seconds, Strict
@@ -46,13 +46,15 @@ class RotationPart(Strict):
             limits: Shape (n, 2) [rad], ranges of the link joints.
 
         Raises:
-            InputError: No such joint, wrong number of angles, an angle or a ramp outside the limits, a speed above the
-                drive's, a payload above the rating, or no way to go; all listed.
+            ScenarioError: No such joint, wrong number of angles, an angle or a ramp outside the limits, a speed above
+                the drive's, a payload above the rating, or no way to go; all listed.
         """
         if self.joint > robot.n_joints:
-            raise InputError(f"joint: there is no joint {self.joint}; {robot.name} has {robot.n_joints} joints.")
+            raise ScenarioError(f"joint: there is no joint {self.joint}; {robot.name} has {robot.n_joints} joints.")
         if len(self.start_deg) != robot.n_joints:
-            raise InputError(f"start_deg: {len(self.start_deg)} angles, but {robot.name} has {robot.n_joints} joints.")
+            raise ScenarioError(
+                f"start_deg: {len(self.start_deg)} angles, but {robot.name} has {robot.n_joints} joints."
+            )
         degrees, swept = np.rad2deg(limits), self.joint - 1
         problems = [
             f"start_deg[{j}]: {angle:g} deg is outside joint {j + 1}'s {low:g} to {high:g} deg."
@@ -86,7 +88,7 @@ class RotationPart(Strict):
             if mass * STANDARD_GRAVITY > rating
         ]
         if problems:
-            raise InputError(problems)
+            raise ScenarioError(problems)
 
 
 class Rotation(ScenarioBase, RotationPart):

@@ -5,7 +5,7 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from bench.errors import InputError
+from bench.errors import InputError, ScenarioError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
 from bench.scenario.dwell import DwellPart
@@ -85,16 +85,16 @@ class SessionScenario(ScenarioBase):
             limits: Shape (n, 2) [rad], ranges of the link joints.
 
         Raises:
-            InputError: Some part does not fit; every fault of every part is listed.
+            ScenarioError: Some part does not fit; every fault of every part is listed.
         """
         problems: dict[str, None] = {}
         for key, _, part in self.parts():
             try:
                 part.check(robot, limits)
-            except InputError as error:
+            except ScenarioError as error:
                 problems |= dict.fromkeys(f"{key}.{problem}" for problem in error.problems)
         if problems:
-            raise InputError(problems)
+            raise ScenarioError(problems)
 
 
 PARTS = ("repeat_at_end", "loading", "rotations", "line", "dwell")

@@ -303,7 +303,8 @@ def robots_of_strangers(rng: np.random.Generator) -> Iterator[Variant]:
             (folder / "loop").symlink_to("loop")
             (folder / "link").symlink_to("robot")
 
-        yield Variant("robots of strangers", name, spoil, answer)
+        places = ("campaign.yaml: robot: unknown robot",) if answer == "error" and written != "emps" else ()
+        yield Variant("robots of strangers", name, spoil, answer, places)
 
     def twin(folder: Path) -> None:
         write_small_robot(folder / "hh150")

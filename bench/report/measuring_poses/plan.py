@@ -1,6 +1,7 @@
 """The next measuring poses for a robot, from its own instruments and rating, compared with those of a scenario."""
 
 from dataclasses import dataclass
+from math import inf, isfinite
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.figures import Rating
 from bench.robot.folder import Robot, load_robot
 from bench.robot.links import rigid_bodies
-from bench.scenario.files import read_as
+from bench.scenario.files import read_as, said_of
 from bench.scenario.loading import Loading
 
 LADDER = np.linspace(1 / 3, 2 / 3, 4)  # forces as shares of the rated one; Table 5 goes from 0.31 to 0.72
@@ -55,6 +56,7 @@ def plan_poses(request: PoseRequest) -> PosePlan:
         InputError: The robot has no tracker or lacks the method's instrument, a scenario does not exist or is no
             loading, that of `after` is for another robot, an angle makes no sense, or too few poses can be reached.
     """
+    _check(request)
     compiled = compile_robot(load_robot(request.robot))
     rating = compiled.robot.figures.rating
     setup = setup_of(compiled, request.method)
@@ -88,6 +90,30 @@ def plan_poses(request: PoseRequest) -> PosePlan:
         return PosePlan(request.robot, design, request.after, None, None)
     reference = expected_precision(setup, other, request.method)
     return PosePlan(request.robot, design, request.after, request.against, reference)
+
+
+def _check(request: PoseRequest) -> None:
+    """Hold numbers of a request against what they can be.
+
+    Raises:
+        InputError: One is not, nan among them; all are listed.
+    """
+    limits = {
+        "slanting": (0.0, inf, "a number of poses of 0 or more"),
+        "margin_deg": (0.0, 180.0, "an angle of 0 to 180 deg"),
+        "floor_m": (-inf, inf, "a finite height"),
+        "clearance_m": (0.0, inf, "a finite distance of 0 or more"),
+        "hanging_height_m": (-inf, inf, "a finite height"),
+        "rope_clearance_m": (0.0, inf, "a finite distance of 0 or more"),
+        "zone_limit": (0.0, inf, "a finite relative error of 0 or more"),
+    }
+    problems = []
+    for name, (least, most, what) in limits.items():
+        value = getattr(request, name)
+        if not (isfinite(value) and least <= value <= most):
+            problems.append(f"--{name.replace('_', '-')} {value:g}: must be {what}.")
+    if problems:
+        raise InputError(problems)
 
 
 def setup_of(compiled: CompiledRobot, method: str) -> Setup:
@@ -157,7 +183,8 @@ def visits_of(scenario: Loading) -> Visits:
 def _visits_on(robot: Robot, name: str) -> Visits | None:
     """Return the visits of a loading scenario, None where it is for another robot."""
     scenario = read_as(Loading, name)
-    return visits_of(scenario) if load_robot(scenario.robot).folder == robot.folder else None
+    with said_of(name):
+        return visits_of(scenario) if load_robot(scenario.robot).folder == robot.folder else None
 
 
 def _unit(vector: Array) -> tuple[float, float, float]:
