@@ -55,6 +55,14 @@ OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
         Range("gravity", "m/s^2", 0.0, 50.0, "lengths are in m"),
         lambda model: [("<option>", float(np.linalg.norm(model.opt.gravity)))],
     ),
+    (
+        Range("density of what flows around it", "kg/m^3", 0.0, 10.0, "air has 1.2"),
+        lambda model: [("<option>", model.opt.density)],
+    ),
+    (
+        Range("viscosity of what flows around it", "Pa s", 0.0, 1e-3, "air has 1.8e-5"),
+        lambda model: [("<option>", model.opt.viscosity)],
+    ),
     # heaviest arms: 11 t with their base (FANUC M-2000iA/2300), of which no link has half
     (Range("mass", "kg", 0.0, 1e4, "masses are in kg"), lambda model: _moving(model, model.body_mass)),
     (

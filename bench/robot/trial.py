@@ -24,6 +24,7 @@ from bench.record.plain_file import FileFault, expect_plain
 from bench.robot.mjcf_text import look_through
 from bench.robot.plain_words import plain_words
 from bench.robot.plausible import implausible
+from bench.robot.switches import switched_off
 
 PATIENCE = 4  # times the limit of processor time, by the wall clock: others may need the cores
 KEYFRAMES = 20  # that are computed; a file may have thousands
@@ -112,12 +113,13 @@ def _faults(file: Path) -> Iterator[str]:
     """Yield what is wrong with a model. What MuJoCo computes is looked at only where its numbers are plausible."""
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
-        model = mujoco.MjSpec.from_file(str(file)).compile()
+        spec = mujoco.MjSpec.from_file(str(file))
+        model = spec.compile()
     infinite = [name for name in FINITE if not np.all(np.isfinite(getattr(model, name)))]
     if infinite:
         yield f"its {infinite[0]} is not finite once compiled; look for numbers that are far too large."
         return
-    if faults := list(implausible(model)):
+    if faults := [*switched_off(spec, model), *implausible(model)]:
         yield from faults
         return
     for warning in warned:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.robot.switches import NEEDED
 from tests.poison.variant import Answer, Spoil, Variant
 from tests.small_robot import MJCF, ROTOR, write_small_robot
 
@@ -163,6 +164,26 @@ def numbers_of_no_robot(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant(family, name, _mjcf(old, new), "error", (place,))
 
 
+def laws_switched_off(rng: np.random.Generator) -> Iterator[Variant]:
+    """Take from the robot what no machine can be without: it compiles, and was believed."""
+    option = 'timestep="0.001"/>'
+    changes: dict[str, tuple[Spoil, str]] = {
+        name: (_mjcf(option, f'timestep="0.001"><flag {name}="disable"/></option>'), f"<flag>: {name} is off")
+        for name in NEEDED
+    }
+    changes |= {
+        "drives of a group": (_mjcf(option, f'actuatorgroupdisable="0" {option}'), "actuatorgroupdisable"),
+        "the weight of a link": (_mjcf('<body name="fore"', '<body gravcomp="1" name="fore"'), "'fore': gravcomp"),
+        "all masses": (_mjcf('<compiler angle="radian"', '<compiler settotalmass="1" angle="radian"'), "settotalmass"),
+        "air, for water": (_mjcf(option, f'density="1000" {option}'), "density of what flows around it is"),
+        "air, for oil": (_mjcf(option, f'viscosity="0.1" {option}'), "viscosity of what flows around it is"),
+    }
+    for name, (spoil, place) in changes.items():
+        yield Variant("laws that are switched off", name, spoil, "error", (f"robot/{ARM}", place))
+    contact = _mjcf(option, 'timestep="0.001"><flag contact="disable"/></option>')
+    yield Variant("laws that are switched off", "contact", contact, "harmless")
+
+
 def other_machines(rng: np.random.Generator) -> Iterator[Variant]:
     """Make something else of the robot: what no serial arm has is refused, what changes nothing is harmless."""
     loose = '<body name="loose" pos="0 0 5"><freejoint/><geom size="0.5" mass="100"/></body>'
@@ -316,5 +337,5 @@ def robots_of_strangers(rng: np.random.Generator) -> Iterator[Variant]:
 
 FAMILIES = (
     *(mjcf_that_crashes_its_reader, damaged_mjcf, attributes_of_plugins, parts_of_robots, figures),
-    *(numbers_of_no_robot, other_machines, robots_of_strangers),
+    *(numbers_of_no_robot, laws_switched_off, other_machines, robots_of_strangers),
 )
