@@ -1,6 +1,7 @@
 """What a diagnosis promises of the next recording, kept in the robot folder that it hands over."""
 
 import json
+import os
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
@@ -11,7 +12,7 @@ from pydantic import ValidationError
 
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.errors import RobotError
-from bench.record.json_text import load_json
+from bench.record.json_text import expect_sealed, load_json, sealed
 from bench.robot.folder import problems_of
 from bench.robot.strict import Strict
 
@@ -34,6 +35,7 @@ class _Promise(Strict):
 class _Promises(Strict):
     format: Literal[1]
     promises: tuple[_Promise, ...]
+    seal: str
 
 
 def write_promises(folder: Path, promises: Iterable[PredictedError]) -> None:
@@ -46,7 +48,7 @@ def write_promises(folder: Path, promises: Iterable[PredictedError]) -> None:
     entries = [asdict(promise) for promise in promises]
     for entry in entries:
         entry |= {end: entry[end] if np.isfinite(entry[end]) else None for end in ENDS}
-    text = json.dumps({"format": 1, "promises": entries}, indent=2)
+    text = json.dumps(sealed({"format": 1, "promises": entries}), indent=2)
     (folder / PROMISES).write_text(text + "\n", encoding="utf-8")
 
 
@@ -54,16 +56,18 @@ def read_promises(folder: Path) -> tuple[PredictedError, ...]:
     """Return what a robot folder promises; nothing where no diagnosis wrote it.
 
     Raises:
-        RobotError: The file is not what `write_promises` writes.
+        RobotError: The file is not what `write_promises` wrote.
     """
     path = folder / PROMISES
-    if not path.is_file():
+    if not os.path.lexists(path):
         return ()
     try:
-        content = _Promises.model_validate(load_json(path))
+        read = load_json(path)
+        content = _Promises.model_validate(read)
+        expect_sealed(read)
     except ValueError as error:  # JSON, UTF-8 and pydantic alike
         faults = problems_of(error, PROMISES) if isinstance(error, ValidationError) else [f"{PROMISES}: {error}"]
-        raise RobotError([*faults, f"{path}: mend it, or remove it: then nothing is promised."]) from error
+        raise RobotError([*faults, f"{path}: restore it, or remove it: then nothing is promised."]) from error
     return tuple(
         PredictedError(
             channel=one.channel,

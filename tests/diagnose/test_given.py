@@ -1,5 +1,6 @@
 """A posterior is a prior: two diagnoses in a row know what one of both campaigns would know."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from bench.effects.effect import WHOLE, Acting
 from bench.errors import RobotError
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
+from bench.record.json_text import sealed
 from bench.report.handover.posterior_file import POSTERIOR, read_posterior, write_posterior
 from bench.report.handover.robot_folder import hand_over
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -134,7 +136,11 @@ def test_what_was_found_before_is_not_found_again(robot: CompiledRobot, tmp_path
     [
         (None, "does not exist"),
         ("{", POSTERIOR),
-        ('{"format": 1, "parameters": [], "covariance": [[1.0]]}', "needs 0 rows"),
+        (
+            '{"format": 1, "parameters": [], "covariance": [[1.0]], "robot": "", "seal": ""}',
+            "seal: is not that of these numbers",
+        ),
+        (json.dumps(sealed({"format": 1, "parameters": [], "covariance": [[1.0]], "robot": ""})), "needs 0 rows"),
         ('{"format": 1, "parameters": [{"name": "a"}], "covariance": []}', "sigma"),
     ],
 )
@@ -143,3 +149,18 @@ def test_a_posterior_that_cannot_be_read_is_named(tmp_path: Path, text: str | No
         (tmp_path / POSTERIOR).write_text(text)
     with pytest.raises(RobotError, match=said):
         read_posterior(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["small.xml", "figures.yaml"])
+def test_a_robot_that_was_changed_after_its_diagnosis_has_no_posterior(
+    robot: CompiledRobot, tmp_path: Path, name: str
+) -> None:
+    linear = linear_of(made(robot, 1), robot)
+    found = refit(linear, (), {})
+    hand_over(linear, found, tmp_path / "robot", tmp_path / "nominal.xml")
+    write_posterior(tmp_path / "robot", posterior_of(linear, found))
+    assert len(read_posterior(tmp_path / "robot").parameters) > 1
+    file = tmp_path / "robot" / name
+    file.write_text(file.read_text() + "\n")
+    with pytest.raises(RobotError, match="was changed after its diagnosis"):
+        read_posterior(tmp_path / "robot")

@@ -19,15 +19,20 @@ from typing import Literal
 import numpy as np
 
 from bench.cli import main
+from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.hide.campaign import hide_campaign
+from bench.predict.promises import write_promises
 from bench.record.write import write_campaign
+from bench.report.diagnosis.file_names import ROBOT
 from bench.robot.folder import load_robot
+from tests.found import write_found
 from tests.poison import (
     in_channels,
     in_files,
     in_manifests,
     in_parquet,
     in_readings,
+    in_results,
     in_robots,
     in_scenarios,
     in_tables,
@@ -42,7 +47,9 @@ SEED = 20261122
 FAMILIES: Sequence[Family] = (
     *(*in_tables.FAMILIES, *in_channels.FAMILIES, *in_manifests.FAMILIES, *in_files.FAMILIES),
     *(*in_parquet.FAMILIES, *in_readings.FAMILIES, *in_robots.FAMILIES, *in_scenarios.FAMILIES),
+    *in_results.FAMILIES,
 )
+PROMISE = PredictedError("current_1_a", "A", "motion", 4, 0.02, 0.01, 0.05)
 Kind = Literal["right", "silent", "wrong", "traceback", "hang"]
 
 
@@ -70,11 +77,13 @@ def variants(seed: int = SEED) -> list[Variant]:
 
 
 def write_base(folder: Path) -> Path:
-    """Write a healthy campaign with its robot in it."""
+    """Write a healthy campaign with its robot in it, and what a diagnosis left of that robot."""
     robot = write_small_robot(folder / "robot")
     session = small_session(robot, loading=QUICK | {"repeats": 5})
     hidden = hide_campaign(load_robot(robot), session, (), np.random.default_rng(1))
     write_campaign(replace(hidden.campaign, robot="robot"), folder / "base")
+    write_found(robot, folder / "base" / in_results.FOUND)
+    write_promises(folder / "base" / in_results.FOUND / ROBOT, [PROMISE])
     shutil.move(robot, folder / "base" / "robot")
     return folder / "base"
 

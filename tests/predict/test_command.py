@@ -139,6 +139,26 @@ def test_broken_promises_are_named(tmp_path: Path, text: str) -> None:
         read_promises(tmp_path)
 
 
+@pytest.mark.parametrize("key", ["low", "high", "rms", "runs", "channel", "unit"])
+def test_promises_that_somebody_changed_are_refused(tmp_path: Path, key: str) -> None:
+    """A wider interval held, an interval of another channel was left out, and nobody was told."""
+    write_promises(tmp_path, [PROMISE])
+    content = json.loads((tmp_path / PROMISES).read_text())
+    (tmp_path / PROMISES).write_text(json.dumps(content))
+    assert read_promises(tmp_path) == (PROMISE,)  # laid out anew, and yet the same
+    entry = content["promises"][0]
+    entry[key] = f"{entry[key]}x" if isinstance(entry[key], str) else entry[key] * 2
+    (tmp_path / PROMISES).write_text(json.dumps(content))
+    with pytest.raises(RobotError, match=f"{PROMISES}: seal"):
+        read_promises(tmp_path)
+
+
+def test_promises_that_are_no_file_are_not_taken_for_none(tmp_path: Path) -> None:
+    (tmp_path / PROMISES).mkdir()
+    with pytest.raises(RobotError, match="is a folder"):
+        read_promises(tmp_path)
+
+
 def test_promises_read_back(tmp_path: Path) -> None:
     promises = (PROMISE, replace(PROMISE, kind="static", runs=1, low=np.nan, high=np.nan, fitted_low=np.nan))
     write_promises(tmp_path, promises)

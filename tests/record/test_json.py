@@ -8,7 +8,9 @@ import pytest
 from bench.record.json_text import load_json
 
 
-@pytest.mark.parametrize("text", ["[" * 100_000, "", "{", "\udcff"], ids=["deep", "empty", "cut", "not UTF-8"])
+@pytest.mark.parametrize(
+    "text", ["[" * 100_000, "", "{", "\udcff", '{"a": 1, "a": 2}'], ids=["deep", "empty", "cut", "not UTF-8", "twice"]
+)
 def test_what_is_no_json_is_a_value_error(text: str, tmp_path: Path) -> None:
     file = tmp_path / "a.json"
     file.write_bytes(text.encode("utf-8", "surrogateescape"))
