@@ -5,11 +5,14 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from pyarrow import parquet
 
 from bench.errors import CampaignError
 from bench.record.convert import convert
 from bench.record.log_format import LogFormat
+from bench.record.logs.resample import Resampling
 from bench.record.table import read_table
 from tests.record.test_convert import log
 from tests.record.test_logs import RATE, layout
@@ -100,3 +103,11 @@ def test_parquet_with_dates(tmp_path: Path) -> None:
     (run,) = convert(tmp_path, layout(), "mine").campaign.runs
     np.testing.assert_allclose(run.columns["time_s"], [0, 0.002, 0.004, 0.006], atol=1e-6)
     assert "holds timestamp" in str(read_table(tmp_path, "x.parquet").findings[0])
+
+
+@given(begin=st.integers(0, 500), steps=st.integers(2, 400), rate=st.sampled_from([10.0, 30.0, 50.0, 100.0, 250.0]))
+def test_resampling_asks_for_nothing_after_the_last_row(begin: int, steps: int, rate: float) -> None:
+    """The last instant of the new clock lay after the last row by rounding, and was read as an empty cell."""
+    time = np.arange(begin, begin + steps) * 0.02
+    for stretch in Resampling(rate_hz=rate).applied({"time_s": time, "q": time}):
+        assert np.all(np.isfinite(stretch["q"]))

@@ -67,7 +67,8 @@ class Resampling(BaseModel):
             if len(rows) < 2:
                 continue
             first, last = time[rows[0]], time[rows[-1]]
-            even = first + np.arange(int((last - first) * self.rate_hz * (1 + 1e-12)) + 1) / self.rate_hz
+            steps = np.arange(int((last - first) * self.rate_hz * (1 + 1e-12)) + 1)
+            even = np.minimum(first + steps / self.rate_hz, last)  # rounding: nobody read anything after the last row
             if len(even) < 2:
                 continue
             cut = {name: values[rows] for name, values in others.items()}
