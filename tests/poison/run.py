@@ -83,6 +83,8 @@ def write_base(folder: Path) -> Path:
     hidden = hide_campaign(load_robot(robot), session, (), np.random.default_rng(1))
     write_campaign(replace(hidden.campaign, robot="robot"), folder / "base")
     write_found(robot, folder / "base" / in_results.FOUND)
+    for table in (folder / "base" / in_results.FOUND).glob("*.csv"):
+        table.unlink()  # no command reads it, and in the folder of a campaign it is a table that no run names
     write_promises(folder / "base" / in_results.FOUND / ROBOT, [PROMISE])
     shutil.move(robot, folder / "base" / "robot")
     return folder / "base"
