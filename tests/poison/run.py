@@ -30,6 +30,7 @@ from tests.poison import (
     in_channels,
     in_files,
     in_manifests,
+    in_models,
     in_parquet,
     in_readings,
     in_results,
@@ -46,8 +47,8 @@ MOST_LINES = 50  # of a check; what is longer than a screen is not read
 SEED = 20261122
 FAMILIES: Sequence[Family] = (
     *(*in_tables.FAMILIES, *in_channels.FAMILIES, *in_manifests.FAMILIES, *in_files.FAMILIES),
-    *(*in_parquet.FAMILIES, *in_readings.FAMILIES, *in_robots.FAMILIES, *in_scenarios.FAMILIES),
-    *in_results.FAMILIES,
+    *(*in_parquet.FAMILIES, *in_readings.FAMILIES, *in_models.FAMILIES, *in_robots.FAMILIES),
+    *(*in_scenarios.FAMILIES, *in_results.FAMILIES),
 )
 PROMISE = PredictedError("current_1_a", "A", "motion", 4, 0.02, 0.01, 0.05)
 Kind = Literal["right", "silent", "wrong", "traceback", "hang"]
