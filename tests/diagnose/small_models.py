@@ -7,6 +7,7 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit, unknowns_of
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -36,6 +37,19 @@ def fit_alone(cause: Cause, values: Sequence[float], covariance: Array) -> Fit:
     unknowns, zero = unknowns_of((cause,)), np.zeros((1, 1))
     left = (zero, zero[:, :, None], np.zeros(1))
     return Fit((cause,), unknowns, np.array(values), covariance, np.zeros(0), 0.0, 0.0, *left)
+
+
+def chi_square_left(linear: LinearisedModel, white: Array, without: str = "nothing") -> float:
+    """Return the chi-square of whitened readings, shape (m,), that nuisances leave, their priors counted.
+
+    Args:
+        linear: The campaign.
+        white: What is to be explained.
+        without: Nuisances that have this in their names do not act.
+    """
+    kept = np.array([without not in one.name for one in linear.nuisances])
+    jacobian = linear.jacobian[:, kept]
+    return float(white @ (white - jacobian @ Nuisances(jacobian).most_probable(white)))
 
 
 def linear_of(campaign: Campaign) -> LinearisedModel:

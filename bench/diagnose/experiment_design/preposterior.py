@@ -13,6 +13,7 @@ from scipy.linalg import solve_triangular
 from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.experiment_design.experiments import Experiment
 from bench.diagnose.extend.fit import Fit, world_of
+from bench.diagnose.linearise.each_weight import each_weight
 from bench.diagnose.linearise.held_friction import held_friction
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import whitening_of
@@ -133,14 +134,17 @@ class Preposterior:
             np.zeros_like(nominal) if isinstance(f, BenchError) else f - nominal for f in found[len(worlds) :]
         ]
         by_name = {str(n): change for n, change in zip(simulated, deviations, strict=True)}
-        by_name |= {str(n): held_changes[:, :, i] for i, n in enumerate(held)}
+        weights, their_changes = each_weight(unique, simulated, np.stack([nominal, *deviations], axis=2)[:, :, 1:])
+        first_order = (*held, *weights)
+        changes = np.concatenate([held_changes, their_changes], axis=2)
+        by_name |= {str(n): changes[:, :, i] for i, n in enumerate(first_order)}
         today = [str(n) for n in linear.nuisances]
         fresh = [name for name in by_name if name not in today]
         nothing = np.zeros_like(nominal)
         sensitivities = np.stack([by_name.get(name, nothing) for name in (*today, *fresh)], axis=2)
         self._split = np.cumsum([len(segment) for segment in unique])[:-1]
         self._means, self._slopes, self._covariances = [], [], []
-        names = [str(n) for n in held]
+        names = [str(n) for n in first_order]
         for fit, mean in zip(fits, means, strict=True):
             settled = sum((by_name[n] * fit.nuisances[today.index(n)] for n in names if n in today), nothing)
             k = len(fit.unknowns)
