@@ -3,13 +3,13 @@
 import mujoco
 import numpy as np
 
-from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.effects.effect import Acting, Conditions, Effect, Parameter, Place, Values
 from bench.effects.nominal import presliding_parameters
 from bench.robot.compiled import SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
 from tests.diagnose.noise_free import linearised, noise_free
+from tests.diagnose.small_models import chi_square_left
 from tests.diagnose.sweeps import nominal
 
 SOFTER = 5.0
@@ -34,13 +34,6 @@ class SofterPresliding(Effect):
         return change
 
 
-def left_by(linear: LinearisedModel, kept: np.ndarray) -> float:
-    """Return the chi-square that a model with some nuisances leaves, their priors counted."""
-    jacobian = linear.jacobian[:, kept]
-    x = np.linalg.solve(jacobian.T @ jacobian + np.eye(kept.sum()), jacobian.T @ linear.white)
-    return float(linear.white @ (linear.white - jacobian @ x))
-
-
 def test_every_friction_element_with_a_level_has_a_figure_known_to_a_factor_of_three() -> None:
     found = presliding_parameters(nominal())
     assert len(found) == 12
@@ -53,7 +46,6 @@ def test_every_friction_element_with_a_level_has_a_figure_known_to_a_factor_of_t
 def test_presliding_five_times_softer_is_told_by_these_figures() -> None:
     effect = SofterPresliding()
     linear = linearised(noise_free("session-short", 4, (Acting(effect, Place("all"), {"times": SOFTER}),)))
-    is_presliding = np.array([one.name.startswith("presliding") for one in linear.nuisances])
-    without, with_them = left_by(linear, ~is_presliding), left_by(linear, np.ones(len(is_presliding), bool))
+    without, with_them = (chi_square_left(linear, linear.white, *names) for names in (("presliding",), ()))
     print(f"chi-square {without:.0f} without, {with_them:.0f} with figures for presliding")
     assert without - with_them > 2 * np.log(100)  # else some cause would have had those odds to explain
