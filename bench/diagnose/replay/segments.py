@@ -180,6 +180,8 @@ def _rounded_alike(
         half = step / UNIFORM / 2
         for segment, own, more in zip(found, sigma, once, strict=True):
             values = segment.observed[:, c]
+            if not np.any(np.isfinite(values)):
+                continue  # a run may lack a channel that others have
             alike = np.searchsorted(known, values + half) - np.searchsorted(known, values - half)
             digits = np.ones(len(segment))
             if segment.path and not segment.is_static:
