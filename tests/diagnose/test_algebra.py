@@ -92,6 +92,20 @@ def test_threshold_keeps_the_declared_rate(monkeypatch: pytest.MonkeyPatch) -> N
     assert 0.025 < alarms / 600 < 0.085  # three standard deviations of 600 draws and of the threshold's own
 
 
+def test_columns_of_which_hardly_anything_is_left_have_a_threshold() -> None:
+    """What is known already takes all but rounding of them; correlations of that are those of no numbers."""
+    rng = np.random.default_rng(3)
+    jacobian = 1e6 * rng.standard_normal((M, P))
+    gone = jacobian @ (1e-6 * rng.standard_normal((P, 20)))
+    seen = 5 * rng.standard_normal((M, K))
+    found, blocks = [], [([i], np.ones(1), 0.0) for i in range(K)]
+    for columns in (seen, np.concatenate([seen, gone], axis=1)):
+        marginal = Nuisances(jacobian).products(np.zeros(M), columns)
+        alone = [(np.array(block), prior, cost) for block, prior, cost in blocks]
+        found.append(family_threshold(marginal, alone, 0.01, np.random.default_rng(0)))
+    assert found[1] == pytest.approx(found[0], abs=0.3)  # other draws, of the same columns
+
+
 def test_a_bin_gives_the_middle_of_a_parabola() -> None:
     t = np.linspace(-1, 1, 9)
     assert centre_weights(9) @ (2.0 - t + 5 * t**2) == pytest.approx(2.0)

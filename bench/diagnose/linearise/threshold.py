@@ -12,7 +12,6 @@ from bench.record.campaign import Array
 
 DRAWS = 4000  # effort: null campaigns; the 99th percentile of so many is known to a tenth of a nat
 AT_A_TIME = 500  # effort: draws: memory stays small
-TINY = 1e-9  # rounding: of a column's variance, that is added to it; rounding of products is a thousandth of that
 LEAST = 4.6  # declared: log Bayes factor (100 to 1) that is asked for even where chance alone would not come near it
 
 
@@ -29,13 +28,15 @@ def family_threshold(
         rng: For the null campaigns, which are drawn in the space of the scores.
     """
     information = marginal.information
-    scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
-    alike = information / scale[:, None] / scale + TINY * np.eye(len(scale))  # columns may be copies of each other
-    root = np.asfortranarray(np.linalg.cholesky(alike) * scale[:, None], dtype=np.float32)  # digits enough for chance
+    # Columns may be copies of each other, and little may be left of one beside what is known. Each product is rounded
+    # by the last digit of what it was before that was taken out; q of those at most is what a q x q matrix lacks.
+    squares = np.maximum(marginal.columns.squares, 1.0)
+    lifted = information + len(squares) * np.finfo(np.float64).eps * np.diag(squares)
+    root = np.asfortranarray(np.linalg.cholesky(lifted), dtype=np.float32)  # digits enough for chance
     single, several = _shaped(information, blocks)
     best = np.full(DRAWS, -np.inf)
     for start in range(0, DRAWS, AT_A_TIME):
-        drawn = rng.standard_normal((min(AT_A_TIME, DRAWS - start), len(scale)), dtype=np.float32)
+        drawn = rng.standard_normal((min(AT_A_TIME, DRAWS - start), len(root)), dtype=np.float32)
         scores = strmm(1.0, root, drawn.T, lower=1).T
         mine = best[start : start + AT_A_TIME]
         if len(single.columns):
