@@ -99,7 +99,8 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
 def presliding_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
     """Return how stiff the friction elements hold, of all that have a level, with a sigma above zero.
 
-    Hardly any data sheet states it. At rest it says how much of its friction a link takes up again under a load.
+    Hardly any data sheet states it. At rest it says how much of its friction a link takes up again under a load. Not
+    among the background errors of hidden campaigns: stiffer elements ask for another step of the plant in time.
     """
     sigma = compiled.robot.figures.uncertainty.presliding
     sides = (("motor", compiled.motor_coulomb), ("link", compiled.link_coulomb))
