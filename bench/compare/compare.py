@@ -47,7 +47,7 @@ def compare(
         store: Where signatures are kept between processes; None: nowhere.
 
     Raises:
-        InputError: A recording has nothing that a replay predicts.
+        InputError: A recording has nothing that a replay predicts, or no channel was read both before and after.
         ConvergenceError: The nominal model finds no balance along a measured motion.
     """
     with threadpool_limits(1, "blas"):
@@ -87,6 +87,7 @@ def comparison_of(background: Background, found: Found, rate: float) -> Comparis
         unlisted=_unlisted(background, found),
         components=components_of(background, found, sum(not one.is_after for one in background.joint.recordings)),
         noise=_noise(background),
+        left_out=background.joint.left_out,
     )
 
 

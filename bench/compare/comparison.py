@@ -208,6 +208,7 @@ class Comparison:
         unlisted: What changed and is not listed.
         components: Every parameter of every cause of the machine.
         noise: How well channels repeat.
+        left_out: Columns that were read before or after alone, and say nothing of a change.
     """
 
     recordings: tuple[Compared, ...]
@@ -219,6 +220,7 @@ class Comparison:
     unlisted: UnlistedChange | None
     components: tuple[Component, ...]
     noise: tuple[ChannelNoise, ...]
+    left_out: tuple[str, ...] = ()
 
     @property
     def has_changed(self) -> bool:

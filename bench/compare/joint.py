@@ -13,7 +13,7 @@ from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_scatter
 from bench.diagnose.linearise.signatures import Digits, Sensitivities, Signatures
 from bench.diagnose.replay.nuisances import nuisances_of
-from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, Segment, segments_of
 from bench.effects.effect import Effect
@@ -35,6 +35,7 @@ class Joint:
         of_segment: Shape (S,), index of each segment's recording.
         causes: What is looked for.
         sensitivities: Of the readings to each of them, shape (T, c) each, in the order of `plan_of`.
+        left_out: Columns that were read before or after alone.
     """
 
     recordings: tuple[Recording, ...]
@@ -42,6 +43,7 @@ class Joint:
     of_segment: NDArray[np.intp]
     causes: tuple[Cause, ...]
     sensitivities: tuple[Digits | None, ...]
+    left_out: tuple[str, ...]
 
     @property
     def of_instant(self) -> NDArray[np.intp]:
@@ -77,14 +79,20 @@ def joint_of(
         store: Where signatures are kept between processes; None: nowhere.
 
     Raises:
-        InputError: A recording has nothing that a replay predicts.
+        InputError: A recording has nothing that a replay predicts, or no channel was read both before and after.
         ConvergenceError: The nominal model finds no balance along a measured motion.
     """
     runs = {run.name: run for one in recordings for run in one.campaign.runs}
     every = tuple(sorted(runs.values(), key=lambda run: run.start_s))
-    quantities = quantities_of(tuple(run for one in recordings for run in one.campaign.runs), compiled)
+    quantities, left_out = compared_channels(recordings, compiled)
+    if not quantities:
+        raise InputError(
+            "no channel that a replay predicts was read both before and after: log the same motor currents or torques, "
+            "reflectors, link encoders or gas pressure as before."
+        )
     recorded = recorded_in(every, compiled.model.opt.gravity)
     measured = frozenset[str]().union(*(measured_by(one.campaign) for one in recordings))
+    measured -= {one.kind for one in left_out} - {one.kind for one in quantities}
     causes = causes_of(catalogue.values(), compiled, measured, recorded)
     first = {one.campaign.runs[0].name for one in recordings}  # what sets in with it acts in all of a recording
     causes = tuple(cause for cause in causes if cause.place.since not in first)
@@ -111,7 +119,23 @@ def joint_of(
     linear = with_scatter(linear, replace(linear.scatter, repeats=0.0))
     of_segment = np.repeat(np.arange(len(recordings)), [len(segments) for segments, _ in known])
     sensitivities = tuple(_stacked(parts) for parts in zip(*(found.causes for _, found in known), strict=True))
-    return Joint(recordings, linear, of_segment, causes, sensitivities)
+    return Joint(recordings, linear, of_segment, causes, sensitivities, tuple(one.column for one in left_out))
+
+
+def compared_channels(
+    recordings: Sequence[Recording], compiled: CompiledRobot
+) -> tuple[tuple[Quantity, ...], tuple[Quantity, ...]]:
+    """Return the channels that were read both before and after, and those that were not.
+
+    What one side alone read says nothing of a change. What the model gets wrong about it every time would be taken for
+    one, since nothing before shows it.
+    """
+    before, after = (
+        quantities_of(tuple(run for one in recordings if one.is_after == side for run in one.campaign.runs), compiled)
+        for side in (False, True)
+    )
+    both = tuple(one for one in after if one in before)
+    return both, tuple(one for one in (*before, *after) if one not in both)
 
 
 def _stacked(parts: Sequence[Digits | None]) -> Digits | None:

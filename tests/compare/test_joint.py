@@ -3,6 +3,7 @@
 from functools import cache
 
 import numpy as np
+import pytest
 
 from bench.compare.coincidence import cells_of
 from bench.compare.joint import Joint, joint_of
@@ -11,8 +12,10 @@ from bench.compare.noise import Repeatability, row_facts
 from bench.compare.recordings import recordings_of
 from bench.compare.shared import shared_whitening
 from bench.effects.catalogue import catalogue
+from bench.errors import InputError
+from bench.record.campaign import Campaign
 from bench.scenario.files import Experiment
-from tests.diagnose.sweeps import LOADS, SWEEP, made, nominal
+from tests.diagnose.sweeps import LOADS, SWEEP, changed, made, nominal
 
 FEW = {name: catalogue()[name] for name in ("gas_loss", "coulomb_level")}
 FASTER = SWEEP.model_copy(update={"speeds_deg_per_s": (30.0,)})
@@ -40,6 +43,32 @@ def test_the_same_motion_meets_its_states_again() -> None:
 
 def test_other_speeds_are_other_states() -> None:
     assert len(np.unique(cells("other motion"))) == len(cells("other motion"))
+
+
+def without(campaign: Campaign, *kinds: str) -> Campaign:
+    """Return a campaign without the channels whose names begin so."""
+
+    def drop(columns: dict[str, np.ndarray]) -> None:
+        for name in [name for name in columns if name.startswith(kinds)]:
+            del columns[name]
+
+    return changed(campaign, drop)
+
+
+def test_what_one_side_alone_read_says_nothing_of_a_change() -> None:
+    whole = made(SWEEP, 1, machine=3)
+    few = without(whole, "reflector", "force", "moment", "gas")
+    own = joint_of(recordings_of({"before": few}, {"after": made(SWEEP, 2, machine=3)}), nominal(), FEW, most_bins=60)
+    assert {one.kind for one in own.linear.quantities} == {"current"}
+    assert {name.split("_")[0] for name in own.left_out} == {"reflector", "force", "moment", "gas"}
+    assert not joint("sweep").left_out
+
+
+def test_nothing_read_on_both_sides_is_an_error() -> None:
+    before = without(made(SWEEP, 1, machine=3), "reflector", "force", "moment", "gas")
+    after = without(made(SWEEP, 2, machine=3), "current")
+    with pytest.raises(InputError, match="both before and after"):
+        joint_of(recordings_of({"before": before}, {"after": after}), nominal(), FEW)
 
 
 def test_there_and_back_are_other_states() -> None:

@@ -100,9 +100,12 @@ def basis_sentence(comparison: Comparison) -> str:
         if met > 0
         else "no instant repeats a state from before, so all that stayed has to be told apart by the model"
     )
+    left_out = (
+        f" Left out: {listed(comparison.left_out, 'and')}, read before or after alone." if comparison.left_out else ""
+    )
     return (
-        f"{listed([one.name for one in after], 'and')} against {listed(before, 'and')}: {same}. Chance alone names a "
-        f"change on {percent(comparison.false_alarm_rate)} of machines that stayed as they were."
+        f"{listed([one.name for one in after], 'and')} against {listed(before, 'and')}: {same}.{left_out} Chance alone "
+        f"names a change on {percent(comparison.false_alarm_rate)} of machines that stayed as they were."
     )
 
 
