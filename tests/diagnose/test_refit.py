@@ -90,7 +90,7 @@ def test_a_fit_with_play_takes_what_nuisances_change_about_itself(monkeypatch: p
     """With other friction links cross their gaps elsewhere; by the design's derivatives a fit ended too early."""
     linear, asked = linear_of(made(SWEEPS, 5, hidden={"backlash": 2.5e-4})), []
     taken = Objective.all_derivatives
-    monkeypatch.setattr(Objective, "all_derivatives", lambda self, state: asked.append(state) or taken(self, state))
+    monkeypatch.setattr(Objective, "all_derivatives", lambda self, *at: asked.append(at) or taken(self, *at))
     for name, size, value in (("joint_compliance", "change", 0.01), ("backlash", "gap", 3e-4)):
         effect = catalogue()[name]
         place = next(place for place in effect.places(nominal()) if place.index == 1)

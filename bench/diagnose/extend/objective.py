@@ -16,6 +16,7 @@ from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
 STEP_OF_NUISANCE = 0.5  # rounding: of its standard deviation, for its derivative about an extension
+MOVED = 0.1  # effort: of its standard deviation; a step that moves a nuisance less did not fail for its derivative
 TELLS = 1.0  # rounding: what readings tell of a nuisance, times what was known of it before, from where it matters
 
 
@@ -159,15 +160,24 @@ class Objective:
             tangent[:, list(renewed)] = self.linear.whiten(np.stack(list(renewed.values()), axis=2))
         return Derivatives(None if known else state, jacobian, tangent, self._precision(tangent), renewed)
 
-    def all_derivatives(self, state: State) -> Derivatives:
+    def all_derivatives(self, state: State, step: Array | None = None, known: Derivatives | None = None) -> Derivatives:
         """Return the derivatives at a state, those of nuisances that the readings tell of by simulation as well.
+
+        Args:
+            state: Where.
+            step: Shape (p + k,), that did not keep its promise: derivatives of nuisances that it hardly moves are not
+                why, and stay as they are known. None: all are taken.
+            known: Derivatives so far.
 
         Raises:
             ConvergenceError, RobotError: There is no balance to either side of some value.
         """
-        told = np.linalg.norm(self.linear.jacobian, axis=0) > TELLS
-        nuisances = self.of_nuisances(state.nuisances, state.values, np.flatnonzero(told).tolist())
-        return replace(self.derivatives(state, nuisances=nuisances), renewed_at=state)
+        wanted = np.linalg.norm(self.linear.jacobian, axis=0) > TELLS
+        if step is not None:
+            wanted &= np.abs(step[: len(wanted)]) > MOVED
+        found = self.of_nuisances(state.nuisances, state.values, np.flatnonzero(wanted).tolist())
+        so_far = known.renewed if known else {}
+        return replace(self.derivatives(state, nuisances={**so_far, **found}), renewed_at=state)
 
     def of_nuisances(self, nuisances: Array, values: Array, which: Iterable[int]) -> dict[int, Array]:
         """Return the derivatives with some nuisances by simulation, each by its index, shape (T, c).

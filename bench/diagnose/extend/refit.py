@@ -120,7 +120,7 @@ def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[Sta
 
     Derivatives serve as long as steps fall as far as they promise. Else those of the unknowns are taken anew, where
     they are another fit's; then all are corrected by what the steps show. Where that does not help either, those of
-    the nuisances are taken anew too.
+    the nuisances that the step moves are taken anew too.
     """
     for iteration in range(MOST_ITERATIONS + 1):
         step, promised = _step(objective, state, slopes)
@@ -141,7 +141,7 @@ def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[Sta
             elif fell >= ENOUGH and (fell >= POOR * promised or not matters):
                 slopes = objective.corrected(slopes, before, state)
             elif matters and slopes.renewed_at is not state:
-                slopes = objective.all_derivatives(state)
+                slopes = objective.all_derivatives(state, step, slopes)
             else:
                 break
         except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
