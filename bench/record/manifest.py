@@ -15,12 +15,14 @@ from bench.record.channels import NOISY
 from bench.record.finding import Finding
 from bench.record.known import Known, KnownQuantity
 from bench.record.limits import CAMPAIGN_RUNS
+from bench.record.possible import noise_faults
 from bench.record.rules.values import IMPOSSIBLE
 from bench.record.schema_words import words_of
 from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
 
 MANIFEST = "campaign.yaml"
 RUN_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"  # a file name on every system
+ONE_LINE = r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$"
 SUFFIXES = (".csv", ".parquet")
 
 
@@ -51,7 +53,9 @@ class RunEntry(_Strict):
     start_s: float = Field(
         ge=0, le=IMPOSSIBLE, description="seconds from the start of its recording; file dates are good enough"
     )
-    recording: str = Field("", max_length=100, description="name of the recording that the run belongs to")
+    recording: str = Field(
+        "", pattern=ONE_LINE, max_length=100, description="name of the recording that the run belongs to, in one line"
+    )
     file: str = Field("", pattern=r"^[^\x00]*$", description="default: runs/<name>.csv")
     note: str = ""
 
@@ -69,7 +73,9 @@ class KnownEntry(_Strict):
     sigma: Deviation = Field(description="its standard deviation, above 0")
     joint: int = Field(0, ge=0, description="number of the joint, from 1, of a stiffness")
     at: tuple[float, ...] = Field((), description="position of every joint [rad], of a slide [m], of a gas pressure")
-    recording: str = Field("", max_length=100, description="name of the recording in which it was so")
+    recording: str = Field(
+        "", pattern=ONE_LINE, max_length=100, description="name of the recording in which it was so, in one line"
+    )
     note: str = ""
 
 
@@ -104,8 +110,10 @@ def read_manifest(folder: Path) -> Manifest:
     entries, besides = content.pop("runs", None), content.pop("known", None)
     findings: list[Finding] = []
     head = _validated(Head, content, "", findings)
-    for quantity in sorted(set(head.noise if head else ()) - NOISY):
+    for quantity in sorted(set(head.noise if head else ()) - set(NOISY)):
         findings.append(_fault(f"noise.{quantity}", unknown_name("quantity", quantity, NOISY), "rename or remove it"))
+    for quantity, *words in noise_faults(head.noise if head else {}, NOISY):
+        findings.append(_fault(f"noise.{quantity}", *words))
     if not isinstance(entries, list) or not entries:
         findings.append(_fault("runs", "no list of runs", "list at least one run"))
         entries = []

@@ -191,7 +191,9 @@ def counterbalance_of(
         return None
     joints = [drive.joint for drive in robot.figures.drives]
     if named.joint not in joints:
-        raise RobotError(f"figures.yaml: counterbalance.joint: {unknown_name('driven joint', named.joint, joints)}")
+        raise RobotError(
+            f"{robot.figures_file}: counterbalance.joint: {unknown_name('driven joint', named.joint, joints)}"
+        )
     index = joints.index(named.joint)
     joint = at.joint[index]
     axis, pivot = data.xaxis[joint], data.xanchor[joint]

@@ -57,7 +57,7 @@ def values_of_the_manifest(rng: np.random.Generator) -> Iterator[Variant]:
         "start_s": ("nan", ".inf", "-1", "noon", "[1]", "{a: 1}", "1e999", "9" * 5000, "0x10", "''"),
         "kind": ("moving", "1", "[static]", "STATIC"),
         "name": ("a/b", "../x", "''", "'a b'", "é", "x" * 200, "'a\\0b'", "-x"),
-        "recording": ("[a]", "x" * 200),
+        "recording": ("[a]", "x" * 200, r'"a\nb"', r'"\x1b[31m"'),
     }
     for key, values in faults.items():
         for value in values:
