@@ -8,6 +8,8 @@ import numpy as np
 from tests.poison.in_tables import MOTION
 from tests.poison.variant import Answer, Sheet, Spoil, Variant, in_column, tables
 
+OTHER = "joint1-payload5-speed30-up.csv"
+
 
 def units(rng: np.random.Generator) -> Iterator[Variant]:
     found: dict[str, tuple[float, float, tuple[str, ...], Answer]] = {
@@ -66,6 +68,14 @@ def clocks(rng: np.random.Generator) -> Iterator[Variant]:
         "begins late": (lambda t: t + 1e4, "harmless"),
         "one gap of 30 years": (lambda t: t + 1e9 * (np.arange(len(t)) > 20), "error or harmless"),
     }
+    for first, table in ((0, MOTION), (1, OTHER)):
+
+        def count(folder: Path, first: int = first, table: str = table) -> None:
+            sheet = Sheet(folder / "runs" / table)
+            sheet.change("time_s", lambda t, first=first: first + np.arange(len(t)))
+            sheet.write()
+
+        yield Variant("clocks", f"rows counted from {first}", count, "doubt", (table, "time_s", "row numbers?"))
     for name, (change, answer) in changes.items():
 
         def spoil(folder: Path, change: Callable[[np.ndarray], np.ndarray] = change) -> None:
