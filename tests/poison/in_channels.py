@@ -1,5 +1,6 @@
 """Tables that read well and are not what they say: units, lost samples, clocks, channels."""
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -76,6 +77,14 @@ def clocks(rng: np.random.Generator) -> Iterator[Variant]:
             sheet.write()
 
         yield Variant("clocks", f"rows counted from {first}", count, "doubt", (table, "time_s", "row numbers?"))
+    for at, count in ((1e9, 1), (1.7e9, 0)):
+
+        def start(folder: Path, at: float = at, count: int = count) -> None:
+            file = folder / "campaign.yaml"
+            later = re.compile(r"(?<=start_s: )\S+")
+            file.write_text(later.sub(lambda found: str(float(found[0]) + at), file.read_text(), count))
+
+        yield Variant("clocks", f"start_s from {at:g}, {count or 'all'}", start, "doubt", ("start_s", "years"))
     for name, (change, answer) in changes.items():
 
         def spoil(folder: Path, change: Callable[[np.ndarray], np.ndarray] = change) -> None:

@@ -46,3 +46,12 @@ def test_a_motion_that_is_read_once_a_second_is_none(tmp_path: Path) -> None:
     slow = {name: np.tile(values[::every], 3) for name, values in sweep(3).items()}
     slow["time_s"] = np.arange(len(slow["time_s"]), dtype=np.float64)
     assert not doubts(campaign(tmp_path, slow, 100))
+
+
+@pytest.mark.parametrize(("at", "is_doubted"), [("1e9", True), ("4e7", True), ("1.7e9", True), ("6e6", False)])
+def test_a_run_that_starts_years_later_is_doubted(tmp_path: Path, at: str, is_doubted: bool) -> None:
+    folder = write_folder(tmp_path / "campaign", motion(sweep(1)))
+    file = folder / "campaign.yaml"
+    file.write_text(file.read_text().replace("start_s: 0", f"start_s: {at}"))
+    found = [finding.level for finding in check_campaign(folder).findings if finding.column == "start_s"]
+    assert found == (["doubt"] if is_doubted else [])

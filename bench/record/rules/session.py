@@ -11,13 +11,30 @@ from bench.record.rules.repeated_runs import no_run_twice
 from bench.record.rules.sheet import Sheet
 
 ROUNDING_S = 1.0  # dates of files come in whole seconds
+YEAR_S = 3.2e7
 OFTEN = 5.0  # times as often are other motions read, of which one that is read once a second stands out
 SLOWER = 0.1  # of the speed of the others; it is no slow sweep, for it is read as slowly as it moves
 
 
 def examine_session(sheets: Sequence[Sheet]) -> list[Finding]:
     """Put the runs of one campaign, or of several of one machine, through the rules together."""
-    return [*no_overlap(sheets), *no_row_numbers(sheets), *no_run_twice(sheets)]
+    return [*begins_in_time(sheets), *no_overlap(sheets), *no_row_numbers(sheets), *no_run_twice(sheets)]
+
+
+def begins_in_time(sheets: Sequence[Sheet]) -> Iterator[Finding]:
+    """Each run starts within a year of the one before, the first one of the recording's start."""
+    recording, before = None, 0.0
+    for sheet in sorted(sheets, key=lambda sheet: (sheet.run.recording, sheet.run.start_s)):
+        if sheet.run.recording != recording:
+            recording, before = sheet.run.recording, 0.0
+        start, since = sheet.run.start_s, "the run before" if before else "the start of its recording"
+        if start - before > YEAR_S:
+            message = f"starts {start:g} s, {(start - before) / YEAR_S:.2g} years, after {since}"
+            remedy = (
+                "milliseconds, or since 1970? write start_s into campaign.yaml in seconds since the recording began"
+            )
+            yield sheet.doubt("start_s", message, remedy)
+        before = start
 
 
 def no_overlap(sheets: Sequence[Sheet]) -> Iterator[Finding]:
