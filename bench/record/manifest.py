@@ -23,19 +23,22 @@ from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
 MANIFEST = "campaign.yaml"
 RUN_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"  # a file name on every system
 ONE_LINE = r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$"
+YEARS = range(1970, 2101)
 SUFFIXES = (".csv", ".parquet")
 
 
 def _moment(value: object) -> object:
     """Take a bare date as its midnight."""
     try:
-        return datetime.combine(date.fromisoformat(str(value)), time())
+        found = datetime.combine(date.fromisoformat(str(value)), time())
     except ValueError:
-        pass
-    try:
-        return datetime.fromisoformat(str(value))
-    except ValueError:
-        raise ValueError("is no moment; write it as 2024-05-13T09:00") from None
+        try:
+            found = datetime.fromisoformat(str(value))
+        except ValueError:
+            raise ValueError("is no moment; write it as 2024-05-13T09:00") from None
+    if found.year not in YEARS:
+        raise ValueError(f"is no moment at which a robot was measured; years are {YEARS[0]} to {YEARS[-1]}")
+    return found
 
 
 Deviation = Annotated[float, Field(gt=0), Field(ge=1 / IMPOSSIBLE, le=IMPOSSIBLE)]  # of a reading

@@ -136,6 +136,19 @@ def _without(*prefixes: str) -> Spoil:
     return spoil
 
 
+def _added(name: str, cell: str) -> Spoil:
+    """Return what adds a column to every table."""
+
+    def spoil(folder: Path) -> None:
+        for file in tables(folder):
+            sheet = Sheet(file)
+            sheet.names.append(name)
+            sheet.rows = [[*row, cell] for row in sheet.rows]
+            sheet.write()
+
+    return spoil
+
+
 def _both(*spoils: Spoil) -> Spoil:
     def spoil(folder: Path) -> None:
         for one in spoils:
@@ -189,6 +202,8 @@ def cross_checks(rng: np.random.Generator) -> Iterator[Variant]:
         "a current halved": (times(0.5, "current_1_a"), "harmless", ("current_1_a", "looks halved", "channel_scale")),
         "a current late": (in_column(late, "current_2_a"), "harmless", ("current_2_a", "looks late", "channel_delay")),
         "a tracker late": (in_column(late, *tracker), "harmless", (tracker[0], "looks late", "channel_delay")),
+        "a moment of 1e6 Nm": (_added("load_mx_nm", "1e6"), "doubt", ("load_mx_nm", "the robot is rated for 50")),
+        "loads in mN": (times(1e3, "load_z_n", "force_z_n"), "doubt", ("load_z_n", "the robot is rated for 300")),
         "nothing": (_without("motor_temperature"), "harmless", (" 0 warnings",)),
     }
     for name, (spoil, answer, places) in found.items():

@@ -152,4 +152,21 @@ def noise_of_instruments(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("noise of instruments", line, append, "error", (place,))
 
 
-FAMILIES = (figures, robots_of_strangers, numbers_of_yaml, noise_of_instruments)
+def errors_as_fitted(rng: np.random.Generator) -> Iterator[Variant]:
+    """State as fitted what no instrument errs by; each was believed."""
+    for key, value in (
+        ("current_gain", "{hinge_a: -3}"),
+        ("current_gain", "{hinge_a: 1.0e+9}"),
+        ("current_offset_a", "{hinge_b: 1.0e+9}"),
+        ("tracker_shift_m", "[1.0e+9, 0, 0]"),
+        ("tracker_turn_rad", "[0, 60, 0]"),
+        ("force_gain", "-5"),
+        ("force_tilt_rad", "[9, 9, 9]"),
+        ("gas_thermometer_k", "1.0e+5"),
+    ):
+        spoil = _append(f"fitted: {{readings: {{{key}: {value}}}}}\n")
+        place = (f"robot/{FIGURES}", f"fitted.readings.{key}")
+        yield Variant("errors as fitted", f"{key}: {value}", spoil, "error", place)
+
+
+FAMILIES = (figures, robots_of_strangers, numbers_of_yaml, noise_of_instruments, errors_as_fitted)
