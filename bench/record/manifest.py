@@ -17,12 +17,11 @@ from bench.record.known import Known, KnownQuantity
 from bench.record.limits import CAMPAIGN_RUNS
 from bench.record.possible import noise_faults
 from bench.record.rules.values import IMPOSSIBLE
-from bench.record.schema_words import words_of
+from bench.record.schema_words import ONE_LINE, words_of
 from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
 
 MANIFEST = "campaign.yaml"
 RUN_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"  # a file name on every system
-ONE_LINE = r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$"
 YEARS = range(1970, 2101)
 SUFFIXES = (".csv", ".parquet")
 

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from bench.errors import unknown_name
 from bench.record.possible import MAX_NOISE, MIN_NOISE
+from bench.record.schema_words import ONE_LINE
 from bench.robot.fitted import NOTHING, Fitted
 from bench.robot.strict import Strict
 
@@ -24,12 +25,14 @@ RAD_PER_S = 1e3
 S = 10.0
 N = NM = 1e7
 KG = 1e5
+LEAST_NM_PER_A = 1e-6  # motors of a gram make a thousand times more
 NM_PER_A = RATIO = 1e6
 AWAY = 1e3  # [m], of an instrument from the robot; laser trackers see 160 m far
 # Of one reading; noise and steps of instruments, as of campaigns (`bench.record.possible`)
 Noise = Annotated[float, Field(ge=MIN_NOISE)]
 TorqueNoise = Annotated[float, Field(ge=MIN_NOISE, le=MAX_NOISE["nm"])]
 Torque = Annotated[float, Field(ge=0, le=MAX_NOISE["nm"])]
+OneLine = Annotated[str, Field(pattern=ONE_LINE)]  # it is printed, and stands in pages
 Place = Annotated[float, Field(ge=-AWAY, le=AWAY)]
 
 
@@ -44,6 +47,7 @@ class Drive(Strict):
     link_friction: str = Field(description="friction actuator on the link-side joint")
     torque_constant_nm_per_a: Positive = Field(
         1.0,
+        ge=LEAST_NM_PER_A,
         le=NM_PER_A,
         description="xi = tau_motor / I, at the joint (Table 2); left out where the drive reports torque",
     )
@@ -220,7 +224,7 @@ class Uncertainty(Strict):
 class Figures(Strict):
     """`figures.yaml` of a robot folder."""
 
-    title: str
+    title: OneLine
     mjcf: str = Field(description="file with the robot alone, beside this one")
     scene: str | None = None
     drives: tuple[Drive, ...] = Field(min_length=1)
@@ -232,7 +236,7 @@ class Figures(Strict):
     instruments: Instruments
     uncertainty: Uncertainty = Uncertainty.model_validate({})
     fitted: Fitted = NOTHING
-    assumed: tuple[str, ...] = Field(
+    assumed: tuple[OneLine, ...] = Field(
         (), description="what nobody knows of this robot yet, and what was taken in its place; `bench check` shows it"
     )
 

@@ -48,6 +48,7 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
         "an uncertainty of 1e9": ("uncertainty: {mass: 1.0e+9}\n", ("uncertainty.mass",)),
         "a weight below zero": ("fitted: {weights: {hung: -5}}\n", ("fitted.weights.hung",)),
         "a scene that is not there": ("scene: nowhere.xml\n", ("scene", "nowhere.xml")),
+        "an assumption that steers the terminal": ('assumed: ["\\x1b[31m"]\n', ("assumed[0]",)),
         "a scene that is no MJCF": ("scene: figures.yaml\n", ("scene",)),
     }
     for name, (line, places) in appended.items():
@@ -74,6 +75,10 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
             "  actuator: balance\n", "  actuator: servo_a\n", ("counterbalance.actuator", "'servo_a'"),
         ),
     }  # fmt: skip
+    changed["a title of two lines"] = ("title: two-joint test robot", 'title: "a\\nb"', ("title",))
+    for constant in ("1.0e-12", "-100"):
+        key = "torque_constant_nm_per_a"
+        changed[f"{key} of {constant}"] = (f"{key}: 100.0", f"{key}: {constant}", (f"drives[0].{key}",))
     for key, value in (("delay_s", "1.0e+9"), ("resolution_rad", "10")):
         changed[f"{key} of {value}"] = ("encoder: {}", f"encoder: {{{key}: {value}}}", (f"encoder.{key}",))
     changed["a gain of 1e9"] = ("force: {}", "force: {gain_sigma: 1.0e+9}", ("force.gain_sigma",))
