@@ -11,7 +11,7 @@ from tests.poison.in_robots import LAUGHS
 from tests.poison.variant import Spoil, Variant
 
 SCENARIO = "mine.yaml"
-RUN = ("run", SCENARIO, "-o", "out")
+RUN = ("run", SCENARIO, "-o", "../out")  # no truth goes into a campaign
 CONVERT = ("convert", "robot", "log.csv", "-o", "out")
 LOG = "kind: motion\ncolumns:\n  time_s: {from: t}\n  q_cmd_1_rad: {from: q}\n  q_motor_1_rad: {from: m}\n"
 LOG += "  q_cmd_2_rad: {from: s}\n"
