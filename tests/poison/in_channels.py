@@ -149,6 +149,17 @@ def _added(name: str, cell: str) -> Spoil:
     return spoil
 
 
+def _exchanged(first: str, second: str) -> Spoil:
+    """Return what exchanges two columns in every table."""
+
+    def spoil(folder: Path) -> None:
+        for file in tables(folder):
+            text = file.read_text().replace(first, "@").replace(second, first)
+            file.write_text(text.replace("@", second))
+
+    return spoil
+
+
 def _both(*spoils: Spoil) -> Spoil:
     def spoil(folder: Path) -> None:
         for one in spoils:
@@ -204,6 +215,12 @@ def cross_checks(rng: np.random.Generator) -> Iterator[Variant]:
         "a tracker late": (in_column(late, *tracker), "harmless", (tracker[0], "looks late", "channel_delay")),
         "a moment of 1e6 Nm": (_added("load_mx_nm", "1e6"), "doubt", ("load_mx_nm", "the robot is rated for 50")),
         "loads in mN": (times(1e3, "load_z_n", "force_z_n"), "doubt", ("load_z_n", "the robot is rated for 300")),
+        "load steps counted from the load": (
+            in_column(lambda v: np.where(v < 2, 1 - v, v), "load_step"),
+            "doubt",
+            ("load_step", "without load, and load_z_n is"),
+        ),
+        "axes of a force sensor": (_exchanged("force_x_n", "force_z_n"), "doubt", ("force_x_n", "what load_z_n says")),
         "nothing": (_without("motor_temperature"), "harmless", (" 0 warnings",)),
     }
     for name, (spoil, answer, places) in found.items():
