@@ -6,6 +6,8 @@ from typing import Annotated
 
 import tyro
 
+MOST_RATINGS = 100.0  # times the rated load, that no robot carries; grams for kilograms make a thousand
+
 
 @dataclass(frozen=True)
 class Apply:
@@ -30,6 +32,8 @@ class Apply:
 
         from bench.errors import InputError
         from bench.record.folder import new_folder
+        from bench.record.possible import MAX_MASS
+        from bench.record.units import STANDARD_GRAVITY
         from bench.report.handover.applied import applied_robot
         from bench.report.handover.apply import DRIVES, README, TORQUES, beyond, summary, urdf_name, write_applied
         from bench.report.handover.feed_forward import feed_forward, read_motion
@@ -38,11 +42,19 @@ class Apply:
 
         if not (isfinite(self.payload_kg) and self.payload_kg >= 0):
             raise InputError(f"--payload-kg {self.payload_kg:g}: must be a mass of 0 or more.")
-        applied = applied_robot(load_robot(model_folder(self.robot)), self.payload_kg)
+        robot = load_robot(model_folder(self.robot))
+        rated = robot.figures.rating.force_n / STANDARD_GRAVITY
+        if self.payload_kg > min(MOST_RATINGS * rated, MAX_MASS):
+            raise InputError(
+                f"--payload-kg {self.payload_kg:g}: the robot is rated for {rated:.3g} kg; grams? give kg."
+            )
+        applied = applied_robot(robot, self.payload_kg)
         motion = read_motion(self.motion, applied.compiled) if self.motion else None
         table = feed_forward(applied, motion) if motion is not None else None
         with new_folder(self.out, README, replace=False) as folder:
             write_applied(applied, table, folder)
+        if self.payload_kg > rated:
+            print(f"warning  {self.payload_kg:g} kg are more than the {rated:.3g} kg of the rating", file=sys.stderr)
         if motion is not None and table is not None:
             for words in beyond(table, motion, applied):
                 print(f"warning  {words}", file=sys.stderr)

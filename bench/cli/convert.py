@@ -72,12 +72,15 @@ class Convert:
         return 0
 
     def _convert(self, source: Path, out: Path) -> int:
+        from typing import get_args
+
         from bench.errors import CampaignError
         from bench.record.check import check_campaign
         from bench.record.convert import convert
-        from bench.record.finding import counted
+        from bench.record.finding import Level, counted
         from bench.record.log_format import LOG_FORMAT
         from bench.record.logs.cuts import in_window
+        from bench.record.logs.likewise import at_a_glance
         from bench.record.write import write_campaign
         from bench.report.campaigns import plain_arm, unknown_constants, unknown_to_robot
         from bench.robot.compiled import compile_robot
@@ -100,7 +103,7 @@ class Convert:
             if names:
                 print(f"{', '.join(files)}: not used: {', '.join(names)}")
         warnings = check_campaign(out, plain_arm(compiled)).findings  # one with errors was not written
-        for warning in warnings:
+        for warning in sorted(at_a_glance(warnings), key=lambda finding: get_args(Level).index(finding.level)):
             print(f"{warning.label:14}{warning}")
         unknown = tuple(unknown_constants(converted.campaign, compiled))  # of the robot, and to be mended there
         for fault in unknown:
@@ -110,7 +113,9 @@ class Convert:
                 f"{'warning':14}{self.log or LOG_FORMAT} reads neither torques nor currents of the drives: motions "
                 "without them tell nothing about the robot's dynamics; write tau_motor_N_nm or current_N_a"
             )
-        runs, count = converted.campaign.runs, len(warnings) + len(unknown) + without_torque
-        words = (counted(len(runs), "run"), counted(sum(map(len, runs)), "row"), counted(count, "warning"))
+        runs, failed = converted.campaign.runs, sum(finding.level == "doubt" for finding in warnings)
+        words = [counted(len(runs), "run"), counted(sum(map(len, runs)), "row")]
+        words += [counted(failed, "failed plausibility check")] if failed else []
+        words += [counted(len(warnings) - failed + len(unknown) + without_torque, "warning")]
         print(f"{out}: {', '.join(words)}")
         return 0

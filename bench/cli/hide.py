@@ -52,6 +52,7 @@ class Hide:
         from bench.hide.request import effects_of
         from bench.hide.write import CAMPAIGN, TRUTH, write_hidden
         from bench.record.folder import new_folder
+        from bench.record.truth import expect_apart
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
         from bench.scenario.complementary import Complementary
@@ -68,6 +69,7 @@ class Hide:
             robot = load_robot(session.robot)
             recorded = recorded_of(robot, session, self.without, self.channels)
         acting = effects_of(self.effects, compile_robot(robot), catalogue(), self.joint, recorded)
+        expect_apart(self.out)
         with new_folder(self.out, CAMPAIGN, replace=False) as folder:
             try:
                 hidden = hide_campaign(

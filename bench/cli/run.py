@@ -28,6 +28,7 @@ class Run:
         from bench.cli.progress import progress_bar
         from bench.cli.seeds import checked_seed
         from bench.record.folder import new_folder
+        from bench.record.truth import expect_apart
         from bench.report.paper.complementary.run import NUMBERS, run_complementary
         from bench.report.results import RECORDING, write_session
         from bench.scenario.complementary import Complementary
@@ -42,6 +43,7 @@ class Run:
             return 0
         if self.seed is not None:
             scenario = type(scenario).model_validate(scenario.model_dump() | {"seed": checked_seed(self.seed)})
+        expect_apart(self.out)
         with new_folder(self.out, RECORDING, replace=False) as folder:
             with progress_bar(f"{scenario.experiment} on {scenario.robot}") as progress, said_of(self.scenario):
                 session = run_session(scenario, progress)

@@ -49,7 +49,7 @@ def fitted_acting(compiled: CompiledRobot) -> tuple[Acting, ...]:
         try:
             found.append(acting_of(entry, compiled))
         except RobotError as error:
-            faults.append(f"figures.yaml: fitted.effects[{i}]: {error}")
+            faults.append(f"{compiled.robot.figures_file}: fitted.effects[{i}]: {error}")
     if faults:
         raise RobotError(faults)
     return tuple(found)

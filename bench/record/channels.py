@@ -5,7 +5,7 @@ README.md beside this file shows the same table to people; a test holds the two 
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -95,7 +95,9 @@ CHANNELS: tuple[Channel, ...] = (
 )
 
 NAMES: tuple[str, ...] = tuple(name for channel in CHANNELS for name in channel.names)
-NOISY: frozenset[str] = frozenset(channel.quantity for channel in CHANNELS if channel.role == "measured")
+NOISY: Mapping[str, str] = {
+    channel.quantity: channel.unit for channel in CHANNELS if channel.role == "measured"
+}  # units
 
 
 def table() -> str:

@@ -15,6 +15,7 @@ from bench.record.possible import (
 
 KnownQuantity = Literal["payload_kg", "stiffness_nm_per_rad", "gas_pressure_pa", "gas_temperature_k"]
 PAYLOAD = "payload_kg"
+FINEST = 1e-6  # of a value; the best balances and gauges read to 1e-5
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,9 @@ class Known:
             yield "value", f"{self.value:g} cannot be", "correct it; units are SI"
         else:
             yield from (("value", *words) for words in self._out_of_limits())
+        if self.sigma < FINEST * self.value:
+            words = f"{self.sigma:g} is less than {FINEST:g} of the value, and no instrument reads so finely"
+            yield "sigma", words, "give the standard deviation of the reading"
         if self.recording and self.recording not in recordings:
             names = ", ".join(name for name in recordings if name) or "none has a name"
             yield "recording", f"there is no recording {self.recording!r}", f"recordings: {names}"

@@ -15,6 +15,7 @@ from bench.record.channels import NOISY, known_names, parse_column
 from bench.record.logs.cuts import Cuts
 from bench.record.logs.dialect import PLAIN, Dialect
 from bench.record.logs.resample import Fill, Resampling
+from bench.record.possible import noise_faults
 from bench.record.schema_words import words_of
 from bench.record.units import right_name
 from bench.record.yaml_text import YamlFault, load_yaml
@@ -125,6 +126,7 @@ class LogFormat(_Strict):
         if "time_s" not in self.columns and not (self.runs.cuts_nothing and self.resample is None and not self.tables):
             problems.append("runs, resample and tables need a clock: write time_s into columns")
         problems += [f"noise: {unknown_name('quantity', q, NOISY)}" for q in self.noise if q not in NOISY]
+        problems += [f"noise: {q}: {words}; {remedy}" for q, words, remedy in noise_faults(self.noise, NOISY)]
         if problems:
             raise ValueError("; ".join(problems))
         return self

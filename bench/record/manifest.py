@@ -15,25 +15,29 @@ from bench.record.channels import NOISY
 from bench.record.finding import Finding
 from bench.record.known import Known, KnownQuantity
 from bench.record.limits import CAMPAIGN_RUNS
+from bench.record.possible import noise_faults
 from bench.record.rules.values import IMPOSSIBLE
-from bench.record.schema_words import words_of
+from bench.record.schema_words import ONE_LINE, words_of
 from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
 
 MANIFEST = "campaign.yaml"
 RUN_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"  # a file name on every system
+YEARS = range(1970, 2101)
 SUFFIXES = (".csv", ".parquet")
 
 
 def _moment(value: object) -> object:
     """Take a bare date as its midnight."""
     try:
-        return datetime.combine(date.fromisoformat(str(value)), time())
+        found = datetime.combine(date.fromisoformat(str(value)), time())
     except ValueError:
-        pass
-    try:
-        return datetime.fromisoformat(str(value))
-    except ValueError:
-        raise ValueError("is no moment; write it as 2024-05-13T09:00") from None
+        try:
+            found = datetime.fromisoformat(str(value))
+        except ValueError:
+            raise ValueError("is no moment; write it as 2024-05-13T09:00") from None
+    if found.year not in YEARS:
+        raise ValueError(f"is no moment at which a robot was measured; years are {YEARS[0]} to {YEARS[-1]}")
+    return found
 
 
 Deviation = Annotated[float, Field(gt=0), Field(ge=1 / IMPOSSIBLE, le=IMPOSSIBLE)]  # of a reading
@@ -51,7 +55,9 @@ class RunEntry(_Strict):
     start_s: float = Field(
         ge=0, le=IMPOSSIBLE, description="seconds from the start of its recording; file dates are good enough"
     )
-    recording: str = Field("", max_length=100, description="name of the recording that the run belongs to")
+    recording: str = Field(
+        "", pattern=ONE_LINE, max_length=100, description="name of the recording that the run belongs to, in one line"
+    )
     file: str = Field("", pattern=r"^[^\x00]*$", description="default: runs/<name>.csv")
     note: str = ""
 
@@ -69,7 +75,9 @@ class KnownEntry(_Strict):
     sigma: Deviation = Field(description="its standard deviation, above 0")
     joint: int = Field(0, ge=0, description="number of the joint, from 1, of a stiffness")
     at: tuple[float, ...] = Field((), description="position of every joint [rad], of a slide [m], of a gas pressure")
-    recording: str = Field("", max_length=100, description="name of the recording in which it was so")
+    recording: str = Field(
+        "", pattern=ONE_LINE, max_length=100, description="name of the recording in which it was so, in one line"
+    )
     note: str = ""
 
 
@@ -104,8 +112,10 @@ def read_manifest(folder: Path) -> Manifest:
     entries, besides = content.pop("runs", None), content.pop("known", None)
     findings: list[Finding] = []
     head = _validated(Head, content, "", findings)
-    for quantity in sorted(set(head.noise if head else ()) - NOISY):
+    for quantity in sorted(set(head.noise if head else ()) - set(NOISY)):
         findings.append(_fault(f"noise.{quantity}", unknown_name("quantity", quantity, NOISY), "rename or remove it"))
+    for quantity, *words in noise_faults(head.noise if head else {}, NOISY):
+        findings.append(_fault(f"noise.{quantity}", *words))
     if not isinstance(entries, list) or not entries:
         findings.append(_fault("runs", "no list of runs", "list at least one run"))
         entries = []

@@ -7,6 +7,7 @@ from pydantic import BaseModel
 
 from bench.errors import unknown_name
 
+ONE_LINE = r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$"  # text without line breaks and control characters
 BLOCK = "is no list of `key: value` lines"
 WORDS: Mapping[str, str] = {
     "missing": "is missing",

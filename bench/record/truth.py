@@ -4,6 +4,7 @@ Truth stands in a folder of its own, never inside a campaign. Only code that sco
 it; `bench.identify` and `bench.diagnose` never import this module, and a test holds them to it.
 """
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -46,6 +47,18 @@ class Truth:
     runs: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
 
 
+def expect_apart(folder: Path) -> None:
+    """Refuse a folder to which no truth can be written.
+
+    Raises:
+        InputError: It is in a campaign.
+    """
+    real = Path(os.path.realpath(folder))  # survives a loop of links
+    for place in (real, *real.parents):
+        if os.path.exists(place / MANIFEST):  # noqa: PTH110  a name may be too long for pathlib
+            raise InputError(f"{folder}: {place} is a campaign, and truth is kept apart; choose a folder beside it")
+
+
 def write_truth(truth: Truth, folder: Path, *, replace: bool = False) -> None:
     """Write truth to a folder, `truth.yaml` and one table per run; the folder appears complete or not at all.
 
@@ -57,9 +70,7 @@ def write_truth(truth: Truth, folder: Path, *, replace: bool = False) -> None:
     Raises:
         InputError: The folder is in use, or in a campaign.
     """
-    for place in (folder.resolve(), *folder.resolve().parents):
-        if (place / MANIFEST).exists():
-            raise InputError(f"{folder}: {place} is a campaign, and truth is kept apart; choose a folder beside it")
+    expect_apart(folder)
     parameters = {name: {"value": float(true.value), "unit": true.unit} for name, true in truth.parameters.items()}
     content = {"format": 1, "effects": list(truth.effects), "parameters": parameters, "runs": list(truth.runs)}
     with new_folder(folder, TRUTH, replace) as partial:

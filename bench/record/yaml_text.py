@@ -3,10 +3,12 @@
 So "1e-3" is a number where a number is expected, "no" stays a word, and a run called 007 keeps its zeros. A key without
 a value (or with null) counts as not written. A key that is written twice is a fault; PyYAML would keep the last.
 
-Robots and scenarios are read with PyYAML's own types (`load_typed_yaml`). Both ways have the limits of
-`bench.record.limits`: bytes, levels, and values with aliases written out.
+Robots and scenarios are read with PyYAML's own types (`load_typed_yaml`), less what YAML 1.1 takes for numbers and
+people do not: 1:30 is ninety there, 010 eight. Both ways have the limits of `bench.record.limits`: bytes, levels, and
+values with aliases written out.
 """
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,9 @@ from bench.record.limits import YAML_BYTES, YAML_DEPTH, YAML_VALUES, Limit
 from bench.record.plain_file import FileFault, read_plain
 
 LONGEST_NUMBER = 100  # characters; 17 digits are all that a number keeps, and PyYAML is slow with thousands
+BOOL, INT, FLOAT, STR = (f"tag:yaml.org,2002:{name}" for name in ("bool", "int", "float", "str"))
+DECIMAL = re.compile(r"[-+]?((0|[1-9]\d*)|(\d+\.\d*|\.\d+)([eE][-+]?\d+)?|\.(inf|Inf|INF))|\.(nan|NaN|NAN)", re.ASCII)
+_PARTED = re.compile(r"[-+]?\d[\d_]*_[\d_]*(\.[\d_]*)?([eE][-+]?[\d_]+)?", re.ASCII)  # pydantic reads 1_0e1 as 100
 
 
 class YamlFault(Exception):  # noqa: N818  it never reaches a user: the reader makes a finding of it
@@ -26,12 +31,19 @@ class YamlFault(Exception):  # noqa: N818  it never reaches a user: the reader m
         super().__init__(message)
 
 
-class _LimitError(yaml.MarkedYAMLError):
+class _RefusedError(yaml.MarkedYAMLError):
+    """It is YAML, and not read all the same."""
+
+    def __init__(self, problem: str, remedy: str, mark: yaml.Mark) -> None:
+        self.remedy = remedy
+        super().__init__(problem=problem, problem_mark=mark)
+
+
+class _LimitError(_RefusedError):
     """A limit was reached."""
 
     def __init__(self, limit: Limit, mark: yaml.Mark) -> None:
-        self.remedy = limit.remedy
-        super().__init__(problem=f"more than {limit}", problem_mark=mark)
+        super().__init__(f"more than {limit}", limit.remedy, mark)
 
 
 class _Guarded(yaml.parser.Parser, yaml.composer.Composer):
@@ -92,11 +104,22 @@ class _Loader(_Guarded, yaml.BaseLoader):
 
 
 class _TypedLoader(_Guarded, yaml.SafeLoader):
+    """Leaves `true` and `yes` as words: where one is expected they are understood, and they are no number 1."""
+
+    yaml_implicit_resolvers = {  # noqa: RUF012  as PyYAML has it
+        first: [(tag, pattern) for tag, pattern in found if tag != BOOL]
+        for first, found in yaml.SafeLoader.yaml_implicit_resolvers.items()
+    }
+
     def compose_scalar_node(self, anchor: Any) -> yaml.ScalarNode:
         node: yaml.ScalarNode = super().compose_scalar_node(anchor)
-        if len(node.value) > LONGEST_NUMBER and node.tag != "tag:yaml.org,2002:str":
+        if len(node.value) > LONGEST_NUMBER and node.tag != STR:
             problem = f"{node.value[:20]!r}... is no number of up to {LONGEST_NUMBER} characters"
             raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
+        is_number = node.style is None and (node.tag in (INT, FLOAT) or _PARTED.fullmatch(node.value))
+        if is_number and not DECIMAL.fullmatch(node.value):
+            remedy = "write a number in decimal digits without 0 in front or _ between them, and a name in quotes"
+            raise _RefusedError(f"{node.value!r} is no decimal number", remedy, node.start_mark)
         return node
 
 
@@ -142,7 +165,7 @@ def _loaded(path: Path, loader: type[_Loader] | type[_TypedLoader]) -> dict[str,
         raise YamlFault(f"byte {error.start} is not UTF-8", "save it as UTF-8") from error
     except yaml.MarkedYAMLError as error:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
-        if isinstance(error, _LimitError):
+        if isinstance(error, _RefusedError):
             raise YamlFault(f"{line}{error.problem}", error.remedy) from error
         raise YamlFault(f"{line}not YAML: {error.problem}", "correct that line") from error
     except (yaml.YAMLError, RecursionError, ValueError) as error:  # ValueError: a date such as 2024-99-99

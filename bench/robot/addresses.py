@@ -64,7 +64,7 @@ def addresses_of(robot: Robot, model: mujoco.MjModel) -> Addresses:
             count |= {"site": model.nsite, "body": model.nbody}
             known = (mujoco.mj_id2name(model, element, i) for i in range(count[kind]))
             what = unknown_name(f"{kind} of {robot.mjcf.name}", name, filter(None, known))
-            problems.append(f"figures.yaml: {place}: {what}")
+            problems.append(f"{robot.figures_file}: {place}: {what}")
         return int(index)
 
     figures = robot.figures

@@ -18,7 +18,7 @@ def negative_masses(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
     """Yield a sentence for every body with a negative mass; MuJoCo would take it for zero and say nothing."""
     for body in spec.bodies:
         if body.explicitinertial and body.mass < 0:
-            place = f"{robot.mjcf.name}: body {body.name!r}"
+            place = f"{robot.mjcf}: body {body.name!r}"
             yield f"{place}: mass is {body.mass:g} kg; give the body positive mass and inertia."
 
 
@@ -28,7 +28,7 @@ def faulty_roles(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
     All names must exist in the model.
     """
     for i, drive in enumerate(robot.figures.drives):
-        place = f"figures.yaml: drives[{i}]"
+        place = f"{robot.figures_file}: drives[{i}]"
         joint, rotor = model.joint(drive.joint), model.joint(drive.rotor)
         kinds = [int(joint.type[0]), int(rotor.type[0])]
         if any(kind not in JOINT_KINDS for kind in kinds):
@@ -66,24 +66,26 @@ def unlike_a_robot(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
         stiffness = model.tendon_stiffness[model.tendon(drive.element).id]
         rotor = model.dof_armature[model.jnt_dofadr[model.joint(drive.rotor).id]]
         frequency = float(np.sqrt(stiffness / rotor)) / (2 * np.pi)
-        yield from OF_ELEMENTS.faults([(f"figures.yaml: drives[{i}].element: tendon {drive.element!r}", frequency)])
+        yield from OF_ELEMENTS.faults(
+            [(f"{robot.figures_file}: drives[{i}].element: tendon {drive.element!r}", frequency)]
+        )
         if model.qpos0[model.jnt_qposadr[model.joint(drive.joint).id]] != 0:
-            yield f"{robot.mjcf.name}: joint {drive.joint!r} has ref != 0; move its zero into the pose of its body."
+            yield f"{robot.mjcf}: joint {drive.joint!r} has ref != 0; move its zero into the pose of its body."
     driven = {name for drive in robot.figures.drives for name in (drive.joint, drive.rotor)}
     for index in range(model.njnt):
         name, is_held = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index), model.jnt_stiffness[index] > 0
         if name not in driven and not is_held:  # what bends is a joint that a spring holds
             body = _name(model, "body", int(model.jnt_bodyid[index]))
-            yield f"{robot.mjcf.name}: body {body!r} has a joint that no drive of figures.yaml names; take it out."
+            yield f"{robot.mjcf}: body {body!r} has a joint that no drive of figures.yaml names; take it out."
     for index in range(model.neq):
         name = _name(model, "equality", index)
-        yield f"{robot.mjcf.name}: equality {name!r}: the bench computes chains without constraints; take it out."
+        yield f"{robot.mjcf}: equality {name!r}: the bench computes chains without constraints; take it out."
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     if data.ncon:
         bodies = [_name(model, "body", int(model.geom_bodyid[geom])) for geom in data.contact.geom[0]]
         yield (
-            f"{robot.mjcf.name}: shapes of bodies {bodies[0]!r} and {bodies[1]!r} touch with all joints at zero; write "
+            f"{robot.mjcf}: shapes of bodies {bodies[0]!r} and {bodies[1]!r} touch with all joints at zero; write "
             'contype="0" conaffinity="0" at the geoms, contact is left out here.'
         )
 
@@ -111,21 +113,21 @@ def _servo(place: str, name: str, model: mujoco.MjModel) -> Iterator[str]:
 
 def _counterbalance(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
     """Yield a sentence where tendon or actuator of the counterbalance are not those of a cylinder."""
-    named = robot.figures.counterbalance
+    named, file = robot.figures.counterbalance, robot.figures_file
     if named is None:
         return
     tendon, actuator = model.tendon(named.tendon).id, model.actuator(named.actuator).id
     start, count = model.tendon_adr[tendon], model.tendon_num[tendon]
     if count != 2 or any(int(kind) != SITE for kind in model.wrap_type[start : start + count]):
         yield (
-            f"figures.yaml: counterbalance.tendon: {named.tendon!r} must be <spatial> and run straight between two "
-            "sites, from the fixed side to the moving one."
+            f"{file}: counterbalance.tendon: {named.tendon!r} must be <spatial> and run straight between two sites, "
+            "from the fixed side to the moving one."
         )
     elif model.actuator_trntype[actuator] != ON_TENDON or model.actuator_trnid[actuator, 0] != tendon:
-        yield f"figures.yaml: counterbalance.actuator: {named.actuator!r} does not act on {named.tendon!r}; let it."
+        yield f"{file}: counterbalance.actuator: {named.actuator!r} does not act on {named.tendon!r}; let it."
     if model.actuator_plugin[actuator] < 0:
         yield (
-            f"figures.yaml: counterbalance.actuator: {named.actuator!r} is no gas spring; write "
+            f"{file}: counterbalance.actuator: {named.actuator!r} is no gas spring; write "
             '<plugin plugin="bench.gas_spring"> with its figures.'
         )
 

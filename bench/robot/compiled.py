@@ -12,6 +12,7 @@ from bench.robot.addresses import Addresses, addresses_of
 from bench.robot.checks import faulty_roles, negative_masses, unlike_a_robot
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.folder import Robot
+from bench.robot.hindrances import friction_holds, hindrances
 from bench.robot.plain_words import plain_words
 from bench.robot.plugins import attributes_of, number_of, numbers_of
 from bench.robot.trial import expect_harmless
@@ -117,7 +118,12 @@ def compile_robot(robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float 
             every missing or misplaced part is listed. Or it is what no arm is.
     """
     compiled = compile_spec(read_spec(robot), robot, edits, timestep)
-    if faults := tuple(unlike_a_robot(robot, compiled.model)):
+    coulomb = compiled.motor_coulomb + compiled.link_coulomb
+    if faults := (
+        *unlike_a_robot(robot, compiled.model),
+        *hindrances(robot, compiled.model),
+        *(friction_holds(robot, compiled.model, coulomb) if not edits else ()),
+    ):
         raise RobotError(faults)
     return compiled
 
@@ -191,7 +197,9 @@ def counterbalance_of(
         return None
     joints = [drive.joint for drive in robot.figures.drives]
     if named.joint not in joints:
-        raise RobotError(f"figures.yaml: counterbalance.joint: {unknown_name('driven joint', named.joint, joints)}")
+        raise RobotError(
+            f"{robot.figures_file}: counterbalance.joint: {unknown_name('driven joint', named.joint, joints)}"
+        )
     index = joints.index(named.joint)
     joint = at.joint[index]
     axis, pivot = data.xaxis[joint], data.xanchor[joint]

@@ -6,6 +6,8 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from bench.errors import unknown_name
+from bench.record.possible import MAX_NOISE, MIN_NOISE
+from bench.record.schema_words import ONE_LINE
 from bench.robot.fitted import NOTHING, Fitted
 from bench.robot.strict import Strict
 
@@ -18,17 +20,19 @@ GAIN = 10.0  # relative standard deviation of a gain, an instrument's or a torqu
 RAD = 1.0
 TURN = 7.0  # [rad], of a zero or a frame of which nobody knows where it points
 M = 10.0
-M2 = 10.0
+LEAST_M2, M2 = 1e-7, 10.0  # a piston of 0.4 mm
 RAD_PER_S = 1e3
 S = 10.0
 N = NM = 1e7
-A = 1e5
 KG = 1e5
-PA = 1e9
+LEAST_NM_PER_A = 1e-6  # motors of a gram make a thousand times more
 NM_PER_A = RATIO = 1e6
 AWAY = 1e3  # [m], of an instrument from the robot; laser trackers see 160 m far
-PositiveTorque = Annotated[float, Field(gt=0, le=NM)]
-Torque = Annotated[float, Field(ge=0, le=NM)]
+# Of one reading; noise and steps of instruments, as of campaigns (`bench.record.possible`)
+Noise = Annotated[float, Field(ge=MIN_NOISE)]
+TorqueNoise = Annotated[float, Field(ge=MIN_NOISE, le=MAX_NOISE["nm"])]
+Torque = Annotated[float, Field(ge=0, le=MAX_NOISE["nm"])]
+OneLine = Annotated[str, Field(pattern=ONE_LINE)]  # it is printed, and stands in pages
 Place = Annotated[float, Field(ge=-AWAY, le=AWAY)]
 
 
@@ -43,6 +47,7 @@ class Drive(Strict):
     link_friction: str = Field(description="friction actuator on the link-side joint")
     torque_constant_nm_per_a: Positive = Field(
         1.0,
+        ge=LEAST_NM_PER_A,
         le=NM_PER_A,
         description="xi = tau_motor / I, at the joint (Table 2); left out where the drive reports torque",
     )
@@ -79,7 +84,7 @@ class Tracker(Strict):
     """Laser tracker; noise grows with the distance from where it stands."""
 
     position_m: tuple[Place, Place, Place] = Field(description="[m], where it stands, in the base frame")
-    sigma_per_distance: Positive = Field(10e-6, le=0.1, description="[m/m], one coordinate of one reading")
+    sigma_per_distance: Noise = Field(10e-6, le=0.1, description="[m/m], one coordinate of one reading")
     placement_sigma_m: NonNegative = Field(
         15e-6, le=M, description="[m], each time a reflector is taken off and put back"
     )
@@ -95,8 +100,8 @@ class Tracker(Strict):
 class ForceSensor(Strict):
     """Force sensor at the load point. The direction error counts only where the load does not hang."""
 
-    sigma_n: Positive = Field(0.5, le=N, description="[N], noise of one reading of a force")
-    sigma_nm: Positive = Field(0.2, le=NM, description="[Nm], noise of one reading of a moment")
+    sigma_n: Noise = Field(0.5, le=MAX_NOISE["n"], description="[N], noise of one reading of a force")
+    sigma_nm: Noise = Field(0.2, le=MAX_NOISE["nm"], description="[Nm], noise of one reading of a moment")
     gain_sigma: NonNegative = Field(0.005, le=GAIN, description="relative gain error of the reading, one draw")
     direction_sigma_rad: NonNegative = Field(
         0.005, le=RAD, description="[rad], of the direction of a load that does not hang"
@@ -106,9 +111,11 @@ class ForceSensor(Strict):
 class CurrentSensor(Strict):
     """Motor current as the drive reports it."""
 
-    sigma_a: Positive = Field(0.02, le=A, description="[A], noise of one reading")
-    resolution_a: NonNegative = Field(0.01, le=A, description="[A], step of the reading")
-    offset_sigma_a: NonNegative = Field(0.01, le=A, description="[A], offset of the reading, one draw per drive")
+    sigma_a: Noise = Field(0.02, le=MAX_NOISE["a"], description="[A], noise of one reading")
+    resolution_a: NonNegative = Field(0.01, le=MAX_NOISE["a"], description="[A], step of the reading")
+    offset_sigma_a: NonNegative = Field(
+        0.01, le=MAX_NOISE["a"], description="[A], offset of the reading, one draw per drive"
+    )
     gain_sigma: NonNegative = Field(
         0.005, le=GAIN, description="relative gain error of the reading, one draw per drive"
     )
@@ -117,10 +124,10 @@ class CurrentSensor(Strict):
 class TorqueSensor(Strict):
     """Motor torque as a drive reports it, reflected to the joint; of a slide a force, in N for Nm."""
 
-    sigma_nm: PositiveTorque | tuple[PositiveTorque, ...] = Field(
+    sigma_nm: TorqueNoise | tuple[TorqueNoise, ...] = Field(
         description="[Nm], noise of one reading; one for all drives, or one for each"
     )
-    resolution_nm: NonNegative = Field(0.0, le=NM, description="[Nm], step of the reading")
+    resolution_nm: NonNegative = Field(0.0, le=MAX_NOISE["nm"], description="[Nm], step of the reading")
     offset_sigma_nm: Torque | tuple[Torque, ...] = Field(
         0.0, description="[Nm], offset of the reading, one draw per drive; one sigma for all drives, or one for each"
     )
@@ -138,7 +145,7 @@ class TorqueSensor(Strict):
 class Encoder(Strict):
     """Motor encoder, reflected to the joint; of a slide in m for rad."""
 
-    resolution_rad: Positive = Field(2e-7, le=RAD, description="[rad], step of the reading, at the joint")
+    resolution_rad: Noise = Field(2e-7, le=RAD, description="[rad], step of the reading, at the joint")
     offset_sigma_rad: NonNegative = Field(0.0, le=TURN, description="[rad], of its zero, one draw per drive")
     delay_s: NonNegative = Field(0.0, le=S, description="[s], by which it reads late")
 
@@ -147,7 +154,7 @@ class LinkEncoder(Strict):
     """Secondary encoders behind the gear, on some joints; of a slide in m for rad."""
 
     joints: tuple[str, ...] = Field(min_length=1, description="link-side joints that have one, by their names")
-    resolution_rad: Positive = Field(default=2e-7, le=RAD, description="[rad], step of the reading")
+    resolution_rad: Noise = Field(default=2e-7, le=RAD, description="[rad], step of the reading")
     offset_sigma_rad: NonNegative = Field(default=0.0, le=TURN, description="[rad], of its zero, one draw per joint")
     zeroing_sigma_rad: NonNegative | None = Field(
         default=None,
@@ -162,8 +169,8 @@ class LinkEncoder(Strict):
 class PressureGauge(Strict):
     """Gauge of the gas pressure in the counterbalance."""
 
-    resolution_pa: Positive = Field(1e5, le=PA, description="[Pa], step of the reading")
-    piston_area_m2: Positive = Field(le=M2, description="[m^2], on which the gas acts")
+    resolution_pa: Noise = Field(1e5, le=MAX_NOISE["pa"], description="[Pa], step of the reading")
+    piston_area_m2: Positive = Field(ge=LEAST_M2, le=M2, description="[m^2], on which the gas acts")
 
 
 class Instruments(Strict):
@@ -217,7 +224,7 @@ class Uncertainty(Strict):
 class Figures(Strict):
     """`figures.yaml` of a robot folder."""
 
-    title: str
+    title: OneLine
     mjcf: str = Field(description="file with the robot alone, beside this one")
     scene: str | None = None
     drives: tuple[Drive, ...] = Field(min_length=1)
@@ -229,7 +236,7 @@ class Figures(Strict):
     instruments: Instruments
     uncertainty: Uncertainty = Uncertainty.model_validate({})
     fitted: Fitted = NOTHING
-    assumed: tuple[str, ...] = Field(
+    assumed: tuple[OneLine, ...] = Field(
         (), description="what nobody knows of this robot yet, and what was taken in its place; `bench check` shows it"
     )
 

@@ -5,6 +5,7 @@ reading less truth, relative ones a share of the truth.
 """
 
 from collections.abc import Iterator
+from typing import Annotated
 
 from pydantic import Field
 
@@ -14,23 +15,33 @@ from bench.robot.strict import Strict
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
 MOST_WEIGHT = 100.0  # grams written down for kilograms would make a thousand
+# Within what a reading may err: a gain keeps its sign, and units are not what an instrument errs by
+Gain = Annotated[float, Field(gt=-1, le=10)]
+Offset = Annotated[float, Field(ge=-1e4, le=1e4)]
+OffsetTorque = Annotated[float, Field(ge=-1e6, le=1e6)]
+Turn = Annotated[float, Field(ge=-7, le=7)]
+Near = Annotated[float, Field(ge=-10, le=10)]
+Away = Annotated[float, Field(ge=-1e3, le=1e3)]
+MAX_KELVIN = 500.0
 
 
 class FittedReadings(Strict):
     """Systematic errors of the instruments, which every reading of this machine has. Zero unless given."""
 
-    current_gain: dict[str, float] = Field({}, description="relative, by joint; of the reading, not of the constant")
-    current_offset_a: dict[str, float] = Field({}, description="[A], by joint")
-    torque_gain: dict[str, float] = Field({}, description="relative, by joint")
-    torque_offset_nm: dict[str, float] = Field({}, description="[Nm], of a slide [N], by joint")
-    link_encoder_zero_rad: dict[str, float] = Field({}, description="[rad], of a slide [m], by joint")
-    tracker_shift_m: Vector = ZERO
-    tracker_turn_rad: Vector = ZERO
-    tracker_drift_m_per_h: Vector = ZERO
-    nest_m: dict[str, Vector] = Field({}, description="[m], where a reflector sits in its nest, by site")
-    force_gain: float = 0.0
-    force_tilt_rad: Vector = Field(ZERO, description="[rad], counts only where the load does not hang")
-    gas_thermometer_k: float = 0.0
+    current_gain: dict[str, Gain] = Field({}, description="relative, by joint; of the reading, not of the constant")
+    current_offset_a: dict[str, Offset] = Field({}, description="[A], by joint")
+    torque_gain: dict[str, Gain] = Field({}, description="relative, by joint")
+    torque_offset_nm: dict[str, OffsetTorque] = Field({}, description="[Nm], of a slide [N], by joint")
+    link_encoder_zero_rad: dict[str, Turn] = Field({}, description="[rad], of a slide [m], by joint")
+    tracker_shift_m: tuple[Away, Away, Away] = ZERO
+    tracker_turn_rad: tuple[Turn, Turn, Turn] = ZERO
+    tracker_drift_m_per_h: tuple[Away, Away, Away] = ZERO
+    nest_m: dict[str, tuple[Near, Near, Near]] = Field(
+        {}, description="[m], where a reflector sits in its nest, by site"
+    )
+    force_gain: Gain = 0.0
+    force_tilt_rad: tuple[Turn, Turn, Turn] = Field(ZERO, description="[rad], counts only where the load does not hang")
+    gas_thermometer_k: float = Field(0.0, ge=-MAX_KELVIN, le=MAX_KELVIN)
 
 
 class FittedWeights(Strict):

@@ -39,6 +39,11 @@ class Robot:
         return self.folder / self.figures.mjcf
 
     @property
+    def figures_file(self) -> Path:
+        """The file with its figures."""
+        return self.folder / FIGURES_FILE
+
+    @property
     def n_joints(self) -> int:
         """Number of driven joints."""
         return len(self.figures.drives)
@@ -69,9 +74,9 @@ def load_robot(name_or_folder: str | Path) -> Robot:
     except YamlFault as fault:
         raise RobotError(f"{source}: {fault}; {fault.remedy}.") from fault
     except ValidationError as error:
-        raise RobotError(problems_of(error, source.name, Figures)) from error
+        raise RobotError(problems_of(error, str(source), Figures)) from error
     if faults := [
-        f"{source.name}: {key}: {value:g} is no figure of a robot." for key, value in _too_large(figures.model_dump())
+        f"{source}: {key}: {value:g} is no figure of a robot." for key, value in _too_large(figures.model_dump())
     ]:
         raise RobotError(faults)
     robot = Robot(folder.resolve().name, folder.resolve(), figures)

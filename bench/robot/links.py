@@ -50,7 +50,7 @@ def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
         else:
             carrier[body], position[body], rotation[body] = carrier[above], origin, turned
     if np.any(parent >= np.arange(n)):
-        raise RobotError("figures.yaml: drives: list them from the base to the tool.")
+        raise RobotError(f"{compiled.robot.figures_file}: drives: list them from the base to the tool.")
 
     mass = np.zeros(n)
     moment = np.zeros((n, 3))

@@ -52,7 +52,7 @@ OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
         lambda model: [("<option>", model.opt.timestep)],
     ),
     (
-        Range("gravity", "m/s^2", 0.0, 50.0, "lengths are in m"),
+        Range("gravity", "m/s^2", 9.5, 10.1, "on earth it is 9.76 to 9.84, and lengths are in m"),
         lambda model: [("<option>", float(np.linalg.norm(model.opt.gravity)))],
     ),
     (

@@ -1,5 +1,6 @@
 """Tables that read well and are not what they say: units, lost samples, clocks, channels."""
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -7,6 +8,8 @@ import numpy as np
 
 from tests.poison.in_tables import MOTION
 from tests.poison.variant import Answer, Sheet, Spoil, Variant, in_column, tables
+
+OTHER = "joint1-payload5-speed30-up.csv"
 
 
 def units(rng: np.random.Generator) -> Iterator[Variant]:
@@ -66,6 +69,22 @@ def clocks(rng: np.random.Generator) -> Iterator[Variant]:
         "begins late": (lambda t: t + 1e4, "harmless"),
         "one gap of 30 years": (lambda t: t + 1e9 * (np.arange(len(t)) > 20), "error or harmless"),
     }
+    for first, table in ((0, MOTION), (1, OTHER)):
+
+        def count(folder: Path, first: int = first, table: str = table) -> None:
+            sheet = Sheet(folder / "runs" / table)
+            sheet.change("time_s", lambda t, first=first: first + np.arange(len(t)))
+            sheet.write()
+
+        yield Variant("clocks", f"rows counted from {first}", count, "doubt", (table, "time_s", "row numbers?"))
+    for at, count in ((1e9, 1), (1.7e9, 0)):
+
+        def start(folder: Path, at: float = at, count: int = count) -> None:
+            file = folder / "campaign.yaml"
+            later = re.compile(r"(?<=start_s: )\S+")
+            file.write_text(later.sub(lambda found: str(float(found[0]) + at), file.read_text(), count))
+
+        yield Variant("clocks", f"start_s from {at:g}, {count or 'all'}", start, "doubt", ("start_s", "years"))
     for name, (change, answer) in changes.items():
 
         def spoil(folder: Path, change: Callable[[np.ndarray], np.ndarray] = change) -> None:
@@ -113,6 +132,30 @@ def _without(*prefixes: str) -> Spoil:
             sheet.names = [sheet.names[i] for i in kept]
             sheet.rows = [[row[i] for i in kept] for row in sheet.rows]
             sheet.write()
+
+    return spoil
+
+
+def _added(name: str, cell: str) -> Spoil:
+    """Return what adds a column to every table."""
+
+    def spoil(folder: Path) -> None:
+        for file in tables(folder):
+            sheet = Sheet(file)
+            sheet.names.append(name)
+            sheet.rows = [[*row, cell] for row in sheet.rows]
+            sheet.write()
+
+    return spoil
+
+
+def _exchanged(first: str, second: str) -> Spoil:
+    """Return what exchanges two columns in every table."""
+
+    def spoil(folder: Path) -> None:
+        for file in tables(folder):
+            text = file.read_text().replace(first, "@").replace(second, first)
+            file.write_text(text.replace("@", second))
 
     return spoil
 
@@ -170,6 +213,14 @@ def cross_checks(rng: np.random.Generator) -> Iterator[Variant]:
         "a current halved": (times(0.5, "current_1_a"), "harmless", ("current_1_a", "looks halved", "channel_scale")),
         "a current late": (in_column(late, "current_2_a"), "harmless", ("current_2_a", "looks late", "channel_delay")),
         "a tracker late": (in_column(late, *tracker), "harmless", (tracker[0], "looks late", "channel_delay")),
+        "a moment of 1e6 Nm": (_added("load_mx_nm", "1e6"), "doubt", ("load_mx_nm", "the robot is rated for 50")),
+        "loads in mN": (times(1e3, "load_z_n", "force_z_n"), "doubt", ("load_z_n", "the robot is rated for 300")),
+        "load steps counted from the load": (
+            in_column(lambda v: np.where(v < 2, 1 - v, v), "load_step"),
+            "doubt",
+            ("load_step", "without load, and load_z_n is"),
+        ),
+        "axes of a force sensor": (_exchanged("force_x_n", "force_z_n"), "doubt", ("force_x_n", "what load_z_n says")),
         "nothing": (_without("motor_temperature"), "harmless", (" 0 warnings",)),
     }
     for name, (spoil, answer, places) in found.items():

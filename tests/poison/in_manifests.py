@@ -57,7 +57,7 @@ def values_of_the_manifest(rng: np.random.Generator) -> Iterator[Variant]:
         "start_s": ("nan", ".inf", "-1", "noon", "[1]", "{a: 1}", "1e999", "9" * 5000, "0x10", "''"),
         "kind": ("moving", "1", "[static]", "STATIC"),
         "name": ("a/b", "../x", "''", "'a b'", "é", "x" * 200, "'a\\0b'", "-x"),
-        "recording": ("[a]", "x" * 200),
+        "recording": ("[a]", "x" * 200, r'"a\nb"', r'"\x1b[31m"'),
     }
     for key, values in faults.items():
         for value in values:
@@ -70,12 +70,35 @@ def values_of_the_manifest(rng: np.random.Generator) -> Iterator[Variant]:
     for line in (
         "started: May",
         "started: 2024-99-99",
+        "started: 2924-05-13",
+        "started: 0001-01-01",
         "noise: {load: 1}",
         "noise: {current: -1}",
         "noise: {current: .nan}",
     ):
         text = f"{HEAD}{line}\nruns: [{RUN}]"
         yield Variant("values of the manifest", line, _written(text), "error", (MANIFEST, line.split(":")[0]))
+
+
+def known_besides(rng: np.random.Generator) -> Iterator[Variant]:
+    """List as known what nobody can have read."""
+    pressure = "quantity: gas_pressure_pa, value: 7e6"
+    faults = {
+        "a pressure to a millionth of a millionth": (f"{pressure}, sigma: 1e-6, at: [0, 0]", "known[0].sigma"),
+        "a stiffness of 1e12": ("quantity: stiffness_nm_per_rad, joint: 1, value: 1e12, sigma: 1e9", "known[0].value"),
+        "a stiffness of joint 9": ("quantity: stiffness_nm_per_rad, joint: 9, value: 1e5, sigma: 1", "known[0].joint"),
+        "a pressure outside of the joint": (f"{pressure}, sigma: 1e5, at: [50, 0]", "known[0].at"),
+        "a pressure of half a pose": (f"{pressure}, sigma: 1e5, at: [0]", "known[0].at"),
+        "a payload of nan": ("quantity: payload_kg, value: .nan, sigma: 1", "known[0].value"),
+        "a payload of 1e9": ("quantity: payload_kg, value: 1e9, sigma: 1", "known[0].value"),
+    }
+    for name, (entry, place) in faults.items():
+
+        def append(folder: Path, entry: str = entry) -> None:
+            file = folder / MANIFEST
+            file.write_text(f"{file.read_text()}known: [{{{entry}}}]\n")
+
+        yield Variant("known besides", name, append, "error", (MANIFEST, place))
 
 
 def paths_of_tables(rng: np.random.Generator) -> Iterator[Variant]:
@@ -149,6 +172,7 @@ def garbage_for_a_manifest(rng: np.random.Generator) -> Iterator[Variant]:
 FAMILIES = (
     keys_of_the_manifest,
     values_of_the_manifest,
+    known_besides,
     paths_of_tables,
     yaml_that_explodes,
     garbage_for_a_manifest,

@@ -182,6 +182,41 @@ def laws_switched_off(rng: np.random.Generator) -> Iterator[Variant]:
     yield Variant("laws that are switched off", "contact", contact, "harmless")
 
 
+def what_hinders_drives(rng: np.random.Generator) -> Iterator[Variant]:
+    """Put between a drive and its joint what the figures know nothing of; what changes nothing is harmless."""
+    servo, joint = 'forcerange="-9000 9000"', '<joint name="hinge_a" axis="0 1 0" range="-1 2"'
+    rotor, option = '<joint name="rotor_a" axis="0 1 0" armature="40.0"', 'timestep="0.001"'
+    spring, compiler = '<plugin name="balance" tendon="balance"', '<compiler angle="radian"'
+    added: dict[str, tuple[str, str, str]] = {
+        "a gear of 2": (servo, 'gear="2"', "drives[0].servo: actuator 'servo_a' has gear"),
+        "a gear that turns round": (servo, 'gear="-1"', "drives[0].servo: actuator 'servo_a' has gear"),
+        "a gear of friction": ('name="link_friction_a"', 'gear="3"', "drives[0].link_friction"),
+        "a gear of the gas": (spring, 'gear="0.5"', "counterbalance.actuator"),
+        "a limit of the balance": ('<spatial name="balance"', 'actuatorfrcrange="-1 1"', "counterbalance.tendon"),
+        "a posrange of 0.1 rad": (servo, 'posrange="-0.05 0.05"', "servo 'servo_a': posrange"),
+        "a range of the rotor": (rotor, 'range="-0.01 0.01"', "joint 'rotor_a': range"),
+        "a torque limit of the joint": (joint, 'actuatorfrcrange="-1 1"', "'hinge_a' has actuatorfrcrange"),
+        "a torque limit of the rotor": (rotor, 'actuatorfrcrange="-1 1"', "'rotor_a' has actuatorfrcrange"),
+        "a spring of the rotor": (rotor, 'stiffness="1000"', "'rotor_a' has a spring"),
+        "friction of 9500 Nm": (joint, 'frictionloss="9500"', "drives[0]: Coulomb friction"),
+        "damping of 1e5": (joint, 'damping="1e5"', "drives[0]: damping takes"),
+        "masses of 50 kg at least": (compiler, 'boundmass="50"', "boundmass raises"),
+        "inertias of 5 kg m^2 at least": (compiler, 'boundinertia="5"', "boundinertia raises"),
+        "the moon": (option, 'gravity="0 0 -1.62"', "gravity is 1.62"),
+        "no gravity": (option, 'gravity="0 0 0"', "gravity is 0 m/s^2"),
+    }
+    for name, (old, new, place) in added.items():
+        yield Variant("what hinders drives", name, _mjcf(old, f"{old} {new}"), "error", (place,))
+    harmless: dict[str, tuple[str, str]] = {
+        "the joint's own range": (servo, 'posrange="-1 2"'),
+        "the servo's own limit": (joint, 'actuatorfrcrange="-9000 9000"'),
+        "masses of a microgram at least": (compiler, 'boundmass="1e-9"'),
+        "a gravity of 9.8": (option, 'gravity="0 0 -9.8"'),
+    }
+    for name, (old, new) in harmless.items():
+        yield Variant("what hinders drives", name, _mjcf(old, f"{old} {new}"), "harmless", (" 0 warnings",))
+
+
 def other_machines(rng: np.random.Generator) -> Iterator[Variant]:
     """Make something else of the robot: what no serial arm has is refused, what changes nothing is harmless."""
     loose = '<body name="loose" pos="0 0 5"><freejoint/><geom size="0.5" mass="100"/></body>'
@@ -234,5 +269,5 @@ def other_machines(rng: np.random.Generator) -> Iterator[Variant]:
 
 FAMILIES = (
     *(mjcf_that_crashes_its_reader, damaged_mjcf, attributes_of_plugins, parts_of_robots),
-    *(numbers_of_no_robot, laws_switched_off, other_machines),
+    *(numbers_of_no_robot, laws_switched_off, what_hinders_drives, other_machines),
 )

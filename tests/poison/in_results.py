@@ -110,4 +110,57 @@ def files_of_a_diagnosis(rng: np.random.Generator) -> Iterator[Variant]:
             yield Variant("files of a diagnosis", f"no {name}: {command[0]}", gone, "error", (FOUND,), command)
 
 
-FAMILIES = (numbers_of_a_diagnosis, files_of_a_diagnosis)
+def motions_to_apply(rng: np.random.Generator) -> Iterator[Variant]:
+    """Give `bench apply` what no robot is commanded; a sound motion passes, however its clock begins."""
+    family, command = "motions to apply", (*APPLY, "--motion", "motion.csv")
+    time = np.arange(101) / 100
+    turn = 2 * np.pi
+    names = "time_s,q_cmd_1_rad,q_cmd_2_rad,velocity_1,velocity_2,acceleration_1,acceleration_2"
+    sound = np.stack(
+        [
+            time,
+            0.2 * (1 - np.cos(turn * time)),
+            0 * time,
+            0.2 * turn * np.sin(turn * time),
+            0 * time,
+            0.2 * turn**2 * np.cos(turn * time),
+            0 * time,
+        ],
+        axis=1,
+    )
+
+    def given(column: int = 0, factor: float = 1.0, offset: float = 0.0, columns: int = 7) -> Spoil:
+        def spoil(folder: Path) -> None:
+            rows = sound.copy()
+            rows[:, column] = factor * rows[:, column] + offset
+            lines = [
+                ",".join(names.split(",")[:columns]),
+                *(",".join(map(repr, row[:columns])) for row in rows.tolist()),
+            ]
+            (folder / "motion.csv").write_text("\n".join(lines) + "\n")
+
+        return spoil
+
+    faults: dict[str, tuple[Spoil, str]] = {
+        "a clock in nanoseconds": (given(factor=1e9, columns=3), "time_s: goes on by 1e+07 s"),
+        "a clock in milliseconds": (given(factor=1e3, columns=3), "time_s: goes on by 10 s"),
+        "a clock in kiloseconds": (given(factor=1e-3, columns=3), "time_s: makes a joint"),
+        "a clock of 1e-11 s a row": (given(factor=1e-9, columns=3), "time_s: goes on by 1e-11 s"),
+        "a clock of nan": (given(factor=float("nan"), columns=3), "time_s"),
+        "a clock that stands": (given(factor=0, columns=3), "time_s: has to grow"),
+        "angles in degrees": (given(1, 57.3), "q_cmd_1_rad"),
+        "speeds in degrees": (given(3, 57.3), "velocity_1"),
+        "speeds of another sign": (given(3, -1), "velocity_1"),
+        "speeds of nan": (given(3, float("nan")), "velocity_1"),
+        "accelerations in degrees": (given(5, 57.3), "acceleration_1"),
+    }
+    for name, (spoil, place) in faults.items():
+        yield Variant(family, name, spoil, "error", ("motion.csv", place), command)
+    yield Variant(family, "nothing", given(), "harmless", (), command)
+    yield Variant(family, "a clock that counts since 1970", given(offset=1.7e9, columns=3), "harmless", (), command)
+    for mass, answer in (("-1", "error"), ("nan", "error"), ("1e9", "error"), ("4000", "error"), ("30", "harmless")):
+        spoil, place = given(), ("--payload-kg",) if answer == "error" else ()
+        yield Variant(family, f"{mass} kg", spoil, answer, place, (*APPLY, f"--payload-kg={mass}"))  # type: ignore[arg-type]
+
+
+FAMILIES = (numbers_of_a_diagnosis, files_of_a_diagnosis, motions_to_apply)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bench import paths
 from tests.poison.variant import Answer, Spoil, Variant
 from tests.small_robot import write_small_robot
 
@@ -47,10 +48,11 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
         "an uncertainty of 1e9": ("uncertainty: {mass: 1.0e+9}\n", ("uncertainty.mass",)),
         "a weight below zero": ("fitted: {weights: {hung: -5}}\n", ("fitted.weights.hung",)),
         "a scene that is not there": ("scene: nowhere.xml\n", ("scene", "nowhere.xml")),
+        "an assumption that steers the terminal": ('assumed: ["\\x1b[31m"]\n', ("assumed[0]",)),
         "a scene that is no MJCF": ("scene: figures.yaml\n", ("scene",)),
     }
     for name, (line, places) in appended.items():
-        yield Variant("figures", name, _append(line), "error", (FIGURES, *places))
+        yield Variant("figures", name, _append(line), "error", (f"robot/{FIGURES}", *places))
     speed = "speed_limit_rad_per_s"
     changed: dict[str, tuple[str, str, tuple[str, ...]]] = {
         "a word for a number": (f"{speed}: 2.0", f"{speed}: fast", (speed,)),
@@ -73,6 +75,10 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
             "  actuator: balance\n", "  actuator: servo_a\n", ("counterbalance.actuator", "'servo_a'"),
         ),
     }  # fmt: skip
+    changed["a title of two lines"] = ("title: two-joint test robot", 'title: "a\\nb"', ("title",))
+    for constant in ("1.0e-12", "-100"):
+        key = "torque_constant_nm_per_a"
+        changed[f"{key} of {constant}"] = (f"{key}: 100.0", f"{key}: {constant}", (f"drives[0].{key}",))
     for key, value in (("delay_s", "1.0e+9"), ("resolution_rad", "10")):
         changed[f"{key} of {value}"] = ("encoder: {}", f"encoder: {{{key}: {value}}}", (f"encoder.{key}",))
     changed["a gain of 1e9"] = ("force: {}", "force: {gain_sigma: 1.0e+9}", ("force.gain_sigma",))
@@ -113,4 +119,59 @@ def robots_of_strangers(rng: np.random.Generator) -> Iterator[Variant]:
     yield Variant("robots of strangers", "a folder with the name of a known robot", twin, "harmless")
 
 
-FAMILIES = (figures, robots_of_strangers)
+def numbers_of_yaml(rng: np.random.Generator) -> Iterator[Variant]:
+    """Write numbers as YAML 1.1 reads them and people do not; one at a place of figures, one of a scenario."""
+    sound = (paths.scenarios_dir() / "loading.yaml").read_text()
+    for value in ("0x10", "010", "1_000", "1:30", "0b11", "true", "yes"):
+        place = "figures.yaml: drives[0].speed" if value.isalpha() else f"'{value}' is no decimal number"
+        spoil = _figures("speed_limit_rad_per_s: 2.0", f"speed_limit_rad_per_s: {value}")
+        yield Variant("numbers of YAML", f"{value} in figures", spoil, "error", (f"robot/{FIGURES}", place))
+        place = "repeats" if value.isalpha() else f"'{value}' is no decimal number"
+
+        def write(folder: Path, value: str = value) -> None:
+            (folder / "mine.yaml").write_text(sound.replace("repeats: 10", f"repeats: {value}"))
+
+        command = ("run", "mine.yaml", "-o", "out")
+        yield Variant("numbers of YAML", f"{value} in a scenario", write, "error", ("mine.yaml", place), command)
+
+
+def noise_of_instruments(rng: np.random.Generator) -> Iterator[Variant]:
+    """State what no instrument has; what counts for nothing, or for everything, was believed."""
+    changes = {
+        "sigma_a": ("sigma_a: 0.02", ("1.0e+5", "-1", "1.0e-300", ".inf")),
+        "resolution_rad": ("encoder: {}", ("1.0e-200", "0")),
+        "sigma_n": ("force: {}", ("1.0e+6", "1.0e-200")),
+        "piston_area_m2": ("piston_area_m2: 0.001", ("1.0e-30",)),
+    }
+    for key, (old, values) in changes.items():
+        for value in values:
+            new = f"{old[:-2]}{{{key}: {value}}}" if old.endswith("{}") else f"{key}: {value}"
+            yield Variant("noise of instruments", f"{key} of {value}", _figures(old, new), "error", (FIGURES, key))
+    for line in ("current: 1e6", "current: 1e-13", "reflector: 30", "gas_pressure: 1e9"):
+
+        def append(folder: Path, line: str = line) -> None:
+            file = folder / "campaign.yaml"
+            file.write_text(f"{file.read_text()}noise: {{{line}}}\n")
+
+        place = f"campaign.yaml: noise.{line.split(':')[0]}"
+        yield Variant("noise of instruments", line, append, "error", (place,))
+
+
+def errors_as_fitted(rng: np.random.Generator) -> Iterator[Variant]:
+    """State as fitted what no instrument errs by; each was believed."""
+    for key, value in (
+        ("current_gain", "{hinge_a: -3}"),
+        ("current_gain", "{hinge_a: 1.0e+9}"),
+        ("current_offset_a", "{hinge_b: 1.0e+9}"),
+        ("tracker_shift_m", "[1.0e+9, 0, 0]"),
+        ("tracker_turn_rad", "[0, 60, 0]"),
+        ("force_gain", "-5"),
+        ("force_tilt_rad", "[9, 9, 9]"),
+        ("gas_thermometer_k", "1.0e+5"),
+    ):
+        spoil = _append(f"fitted: {{readings: {{{key}: {value}}}}}\n")
+        place = (f"robot/{FIGURES}", f"fitted.readings.{key}")
+        yield Variant("errors as fitted", f"{key}: {value}", spoil, "error", place)
+
+
+FAMILIES = (figures, robots_of_strangers, numbers_of_yaml, noise_of_instruments, errors_as_fitted)

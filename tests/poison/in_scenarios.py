@@ -11,7 +11,7 @@ from tests.poison.in_robots import LAUGHS
 from tests.poison.variant import Spoil, Variant
 
 SCENARIO = "mine.yaml"
-RUN = ("run", SCENARIO, "-o", "out")
+RUN = ("run", SCENARIO, "-o", "../out")  # no truth goes into a campaign
 CONVERT = ("convert", "robot", "log.csv", "-o", "out")
 LOG = "kind: motion\ncolumns:\n  time_s: {from: t}\n  q_cmd_1_rad: {from: q}\n  q_motor_1_rad: {from: m}\n"
 LOG += "  q_cmd_2_rad: {from: s}\n"
@@ -176,6 +176,23 @@ def models_of_others(rng: np.random.Generator) -> Iterator[Variant]:
         "nothing": ("", "arm.xml"),
         "random bytes": (rng.bytes(2000), "arm.xml"),
     }  # fmt: skip
+    urdf = (
+        "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='5'/><origin xyz='0 0 0.3'/><inertia "
+        "ixx='0.1' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'/></inertial></link><joint name='j' type='revolute'>"
+        "<parent link='a'/><child link='b'/><axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='100' velocity='2'/>"
+        "</joint></robot>"
+    )
+    for old, new, place in (
+        ("mass value='5'", "mass value='5000000'", "mass is 5e+06 kg"),
+        ("mass value='5'", "mass value='-5'", "positive mass"),
+        ("xyz='0 1 0'", "xyz='0 0 0'", "axis"),
+        ("lower='-1'", "lower='1'", "lower and upper are both 1"),
+        ("lower='-1'", "lower='2'", "exchange them"),
+        ("upper='1'", "upper='180'", "range is 180 rad"),
+        ("effort='100'", "effort='-100'", "effort is -100"),
+        ("velocity='2'", "velocity='1e9'", "speed_limit_rad_per_s"),
+    ):
+        faults[f"a URDF with {new}"] = (urdf.replace(old, new), place)
     command = ("new-robot", "mine", "--mjcf", "arm.xml", "-o", "out")
     for name, (text, place) in faults.items():
         yield Variant("models of others", name, _file("arm.xml", text), "error", (place,), command)

@@ -29,6 +29,8 @@ DESKTOP = {
     'stiffness="200000.0" damping="400.0"': 'stiffness="50" damping="0.001"',
     'stiffness="100000.0" damping="200.0"': 'stiffness="50" damping="0.001"',
     'forcerange="-9000 9000"': 'forcerange="-1.5 1.5"',
+    'value="60.0"': 'value="0.05"',
+    'value="30.0"': 'value="0.05"',
     'kp="144000.0" kv="4800.0" ki="1440000.0"': 'kp="0.01" kv="1e-4" ki="0.001"',
     'kp="72000.0" kv="2400.0" ki="720000.0"': 'kp="0.01" kv="1e-4" ki="0.001"',
 }
@@ -143,3 +145,19 @@ def test_of_what_bends_the_sign_alone_counts() -> None:
     assert list(implausible(mujoco.MjModel.from_xml_string(text.format("2e9")))) == []
     (fault,) = implausible(mujoco.MjModel.from_xml_string(text.format("-2e9")))
     assert "joint 'bends': damping is -2e+09" in fault
+
+
+HINDERED = {
+    "gear": ('forcerange="-9000 9000"', 'forcerange="-9000 9000" gear="2"', 'servo_a\' has gear="2"'),
+    "posrange": ('forcerange="-9000 9000"', 'forcerange="-9000 9000" posrange="-0.5 0.5"', "posrange is"),
+    "torque": ('range="-1 2"', 'range="-1 2" actuatorfrcrange="-1 1"', "'hinge_a' has actuatorfrcrange"),
+    "friction": ('range="-1 2"', 'range="-1 2" frictionloss="9500"', "Coulomb friction of motor"),
+    "mass": ('angle="radian"', 'angle="radian" boundmass="30"', "boundmass raises the mass of body"),
+    "inertia": ('angle="radian"', 'angle="radian" boundinertia="0.5"', "boundinertia raises the inertia of body"),
+}
+
+
+@pytest.mark.parametrize(("old", "new", "words"), HINDERED.values(), ids=HINDERED)
+def test_nothing_stands_between_a_drive_and_its_joint(tmp_path: Path, old: str, new: str, words: str) -> None:
+    with pytest.raises(RobotError, match=words):
+        compile_robot(load_robot(robot_of(tmp_path / "robot", MJCF.replace(old, new))))

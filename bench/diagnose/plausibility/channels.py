@@ -36,6 +36,7 @@ BLOCKS = 6  # of the readings; what is said has to hold with any of them left ou
 LEAST = 30  # readings of a drive in motion
 GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
 SURE_OF_CLOCK = 0.999  # level of the interval of a clock's rate: one healthy campaign in a thousand is doubted
+MOST_RATINGS = 100.0  # times the rated load
 BEYOND = 2.0  # times the limits of a drive
 # Times a limit that was made up: nearer, on a logarithmic scale, to what another unit would make of data (degrees, mNm)
 # than to data in SI units
@@ -57,6 +58,8 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     """
     if any(finding.level == "doubt" and finding.column.startswith(("q_", "load_")) for finding in known):
         return ()
+    if too_heavy := tuple(_beyond_rating(campaign, compiled)):
+        return too_heavy
     told = {finding.column for finding in known if finding.level != "warning"}
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
@@ -118,6 +121,18 @@ def _of_clock(clock: Clock | None) -> Iterator[Finding]:
             f"that {clock.drives} drives paid for"
         )
         yield doubt("time_s", message, "look at the sampling rate that was stated")
+
+
+def _beyond_rating(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+    """Yield loads so far above what the robot is rated for that no drive holds them."""
+    rating = compiled.robot.figures.rating
+    for parts, rated, unit in ((slice(0, 3), rating.force_n, "N"), (slice(3, 6), rating.moment_nm, "Nm")):
+        sizes = [(float(np.max(np.abs(run.load_wrench()[:, parts]), initial=0)), run.name) for run in campaign.runs]
+        most, run = max(sizes, default=(0.0, ""))
+        if most > MOST_RATINGS * rated:
+            column = "load_z_n" if unit == "N" else "load_mx_nm"
+            message = f"a load of {most:.3g} {unit} in run {run!r}, and the robot is rated for {rated:.3g}"
+            yield doubt(column, message, "N and Nm? else correct the rating in figures.yaml")
 
 
 def _beyond_speed(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:

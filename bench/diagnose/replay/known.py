@@ -24,6 +24,7 @@ from bench.robot.compiled import CompiledRobot
 # to Nm/rad, or N/m of a slide: what data sheets have
 STIFFNESS_UNITS = {"Nm/arcmin": 180 * 60 / np.pi, "kNm/rad or kN/m": 1e3, "MNm/rad or kN/mm": 1e6}
 FAR = 100.0  # derived: times; joints of one size differ by less, and the smallest of these factors is ten times that
+STIFFER = 1e4  # times; two orders above `FAR`, for the model's figure may be that of a soft one
 KINDS = {
     "payload_kg": "known_payload",
     "stiffness_nm_per_rad": "known_stiffness",
@@ -165,6 +166,8 @@ def _another_unit(value: float, nominal: float) -> Iterator[tuple[str, str]]:
     if value * FAR < nominal and off[unit] < np.log(FAR) / 2:
         words = f"{value:g} is {nominal / value:.3g} times softer than the model's joint"
         yield "value", f"{words}: {unit}? multiply by {STIFFNESS_UNITS[unit]:.6g}"
+    if value > STIFFER * nominal:
+        yield "value", f"{value:g} is {value / nominal:.3g} times stiffer than the model's joint: look at its unit"
 
 
 def _rest(one: Known, run: Run, label: str, compiled: CompiledRobot, quantities: Sequence[Quantity]) -> Segment:

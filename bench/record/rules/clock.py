@@ -4,14 +4,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from bench.record.campaign import Array
 from bench.record.finding import Finding
 from bench.record.rules.sheet import Sheet, rows_where
 
 UNEVEN = 0.5  # of the median step; jitter of an ordinary logger stays below, a lost sample makes 1
 LATE_S = 60.0  # a run may begin with settling; a clock that counts from when the controller was switched on is later
 SHORTEST_STEP_S = 1e-7  # [s]; no instrument of a robot is read ten million times a second
+MILLISECONDS = "milliseconds? multiply by 0.001"
 SLOW_STEP_S = 0.5  # samples of a movement come faster than this
+FEWEST = 10  # rows that count by one before they are taken for row numbers
 SLOWEST = {"rad": 1e-3, "m": 1e-4}  # [rad/s], [m/s]; the slowest sweeps for friction are ten times faster
+
+
+def counts_by_one(time: Array) -> bool:
+    """Whether a clock goes on by exactly 1 from row to row, as row numbers do."""
+    return len(time) >= FEWEST and bool(np.all(np.diff(time) == 1))
 
 
 def rises(sheet: Sheet) -> Iterator[Finding]:
@@ -45,5 +53,7 @@ def is_regular(sheet: Sheet) -> Iterator[Finding]:
         fastest = np.max(np.abs(np.diff(values)) / step)
         if sheet.moves(column.name) and fastest < SLOWEST[column.unit]:
             message = f"makes {column.name} creep at {fastest:.2g} {column.unit}/s at most"
-            yield sheet.doubt("time_s", message, "milliseconds? multiply by 0.001")
+            is_count = counts_by_one(time)
+            remedy = "row numbers? divide them by the rows that were read in a second" if is_count else MILLISECONDS
+            yield sheet.doubt("time_s", message, remedy)
             return

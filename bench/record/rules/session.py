@@ -3,16 +3,38 @@
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
+import numpy as np
+
 from bench.record.finding import Finding
+from bench.record.rules.clock import counts_by_one
 from bench.record.rules.repeated_runs import no_run_twice
 from bench.record.rules.sheet import Sheet
 
 ROUNDING_S = 1.0  # dates of files come in whole seconds
+YEAR_S = 3.2e7
+OFTEN = 5.0  # times as often are other motions read, of which one that is read once a second stands out
+SLOWER = 0.1  # of the speed of the others; it is no slow sweep, for it is read as slowly as it moves
 
 
 def examine_session(sheets: Sequence[Sheet]) -> list[Finding]:
     """Put the runs of one campaign, or of several of one machine, through the rules together."""
-    return [*no_overlap(sheets), *no_run_twice(sheets)]
+    return [*begins_in_time(sheets), *no_overlap(sheets), *no_row_numbers(sheets), *no_run_twice(sheets)]
+
+
+def begins_in_time(sheets: Sequence[Sheet]) -> Iterator[Finding]:
+    """Each run starts within a year of the one before, the first one of the recording's start."""
+    recording, before = None, 0.0
+    for sheet in sorted(sheets, key=lambda sheet: (sheet.run.recording, sheet.run.start_s)):
+        if sheet.run.recording != recording:
+            recording, before = sheet.run.recording, 0.0
+        start, since = sheet.run.start_s, "the run before" if before else "the start of its recording"
+        if start - before > YEAR_S:
+            message = f"starts {start:g} s, {(start - before) / YEAR_S:.2g} years, after {since}"
+            remedy = (
+                "milliseconds, or since 1970? write start_s into campaign.yaml in seconds since the recording began"
+            )
+            yield sheet.doubt("start_s", message, remedy)
+        before = start
 
 
 def no_overlap(sheets: Sequence[Sheet]) -> Iterator[Finding]:
@@ -26,3 +48,37 @@ def no_overlap(sheets: Sequence[Sheet]) -> Iterator[Finding]:
             message = f"ends at {end:g} s, after {after.run.name!r} began at {after.run.start_s:g} s"
             remedy = "correct start_s; two instruments' logs of one movement belong into one table"
             yield before.warning("time_s", message, remedy)
+
+
+def no_row_numbers(sheets: Sequence[Sheet]) -> Iterator[Finding]:
+    """No clock of a motion counts its rows.
+
+    One that goes on by exactly a second a row is doubted where other motions are read much more often, and where it
+    lasts into the next run or moves as much more slowly than they do.
+    """
+    motions = [sheet for sheet in sheets if sheet.run.kind == "motion" and "time_s" in sheet.run.columns]
+    motions = [sheet for sheet in motions if np.all(np.diff(sheet.run.columns["time_s"]) > 0)]  # else it is an error
+    counted = [sheet for sheet in motions if counts_by_one(sheet.run.columns["time_s"])]
+    often = [sheet for sheet in motions if OFTEN * _step(sheet) <= 1]
+    if not often:
+        return
+    for sheet in counted:
+        other = min(often, key=_step)
+        later = [one.run.start_s for one in sheets if one.run.recording == sheet.run.recording]
+        later = [start for start in later if start > sheet.run.start_s]
+        overlaps = bool(later) and sheet.run.start_s + len(sheet.run) - 1 > min(later) + ROUNDING_S
+        if overlaps or _speed(sheet) < SLOWER * max(map(_speed, often)):
+            message = f"counts rows, by 1 from row to row; that of {other.file} goes on by {_step(other):.3g} s"
+            yield sheet.doubt("time_s", message, "row numbers? divide them by the rows that were read in a second")
+
+
+def _step(sheet: Sheet) -> float:
+    step = np.diff(sheet.run.columns["time_s"])
+    return float(np.median(step)) if len(step) else np.inf
+
+
+def _speed(sheet: Sheet) -> float:
+    """Return the largest speed of any joint, hinge or slide, from row to row."""
+    step = np.diff(sheet.run.columns["time_s"])
+    moved = (np.max(np.abs(np.diff(values)) / step, initial=0) for _, values in sheet.columns("q_cmd", "q_motor"))
+    return float(max(moved, default=0.0))

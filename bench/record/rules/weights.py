@@ -11,6 +11,7 @@ from bench.record.units import STANDARD_GRAVITY
 
 APART = 0.05  # force sensors are good to 0.5 to 3 %, weights to 0.1 %; the least error of a load tried as a defect
 UNSTATED_N = 10 * LOAD_N  # beyond what a cable or a hand on the sensor makes; assumed
+ACROSS, LIKE = 0.3, (0.5, 2.0)  # cosine of 73 degrees, and sizes of one thing: the sensor reads along other axes
 HEAVY_N = 10.0  # [N]; below, rounding of either may be what differs
 
 
@@ -26,6 +27,23 @@ def masses_hang(sheet: Sheet) -> Iterator[Finding]:
         yield sheet.doubt(
             "load_mass_kg", message, "the weight of the mass stands in load_z_n; correct one of them", rows
         )
+
+
+def nothing_hangs_first(sheet: Sheet) -> Iterator[Finding]:
+    """In each visit to a pose, load step 0 is the reading without load."""
+    columns = sheet.run.columns
+    if sheet.run.kind != "static" or not {"pose", "load_step", "load_z_n"} <= set(columns):
+        return
+    step, weight = columns["load_step"], -columns["load_z_n"]
+    visits = np.stack([columns["pose"], columns.get("approach", 0 * step)])
+    for visit in np.unique(visits, axis=1).T:
+        here = np.all(visits == visit[:, None], axis=0)
+        if np.any(here & (step == 0)) and np.any(here & (step > 0)):
+            least = float(np.min(weight[here & (step > 0)]))
+            if rows := rows_where(here & (step == 0) & (weight > least + HEAVY_N)):
+                message = f"is 0, without load, and load_z_n is {-weight[rows[0] - 1]:.4g} N"
+                yield sheet.doubt("load_step", message, "count load steps from 0, the reading without load", rows)
+                return
 
 
 def loads_are_felt(sheet: Sheet) -> Iterator[Finding]:
@@ -44,7 +62,16 @@ def loads_are_felt(sheet: Sheet) -> Iterator[Finding]:
         return
     felt, hung = (values - values.mean(axis=1, keepdims=True) for values in (force, load))
     along = float(np.sum(hung * felt))
-    if along <= CORRELATED * float(np.sqrt(np.sum(hung**2) * np.sum(felt**2))):
+    sizes = [float(np.sqrt(np.sum(values**2))) for values in (hung, felt)]
+    if (
+        abs(along) < ACROSS * sizes[0] * sizes[1]
+        and LIKE[0] < sizes[1] / sizes[0] < LIKE[1]
+        and len(axes) == len("xyz")
+    ):
+        axis = axes[int(np.argmax(np.ptp(force, axis=1)))]
+        message = f"feels what load_{axes[int(np.argmax(np.ptp(load, axis=1)))]}_n says"
+        yield sheet.doubt(f"force_{axis}_n", message, "look at the axes of the sensor; forces are along world axes")
+    if along <= CORRELATED * sizes[0] * sizes[1]:
         return
     ratio = along / float(np.sum(hung**2))
     if abs(ratio - 1) > APART and not any(abs(ratio / factor - 1) < NEAR for factor in FORCES):

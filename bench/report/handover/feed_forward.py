@@ -14,6 +14,7 @@ from bench.record import csv_table
 from bench.record.campaign import Array
 from bench.record.finding import Finding
 from bench.report.handover.applied import Applied, viscous
+from bench.report.handover.motion_faults import clock_faults, derivative_faults
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion, Prescribed
 
@@ -55,7 +56,8 @@ def read_motion(file: Path, compiled: CompiledRobot) -> Motion:
     are taken over three neighbouring rows, which is exact where the acceleration is constant between them.
 
     Raises:
-        InputError: The file cannot be read, or lacks a column; times do not grow; or angles leave the joints' ranges.
+        InputError: The file cannot be read, or lacks a column; times do not grow, or are hardly in seconds; angles
+            leave the joints' ranges; or a derivative is one of something else.
     """
     findings: list[Finding] = []
     if not file.is_file():
@@ -74,6 +76,8 @@ def read_motion(file: Path, compiled: CompiledRobot) -> Motion:
     problems = list(_faults(file, time, q, compiled, names))
     if problems:
         raise InputError(problems)
+    if problems := [f"{file}: {words}" for words in clock_faults(time, q, compiled)]:
+        raise InputError(problems)
     derivatives = []
     for kind in ("velocity", "acceleration"):
         given = [f"{kind}_{j + 1}" for j in range(n)]
@@ -82,6 +86,12 @@ def read_motion(file: Path, compiled: CompiledRobot) -> Motion:
             raise InputError(f"{file}: has {', '.join(there)} but not all of {', '.join(given)}.")
         derivatives.append(np.stack([columns[name] for name in there], axis=1) if there else None)
     velocity, acceleration = _derivatives(time, q)
+    if derivatives[0] is not None:
+        problems += derivative_faults("velocity", derivatives[0], velocity, compiled)
+    if derivatives[1] is not None:
+        problems += derivative_faults("acceleration", derivatives[1], acceleration, compiled)
+    if problems:
+        raise InputError(f"{file}: {words}" for words in problems)
     return Motion(
         time=time,
         q=q,

@@ -122,6 +122,12 @@ def _faulty_limits(joints: list[ElementTree.Element]) -> Iterator[str]:
         lower, upper = (_number(limit.get(key, "")) for key in ("lower", "upper"))
         if lower > upper:
             yield f"{place}: lower is {lower:g}, above upper, {upper:g}; exchange them."
+        elif (
+            lower == upper
+            and joint.get("type") in ("revolute", "prismatic")
+            and {"lower", "upper"} <= set(limit.keys())
+        ):
+            yield f'{place}: lower and upper are both {lower:g}; write how far it goes, or type="fixed".'
 
 
 def _place_mesh(

@@ -15,6 +15,7 @@ from bench.robot.folder import load_robot
 from tests.small_robot import FRICTION, LINK, MASS, ROTOR
 
 G = 9.81
+RAMP, SLOPE = np.linspace(0, 1, 400), np.full(400, 1 / (399 * 0.004))  # [rad], [rad/s]
 GIVE = 5e-3  # of a torque: the link hangs lower than its motor by its weight over the stiffness, some 1e-3 rad
 
 
@@ -66,10 +67,12 @@ def test_what_friction_and_rotor_take(small_robot: Path, compiled: CompiledRobot
 
 
 def test_derivatives_that_the_planner_knows_are_taken(compiled: CompiledRobot, tmp_path: Path) -> None:
-    known = {f"{kind}_{j}": np.full(400, j + 0.5) for kind in ("velocity", "acceleration") for j in (1, 2)}
-    motion = read_motion(written(tmp_path / "m.csv", sweep() | known), compiled)
-    np.testing.assert_array_equal(motion.velocity, [[1.5, 2.5]] * 400)
-    np.testing.assert_array_equal(motion.acceleration, [[1.5, 2.5]] * 400)
+    speeds, accelerations = 0.1 + 0.52 * np.arange(400) * 0.004, np.full(400, 0.52)  # 4 % beside those of the rows
+    known = {"velocity_1": 0 * speeds, "velocity_2": speeds, "acceleration_1": 0 * speeds}
+    columns = sweep(0.1, 0.5) | known | {"acceleration_2": accelerations}
+    motion = read_motion(written(tmp_path / "m.csv", columns), compiled)
+    np.testing.assert_allclose(motion.velocity[:, 1], speeds)
+    np.testing.assert_allclose(motion.acceleration[:, 1], accelerations)
 
 
 def test_motions_beyond_a_drive_are_told(small_robot: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -79,10 +82,10 @@ def test_motions_beyond_a_drive_are_told(small_robot: Path, tmp_path: Path, caps
         assert main(["apply", str(small_robot), "-o", str(tmp_path / name), "--motion", file]) == 0
         errors = capsys.readouterr().err
         assert errors.startswith(f"warning  {said}") if said else errors == ""
-    jerky = sweep() | {"acceleration_1": np.zeros(400), "acceleration_2": np.full(400, 500.0)}
+    jerky = sweep(0.0, 500.0, count=3)
     applied = applied_robot(load_robot(small_robot))
     motion = read_motion(written(tmp_path / "m.csv", jerky), applied.compiled)
-    (words,) = beyond(feed_forward(applied, motion), motion, applied)
+    *_, words = beyond(feed_forward(applied, motion), motion, applied)
     assert words.startswith("hinge_b: ")
     assert words.endswith("more than the 9000 Nm of its drive")
 
@@ -105,6 +108,10 @@ def test_what_the_drive_shows_has_its_errors(found: Path, tmp_path: Path) -> Non
         ({"q_cmd_2_rad": np.full(400, 2.1)}, r"row 1: q_cmd_2_rad: 2.1 is outside of -2 to 2"),
         ({"q_cmd_2_rad": None}, "lacks q_cmd_2_rad; a measured motion is none"),
         ({"time_s": None}, r"lacks time_s\."),
+        ({"time_s": 1e9 * sweep()["time_s"], "q_cmd_1_rad": RAMP}, r"time_s: goes on by 4e\+06 s.*give it in seconds"),
+        ({"time_s": 1e-9 * sweep()["time_s"]}, r"time_s: goes on by 4e-12 s.*give it in seconds"),
+        ({"q_cmd_1_rad": RAMP, "velocity_1": 57.3 * SLOPE, "velocity_2": 0 * SLOPE}, "velocity_1: reaches .*degrees"),
+        ({"velocity_1": np.full(400, np.nan), "velocity_2": 0 * SLOPE}, "velocity_1: is not a number|no value"),
         ({"velocity_1": np.zeros(400)}, "has velocity_1 but not all of velocity_1, velocity_2"),
     ],
 )
@@ -112,6 +119,22 @@ def test_motions_that_cannot_be_taken(compiled: CompiledRobot, tmp_path: Path, c
     columns = {name: values for name, values in (sweep() | change).items() if values is not None}
     with pytest.raises(InputError, match=said):
         read_motion(written(tmp_path / "m.csv", columns), compiled)
+
+
+@pytest.mark.parametrize("payload", ["-1", "nan", "inf", "1e9", "4000"])  # it is rated for 30.6 kg
+def test_a_payload_that_no_robot_carries_is_refused(
+    small_robot: Path, tmp_path: Path, payload: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["apply", str(small_robot), "-o", str(tmp_path / "out"), f"--payload-kg={payload}"]) == 2
+    assert "--payload-kg" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_payload_above_the_rating_is_told(
+    small_robot: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["apply", str(small_robot), "-o", str(tmp_path / "out"), "--payload-kg=40"]) == 0
+    assert "40 kg are more than the 30.6 kg of the rating" in capsys.readouterr().err
 
 
 def test_files_that_cannot_be_read(compiled: CompiledRobot, tmp_path: Path) -> None:
