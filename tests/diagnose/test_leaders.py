@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.diagnose.name.leaders import grown, leaders_of, scattering, without
+from bench.diagnose.name.leaders import grown, leaders_of, rivals_of, scattering, without
 from bench.diagnose.name.search import Alternative, Subset, SubsetPosterior, Term
 
 
@@ -73,7 +73,17 @@ def test_a_finding_with_many_names_leaves_room_for_those_of_another() -> None:
 
     found = [alternative(f"loss step{i}", 50.0 - i / 10) for i in range(6)]
     found += [alternative("cold step0", 43.0), alternative("cold step1", 42.9), alternative("cold", 42.0)]
-    many = found[:4]
-    assert leaders_of(found, 4) == many
-    assert leaders_of(found, 4, exchanged=2) == [*many, found[6]]
-    assert leaders_of(found, 8, exchanged=2) == found[:8]
+    many = leaders_of(found, 4)
+    assert many == found[:4]
+    simulated = {one.keys for one in many}
+    assert rivals_of(found, found[0].keys, simulated, 2) == [found[6]]
+    assert rivals_of(found, found[0].keys, simulated | {found[7].keys}, 2) == [found[6]]
+    assert rivals_of(found, found[0].keys, simulated | {found[6].keys}, 2) == []
+
+
+def test_the_best_of_simulated_models_has_rivals_whatever_promised_more() -> None:
+    """Three findings of three joints: leaders had two of them each, and other names of the third were never tried."""
+    names = ["cold+stiff", "warm+stiff", "cold+stiff+rough", "warm+stiff+rough", "cold+rough"]
+    found = [Alternative(frozenset(name.split("+")), Subset((), -i), -i) for i, name in enumerate(names)]
+    simulated = {found[i].keys for i in (0, 1, 2)}
+    assert rivals_of(found, found[2].keys, simulated, 4) == [found[3]]

@@ -47,6 +47,8 @@ def refit(
     start: Mapping[Key, float],
     nuisances: Array | None = None,
     known: Fit | None = None,
+    *,
+    renews: bool = True,
 ) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
 
@@ -60,6 +62,8 @@ def refit(
         start: (effect, place, parameter) -> first value; null where nothing is given.
         nuisances: Shape (p,), first values; None: zeros.
         known: A fit near the start, whose derivatives will do as long as they promise what comes true.
+        renews: Whether a fit with new play ends with derivatives of all nuisances about itself, which takes a
+            simulation for each. `refitted` does that later.
 
     Raises:
         ConvergenceError, RobotError: The extended model cannot be simulated at all.
@@ -69,7 +73,7 @@ def refit(
     values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
     slopes = (known.slopes_of(unknowns), known.renewed) if known else ()
-    return _with_its_play(linear, causes, _Point(np.clip(values, low, high), x, None, *slopes))
+    return _with_its_play(linear, causes, _Point(np.clip(values, low, high), x, None, *slopes), renews)
 
 
 def refitted(linear: LinearisedModel, fit: Fit) -> Fit:
@@ -82,19 +86,19 @@ def refitted(linear: LinearisedModel, fit: Fit) -> Fit:
     Raises:
         ConvergenceError, RobotError: As `refit`.
     """
-    return _with_its_play(linear, fit.causes, _point_of(fit))
+    return _with_its_play(linear, fit.causes, _point_of(fit), renews=True)
 
 
 def _point_of(fit: Fit) -> _Point:
     return _Point(fit.values, fit.nuisances, fit.residual, fit.slopes_of(fit.unknowns), fit.renewed)
 
 
-def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point) -> Fit:
+def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point, renews: bool) -> Fit:
     """Fit an extension until the play that its scatter belongs to is the play that it finds."""
     unknowns = unknowns_of(causes)
     play = play_of(linear, causes, unknowns, point.values)
     for _ in range(MOST_PLAYS):
-        fit = _fitted(Objective(with_play(linear, play), causes), point)
+        fit = _fitted(Objective(with_play(linear, play), causes), point, renews)
         found = play_of(linear, causes, unknowns, fit.values)
         if scatters_alike(found, play):
             break
@@ -102,20 +106,21 @@ def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _P
     return fit
 
 
-def _fitted(objective: Objective, point: _Point) -> Fit:
+def _fitted(objective: Objective, point: _Point, renews: bool) -> Fit:
     """Fit an extension to a design that knows its play."""
     if point.residual is None:
         first = objective.near(point.nuisances, point.values)
     else:
         first = objective.at(point.nuisances, point.values, point.residual)
-    state, slopes = _least(objective, first, objective.derivatives(first, point.jacobian, point.renewed))
+    renews = renews and has_new_play(objective.linear, objective.linear.scatter.play)
+    state, slopes = _least(objective, first, objective.derivatives(first, point.jacobian, point.renewed), renews)
     if slopes.is_corrected:  # corrections lead to the optimum; what is stated there rests on derivatives
         with suppress(*NOT_SIMULATED):
             slopes = objective.derivatives(state, nuisances=slopes.renewed)
     return _fit(objective, state, slopes)
 
 
-def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[State, Derivatives]:
+def _least(objective: Objective, state: State, slopes: Derivatives, renews: bool) -> tuple[State, Derivatives]:
     """Return where the objective is least, and derivatives that lead no further.
 
     Derivatives serve as long as steps fall as far as they promise. Else those of the unknowns are taken anew, where
@@ -124,7 +129,7 @@ def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[Sta
     """
     for iteration in range(MOST_ITERATIONS + 1):
         step, promised = _step(objective, state, slopes)
-        if promised < ENOUGH and not slopes.renewed and _has_new_play(objective):
+        if promised < ENOUGH and renews and not slopes.renewed:
             with suppress(*NOT_SIMULATED):
                 slopes = objective.all_derivatives(state)
                 step, promised = _step(objective, state, slopes)
@@ -149,9 +154,9 @@ def _least(objective: Objective, state: State, slopes: Derivatives) -> tuple[Sta
     return state, slopes
 
 
-def _has_new_play(objective: Objective) -> bool:
-    """Whether gears have play that they have not in the design."""
-    return bool(np.any(objective.linear.scatter.play > objective.linear.replay.compiled.play))
+def has_new_play(linear: LinearisedModel, play: Array) -> bool:
+    """Whether gears have play, shape (n,), that they have not in the design."""
+    return bool(np.any(play > linear.replay.compiled.play))
 
 
 def _step(objective: Objective, state: State, slopes: Derivatives) -> tuple[Array, float]:

@@ -10,25 +10,45 @@ GROWING = 12  # effort: subsets that are expanded to find what is missing beside
 MOST_PLAYS = 12  # effort: models with a play that are tried; one of 20 findings would be tried for minutes
 
 
-def leaders_of(found: Sequence[Alternative], count: int, exchanged: int = 0) -> list[Alternative]:
+def leaders_of(found: Sequence[Alternative], count: int) -> list[Alternative]:
     """Return what is worth a simulation: the best, and the best of those that have all of a better one and more.
 
     Args:
         found: By a search, the most probable first.
         count: How many of the best.
-        exchanged: For so many findings of the best of all that have the same name in these, the likeliest other name.
-            One finding with many names (from which run on gas was lost) else leaves no room for those of another one.
     """
     near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
     larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
-    leaders = [one for one in near if one not in larger][:count]
-    best = found[0].keys
-    others: list[Alternative] = []
-    for one in near:
-        gone = best - one.keys
-        if len(gone) == len(one.keys - best) == 1 and all(gone <= other.keys for other in (*leaders, *others)):
-            others.append(one)
-    return [*leaders, *others[:exchanged], *larger[:1]]
+    return [*[one for one in near if one not in larger][:count], *larger[:1]]
+
+
+def rivals_of(
+    found: Sequence[Alternative], best: frozenset[Hashable], known: Set[frozenset[Hashable]], count: int
+) -> list[Alternative]:
+    """Return the likeliest other name of findings of a simulated model for which no other name was simulated.
+
+    One finding with many names (from which run on gas was lost) leaves no room for those of another one among leaders,
+    and where the best of simulated models is not the one that promised most, leaders have other names of that.
+
+    Args:
+        found: By a search and by exchanges of each finding of the model, the most probable first.
+        best: Keys of the model.
+        known: Keys of all models that were simulated.
+        count: For so many findings at most.
+    """
+    tried = {gone for keys in known if (gone := _exchanged(best, keys))}
+    rivals: dict[frozenset[Hashable], Alternative] = {}
+    for one in found:
+        gone = _exchanged(best, one.keys)
+        if gone and gone not in tried and one.keys not in known:
+            rivals.setdefault(gone, one)
+    return list(rivals.values())[:count]
+
+
+def _exchanged(best: frozenset[Hashable], other: frozenset[Hashable]) -> frozenset[Hashable]:
+    """Return the finding of a model that another one has under another name, all others being the same; or nothing."""
+    gone = best - other
+    return gone if len(gone) == len(other - best) == 1 else frozenset()
 
 
 def grown(about: SearchSpace, leaders: Sequence[Alternative]) -> tuple[int, ...]:

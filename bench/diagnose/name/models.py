@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from bench.diagnose.extend.fit import Fit, Key, unknowns_of
-from bench.diagnose.extend.refit import refit, refitted
+from bench.diagnose.extend.refit import has_new_play, refit, refitted
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, anew
 from bench.diagnose.linearise.linearised_model import LinearisedModel
@@ -22,6 +22,9 @@ from bench.record.campaign import Array
 
 # effort: ratio of neighbouring shapes below which an effect is lost between two of them: more starts are tried
 NARROW = 1.5
+# effort: evidence that derivatives about a model with play may add: where they were missing, they lowered chi-square by
+# 21, which is 10.5 (tests/diagnose/test_refit.py)
+MOST_GAINED = 30.0
 TINY = 1e-300  # rounding: so that nothing is divided by zero
 
 
@@ -140,8 +143,17 @@ class Fitter:
             {candidate.keys: candidate for candidate in candidates if candidate.keys not in self.models}.values()
         )
         fits = in_order(self.executor, partial(_fit, self.linear, self.known), new)
-        for candidate, found in zip(new, fits, strict=True):
-            self.models[candidate.keys] = self._model(candidate, *found) if found else None
+        done = [(candidate, *fit) for candidate, fit in zip(new, fits, strict=True) if fit]
+        # derivatives about models with play take a simulation for each nuisance: only where they may decide
+        best = max((fit.log_evidence for _, fit, _ in done), default=-np.inf)
+        open_ones = [
+            one for one in done if has_new_play(self.linear, one[1].play) and one[1].log_evidence > best - MOST_GAINED
+        ]
+        renewed = in_order(self.executor, partial(_renewed, self.linear), open_ones)
+        better = {one[0].keys: fit for one, fit in zip(open_ones, renewed, strict=True)}
+        self.models |= dict.fromkeys((candidate.keys for candidate in new), None)
+        for candidate, fit, kept in done:
+            self.models[candidate.keys] = self._model(candidate, better.get(candidate.keys, fit), kept)
         models = (self.models[keys] for keys in dict.fromkeys(candidate.keys for candidate in candidates))
         unique = {model.keys: model for model in models if model is not None}
         return list(unique.values())
@@ -251,18 +263,30 @@ def _fit(
     found: Fit | None = None
     for start in _starts(candidate, known):
         with suppress(*NOT_SIMULATED):
-            fit = refit(linear, candidate.causes, start, nuisances, known)
+            fit = refit(linear, candidate.causes, start, nuisances, known, renews=False)
             if found is None or fit.log_evidence > found.log_evidence:
                 found = fit
     if found is None:
         return None
     try:
         while len(needed := needed_of(found)) < len(found.causes):
-            found = refit(linear, needed, found.start, found.nuisances, found)
+            found = refit(linear, needed, found.start, found.nuisances, found, renews=False)
     except NOT_SIMULATED:
         return None
     kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
     return replace(found, causes=(), unknowns=()), kept
+
+
+def _renewed(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int, ...]], _: Progress) -> Fit:
+    """Return a fit with new play, brought to its end by derivatives of all nuisances about itself; see `_fit`."""
+    candidate, fit, kept = done
+    causes = tuple(candidate.causes[i] for i in kept)
+    linear = with_shape(plain, candidate.shape) if candidate.shape else plain
+    try:
+        found = refitted(linear, replace(fit, causes=causes, unknowns=unknowns_of(causes)))
+    except NOT_SIMULATED:
+        return fit
+    return replace(found, causes=(), unknowns=())
 
 
 def needed_of(fit: Fit) -> tuple[Cause, ...]:

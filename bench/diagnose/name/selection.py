@@ -20,7 +20,7 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
-from bench.diagnose.name.leaders import grown, leaders_of, scattering, without
+from bench.diagnose.name.leaders import grown, leaders_of, rivals_of, scattering, without
 from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.paying import fit_without_cause, fit_without_shape, held_findings, shape_pays, with_scatter
@@ -185,7 +185,7 @@ class _Selection:
         self.promising = tuple(cause for cause in causes if cause)
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
         count = LEADERS if is_last else LEADERS // 2
-        leading = leaders_of(found, count, EXCHANGED if is_last else 0)
+        leading = leaders_of(found, count)
         leaders = [*(one.best.terms for one in leading), grown(about, leading)]
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known)
@@ -198,6 +198,14 @@ class _Selection:
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
         first = max(models, key=lambda model: model.log_posterior)
+        if is_last and first.keys and not first.shape:
+            mine = next((one.best for one in found if one.keys == first.keys), None)
+            if mine and mine != visited[0]:
+                every |= {one.terms: one for one in exchanges(about.model, mine, shape)}
+                found = alternatives_of(about.model, every.values())
+            rivals = rivals_of(found, first.keys, {model.keys for model in models}, EXCHANGED)
+            models += fitter.fitted([about.candidate_of(one.best.terms) for one in rivals])
+            first = max(models, key=lambda model: model.log_posterior)
         if adds and not shape and first.keys == self.best.keys:
             models += self._beside(about, fitter, first.log_posterior, is_last=is_last)
             found = [one for one in found if not one.keys & self.refused_shapes]
