@@ -24,7 +24,7 @@ from bench.robot.compiled import CompiledRobot
 # to Nm/rad, or N/m of a slide: what data sheets have
 STIFFNESS_UNITS = {"Nm/arcmin": 180 * 60 / np.pi, "kNm/rad or kN/m": 1e3, "MNm/rad or kN/mm": 1e6}
 FAR = 100.0  # derived: times; joints of one size differ by less, and the smallest of these factors is ten times that
-STIFFER = 1e4  # times; two orders above `FAR`, for the model's figure may be that of a soft one
+STIFFER = 1e4  # derived: times; two orders above `FAR`, for the model's figure may be that of a soft one
 KINDS = {
     "payload_kg": "known_payload",
     "stiffness_nm_per_rad": "known_stiffness",
