@@ -53,8 +53,11 @@ class Compare:
         from bench.errors import InputError
         from bench.executor.local import on_cores
         from bench.executor.watched import Watched
+        from bench.record.finding import Finding
         from bench.record.folder import new_folder
         from bench.record.joined import names_of
+        from bench.record.known import PAYLOAD
+        from bench.record.manifest import MANIFEST
         from bench.record.rules.repeated_runs import no_campaign_twice
         from bench.report.comparison.words import words_of
         from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
@@ -73,6 +76,10 @@ class Compare:
         doubts = [(place, finding) for place, one in read for finding in one.doubts]
         named = {name: one.campaign for name, one in zip(names, opened, strict=True)}
         doubts += [(folders[names.index(name)], finding) for name, finding in no_campaign_twice(named)]
+        for folder, one in read:
+            unused = sorted({known.quantity for known in one.campaign.known} - {PAYLOAD})
+            words = "is not used in a comparison", "look at the sizes that are named beside it"
+            warnings += [(folder, Finding("warning", MANIFEST, None, f"known: {name}", *words)) for name in unused]
         heed(warnings, doubts, despite_doubts=self.despite_doubts)
         compiled = opened[0].compiled
         try_out([effect for name, effect in effects.items() if name not in known], compiled)

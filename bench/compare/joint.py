@@ -12,7 +12,7 @@ from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of,
 from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_scatter
 from bench.diagnose.linearise.signatures import Digits, Sensitivities, Signatures
-from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, Segment, segments_of
@@ -21,6 +21,7 @@ from bench.effects.recorded import recorded_in
 from bench.errors import InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
+from bench.record.known import PAYLOAD
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
@@ -96,7 +97,7 @@ def joint_of(
     causes = causes_of(catalogue.values(), compiled, measured, recorded)
     first = {one.campaign.runs[0].name for one in recordings}  # what sets in with it acts in all of a recording
     causes = tuple(cause for cause in causes if cause.place.since not in first)
-    nuisances = nuisances_of(compiled, quantities)
+    nuisances = _as_weighed(nuisances_of(compiled, quantities), recordings)
     known: list[tuple[tuple[Segment, ...], Sensitivities]] = []
     for one in recordings:
         segments = segments_of(one.campaign, compiled, quantities, most_bins)
@@ -136,6 +137,16 @@ def compared_channels(
     )
     both = tuple(one for one in after if one in before)
     return both, tuple(one for one in (*before, *after) if one not in both)
+
+
+def _as_weighed(nuisances: Sequence[Nuisance], recordings: Sequence[Recording]) -> tuple[Nuisance, ...]:
+    """Return background errors in which what is bolted on is no better known than it was weighed."""
+    payloads = [one for recording in recordings for one in recording.campaign.known if one.quantity == PAYLOAD]
+    worst = max((one.sigma / one.value for one in payloads if one.value), default=0.0)
+    return tuple(
+        replace(one, sigma=max(one.sigma, worst), own=max(one.own, worst)) if one.scales_payload else one
+        for one in nuisances
+    )
 
 
 def _stacked(parts: Sequence[Digits | None]) -> Digits | None:

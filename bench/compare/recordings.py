@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.errors import CampaignError
 from bench.record.campaign import Array, Campaign
+from bench.record.carried import with_payloads
 
 DAY = 86400.0  # [s]
 
@@ -32,6 +33,8 @@ class Recording:
 def recordings_of(before: Mapping[str, Campaign], after: Mapping[str, Campaign]) -> tuple[Recording, ...]:
     """Return the recordings before, then those after; the latter by the time at which they began where all say it.
 
+    A payload that the lab knows besides is what runs carry that state none.
+
     Args:
         before: Name -> campaign of the machine as it was; several recordings in it count as repeats.
         after: Name -> campaign, in the order given.
@@ -39,8 +42,8 @@ def recordings_of(before: Mapping[str, Campaign], after: Mapping[str, Campaign])
     Raises:
         CampaignError: There is none before or none after, two have the same name, or they are of different robots.
     """
-    found = [one for name, campaign in before.items() for one in _split(name, campaign, is_after=False)]
-    later = [one for name, campaign in after.items() for one in _split(name, campaign, is_after=True)]
+    found = [one for name, campaign in before.items() for one in _split(name, with_payloads(campaign), is_after=False)]
+    later = [one for name, campaign in after.items() for one in _split(name, with_payloads(campaign), is_after=True)]
     if not found or not later:
         raise CampaignError("a comparison needs a recording before and at least one after")
     starts = [one.started for one in later]

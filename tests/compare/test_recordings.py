@@ -9,6 +9,7 @@ import pytest
 from bench.compare.recordings import days_of, recordings_of
 from bench.errors import CampaignError
 from bench.record.campaign import Campaign, Run
+from bench.record.known import Known
 
 RUN = Run("sweep", "motion", 0.0, {"time_s": np.arange(3.0), "q_motor_1_rad": np.arange(3.0)})
 PLAIN = Campaign("hh150", (RUN,))
@@ -35,6 +36,17 @@ def test_recordings_of_one_campaign_before_are_repeats() -> None:
     runs = (replace(RUN, recording="may"), replace(RUN, name="again", recording="june"))
     found = recordings_of({"a": replace(PLAIN, runs=runs)}, {"b": PLAIN})
     assert [(one.name, one.is_after) for one in found] == [("a.may", False), ("a.june", False), ("b", True)]
+
+
+def test_a_payload_that_the_lab_weighed_is_what_runs_carry() -> None:
+    """It was ignored, and named as a payload that had changed."""
+    known = tuple(Known("payload_kg", mass, 0.1, recording=name) for name, mass in (("may", 80.0), ("june", 0.0)))
+    runs = (replace(RUN, recording="may"), replace(RUN, name="again", recording="june"))
+    found = recordings_of({"a": replace(PLAIN, runs=runs, known=known)}, {"b": replace(PLAIN, known=known[:1])})
+    carried = [one.campaign.runs[0].columns.get("load_mass_kg") for one in found]
+    np.testing.assert_array_equal(carried[0], np.full(3, 80.0))
+    assert carried[1] is None
+    assert carried[2] is None, "its reading is of a recording of another name"
 
 
 @pytest.mark.parametrize(
