@@ -76,10 +76,10 @@ class Compare:
         doubts = [(place, finding) for place, one in read for finding in one.doubts]
         named = {name: one.campaign for name, one in zip(names, opened, strict=True)}
         doubts += [(folders[names.index(name)], finding) for name, finding in no_campaign_twice(named)]
-        for folder, one in read:
+        for place, one in read:
             unused = sorted({known.quantity for known in one.campaign.known} - {PAYLOAD})
             words = "is not used in a comparison", "look at the sizes that are named beside it"
-            warnings += [(folder, Finding("warning", MANIFEST, None, f"known: {name}", *words)) for name in unused]
+            warnings += [(place, Finding("warning", MANIFEST, None, f"known: {name}", *words)) for name in unused]
         heed(warnings, doubts, despite_doubts=self.despite_doubts)
         compiled = opened[0].compiled
         try_out([effect for name, effect in effects.items() if name not in known], compiled)
