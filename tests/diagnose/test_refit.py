@@ -21,6 +21,7 @@ from bench.diagnose.replay.segments import segments_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Acting, Effect
 from bench.errors import ConvergenceError
+from bench.executor.watched import Stopped
 from bench.executor.processes import Processes
 from bench.executor.serial import SERIAL
 from bench.executor.threads import Threads
@@ -225,3 +226,17 @@ def test_where_it_is_simulated_changes_nothing() -> None:
         naming = diagnose(campaign, nominal(), effects, proposes=False, executor=executor).naming
         found.append([(sorted(map(str, m.keys)), m.log_evidence, m.fit.values.tolist()) for m in naming.models])
     assert found[0] == found[1] == found[2]
+
+
+def test_a_fit_ends_when_somebody_asks_it_to() -> None:
+    """One fit of two recordings took minutes, and neither `--at-most` nor a signal ended it on one core."""
+    calls = []
+
+    def ask(share: float) -> None:
+        calls.append(share)
+        if len(calls) == 3:
+            raise Stopped("interrupted")
+
+    with pytest.raises(Stopped):
+        refit(_design(), (_whole("gas_loss"),), {("gas_loss", "robot", "lost"): 0.02}, progress=ask)
+    assert len(calls) == 3

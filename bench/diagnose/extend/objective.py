@@ -13,6 +13,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World, moves
 from bench.errors import NOT_SIMULATED
+from bench.executor.contract import Progress, ignore
 from bench.record.campaign import Array
 
 STEP_OF_NUISANCE = 0.5  # rounding: of its standard deviation, for its derivative about an extension
@@ -68,9 +69,11 @@ class Objective:
     Args:
         linear: The campaign; the scatter in it knows the play of the extended model.
         causes: What is added to the nominal model.
+        progress: Called before every simulation; what it raises ends the fit.
     """
 
-    def __init__(self, linear: LinearisedModel, causes: tuple[Cause, ...]) -> None:
+    def __init__(self, linear: LinearisedModel, causes: tuple[Cause, ...], progress: Progress = ignore) -> None:
+        self._progress = progress
         self.linear, self.causes, self.unknowns = linear, causes, unknowns_of(causes)
         self.sigma = np.array([unknown.sigma for unknown in self.unknowns])
         self.origin = np.array([unknown.parameter.null for unknown in self.unknowns])
@@ -194,7 +197,7 @@ class Objective:
         """
 
         def simulated(nuisances: Array) -> Array:
-            return self.linear.replay.predict(self._world(nuisances, values))
+            return self._simulated(nuisances, values)
 
         here = simulated(nuisances)
         return {
@@ -215,10 +218,14 @@ class Objective:
     def _world(self, nuisances: Array, values: Array) -> World:
         return world_of(self.linear, self.causes, self.unknowns, values, nuisances)
 
+    def _simulated(self, nuisances: Array, values: Array) -> Array:
+        self._progress(0.0)
+        return self.linear.replay.predict(self._world(nuisances, values))
+
     def _left(self, nuisances: Array, values: Array) -> Array:
         """Return measured less simulated, shape (T, c)."""
         which = self._by_sensitivity
-        simulated = self.linear.replay.predict(self._world(nuisances, values))
+        simulated = self._simulated(nuisances, values)
         return np.asarray(self._observed - simulated - self.linear.sensitivities[:, :, which] @ nuisances[which])
 
     def _of_torques(self, state: State, known: Mapping[int, Array]) -> dict[int, Array]:

@@ -12,6 +12,7 @@ from bench.diagnose.extend.steps import bounded_step, ever_shorter
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel, scatters_alike, with_play
 from bench.errors import NOT_SIMULATED
+from bench.executor.contract import Progress, ignore
 from bench.record.campaign import Array
 
 MOST_ITERATIONS = 6  # effort: steps of a fit
@@ -49,6 +50,7 @@ def refit(
     known: Fit | None = None,
     *,
     renews: bool = True,
+    progress: Progress = ignore,
 ) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
 
@@ -64,6 +66,7 @@ def refit(
         known: A fit near the start, whose derivatives will do as long as they promise what comes true.
         renews: Whether a fit with new play ends with derivatives of all nuisances about itself, which takes a
             simulation for each. `refitted` does that later.
+        progress: Called before every simulation; what it raises ends the fit.
 
     Raises:
         ConvergenceError, RobotError: The extended model cannot be simulated at all.
@@ -73,32 +76,35 @@ def refit(
     values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
     slopes = (known.slopes_of(unknowns), known.renewed) if known else ()
-    return _with_its_play(linear, causes, _Point(np.clip(values, low, high), x, None, *slopes), renews)
+    return _with_its_play(linear, causes, _Point(np.clip(values, low, high), x, None, *slopes), progress, renews=renews)
 
 
-def refitted(linear: LinearisedModel, fit: Fit) -> Fit:
+def refitted(linear: LinearisedModel, fit: Fit, progress: Progress = ignore) -> Fit:
     """Fit an extension again to a design that weighs its readings otherwise; it starts with what was simulated.
 
     Args:
         linear: The campaign.
         fit: Of the extension.
+        progress: As of `refit`.
 
     Raises:
         ConvergenceError, RobotError: As `refit`.
     """
-    return _with_its_play(linear, fit.causes, _point_of(fit), renews=True)
+    return _with_its_play(linear, fit.causes, _point_of(fit), progress, renews=True)
 
 
 def _point_of(fit: Fit) -> _Point:
     return _Point(fit.values, fit.nuisances, fit.residual, fit.slopes_of(fit.unknowns), fit.renewed)
 
 
-def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point, renews: bool) -> Fit:
+def _with_its_play(
+    linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point, progress: Progress, *, renews: bool
+) -> Fit:
     """Fit an extension until the play that its scatter belongs to is the play that it finds."""
     unknowns = unknowns_of(causes)
     play = play_of(linear, causes, unknowns, point.values)
     for _ in range(MOST_PLAYS):
-        fit = _fitted(Objective(with_play(linear, play), causes), point, renews)
+        fit = _fitted(Objective(with_play(linear, play), causes, progress), point, renews=renews)
         found = play_of(linear, causes, unknowns, fit.values)
         if scatters_alike(found, play):
             break
@@ -106,21 +112,21 @@ def _with_its_play(linear: LinearisedModel, causes: tuple[Cause, ...], point: _P
     return fit
 
 
-def _fitted(objective: Objective, point: _Point, renews: bool) -> Fit:
+def _fitted(objective: Objective, point: _Point, *, renews: bool) -> Fit:
     """Fit an extension to a design that knows its play."""
     if point.residual is None:
         first = objective.near(point.nuisances, point.values)
     else:
         first = objective.at(point.nuisances, point.values, point.residual)
     renews = renews and has_new_play(objective.linear, objective.linear.scatter.play)
-    state, slopes = _least(objective, first, objective.derivatives(first, point.jacobian, point.renewed), renews)
+    state, slopes = _least(objective, first, objective.derivatives(first, point.jacobian, point.renewed), renews=renews)
     if slopes.is_corrected:  # corrections lead to the optimum; what is stated there rests on derivatives
         with suppress(*NOT_SIMULATED):
             slopes = objective.derivatives(state, nuisances=slopes.renewed)
     return _fit(objective, state, slopes)
 
 
-def _least(objective: Objective, state: State, slopes: Derivatives, renews: bool) -> tuple[State, Derivatives]:
+def _least(objective: Objective, state: State, slopes: Derivatives, *, renews: bool) -> tuple[State, Derivatives]:
     """Return where the objective is least, and derivatives that lead no further.
 
     Derivatives serve as long as steps fall as far as they promise. Else those of the unknowns are taken anew, where

@@ -249,7 +249,7 @@ def without_shape(linear: LinearisedModel, count: int) -> LinearisedModel:
 
 
 def _fit(
-    plain: LinearisedModel, known: Fit | None, candidate: CandidateModel, _: Progress
+    plain: LinearisedModel, known: Fit | None, candidate: CandidateModel, progress: Progress
 ) -> tuple[Fit, tuple[int, ...]] | None:
     """Return the best fit, and which causes it needs and allows; None where nothing balances along the measured motion.
 
@@ -263,27 +263,27 @@ def _fit(
     found: Fit | None = None
     for start in _starts(candidate, known):
         with suppress(*NOT_SIMULATED):
-            fit = refit(linear, candidate.causes, start, nuisances, known, renews=False)
+            fit = refit(linear, candidate.causes, start, nuisances, known, renews=False, progress=progress)
             if found is None or fit.log_evidence > found.log_evidence:
                 found = fit
     if found is None:
         return None
     try:
         while len(needed := needed_of(found)) < len(found.causes):
-            found = refit(linear, needed, found.start, found.nuisances, found, renews=False)
+            found = refit(linear, needed, found.start, found.nuisances, found, renews=False, progress=progress)
     except NOT_SIMULATED:
         return None
     kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
     return replace(found, causes=(), unknowns=()), kept
 
 
-def _renewed(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int, ...]], _: Progress) -> Fit:
+def _renewed(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int, ...]], progress: Progress) -> Fit:
     """Return a fit with new play, brought to its end by derivatives of all nuisances about itself; see `_fit`."""
     candidate, fit, kept = done
     causes = tuple(candidate.causes[i] for i in kept)
     linear = with_shape(plain, candidate.shape) if candidate.shape else plain
     try:
-        found = refitted(linear, replace(fit, causes=causes, unknowns=unknowns_of(causes)))
+        found = refitted(linear, replace(fit, causes=causes, unknowns=unknowns_of(causes)), progress)
     except NOT_SIMULATED:
         return fit
     return replace(found, causes=(), unknowns=())

@@ -14,7 +14,7 @@ from bench.diagnose.replay.given import EARLIER, LABEL, said_before
 from bench.diagnose.replay.known import known_value
 from bench.diagnose.replay.late import read_late
 from bench.diagnose.replay.levels import world_in
-from bench.diagnose.replay.motion_replay import MOST_KNOWN, MotionReplay
+from bench.diagnose.replay.motion_replay import MotionReplay
 from bench.diagnose.replay.perfect_instruments import distorted, ideal_reading
 from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
@@ -24,6 +24,8 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.plant import Trace
 from bench.simulate.prescribed import TOLERANCE
+
+MOST_EARLIER = 16  # effort: motions kept; a world with a delay of each of six drives asks for six
 
 
 class Replay(MotionReplay):
@@ -111,7 +113,7 @@ class Replay(MotionReplay):
         motion = MotionReplay(self.compiled, segments, self._tolerance, self._structure)
         with self._lock:
             self._earlier[seconds] = motion
-            if len(self._earlier) > MOST_KNOWN:
+            if len(self._earlier) > MOST_EARLIER:
                 self._earlier.popitem(last=False)
         return motion
 

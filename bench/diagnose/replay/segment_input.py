@@ -7,6 +7,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.sparse import csr_array
 
 from bench.diagnose.replay.uneven_derivative import derivative_over
 from bench.record.campaign import Array, Run
@@ -89,8 +90,22 @@ class Path:
             Of angles, speeds and accelerations, shape (T, n) each.
         """
         speed, acceleration = (derivative_over(moved, self.time, self.window, order) for order in (1, 2))
+        angles, of_speed, of_acceleration = self._averages
+        return angles @ moved, of_speed @ speed, of_acceleration @ acceleration
+
+    @cached_property
+    def _averages(self) -> tuple[csr_array, csr_array, csr_array]:
+        """What makes angles, speeds and accelerations that are read of those at every sample, shape (T, rows) each.
+
+        A fit of delays asks for them thousands of times.
+        """
+        rows = len(self.time)
         inner = [self.inner(group) for group in self.groups]
-        return _centred(moved, self.groups), self.averaged(speed, self.groups), _centred(acceleration, inner)
+        centred = (
+            _matrix([(group, centre_weights(len(group))) for group in groups], rows) for groups in (self.groups, inner)
+        )
+        angles, accelerations = centred
+        return angles, _matrix(self.of_torque, rows), accelerations
 
     @cached_property
     def speeds(self) -> Array:
@@ -174,6 +189,13 @@ def wrench_of(run: Run, compiled: CompiledRobot) -> Array:
         wrench[:, :3] -= run.columns["load_mass_kg"][:, None] * compiled.model.opt.gravity
     wrench[np.abs(wrench) < 1e-6] = 0.0
     return wrench
+
+
+def _matrix(sums: Sequence[tuple[NDArray[np.int64], Array]], rows: int) -> csr_array:
+    """Return weighted sums of rows as a matrix, shape (len(sums), rows); rows that stand twice count twice."""
+    lengths = [len(weights) for _, weights in sums]
+    where = np.repeat(np.arange(len(sums)), lengths), np.concatenate([which for which, _ in sums])
+    return csr_array((np.concatenate([weights for _, weights in sums]), where), shape=(len(sums), rows))
 
 
 def _centred(values: Array, groups: Sequence[NDArray[np.int64]]) -> Array:
