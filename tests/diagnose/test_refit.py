@@ -21,10 +21,10 @@ from bench.diagnose.replay.segments import segments_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Acting, Effect
 from bench.errors import ConvergenceError
-from bench.executor.watched import Stopped
 from bench.executor.processes import Processes
 from bench.executor.serial import SERIAL
 from bench.executor.threads import Threads
+from bench.executor.watched import Stopped
 from bench.hide.campaign import hide_campaign
 from bench.robot.folder import load_robot
 from tests.diagnose.small_models import linear_of
