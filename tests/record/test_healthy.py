@@ -121,3 +121,15 @@ def test_nothing_is_found_where_the_arm_is_known(name: str) -> None:
 def test_noise_alone_is_never_a_finding(seed: int) -> None:
     findings = examine(motion(sweep(seed))) + examine(static(loading(seed)))
     assert [str(finding) for finding in findings] == []
+
+
+@pytest.mark.parametrize(("highest", "is_said"), [(4.01, False), (3.9, True)])
+def test_the_rounded_top_of_a_curve_is_no_saturation(highest: float, is_said: bool) -> None:
+    """Five rows at the peak of a fast motion, of a current in steps of 0.01 A, failed a healthy campaign."""
+    time = np.arange(2500) * 0.004
+    angle, noise = 3 * np.sin(2 * np.pi * 0.3 * time), np.random.default_rng(1).normal(0.0, 0.02, len(time))
+    current = 4 * np.cos(2 * np.pi * 0.3 * time) + noise
+    current[830:836] = 4.01  # by chance
+    current = np.minimum(np.round(np.minimum(current, 4.01) / 0.01) * 0.01, highest)
+    found = examine(motion({"time_s": time, "q_motor_1_rad": 0 * time, "q_motor_2_rad": angle, "current_2_a": current}))
+    assert any("saturated" in str(finding) for finding in found) == is_said

@@ -47,7 +47,6 @@ READING_RULES: tuple[Rule, ...] = (
     pairing.encoders_follow,
     pairing.sensors_agree,
     weights.masses_hang,
-    weights.nothing_hangs_first,
     weights.loads_are_felt,
     alignment.leads,
     work.friction_takes,

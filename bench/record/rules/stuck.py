@@ -17,6 +17,7 @@ MEASURED = tuple(channel.quantity for channel in CHANNELS if channel.role == "me
 LOAD_N = 10.0  # [N] change of a load that a force sensor cannot miss
 AT_EXTREME = 5  # equal samples in a row at the largest or smallest value, which noise rarely reaches even once
 ANYWHERE = 15  # equal samples in a row at another value: 0.2^14 of 1e5 samples is 2e-5 by chance (see EQUAL)
+ROUNDED = 10  # steps; nine, and rounding
 # Noise shows in efforts: outside of such stretches few neighbours are equal, and many steps go back on the one before
 # (two in three, in theory). Without noise an effort may keep its value at a smooth turning point, and nothing is said.
 EQUAL = 0.2
@@ -101,6 +102,7 @@ def _resting(sheet: Sheet, name: str, values: Array, cause: Cause) -> Iterator[F
     travel = np.maximum.reduceat(cause.values, starts) - np.minimum.reduceat(cause.values, starts)
     for extreme, word in ((values.max(), "largest"), (values.min(), "smallest")):
         at = (length >= AT_EXTREME) & (level == extreme)
+        at[at] = [_is_cut(values, start, end) for start, end in zip(starts[at], ends[at], strict=True)]
         if travel[at].sum() > cause.enough:
             message = f"rests at its {word} value {extreme:g} while {cause.name} goes on"
             yield sheet.doubt(name, message, "saturated? widen the range", _rows(starts[at], ends[at]))
@@ -108,6 +110,17 @@ def _resting(sheet: Sheet, name: str, values: Array, cause: Cause) -> Iterator[F
     if inside.any():
         message = f"does not change while {cause.name} goes on"
         yield sheet.doubt(name, message, "frozen? look for lost packets", _rows(starts[inside], ends[inside]))
+
+
+def _is_cut(values: Array, start: int, end: int) -> bool:
+    """Whether equal samples at an extreme are more than what rounding makes of the top of a smooth curve.
+
+    A parabola that stays within one step for L samples is nine steps lower L samples further on; one that was cut off
+    a step or more below its top has fallen by as much there.
+    """
+    step = np.min(np.diff(np.unique(values)))
+    beyond = values[[max(start - (end - start), 0), min(2 * end - start - 1, len(values) - 1)]]
+    return bool(np.max(np.abs(beyond - values[start])) > ROUNDED * step)
 
 
 def _rows(starts: NDArray[np.intp], ends: NDArray[np.intp]) -> list[int]:

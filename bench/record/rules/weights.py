@@ -29,23 +29,6 @@ def masses_hang(sheet: Sheet) -> Iterator[Finding]:
         )
 
 
-def nothing_hangs_first(sheet: Sheet) -> Iterator[Finding]:
-    """In each visit to a pose, load step 0 is the reading without load."""
-    columns = sheet.run.columns
-    if sheet.run.kind != "static" or not {"pose", "load_step", "load_z_n"} <= set(columns):
-        return
-    step, weight = columns["load_step"], -columns["load_z_n"]
-    visits = np.stack([columns["pose"], columns.get("approach", 0 * step)])
-    for visit in np.unique(visits, axis=1).T:
-        here = np.all(visits == visit[:, None], axis=0)
-        if np.any(here & (step == 0)) and np.any(here & (step > 0)):
-            least = float(np.min(weight[here & (step > 0)]))
-            if rows := rows_where(here & (step == 0) & (weight > least + HEAVY_N)):
-                message = f"is 0, without load, and load_z_n is {-weight[rows[0] - 1]:.4g} N"
-                yield sheet.doubt("load_step", message, "count load steps from 0, the reading without load", rows)
-                return
-
-
 def loads_are_felt(sheet: Sheet) -> Iterator[Finding]:
     """At rest the force sensor reads the load, to a few per cent of its size; its direction is not looked at."""
     columns = sheet.run.columns
