@@ -10,6 +10,7 @@ from bench.effects.geometry_at_zero import AtZero
 from bench.robot.plugins import unused_name
 
 SETTLING = 2e-3  # derived: [s]; sqrt(armature / k) and damping / k: a step of 1 ms stays at half of what is stable
+LIGHTEST = 1e-9  # rounding: [kg], [kg m^2]; weighs 1e-8 N
 _COPIED = [
     "type",
     "axis",
@@ -43,7 +44,8 @@ def add_hinges(
     """Give a body hinges with springs, through one point.
 
     Each has the stiffness 1 / compliance, and armature and damping that keep time steps of 1 ms stable: its inertia
-    counts only in its own tiny motion.
+    counts only in its own tiny motion. A body that was fixed may have no mass, which MuJoCo wants of one that moves; it
+    gets as good as none.
 
     Args:
         spec: What is changed; keyframes are dropped, since they no longer fit.
@@ -60,6 +62,9 @@ def add_hinges(
         spec.delete(key)
     names = [unused_name(spec, f"{name} {i + 1}") for i in range(len(axes))]
     link = spec.body(body)
+    if zero.model.body(body).mass[0] == 0:
+        link.mass, link.inertia, link.explicitinertial = LIGHTEST, np.full(3, LIGHTEST), True
+        link.ipos, link.iquat = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
     own = [_values(joint) for joint in link.joints]
     own_names = [joint.name for joint in link.joints]
     local = zero.point_in(body, point)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from bench.effects.effect import Conditions, Place
-from bench.effects.passive_hinges import SETTLING
+from bench.effects.passive_hinges import SETTLING, add_hinges
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import Robot, load_robot
@@ -90,6 +90,19 @@ def test_base_moves_the_reflectors(hh150: Robot, hh150_compiled: CompiledRobot) 
     shift = np.cross([x, y, 0.0], plain.reflectors)
     np.testing.assert_allclose(rocking.reflectors - plain.reflectors, shift, atol=1e-6, rtol=1e-2)
     assert np.linalg.norm(shift[0]) > 1e-4
+
+
+def test_a_base_without_mass_rocks_too() -> None:
+    """A base that is fixed needs no mass in a file; on such arms rocking was not looked for."""
+    spec = mujoco.MjSpec.from_string("""
+        <mujoco><worldbody><body name="base"><body name="link" pos="0 0 1"><joint name="j" axis="0 0 1"/>
+        <inertial mass="3" pos="0.5 0 0" diaginertia="1 1 1"/></body></body></worldbody></mujoco>""")
+    add_hinges(spec, "base", "rocking", np.zeros(3), [np.array([0.0, 1.0, 0.0])], 1e-3, before=True)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    for _ in range(20000):
+        mujoco.mj_step(model, data)
+    np.testing.assert_allclose(data.qpos[0], 1e-3 * 3 * 9.81 * 0.5, rtol=0.05)
 
 
 def test_torsion_of_the_base_is_a_twin_of_the_first_joint(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
