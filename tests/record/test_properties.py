@@ -60,7 +60,7 @@ def campaigns(draw: st.DrawFn) -> Campaign:
         robot=draw(texts.filter(bool)),
         runs=tuple(draw(runs(f"run-{i}", start)) for i, start in enumerate(starts)),
         started=draw(st.none() | st.datetimes() | st.datetimes(timezones=st.just(UTC))),
-        noise=draw(st.dictionaries(st.sampled_from(["current", "force", "reflector"]), st.floats(1e-9, 1e9))),
+        noise=draw(st.dictionaries(st.sampled_from(["current", "force", "reflector"]), st.floats(1e-9, 0.1))),
         notes=draw(texts),
     )
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.extend.fit import Unknown, unknowns_of, world_of
 from bench.diagnose.extend.steps import HALVINGS, broyden
@@ -17,7 +18,6 @@ from bench.executor.contract import Progress, ignore
 from bench.record.campaign import Array
 
 STEP_OF_NUISANCE = 0.5  # rounding: of its standard deviation, for its derivative about an extension
-MOVED = 0.1  # effort: of its standard deviation; a step that moves a nuisance less did not fail for its derivative
 TELLS = 1.0  # rounding: what readings tell of a nuisance, times what was known of it before, from where it matters
 
 
@@ -70,6 +70,10 @@ class Objective:
         linear: The campaign; the scatter in it knows the play of the extended model.
         causes: What is added to the nominal model.
         progress: Called before every simulation; what it raises ends the fit.
+
+    Attributes:
+        told: Shape (p,), nuisances that the readings tell of.
+        is_factor: Shape (p,), those known to a factor, which bend within their standard deviation.
     """
 
     def __init__(self, linear: LinearisedModel, causes: tuple[Cause, ...], progress: Progress = ignore) -> None:
@@ -80,6 +84,8 @@ class Objective:
         self.low, self.high = bounds_of(linear.nuisances, self.unknowns)
         self.units = np.concatenate([np.ones(len(linear.nuisances)), self.sigma])
         self._by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not nuisance.is_simulated]
+        self.told = np.linalg.norm(linear.jacobian, axis=0) > TELLS
+        self.is_factor = np.array([nuisance.is_factor for nuisance in linear.nuisances], dtype=bool)
         self._observed = np.concatenate([segment.observed for segment in linear.segments])
 
     def at(self, nuisances: Array, values: Array, residual: Array | None = None) -> State:
@@ -163,21 +169,20 @@ class Objective:
             tangent[:, list(renewed)] = self.linear.whiten(np.stack(list(renewed.values()), axis=2))
         return Derivatives(None if known else state, jacobian, tangent, self._precision(tangent), renewed)
 
-    def all_derivatives(self, state: State, step: Array | None = None, known: Derivatives | None = None) -> Derivatives:
+    def all_derivatives(
+        self, state: State, which: NDArray[np.bool_] | None = None, known: Derivatives | None = None
+    ) -> Derivatives:
         """Return the derivatives at a state, those of nuisances that the readings tell of by simulation as well.
 
         Args:
             state: Where.
-            step: Shape (p + k,), that did not keep its promise: derivatives of nuisances that it hardly moves are not
-                why, and stay as they are known. None: all are taken.
+            which: Shape (p,), nuisances whose derivatives are taken; others stay as they are known. None: all.
             known: Derivatives so far.
 
         Raises:
             ConvergenceError, RobotError: There is no balance to either side of some value.
         """
-        wanted = np.linalg.norm(self.linear.jacobian, axis=0) > TELLS
-        if step is not None:
-            wanted &= np.abs(step[: len(wanted)]) > MOVED
+        wanted = self.told if which is None else self.told & which
         found = self.of_nuisances(state.nuisances, state.values, np.flatnonzero(wanted).tolist())
         so_far = known.renewed if known else {}
         return replace(self.derivatives(state, nuisances={**so_far, **found}), renewed_at=state)

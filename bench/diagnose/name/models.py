@@ -231,9 +231,14 @@ def reweighed(model: Model, before: LinearisedModel, linear: LinearisedModel) ->
     Raises:
         ConvergenceError, RobotError: As `refitted`.
     """
+    known = model.linear(before)
     if old := model.shape:  # as it is whitened now
         model = replace(model, shape=replace(old, columns=linear.whiten(before.unwhiten(old.columns))))
-    return replace(model, fit=refitted(model.linear(linear), model.fit))
+    weighed = model.linear(linear)
+    # what friction held at rest does, and all else that is not simulated, is that of the design
+    which = [i for i, nuisance in enumerate(weighed.nuisances) if not nuisance.is_simulated]
+    change = (known.sensitivities[:, :, which] - weighed.sensitivities[:, :, which]) @ model.fit.nuisances[which]
+    return replace(model, fit=refitted(weighed, replace(model.fit, residual=model.fit.residual + change)))
 
 
 def without_shape(linear: LinearisedModel, count: int) -> LinearisedModel:
