@@ -1,6 +1,6 @@
 """Whatever is written comes back bit for bit; whatever is damaged is refused with a `CampaignError` or still sound."""
 
-from datetime import UTC
+from datetime import UTC, datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -53,13 +53,16 @@ def runs(draw: st.DrawFn, name: str, start_s: float) -> Run:
     return Run(name, "static", start_s, labels | columns, draw(texts))
 
 
+YEARS = datetime(1970, 1, 2), datetime(2100, 12, 30)  # anywhere on Earth
+
+
 @st.composite
 def campaigns(draw: st.DrawFn) -> Campaign:
     starts = sorted(draw(st.lists(st.floats(0, 1e6), min_size=1, max_size=3)))
     return Campaign(
         robot=draw(texts.filter(bool)),
         runs=tuple(draw(runs(f"run-{i}", start)) for i, start in enumerate(starts)),
-        started=draw(st.none() | st.datetimes() | st.datetimes(timezones=st.just(UTC))),
+        started=draw(st.none() | st.datetimes(*YEARS) | st.datetimes(*YEARS, timezones=st.just(UTC))),
         noise=draw(st.dictionaries(st.sampled_from(["current", "force", "reflector"]), st.floats(1e-9, 0.1))),
         notes=draw(texts),
     )
