@@ -253,14 +253,3 @@ def test_a_model_in_another_design_is_what_is_simulated_there() -> None:
     found, afresh = reweighed(Model(fit), linear, other).fit, refit(other, causes, fit.start)
     assert abs(fit.objective - afresh.objective) > 1
     assert found.objective == pytest.approx(afresh.objective, abs=0.5)
-
-
-def test_figures_known_to_a_factor_have_derivatives_of_where_they_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    """How stiff friction holds went to 2.6 standard deviations by a derivative from 1.5, 15 of chi-square too far."""
-    linear, taken, masks = _design(), Objective.all_derivatives, []
-    bent = np.array([nuisance.is_factor for nuisance in linear.nuisances])
-    right = refit(linear, (_whole("gas_loss"),), {})
-    monkeypatch.setattr(Objective, "all_derivatives", lambda self, *at: masks.append(at[1]) or taken(self, *at))
-    found = refit(linear, (_whole("gas_loss"),), right.start, right.nuisances - 2.0 * bent)
-    assert found.objective < right.objective + 1
-    assert any(np.any(which) and not np.any(which & ~bent) for which in masks)

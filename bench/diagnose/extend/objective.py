@@ -73,7 +73,6 @@ class Objective:
 
     Attributes:
         told: Shape (p,), nuisances that the readings tell of.
-        is_factor: Shape (p,), those known to a factor, which bend within their standard deviation.
     """
 
     def __init__(self, linear: LinearisedModel, causes: tuple[Cause, ...], progress: Progress = ignore) -> None:
@@ -85,7 +84,6 @@ class Objective:
         self.units = np.concatenate([np.ones(len(linear.nuisances)), self.sigma])
         self._by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not nuisance.is_simulated]
         self.told = np.linalg.norm(linear.jacobian, axis=0) > TELLS
-        self.is_factor = np.array([nuisance.is_factor for nuisance in linear.nuisances], dtype=bool)
         self._observed = np.concatenate([segment.observed for segment in linear.segments])
 
     def at(self, nuisances: Array, values: Array, residual: Array | None = None) -> State:

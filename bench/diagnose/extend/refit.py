@@ -21,8 +21,6 @@ MOST_PLAYS = 4  # effort: fits in turn, each with the scatter that the play of t
 MATTERS = 2.0  # effort: what a step falls short of its promise by, from where derivatives of nuisances are taken too
 POOR = 0.3  # effort: of the promised fall; corrected derivatives that keep less are taken anew
 MOVED = 0.1  # effort: of its standard deviation; a step that moves a nuisance less did not fail for its derivative
-# effort: of its standard deviation, that a nuisance known to a factor goes until its derivative is taken anew
-BENDS = 0.5
 FAITHFUL = 0.7  # effort: of the promised fall; derivatives that keep less are taken anew, or corrected
 
 
@@ -136,18 +134,12 @@ def _least(objective: Objective, state: State, slopes: Derivatives, *, renews: b
     they are another fit's; then all are corrected by what the steps show. Where that does not help either, those of
     the nuisances that the step moves are taken anew too.
     """
-    taken = state.nuisances.copy()  # where derivatives of nuisances hold
     for iteration in range(MOST_ITERATIONS + 1):
         step, promised = _step(objective, state, slopes)
-        if promised < ENOUGH:
-            is_late = np.ones_like(taken, dtype=bool) if renews and not slopes.renewed else None
-            if is_late is None:
-                is_late = objective.told & objective.is_factor & (np.abs(state.nuisances - taken) > BENDS)
-            if np.any(is_late):
-                with suppress(*NOT_SIMULATED):
-                    slopes = objective.all_derivatives(state, is_late, slopes)
-                    step, promised = _step(objective, state, slopes)
-                taken[is_late] = state.nuisances[is_late]
+        if promised < ENOUGH and renews and not slopes.renewed:
+            with suppress(*NOT_SIMULATED):
+                slopes = objective.all_derivatives(state)
+                step, promised = _step(objective, state, slopes)
         if promised < ENOUGH or iteration == MOST_ITERATIONS:
             break
         before, state = state, _downhill(objective, state, slopes, step)
@@ -160,10 +152,9 @@ def _least(objective: Objective, state: State, slopes: Derivatives, *, renews: b
                 slopes = objective.derivatives(state, nuisances=slopes.renewed)
             elif fell >= ENOUGH and (fell >= POOR * promised or not matters):
                 slopes = objective.corrected(slopes, before, state)
-            elif (matters or fell < ENOUGH) and slopes.renewed_at is not state:
-                moved = np.abs(step[: len(taken)]) > MOVED
+            elif matters and slopes.renewed_at is not state:
+                moved = np.abs(step[: len(state.nuisances)]) > MOVED
                 slopes = objective.all_derivatives(state, moved, slopes)
-                taken[moved] = state.nuisances[moved]
             else:
                 break
         except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
