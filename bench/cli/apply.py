@@ -6,8 +6,6 @@ from typing import Annotated
 
 import tyro
 
-MOST_RATINGS = 100.0  # times the rated load, that no robot carries; grams for kilograms make a thousand
-
 
 @dataclass(frozen=True)
 class Apply:
@@ -38,6 +36,7 @@ class Apply:
         from bench.report.handover.apply import DRIVES, README, TORQUES, beyond, summary, urdf_name, write_applied
         from bench.report.handover.feed_forward import feed_forward, read_motion
         from bench.report.prediction.model import model_folder
+        from bench.robot.figures import MOST_RATINGS
         from bench.robot.folder import load_robot
 
         if not (isfinite(self.payload_kg) and self.payload_kg >= 0):

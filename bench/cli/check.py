@@ -37,7 +37,7 @@ class Check:
                 findings += hints_of(report.campaign, compiled, findings)
         for line in compiled.robot.figures.assumed if compiled else ():
             print(f"assumed {line}")
-        shown = sorted(at_a_glance(findings), key=lambda finding: get_args(Level).index(finding.level))
+        shown = at_a_glance(findings)
         for finding in shown[:SCREEN]:
             print(f"{finding.label:14}{finding}")
         if len(shown) > SCREEN:

@@ -72,12 +72,10 @@ class Convert:
         return 0
 
     def _convert(self, source: Path, out: Path) -> int:
-        from typing import get_args
-
         from bench.errors import CampaignError
         from bench.record.check import check_campaign
         from bench.record.convert import convert
-        from bench.record.finding import Level, counted
+        from bench.record.finding import counted
         from bench.record.log_format import LOG_FORMAT
         from bench.record.logs.cuts import in_window
         from bench.record.logs.likewise import at_a_glance
@@ -103,7 +101,7 @@ class Convert:
             if names:
                 print(f"{', '.join(files)}: not used: {', '.join(names)}")
         warnings = check_campaign(out, plain_arm(compiled)).findings  # one with errors was not written
-        for warning in sorted(at_a_glance(warnings), key=lambda finding: get_args(Level).index(finding.level)):
+        for warning in at_a_glance(warnings):
             print(f"{warning.label:14}{warning}")
         unknown = tuple(unknown_constants(converted.campaign, compiled))  # of the robot, and to be mended there
         for fault in unknown:

@@ -85,7 +85,7 @@ def joint_of(
     """
     runs = {run.name: run for one in recordings for run in one.campaign.runs}
     every = tuple(sorted(runs.values(), key=lambda run: run.start_s))
-    quantities, left_out = compared_channels(recordings, compiled)
+    quantities, left_out = _compared(recordings, compiled)
     if not quantities:
         raise InputError(
             "no channel that a replay predicts was read both before and after: log the same motor currents or torques, "
@@ -123,7 +123,7 @@ def joint_of(
     return Joint(recordings, linear, of_segment, causes, sensitivities, tuple(one.column for one in left_out))
 
 
-def compared_channels(
+def _compared(
     recordings: Sequence[Recording], compiled: CompiledRobot
 ) -> tuple[tuple[Quantity, ...], tuple[Quantity, ...]]:
     """Return the channels that were read both before and after, and those that were not.

@@ -73,6 +73,9 @@ class Counterbalance(Strict):
     actuator: str
 
 
+MOST_RATINGS = 100.0  # times the rating, that no robot carries; grams for kilograms make a thousand
+
+
 class Rating(Strict):
     """Largest load at the load point."""
 

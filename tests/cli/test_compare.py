@@ -1,12 +1,14 @@
 """`bench compare`: exit codes, files, and what cannot be compared."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from bench.cli import main
 from bench.cli.compare import CHANGED
+from bench.record.known import Known
 from bench.record.write import write_campaign
 from tests.diagnose.sweeps import SWEEP, made
 
@@ -37,6 +39,17 @@ def test_a_change_ends_with_its_code_and_writes_page_and_numbers(
     assert capsys.readouterr().out.startswith("Changed: ")
     assert json.loads((out / "compare.json").read_text())["has_changed"] is True
     assert "bench compare" in (out / "report.html").read_text()
+
+
+def test_what_is_not_used_is_said(campaigns: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    known = (Known("gas_temperature_k", 293.0, 1.0),)
+    write_campaign(replace(made(SWEEP, 1, machine=5), known=known), tmp_path / "noted")
+    write_campaign(made(SWEEP, 2, machine=5, without=("pressure",)), tmp_path / "unread")
+    folders = [str(tmp_path / name) for name in ("noted", "unread")]
+    assert main(["compare", *folders, "--no-store", "--cores", "1"]) == 0
+    said = capsys.readouterr()
+    assert "noted: campaign.yaml: known: gas_temperature_k: is not used in a comparison" in said.err
+    assert "Left out: gas_pressure_pa, read before or after alone." in said.out
 
 
 @pytest.mark.parametrize(

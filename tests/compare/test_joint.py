@@ -1,5 +1,6 @@
 """All recordings in one model: which states coincide, and the covariance that follows."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -14,6 +15,7 @@ from bench.compare.shared import shared_whitening
 from bench.effects.catalogue import catalogue
 from bench.errors import InputError
 from bench.record.campaign import Campaign
+from bench.record.known import Known
 from bench.scenario.files import Experiment
 from tests.diagnose.sweeps import LOADS, SWEEP, changed, made, nominal
 
@@ -62,6 +64,15 @@ def test_what_one_side_alone_read_says_nothing_of_a_change() -> None:
     assert {one.kind for one in own.linear.quantities} == {"current"}
     assert {name.split("_")[0] for name in own.left_out} == {"reflector", "force", "moment", "gas"}
     assert not joint("sweep").left_out
+
+
+def test_what_is_bolted_on_is_no_better_known_than_it_was_weighed() -> None:
+    before, after = (made(SWEEP, seed, machine=3) for seed in (1, 2))
+    weighed = replace(after, known=(Known("payload_kg", 50.0, 1.0),))
+    (bolted,) = (one for one in joint("sweep").linear.nuisances if one.scales_payload)
+    own = joint_of(recordings_of({"before": before}, {"after": weighed}), nominal(), FEW, most_bins=60)
+    (known,) = (one for one in own.linear.nuisances if one.scales_payload)
+    assert bolted.sigma < 0.02 == known.sigma == known.own
 
 
 def test_nothing_read_on_both_sides_is_an_error() -> None:

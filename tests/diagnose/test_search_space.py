@@ -15,9 +15,10 @@ from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.lack_of_fit import as_simulated
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry, tried_of, widths_of
-from bench.diagnose.name.models import CandidateModel, Fitter, log_of_widths, needed_of
+from bench.diagnose.name.models import CandidateModel, Fitter, needed_of
 from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.diagnose.name.search_space import SearchSpace, search_space
+from bench.diagnose.name.sizes import log_of_widths
 from bench.effects.catalogue import catalogue
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array

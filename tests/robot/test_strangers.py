@@ -125,9 +125,16 @@ def test_figures_are_read_once_and_not_guessed(tmp_path: Path) -> None:
     assert "'title' occurs twice" in refused(folder)
 
 
-def test_figures_of_no_robot_are_named(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("fitted", "words"),
+    [
+        ("{readings: {torque_gain: {hinge_a: 1e300}}}", r"fitted.readings.torque_gain.hinge_a: .*equal to 10"),
+        ("{effects: [{effect: gas_loss, values: {lost: 1e300}}]}", r"values.lost: 1e\+300 is no figure of a robot"),
+    ],
+)
+def test_figures_of_no_robot_are_named(tmp_path: Path, fitted: str, words: str) -> None:
     folder = write_small_robot(tmp_path / "robot")
     text = (folder / "figures.yaml").read_text()
-    (folder / "figures.yaml").write_text(text + "\nfitted: {readings: {torque_gain: {hinge_a: 1e300}}}\n")
-    with pytest.raises(RobotError, match=r"fitted.readings.torque_gain.hinge_a: .* less than or equal to 10"):
+    (folder / "figures.yaml").write_text(f"{text}\nfitted: {fitted}\n")
+    with pytest.raises(RobotError, match=words):
         load_robot(folder)

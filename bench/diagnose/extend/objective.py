@@ -70,9 +70,6 @@ class Objective:
         linear: The campaign; the scatter in it knows the play of the extended model.
         causes: What is added to the nominal model.
         progress: Called before every simulation; what it raises ends the fit.
-
-    Attributes:
-        told: Shape (p,), nuisances that the readings tell of.
     """
 
     def __init__(self, linear: LinearisedModel, causes: tuple[Cause, ...], progress: Progress = ignore) -> None:
@@ -83,7 +80,6 @@ class Objective:
         self.low, self.high = bounds_of(linear.nuisances, self.unknowns)
         self.units = np.concatenate([np.ones(len(linear.nuisances)), self.sigma])
         self._by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not nuisance.is_simulated]
-        self.told = np.linalg.norm(linear.jacobian, axis=0) > TELLS
         self._observed = np.concatenate([segment.observed for segment in linear.segments])
 
     def at(self, nuisances: Array, values: Array, residual: Array | None = None) -> State:
@@ -180,7 +176,9 @@ class Objective:
         Raises:
             ConvergenceError, RobotError: There is no balance to either side of some value.
         """
-        wanted = self.told if which is None else self.told & which
+        wanted = np.linalg.norm(self.linear.jacobian, axis=0) > TELLS
+        if which is not None:
+            wanted &= which
         found = self.of_nuisances(state.nuisances, state.values, np.flatnonzero(wanted).tolist())
         so_far = known.renewed if known else {}
         return replace(self.derivatives(state, nuisances={**so_far, **found}), renewed_at=state)

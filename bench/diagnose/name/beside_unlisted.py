@@ -28,10 +28,11 @@ from bench.diagnose.linearise.screening import WIDTHS, tried_of
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.discrepancy import ANGLE_NODES, Discrepancy
 from bench.diagnose.name.groups import IN_SET, LEVEL, AmbiguityGroup
-from bench.diagnose.name.models import Model, log_of_widths
+from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.search import SubsetPosterior, Term, search
 from bench.diagnose.name.search_space import search_space
+from bench.diagnose.name.sizes import log_of_widths
 
 FLAT = 1e3  # rounding: times its prior; a shape that is needed in any case holds whatever it can
 EXPANDED = 8  # effort: sums of shapes whose neighbours are looked at

@@ -19,8 +19,9 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Columns, Nuisances
 from bench.diagnose.linearise.screening import WIDTHS, Entry, Tried, widths_of
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.models import CandidateModel, Model, log_of_widths
+from bench.diagnose.name.models import CandidateModel, Model
 from bench.diagnose.name.search import SubsetPosterior, Term
+from bench.diagnose.name.sizes import log_of_widths
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 

@@ -45,7 +45,7 @@ class Renew(Protocol):
 LEFT_OPEN = 30.0  # effort: evidence of what is refused, from where something else is looked for in its place
 MOST_ROUNDS = 12  # effort: of linearising and searching; recording B of the KR300 takes 8
 LEADERS = 6  # effort: alternatives of a search that are simulated; half of them while the best model still changes
-EXCHANGED = 4  # effort: findings whose likeliest other name is simulated at last, where none of the leaders has one
+EXCHANGED = 4  # effort: findings whose likeliest other name is simulated at last, where no other name was
 MOST_REFUSED = 20  # effort: findings that do not predict better, before they are no more replaced
 
 

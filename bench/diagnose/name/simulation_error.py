@@ -8,7 +8,8 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.lack_of_fit import as_simulated
 from bench.diagnose.linearise.linearised_model import LinearisedModel, raised
-from bench.diagnose.name.models import Model, log_of_priors, reweighed
+from bench.diagnose.name.models import Model, reweighed
+from bench.diagnose.name.sizes import log_of_priors
 from bench.errors import NOT_SIMULATED
 
 # assumed: share of what an effect changes, to which it is simulated: bins, time steps and how friction starts to slide;

@@ -30,13 +30,13 @@ from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
+from bench.robot.figures import MOST_RATINGS
 
 BINS = 400  # of one run at most; enough to tell a sign
 BLOCKS = 6  # of the readings; what is said has to hold with any of them left out
 LEAST = 30  # readings of a drive in motion
 GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
 SURE_OF_CLOCK = 0.999  # level of the interval of a clock's rate: one healthy campaign in a thousand is doubted
-MOST_RATINGS = 100.0  # times the rated load
 BEYOND = 2.0  # times the limits of a drive
 # Times a limit that was made up: nearer, on a logarithmic scale, to what another unit would make of data (degrees, mNm)
 # than to data in SI units

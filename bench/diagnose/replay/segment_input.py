@@ -77,7 +77,8 @@ class Path:
 
         Before its first sample, and after its last, the arm is taken to move as fast as there.
         """
-        return _centred(self._moved(seconds), self.groups)
+        angles, _, _ = self._averages
+        return np.asarray(angles @ self._moved(seconds))
 
     def motion_earlier(self, seconds: float) -> tuple[Array, Array, Array]:
         """Return by how much angles, speeds and accelerations were other ones some time before, shape (T, n) each."""
@@ -100,11 +101,10 @@ class Path:
         A fit of delays asks for them thousands of times.
         """
         rows = len(self.time)
-        inner = [self.inner(group) for group in self.groups]
-        centred = (
-            _matrix([(group, centre_weights(len(group))) for group in groups], rows) for groups in (self.groups, inner)
+        angles, accelerations = (
+            _matrix([(group, centre_weights(len(group))) for group in groups], rows)
+            for groups in (self.groups, [self.inner(group) for group in self.groups])
         )
-        angles, accelerations = centred
         return angles, _matrix(self.of_torque, rows), accelerations
 
     @cached_property
@@ -196,11 +196,6 @@ def _matrix(sums: Sequence[tuple[NDArray[np.int64], Array]], rows: int) -> csr_a
     lengths = [len(weights) for _, weights in sums]
     where = np.repeat(np.arange(len(sums)), lengths), np.concatenate([which for which, _ in sums])
     return csr_array((np.concatenate([weights for _, weights in sums]), where), shape=(len(sums), rows))
-
-
-def _centred(values: Array, groups: Sequence[NDArray[np.int64]]) -> Array:
-    """Return what samples, shape (rows, n), are in the middle of each group of them, shape (T, n)."""
-    return np.stack([centre_weights(len(group)) @ values[group] for group in groups])
 
 
 @lru_cache(maxsize=1000)

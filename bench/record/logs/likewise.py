@@ -3,10 +3,12 @@
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import get_args
 
-from bench.record.finding import Finding
+from bench.record.finding import Finding, Level
 
 SPELT = 6  # names that a message spells out
+LEVELS = get_args(Level)  # the worst first
 FEW = 3  # findings that are all shown, with their own figures
 _FIGURES = re.compile(r"rows? \d[\d, ]*((to|and|more) [\d, ]*)*|-?\d+(\.\d+)?([eE][+-]?\d+)?|'[^']*'")
 
@@ -19,13 +21,14 @@ def likewise(findings: Iterable[Finding]) -> list[Finding]:
 def at_a_glance(findings: Iterable[Finding]) -> list[Finding]:
     """Return findings as people read them: a fault of many runs or columns is said once, with the other places.
 
-    A few are shown one by one, and so is what is said of the channels of all runs together: their figures differ.
+    A few are shown one by one, and so is what is said of the channels of all runs together: their figures differ. What
+    is worst comes first.
     """
     shown = []
     for group in _alike(findings):
         in_tables = len({finding.file for finding in group}) > 1 or group[0].row is not None
         shown += [_with_others(group)] if in_tables and len(group) > FEW else group
-    return shown
+    return sorted(shown, key=lambda finding: LEVELS.index(finding.level))
 
 
 def _alike(findings: Iterable[Finding]) -> list[list[Finding]]:

@@ -100,9 +100,10 @@ def _resting(sheet: Sheet, name: str, values: Array, cause: Cause) -> Iterator[F
     starts, ends = _stretches(values)
     length, level = ends - starts, values[starts]
     travel = np.maximum.reduceat(cause.values, starts) - np.minimum.reduceat(cause.values, starts)
+    step = float(np.min(np.diff(np.unique(values))))
     for extreme, word in ((values.max(), "largest"), (values.min(), "smallest")):
         at = (length >= AT_EXTREME) & (level == extreme)
-        at[at] = [_is_cut(values, start, end) for start, end in zip(starts[at], ends[at], strict=True)]
+        at[at] = [_is_cut(values, step, start, end) for start, end in zip(starts[at], ends[at], strict=True)]
         if travel[at].sum() > cause.enough:
             message = f"rests at its {word} value {extreme:g} while {cause.name} goes on"
             yield sheet.doubt(name, message, "saturated? widen the range", _rows(starts[at], ends[at]))
@@ -112,13 +113,12 @@ def _resting(sheet: Sheet, name: str, values: Array, cause: Cause) -> Iterator[F
         yield sheet.doubt(name, message, "frozen? look for lost packets", _rows(starts[inside], ends[inside]))
 
 
-def _is_cut(values: Array, start: int, end: int) -> bool:
+def _is_cut(values: Array, step: float, start: int, end: int) -> bool:
     """Whether equal samples at an extreme are more than what rounding makes of the top of a smooth curve.
 
     A parabola that stays within one step for L samples is nine steps lower L samples further on; one that was cut off
     a step or more below its top has fallen by as much there.
     """
-    step = np.min(np.diff(np.unique(values)))
     beyond = values[[max(start - (end - start), 0), min(2 * end - start - 1, len(values) - 1)]]
     return bool(np.max(np.abs(beyond - values[start])) > ROUNDED * step)
 
