@@ -140,7 +140,7 @@ def explained(task: Task, signatures: Signatures) -> Explained:
         found = replace(found, extension=extension_of(naming, found.discrepancy))
         if found.extension:
             progress("gain on what was held out")
-            null = naming.null if found.about is naming.linear else refit(found.about, (), {})
+            null = naming.null if found.about is naming.linear else refit(found.about, (), {}, settles=False)
             found = replace(found, gain=held_out(found.about, null, found.extension))
         if task.first:
             progress("least squares beside it")

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnose.extend.fit import Fit, pseudo_residual
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.linearise.lack_of_fit import missed
 from bench.diagnose.linearise.linearised_model import LinearisedModel, raised
@@ -41,7 +41,7 @@ def fit_anew(linear: LinearisedModel, free: Sequence[str]) -> tuple[LinearisedMo
     )
     fit = refit(linear, freed_causes(free, linear.replay.compiled), {})
     for _ in range(ROUNDS):
-        wanted = np.maximum(missed(linear, pseudo_residual(linear, fit), is_last=True) * linear.inflation, 1.0)
+        wanted = np.maximum(missed(linear, linear.whiten(fit.residual), is_last=True) * linear.inflation, 1.0)
         factors = wanted / linear.inflation
         if np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)):
             break

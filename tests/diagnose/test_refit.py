@@ -132,7 +132,7 @@ def test_a_fit_that_finds_no_balance_beside_it_keeps_its_derivatives(monkeypatch
     monkeypatch.setattr(refit_module, "FAITHFUL", np.inf)  # derivatives are never good enough
     monkeypatch.setattr(Objective, "derivatives", only_once)
     fit = refit(linear, causes, {("gas_loss", "robot", "lost"): 0.02})
-    assert len(calls) == 2
+    assert len(calls) > 1
     assert fit.values[0] == pytest.approx(0.1, abs=4 * fit.sigma[0])
 
 
@@ -145,6 +145,21 @@ def test_steps_correct_derivatives_of_nuisances_that_are_wrong(share: float) -> 
     found = refit(relinearised(linear, every, share * linear.sensitivities), causes, {})
     assert found.objective < 1.01 * right.objective
     assert np.all(np.abs(found.values - right.values) < 0.2 * right.sigma)
+
+
+@pytest.mark.parametrize("share", [2.0, 3.0, -1.0])  # with less than these, readings seem to tell of fewer nuisances
+def test_what_steps_have_corrected_does_not_tell_whether_the_optimum_is_reached(share: float) -> None:
+    """On recording A of the KR300 fits without a cause ended 80 of chi-square too early, and the cause paid for it."""
+    linear, causes = _design(), (_whole("gas_loss"), _whole("payload_mass"))
+    which = [i for i, nuisance in enumerate(linear.nuisances) if nuisance.is_simulated]
+    wrong = relinearised(linear, which, share * linear.sensitivities[:, :, which])
+    rough, settled = (refit(wrong, causes, {}, settles=settles) for settles in (False, True))
+    assert not rough.is_settled
+    again = refitted(wrong, rough)
+    right = refit(linear, causes, {}).objective
+    assert rough.objective > right + 2
+    for found in (settled, again):
+        assert abs(found.objective - right) < 1
 
 
 def test_what_is_stated_of_a_fit_rests_on_derivatives_where_it_ended(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -160,7 +175,8 @@ def test_what_is_stated_of_a_fit_rests_on_derivatives_where_it_ended(monkeypatch
         lambda self, state, *known, **also: places.append(state.values) or derivatives(self, state, *known, **also),
     )
     wrong = relinearised(linear, range(len(linear.nuisances)), 0.3 * linear.sensitivities)
-    found = refit(wrong, (_whole("gas_loss"), cause), {(*cause.key, "sin"): 0.2, (*cause.key, "period"): 0.3})
+    start = {(*cause.key, "sin"): 0.2, (*cause.key, "period"): 0.3}
+    found = refit(wrong, (_whole("gas_loss"), cause), start, settles=False)
     far = [float(np.max(np.abs(values - found.values) / found.sigma)) for values in places]
     assert far[-1] < 0.05 < min(far[:-1])
 

@@ -72,6 +72,7 @@ class Fit:
         jacobian: Shape (T, c, k), change of the readings with each unknown.
         play: Shape (n,) [rad] or [m], of the gears, within which links were taken to rest anywhere.
         renewed: Derivatives of nuisances that are not those of the design, each by its index, shape (T, c).
+        is_settled: Whether derivatives that can be trusted lead no further.
     """
 
     causes: tuple[Cause, ...]
@@ -85,6 +86,7 @@ class Fit:
     jacobian: Array
     play: Array
     renewed: Mapping[int, Array] = field(default_factory=dict)
+    is_settled: bool = True
 
     @property
     def sigma(self) -> Array:

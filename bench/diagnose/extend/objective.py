@@ -51,7 +51,9 @@ class Derivatives:
         precision: Shape (p + k, p + k), of the parameters, their priors included.
         renewed: Derivatives of nuisances that are not those of the design, each by its index, shape (T, c).
         renewed_at: Where these were taken in this fit; None: they were not.
-        is_corrected: Whether the tangent was bent to what steps showed.
+        all_at: Where those of all nuisances were.
+        is_doubtful: Whether they may promise nothing where a fit could go on: they are bent to what steps showed, or
+            those of nuisances are of elsewhere although they failed there, or of a robot without its play.
     """
 
     at: State | None
@@ -60,7 +62,8 @@ class Derivatives:
     precision: Array
     renewed: Mapping[int, Array]
     renewed_at: State | None = None
-    is_corrected: bool = False
+    all_at: State | None = None
+    is_doubtful: bool = False
 
 
 class Objective:
@@ -181,7 +184,8 @@ class Objective:
             wanted &= which
         found = self.of_nuisances(state.nuisances, state.values, np.flatnonzero(wanted).tolist())
         so_far = known.renewed if known else {}
-        return replace(self.derivatives(state, nuisances={**so_far, **found}), renewed_at=state)
+        about = self.derivatives(state, nuisances={**so_far, **found})
+        return replace(about, renewed_at=state, all_at=state if which is None else None, is_doubtful=which is not None)
 
     def of_nuisances(self, nuisances: Array, values: Array, which: Iterable[int]) -> dict[int, Array]:
         """Return the derivatives with some nuisances by simulation, each by its index, shape (T, c).
@@ -211,7 +215,7 @@ class Objective:
         """Return derivatives that are right along a step that was simulated."""
         step = np.concatenate([after.nuisances - before.nuisances, after.values - before.values])
         tangent = broyden(derivatives.tangent, before.white - after.white, step, self.units)
-        return replace(derivatives, tangent=tangent, precision=self._precision(tangent), is_corrected=True)
+        return replace(derivatives, tangent=tangent, precision=self._precision(tangent), is_doubtful=True)
 
     def _precision(self, tangent: Array) -> Array:
         return np.asarray(tangent.T @ tangent + np.diag(1 / self.units**2))

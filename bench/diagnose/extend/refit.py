@@ -16,6 +16,7 @@ from bench.executor.contract import Progress, ignore
 from bench.record.campaign import Array
 
 MOST_ITERATIONS = 6  # effort: steps of a fit
+MOST_TO_SETTLE = 16  # effort: steps of one that is to settle
 ENOUGH = 0.2  # effort: fall of the objective, promised or found, below which a fit has converged
 MOST_PLAYS = 4  # effort: fits in turn, each with the scatter that the play of the one before makes
 MATTERS = 2.0  # effort: what a step falls short of its promise by, from where derivatives of nuisances are taken too
@@ -34,6 +35,7 @@ class _Point:
         residual: Shape (T, c); None: to be simulated.
         jacobian: Unknown, by its index -> shape (T, c); others are to be simulated.
         renewed: As of a fit.
+        is_settled: Whether the fit that ended there was.
     """
 
     values: Array
@@ -41,6 +43,7 @@ class _Point:
     residual: Array | None = None
     jacobian: Mapping[int, Array] = field(default_factory=dict)
     renewed: Mapping[int, Array] = field(default_factory=dict)
+    is_settled: bool = True
 
 
 def refit(
@@ -50,7 +53,7 @@ def refit(
     nuisances: Array | None = None,
     known: Fit | None = None,
     *,
-    renews: bool = True,
+    settles: bool = True,
     progress: Progress = ignore,
 ) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
@@ -65,8 +68,8 @@ def refit(
         start: (effect, place, parameter) -> first value; null where nothing is given.
         nuisances: Shape (p,), first values; None: zeros.
         known: A fit near the start, whose derivatives will do as long as they promise what comes true.
-        renews: Whether a fit with new play ends with derivatives of all nuisances about itself, which takes a
-            simulation for each. `refitted` does that later.
+        settles: Whether a fit whose derivatives are doubtful at its end ends with those of all nuisances
+            about itself, which takes a simulation for each. `refitted` does that later.
         progress: Called before every simulation; what it raises ends the fit.
 
     Raises:
@@ -77,7 +80,9 @@ def refit(
     values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
     slopes = (known.slopes_of(unknowns), known.renewed) if known else ()
-    return _with_its_play(linear, causes, _Point(np.clip(values, low, high), x, None, *slopes), progress, renews=renews)
+    return _with_its_play(
+        linear, causes, _Point(np.clip(values, low, high), x, None, *slopes), progress, settles=settles
+    )
 
 
 def refitted(linear: LinearisedModel, fit: Fit, progress: Progress = ignore) -> Fit:
@@ -91,21 +96,22 @@ def refitted(linear: LinearisedModel, fit: Fit, progress: Progress = ignore) -> 
     Raises:
         ConvergenceError, RobotError: As `refit`.
     """
-    return _with_its_play(linear, fit.causes, _point_of(fit), progress, renews=True)
+    return _with_its_play(linear, fit.causes, _point_of(fit), progress, settles=True)
 
 
 def _point_of(fit: Fit) -> _Point:
-    return _Point(fit.values, fit.nuisances, fit.residual, fit.slopes_of(fit.unknowns), fit.renewed)
+    slopes = fit.slopes_of(fit.unknowns)
+    return _Point(fit.values, fit.nuisances, fit.residual, slopes, fit.renewed, fit.is_settled)
 
 
 def _with_its_play(
-    linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point, progress: Progress, *, renews: bool
+    linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point, progress: Progress, *, settles: bool
 ) -> Fit:
     """Fit an extension until the play that its scatter belongs to is the play that it finds."""
     unknowns = unknowns_of(causes)
     play = play_of(linear, causes, unknowns, point.values)
     for _ in range(MOST_PLAYS):
-        fit = _fitted(Objective(with_play(linear, play), causes, progress), point, renews=renews)
+        fit = _fitted(Objective(with_play(linear, play), causes, progress), point, settles=settles)
         found = play_of(linear, causes, unknowns, fit.values)
         if scatters_alike(found, play):
             break
@@ -113,58 +119,74 @@ def _with_its_play(
     return fit
 
 
-def _fitted(objective: Objective, point: _Point, *, renews: bool) -> Fit:
+def _fitted(objective: Objective, point: _Point, *, settles: bool) -> Fit:
     """Fit an extension to a design that knows its play."""
     if point.residual is None:
         first = objective.near(point.nuisances, point.values)
     else:
         first = objective.at(point.nuisances, point.values, point.residual)
-    renews = renews and has_new_play(objective.linear, objective.linear.scatter.play)
-    state, slopes = _least(objective, first, objective.derivatives(first, point.jacobian, point.renewed), renews=renews)
-    if slopes.is_corrected:  # corrections lead to the optimum; what is stated there rests on derivatives
+    slopes = objective.derivatives(first, point.jacobian, point.renewed)
+    linear = objective.linear
+    has_new_play = bool(np.any(linear.scatter.play > linear.replay.compiled.play))
+    is_doubtful = not point.is_settled or (has_new_play and not slopes.renewed)
+    state, slopes = _least(objective, first, replace(slopes, is_doubtful=is_doubtful), settles=settles)
+    is_settled = not slopes.is_doubtful or slopes.all_at is not None
+    if slopes.is_doubtful and slopes.at is not state:  # what is stated of the end rests on derivatives
         with suppress(*NOT_SIMULATED):
             slopes = objective.derivatives(state, nuisances=slopes.renewed)
-    return _fit(objective, state, slopes)
+    return _fit(objective, state, slopes, is_settled=is_settled)
 
 
-def _least(objective: Objective, state: State, slopes: Derivatives, *, renews: bool) -> tuple[State, Derivatives]:
+def _least(objective: Objective, state: State, slopes: Derivatives, *, settles: bool) -> tuple[State, Derivatives]:
     """Return where the objective is least, and derivatives that lead no further.
 
     Derivatives serve as long as steps fall as far as they promise. Else those of the unknowns are taken anew, where
     they are another fit's; then all are corrected by what the steps show. Where that does not help either, those of
-    the nuisances that the step moves are taken anew too.
+    the nuisances that the step moves are taken anew too. What steps have corrected leads towards the optimum, but does
+    not tell whether it is reached.
     """
-    for iteration in range(MOST_ITERATIONS + 1):
+    for _ in range(MOST_TO_SETTLE if settles else MOST_ITERATIONS):
         step, promised = _step(objective, state, slopes)
-        if promised < ENOUGH and renews and not slopes.renewed:
-            with suppress(*NOT_SIMULATED):
-                slopes = objective.all_derivatives(state)
-                step, promised = _step(objective, state, slopes)
-        if promised < ENOUGH or iteration == MOST_ITERATIONS:
-            break
-        before, state = state, _downhill(objective, state, slopes, step)
-        fell = before.objective - state.objective
-        if fell >= FAITHFUL * promised:
-            continue
-        matters = promised - fell > MATTERS
+        before = state
+        if promised >= ENOUGH:
+            state = _downhill(objective, state, slopes, step)
+            if before.objective - state.objective >= FAITHFUL * promised:
+                continue
         try:
-            if slopes.at is None:
-                slopes = objective.derivatives(state, nuisances=slopes.renewed)
-            elif fell >= ENOUGH and (fell >= POOR * promised or not matters):
-                slopes = objective.corrected(slopes, before, state)
-            elif matters and slopes.renewed_at is not state:
-                moved = np.abs(step[: len(state.nuisances)]) > MOVED
-                slopes = objective.all_derivatives(state, moved, slopes)
-            else:
-                break
+            better = _better(objective, slopes, before, state, step, promised, settles=settles)
         except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
             break
+        if better is None:
+            break
+        slopes = better
     return state, slopes
 
 
-def has_new_play(linear: LinearisedModel, play: Array) -> bool:
-    """Whether gears have play, shape (n,), that they have not in the design."""
-    return bool(np.any(play > linear.replay.compiled.play))
+def _better(
+    objective: Objective,
+    slopes: Derivatives,
+    before: State,
+    state: State,
+    step: Array,
+    promised: float,
+    *,
+    settles: bool,
+) -> Derivatives | None:
+    """Return better derivatives at a state than those that promised a step to it, or None where none are worth it."""
+    fell = before.objective - state.objective
+    matters = promised - fell > MATTERS
+    if promised >= ENOUGH:
+        if slopes.at is None:
+            own = objective.derivatives(state, nuisances=slopes.renewed)
+            return replace(own, is_doubtful=slopes.is_doubtful)
+        if fell >= ENOUGH and (fell >= POOR * promised or not matters):
+            return objective.corrected(slopes, before, state)
+        if matters and slopes.renewed_at is not state:
+            moved = np.abs(step[: len(state.nuisances)]) > MOVED
+            return objective.all_derivatives(state, moved, slopes)
+    if settles and slopes.all_at is not state and (matters or (slopes.is_doubtful and slopes.all_at is None)):
+        return objective.all_derivatives(state)
+    return None
 
 
 def _step(objective: Objective, state: State, slopes: Derivatives) -> tuple[Array, float]:
@@ -196,13 +218,14 @@ def _balances(objective: Objective, state: State, step: Array) -> bool:
     return True
 
 
-def _fit(objective: Objective, state: State, slopes: Derivatives) -> Fit:
+def _fit(objective: Objective, state: State, slopes: Derivatives, *, is_settled: bool) -> Fit:
     """Return what a fit found, taken to its optimum by what is not worth a simulation.
 
     Who leaves runs out takes a fit to be at its optimum.
     """
     linear, p = objective.linear, len(state.nuisances)
     step, promised = _step(objective, state, slopes)
+    is_settled &= promised < ENOUGH
     if promised >= ENOUGH or not _balances(objective, state, step):
         step, promised = np.zeros_like(step), 0.0
     least = state.objective - promised
@@ -220,6 +243,7 @@ def _fit(objective: Objective, state: State, slopes: Derivatives) -> Fit:
         jacobian=slopes.jacobian,
         play=linear.scatter.play,
         renewed=slopes.renewed,
+        is_settled=is_settled,
     )
     moved = found.change(linear, step[:p]) + slopes.jacobian @ step[p:]
     return replace(found, residual=state.residual - moved)

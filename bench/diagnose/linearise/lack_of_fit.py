@@ -55,19 +55,23 @@ def unexplained(linear: LinearisedModel, white: Array, columns: Columns, prior: 
     return np.sqrt(_by_quantity(linear, left, 1 - np.clip(leverage, 0.0, MOST_LEVERAGE)))
 
 
-def missed(linear: LinearisedModel, white: Array, *, is_last: bool = False) -> Array:
+def missed(linear: LinearisedModel, left: Array, *, is_last: bool = False) -> Array:
     """Return the share of what a model misses below which no standard error should go, in standard errors as they are.
 
     Args:
         linear: The campaign.
-        white: Shape (m,), residual of the model, nuisances at zero.
+        left: Shape (m,), whitened residual of the model.
         is_last: Nothing will be added any more: all that it misses is noise, and neighbours that err alike count once.
     """
-    own = linear.jacobian
-    left = white - own @ np.linalg.solve(own.T @ own + RIDGE * np.eye(own.shape[1]), own.T @ white)
     if is_last:
         return np.sqrt(_by_quantity(linear, left, np.ones(len(left))))
     return SHARE_OF_MISSES * np.sqrt(_by_quantity(linear, left, np.ones(len(left)), counts_alike=False))
+
+
+def left_by_nuisances(linear: LinearisedModel, white: Array) -> Array:
+    """Return what nuisances leave to first order, shape (m,), of a whitened residual with all of them at zero, (m,)."""
+    own = linear.jacobian
+    return np.asarray(white - own @ np.linalg.solve(own.T @ own + RIDGE * np.eye(own.shape[1]), own.T @ white))
 
 
 def as_simulated(linear: LinearisedModel, explained: Array, share: float) -> Array:

@@ -10,7 +10,7 @@ from bench.diagnose.extend.fit import Fit, Key, pseudo_residual
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, anew
-from bench.diagnose.linearise.lack_of_fit import missed, unexplained
+from bench.diagnose.linearise.lack_of_fit import left_by_nuisances, missed, unexplained
 from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, roughened, with_play
 from bench.diagnose.linearise.marginal import Columns, Nuisances
 from bench.diagnose.linearise.screening import WIDTHS
@@ -99,7 +99,7 @@ def learn(linear: LinearisedModel, block: Block, beside: Fit) -> Discrepancy:
     linear = with_play(beside.design(linear), beside.play)
     # where a shape changes within a bin, no table can follow: what is rough by the instruments' errors is noise
     plain = roughened(raised(linear, 1 / linear.inflation), beside.residual)
-    linear = raised(plain, np.maximum(missed(plain, pseudo_residual(plain, beside)), 1.0))
+    linear = raised(plain, np.maximum(missed(plain, left_by_nuisances(plain, pseudo_residual(plain, beside))), 1.0))
     for left in reversed(range(ROUNDS)):
         estimate = _best(linear, block, beside)
         effect = effect_of(linear, estimate.block)
@@ -135,7 +135,7 @@ def _factors(linear: LinearisedModel, block: Block, fit: Fit) -> Array:
     finest = anew(plain, block, ANGLE_NODES[-1])
     prior = np.full(finest.columns.shape[1], finest.prior)
     least = np.maximum(unexplained(plain, pseudo_residual(plain, fit), Columns(finest.columns), prior), 1.0)
-    return np.maximum(missed(linear, pseudo_residual(linear, fit)) * linear.inflation, least) / linear.inflation
+    return np.maximum(missed(linear, linear.whiten(fit.residual)) * linear.inflation, least) / linear.inflation
 
 
 @dataclass(frozen=True, eq=False)

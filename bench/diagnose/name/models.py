@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from bench.diagnose.extend.fit import Fit, Key, unknowns_of
-from bench.diagnose.extend.refit import has_new_play, refit, refitted
+from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, anew
 from bench.diagnose.linearise.linearised_model import LinearisedModel
@@ -22,7 +22,7 @@ from bench.record.campaign import Array
 NARROW = 1.5
 # effort: evidence that derivatives about a model with play may add: where they were missing, they lowered chi-square by
 # 21, which is 10.5 (tests/diagnose/test_refit.py)
-MOST_GAINED = 30.0
+MOST_GAINED = 12.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +119,7 @@ class Fitter:
         null: Fit of the nominal model to it.
         executor: Where to fit.
         known: Fit near all of them, whose derivatives will do as long as they promise what comes true; or None.
+        settles: Whether fits that may decide are brought to their ends by derivatives about themselves.
         models: Keys -> model; None where it finds no balance, is not plausible, or does not need one of its causes.
     """
 
@@ -126,6 +127,7 @@ class Fitter:
     null: Fit
     executor: Executor
     known: Fit | None = None
+    settles: bool = True
     models: dict[frozenset[Hashable], Model | None] = field(default_factory=dict)
 
     def fitted(self, candidates: Sequence[CandidateModel]) -> list[Model]:
@@ -141,13 +143,14 @@ class Fitter:
         )
         fits = in_order(self.executor, partial(_fit, self.linear, self.known), new)
         done = [(candidate, *fit) for candidate, fit in zip(new, fits, strict=True) if fit]
-        # derivatives about models with play take a simulation for each nuisance: only where they may decide
-        best = max((fit.log_evidence for _, fit, _ in done), default=-np.inf)
+        # derivatives about a model take a simulation for each nuisance: only where they may decide
+        known = [model.fit for model in self.models.values() if model]
+        best = max((fit.log_evidence for fit in (*known, *(fit for _, fit, _ in done))), default=-np.inf)
         open_ones = [
-            one for one in done if has_new_play(self.linear, one[1].play) and one[1].log_evidence > best - MOST_GAINED
+            one for one in done if self.settles and not one[1].is_settled and one[1].log_evidence > best - MOST_GAINED
         ]
-        renewed = in_order(self.executor, partial(_renewed, self.linear), open_ones)
-        better = {one[0].keys: fit for one, fit in zip(open_ones, renewed, strict=True)}
+        settled = in_order(self.executor, partial(_settled, self.linear), open_ones)
+        better = {one[0].keys: fit for one, fit in zip(open_ones, settled, strict=True)}
         self.models |= dict.fromkeys((candidate.keys for candidate in new), None)
         for candidate, fit, kept in done:
             self.models[candidate.keys] = self._model(candidate, better.get(candidate.keys, fit), kept)
@@ -233,22 +236,22 @@ def _fit(
     found: Fit | None = None
     for start in _starts(candidate, known):
         with suppress(*NOT_SIMULATED):
-            fit = refit(linear, candidate.causes, start, nuisances, known, renews=False, progress=progress)
+            fit = refit(linear, candidate.causes, start, nuisances, known, settles=False, progress=progress)
             if found is None or fit.log_evidence > found.log_evidence:
                 found = fit
     if found is None:
         return None
     try:
         while len(needed := needed_of(found)) < len(found.causes):
-            found = refit(linear, needed, found.start, found.nuisances, found, renews=False, progress=progress)
+            found = refit(linear, needed, found.start, found.nuisances, found, settles=False, progress=progress)
     except NOT_SIMULATED:
         return None
     kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
     return replace(found, causes=(), unknowns=()), kept
 
 
-def _renewed(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int, ...]], progress: Progress) -> Fit:
-    """Return a fit with new play, brought to its end by derivatives of all nuisances about itself; see `_fit`."""
+def _settled(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int, ...]], progress: Progress) -> Fit:
+    """Return a fit brought to its end by derivatives of all nuisances about itself; see `_fit`."""
     candidate, fit, kept = done
     causes = tuple(candidate.causes[i] for i in kept)
     linear = with_shape(plain, candidate.shape) if candidate.shape else plain

@@ -8,7 +8,7 @@ import numpy as np
 from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import blocks_of
-from bench.diagnose.linearise.lack_of_fit import missed, unexplained
+from bench.diagnose.linearise.lack_of_fit import left_by_nuisances, missed, unexplained
 from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, relinearised, with_friction_of
 from bench.diagnose.linearise.screening import Screening, Tried, screen, tried_of
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
@@ -70,7 +70,11 @@ class Neighbourhood:
         """
         self._causes, self._changes = tuple(causes), sensitivities
         linear = self._looked_around(linear, lambda nominal: nominal.white)
-        linear = _settled(linear, lambda nominal: nominal.white)
+        for _ in range(ROUNDS):
+            factors = _factors(linear, left_by_nuisances(linear, linear.white), is_last=False)
+            if np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)):
+                break
+            linear = raised(linear, factors)
         return linear, screen(linear, linear.white, self._everything(linear), self.rate)
 
     def about(self, linear: LinearisedModel, model: Model, *, is_last: bool = False) -> tuple[LinearisedModel, Tried]:
@@ -99,7 +103,8 @@ class Neighbourhood:
             own = relinearised(own, which, self._changes.nuisances)
         if own.whitenings is not nominal.whitenings or self._changes is not before:
             own = self._looked_around(own, lambda other: pseudo_residual(other, fit))
-        own = _settled(own, lambda other: pseudo_residual(other, fit), is_last=is_last)
+        # of what the fit leaves, and once: with larger standard errors nuisances would be free to leave more, and so on
+        own = raised(own, _factors(own, own.whiten(fit.residual), is_last=is_last))
         linear = without_shape(own, count)
         return linear, replace(self._everything(linear), needs=self.needs(fit.causes, world, own.replay.robot))
 
@@ -154,18 +159,6 @@ class Neighbourhood:
         return self._tried
 
 
-def _settled(
-    linear: LinearisedModel, white_of: Callable[[LinearisedModel], Array], *, is_last: bool = False
-) -> LinearisedModel:
-    """Return the design with standard errors raised to what its model misses."""
-    for _ in range(ROUNDS):
-        factors = _factors(linear, white_of(linear), is_last=is_last)
-        if np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)):
-            break
-        linear = raised(linear, factors)
-    return linear
-
-
-def _factors(linear: LinearisedModel, white: Array, *, is_last: bool) -> Array:
-    """Return by what the standard errors have to be raised, shape (2, c)."""
-    return np.maximum(missed(linear, white, is_last=is_last) * linear.inflation, linear.unexplained) / linear.inflation
+def _factors(linear: LinearisedModel, left: Array, *, is_last: bool) -> Array:
+    """Return by what the standard errors have to be raised beside what a model leaves, (m,); shape (2, c)."""
+    return np.maximum(missed(linear, left, is_last=is_last) * linear.inflation, linear.unexplained) / linear.inflation

@@ -27,6 +27,7 @@ from bench.diagnose.name.paying import fit_without_cause, fit_without_shape, hel
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import SearchSpace, search_space
+from bench.diagnose.name.simulation_error import rise_of
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -42,7 +43,7 @@ class Renew(Protocol):
         """Return the design and what can be tried; `is_last`: nothing will be added, what is missed now is noise."""
 
 
-LEFT_OPEN = 30.0  # effort: evidence of what is refused, from where something else is looked for in its place
+LEFT_OPEN = 30.0  # effort: evidence of all that is refused, from where something else is looked for in its place
 MOST_ROUNDS = 12  # effort: of linearising and searching; recording B of the KR300 takes 8
 LEADERS = 6  # effort: alternatives of a search that are simulated; half of them while the best model still changes
 EXCHANGED = 4  # effort: findings whose likeliest other name is simulated at last, where no other name was
@@ -188,7 +189,7 @@ class _Selection:
         leading = leaders_of(found, count)
         leaders = [*(one.best.terms for one in leading), grown(about, leading)]
         known = self.best.fit if self.best.keys and not self.best.shape else None
-        fitter = Fitter(self.linear, self.null, self.executor, known)
+        fitter = Fitter(self.linear, self.null, self.executor, known, settles=is_last)
         present = fitter.knows(self.best, about.candidate_of(about.present))
         alone = without(about, found[0].best.terms, shape) if shape else ()
         others = [*leaders, *alone, about.instead(found[0].best.terms)]
@@ -257,9 +258,11 @@ class _Selection:
                 about, fit = relinearised_fit(model.linear(linear), model.fit)
                 linear, model = without_shape(about, len(linear.nuisances)), replace(model, fit=fit)
             new, tried = self.renew(linear, model, is_last=is_last)
-            null = self.null if new is linear else refit(new, (), {})
-            best = reweighed(model, linear, new)
-            self.linear, self.tried, self.null, self.best = new, tried, null, best
+            # evidence against it is the same for all, so it need not settle
+            null = self.null if new is linear else refit(new, (), {}, settles=False)
+            best = reweighed(replace(model, fit=replace(model.fit, renewed={})), linear, new)  # the design has them
+            self.linear, self.tried, self.null = best.fit.design(new), tried, null
+            self.best = replace(best, fit=replace(best.fit, renewed={}))
 
     def _refuse(self) -> bool:
         """Hold each finding against what was held out; refuse those that do not pay, and say whether there were any.
@@ -272,7 +275,7 @@ class _Selection:
             self.refused_shapes.add(str(self.best.shape))
             self.best = Model(fit_without_shape(self.linear, self.best), log_posterior=self.best.log_posterior)
             return True
-        known = (self.linear, self.null)
+        known, before = (self.linear, self.null), self.best.fit
         held = held_findings(*known, self.best, self.best.causes, self.screening.threshold)
         count = 0
         while (failed := [one for one in held.values() if not one.is_taken]) and len(self.refused) < MOST_REFUSED:
@@ -281,11 +284,11 @@ class _Selection:
             self.best = replace(self.best, fit=fit_without_cause(self.linear, self.best, worst.cause))
             self.beside[key] = frozenset() if key in self.refused else self.best.keys  # twice is for good
             self.refused[key] = held.pop(key)
-            self.is_open |= worst.log_evidence > LEFT_OPEN
             count += 1
             others = [one.cause for one in failed if one is not worst]
             held |= held_findings(*known, self.best, others, self.screening.threshold)
         self.findings = held
+        self.is_open = rise_of(before, self.best.fit) > LEFT_OPEN
         return count > 0
 
     def _barred(self) -> frozenset[Hashable]:

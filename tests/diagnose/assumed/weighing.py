@@ -9,7 +9,7 @@ import numpy as np
 from bench.diagnose.cross_validation.folds import Folds, folds_of
 from bench.diagnose.cross_validation.leave_out import log_probability_of_figures
 from bench.diagnose.cross_validation.next_recording import apart
-from bench.diagnose.linearise.lack_of_fit import missed
+from bench.diagnose.linearise.lack_of_fit import left_by_nuisances, missed
 from bench.diagnose.linearise.roughness import with_roughness
 from bench.diagnose.name.simulation_error import imitated
 from bench.record.campaign import Array
@@ -69,7 +69,7 @@ def what_a_poor_model_misses_counts_as_two_standard_errors_of_each_reading() -> 
     # Signatures about a wrong model are good to a share of it: ten readings still tell 20 nats, not 80.
     white = np.random.default_rng(2).standard_normal(RUNS * LENGTH) * 100 * SIGMA
     linear = design_with(white, np.zeros((RUNS * LENGTH, 1)), RUNS)
-    errors = float(missed(linear, linear.white)[1, 0])
+    errors = float(missed(linear, left_by_nuisances(linear, linear.white))[1, 0])
     each = float(np.sqrt(np.mean(linear.white**2))) / errors
     assert 1.5 < each < 3.0
 
