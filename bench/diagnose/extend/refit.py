@@ -143,7 +143,7 @@ def _least(objective: Objective, state: State, slopes: Derivatives, *, settles: 
     Derivatives serve as long as steps fall as far as they promise. Else those of the unknowns are taken anew, where
     they are another fit's; then all are corrected by what the steps show. Where that does not help either, those of
     the nuisances that the step moves are taken anew too. What steps have corrected leads towards the optimum, but does
-    not tell whether it is reached.
+    not tell whether it is reached: a fit that is to settle takes all anew there, and goes on.
     """
     for _ in range(MOST_TO_SETTLE if settles else MOST_ITERATIONS):
         step, promised = _step(objective, state, slopes)
