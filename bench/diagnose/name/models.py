@@ -20,8 +20,8 @@ from bench.record.campaign import Array
 
 # effort: ratio of neighbouring shapes below which an effect is lost between two of them: more starts are tried
 NARROW = 1.5
-# effort: evidence that derivatives about a model with play may add: where they were missing, they lowered chi-square by
-# 21, which is 10.5 (tests/diagnose/test_refit.py)
+# effort: evidence that derivatives about a model may add: where they were missing about one with play, they lowered
+# chi-square by 21, which is 10.5 (tests/diagnose/test_refit.py)
 MOST_GAINED = 12.0
 
 
