@@ -130,8 +130,9 @@ def _fitted(objective: Objective, point: _Point, *, settles: bool) -> Fit:
     has_new_play = bool(np.any(linear.scatter.play > linear.replay.compiled.play))
     is_doubtful = not point.is_settled or (has_new_play and not slopes.renewed)
     state, slopes = _least(objective, first, replace(slopes, is_doubtful=is_doubtful), settles=settles)
-    is_settled = not slopes.is_doubtful or slopes.all_at is not None
-    if slopes.is_doubtful and slopes.at is not state:  # what is stated of the end rests on derivatives
+    has_all = slopes.all_at is not None
+    is_settled = not slopes.is_doubtful or has_all
+    if (slopes.is_doubtful or has_all) and slopes.at is not state:  # what is stated of the end rests on derivatives
         with suppress(*NOT_SIMULATED):
             slopes = objective.derivatives(state, nuisances=slopes.renewed)
     return _fit(objective, state, slopes, is_settled=is_settled)
