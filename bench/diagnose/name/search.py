@@ -159,6 +159,7 @@ def search(
     start: Iterable[Sequence[int]] = ((),),
     always: tuple[int, ...] = (),
     expanded: int = MOST_EXPANDED,
+    most: int | None = None,
 ) -> list[Subset]:
     """Return all subsets that were visited, the most probable first.
 
@@ -167,6 +168,7 @@ def search(
         start: Subsets to begin with.
         always: Terms that are in every subset.
         expanded: How many subsets are expanded.
+        most: Terms of the largest subset that is visited; None: any.
     """
     visited: dict[tuple[int, ...], float] = {}
     queue: list[tuple[float, tuple[int, ...]]] = []
@@ -174,7 +176,7 @@ def search(
 
     def visit(which: Iterable[int]) -> None:
         terms = tuple(sorted(which))
-        if terms not in visited:
+        if terms not in visited and (most is None or len(terms) <= most):
             visited[terms] = model.log_posterior(terms)
             heapq.heappush(queue, (-visited[terms], terms))
 

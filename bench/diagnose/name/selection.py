@@ -12,8 +12,6 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-import numpy as np
-
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
 from bench.diagnose.linearise.candidates import Cause
@@ -157,14 +155,18 @@ class _Selection:
         self._end()
 
     def _end(self) -> None:
-        """Keep what pays of the best model where the rounds are used up, and add nothing any more."""
-        before = None
-        while self.best.keys != before:  # what does not act beside the others is lost in a search
+        """Keep what pays of the best model where the rounds are used up, and have no more findings than that."""
+        held: dict[frozenset[Hashable], dict[Hashable, Finding]] = {}
+        while self.best.keys not in held:  # a search may lose a finding, or call it by another name
             while self._refuse():
                 self._relinearise(is_last=True)
             if not (before := self.best.keys):
                 return
+            held[before] = self.findings
             self._search(is_last=True, adds=False)
+            if self.best.keys != before:
+                self._relinearise(is_last=True)
+        self.findings = held[self.best.keys]
         self._repeat()
 
     def _search(self, *, is_last: bool = False, adds: bool = True) -> None:
@@ -172,14 +174,15 @@ class _Selection:
 
         Args:
             is_last: Everything that cannot be told from the best is to be known, not only the best.
-            adds: False: the best model stays, as far as its causes act, and what promises more is simulated for what
-                could stand in its place.
+            adds: False: models with more findings than the best has are left out, for what is found now is held against
+                nothing any more.
         """
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
         threshold = self.screening.threshold
         about = search_space(self.linear, self.tried, threshold, self.best, self._barred() | self.refused_shapes)
         shape = about.present[-1:] if self.best.shape else ()
-        visited = search(about.model, [about.present], shape)
+        most = None if adds else len(about.present)
+        visited = search(about.model, [about.present], shape, most=most)
         every = {one.terms: one for one in (*visited, *exchanges(about.model, visited[0], shape))}
         found = alternatives_of(about.model, every.values())
         causes = [about.cause(i) for i in found[0].best.terms]
@@ -187,7 +190,7 @@ class _Selection:
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
         count = LEADERS if is_last else LEADERS // 2
         leading = leaders_of(found, count)
-        leaders = [*(one.best.terms for one in leading), grown(about, leading)]
+        leaders = [*(one.best.terms for one in leading), *([grown(about, leading)] if adds else [])]
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known, settles=is_last)
         present = fitter.knows(self.best, about.candidate_of(about.present))
@@ -210,10 +213,8 @@ class _Selection:
         if adds and not shape and first.keys == self.best.keys:
             models += self._beside(about, fitter, first.log_posterior, is_last=is_last)
             found = [one for one in found if not one.keys & self.refused_shapes]
-        stays = self.best.keys
-        models = sorted(
-            [Model(self.null), *models], key=lambda one: (not adds and not one.keys <= stays, -one.log_posterior)
-        )
+        models = [one for one in (Model(self.null), *models) if adds or len(one.keys) <= len(self.best.keys)]
+        models.sort(key=lambda one: -one.log_posterior)
         near = {model.keys for model in models if model.log_posterior > models[0].log_posterior - IN_SET}
         self.plays |= {there for there, one in plays.items() if one.keys not in near}
         # whatever was promised of those that could not be fitted, or did not need all of their causes
@@ -222,7 +223,7 @@ class _Selection:
             for keys, model in fitter.models.items()
             if model is None or model.keys != keys
         }
-        self.posterior = posterior_of(models, found, fell, np.inf if adds else models[0].log_posterior)
+        self.posterior = posterior_of(models, found, fell, None if adds else models[0].log_posterior)
         self.models = with_probabilities(models, self.posterior)
         self.best = self.models[0]
 
