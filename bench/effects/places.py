@@ -85,6 +85,11 @@ def speed_limit(compiled: CompiledRobot, index: int) -> float:
     return compiled.robot.figures.drives[index].speed_limit_rad_per_s
 
 
+def most_speed(compiled: CompiledRobot, index: int) -> float:
+    """Return how high the speed limit of a drive may be [rad/s], [m/s]: as stated, or as far as a guess may be off."""
+    return speed_limit(compiled, index) ** 2 / least_speed(compiled, index)
+
+
 def least_speed(compiled: CompiledRobot, index: int) -> float:
     """Return how low the speed limit of a drive may be [rad/s], [m/s]: as stated, or as far as a guess may be off."""
     figures = compiled.robot.figures

@@ -175,6 +175,8 @@ def test_a_noise_that_nobody_stated_is_what_samples_scatter(session: Campaign, r
     [
         (scale(2, "current_5_a"), "current_5_a", "looks doubled: "),
         (scale(0.5, "current_3_a"), "current_3_a", "looks halved: "),
+        (scale(2, "gas_pressure_pa"), "gas_pressure_pa", "looks doubled: 2.0"),
+        (scale(0.5, "gas_pressure_pa"), "gas_pressure_pa", "looks halved: 0.5"),
         (late("current_3_a"), "current_3_a", "looks late, by about 1"),
         (late("reflector_1_x_m", "reflector_1_y_m", "reflector_1_z_m"), "reflector_1_x_m", "looks late, by about 1"),
     ],
@@ -188,6 +190,33 @@ def test_what_a_diagnosis_weighs_is_a_hint(
     assert (hint.level, hint.column) == ("warning", column)
     assert words in hint.message
     assert "bench diagnose weighs it" in hint.remedy
+
+
+def exchanged(campaign: Campaign, one: str, other: str) -> Campaign:
+    """Return a campaign in which two runs have each other's time of start."""
+    starts = {run.name: run.start_s for run in campaign.runs}
+    starts |= {one: starts[other], other: starts[one]}
+    return replace(campaign, runs=tuple(replace(run, start_s=starts[run.name]) for run in campaign.runs))
+
+
+def test_runs_that_would_begin_before_the_arm_is_there_are_noticed(session: Campaign, robot: CompiledRobot) -> None:
+    """There and back were written down in the wrong order; nothing overlaps."""
+    up, down = "joint2-payload50-speed24-up", "joint2-payload50-speed24-down"
+    (hint,) = hints_of(exchanged(session, up, down), robot)
+    assert (hint.level, hint.column) == ("warning", "start_s")
+    assert "the end of" in hint.message
+    assert "exchanged" in hint.remedy
+
+
+def test_times_to_the_minute_are_no_reason_for_a_hint(session: Campaign, robot: CompiledRobot) -> None:
+    rounded = replace(session, runs=tuple(replace(run, start_s=60.0 * round(run.start_s / 60)) for run in session.runs))
+    assert not [hint for hint in hints_of(rounded, robot) if hint.column == "start_s"]
+
+
+def test_a_gauge_of_lost_or_warm_gas_is_no_reason_for_a_hint(session: Campaign, robot: CompiledRobot) -> None:
+    for factor in (0.7, 1.1):
+        hints = hints_of(changed(session, scale(factor, "gas_pressure_pa")), robot)
+        assert not [hint for hint in hints if hint.column == "gas_pressure_pa"]
 
 
 def test_nothing_is_hinted_where_something_is_doubted(session: Campaign, robot: CompiledRobot) -> None:

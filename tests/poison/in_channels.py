@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 from tests.poison.in_tables import MOTION
 from tests.poison.variant import Answer, Sheet, Spoil, Variant, in_column, tables
@@ -168,6 +169,16 @@ def _both(*spoils: Spoil) -> Spoil:
     return spoil
 
 
+def _in_the_wrong_order(folder: Path) -> None:
+    """Exchange the starts of a way there and of the way back."""
+    file = folder / "campaign.yaml"
+    content = yaml.safe_load(file.read_text())
+    runs = {run["name"]: run for run in content["runs"]}
+    there, back = runs["joint1-payload5-speed30-up"], runs["joint1-payload5-speed30-down"]
+    there["start_s"], back["start_s"] = back["start_s"], there["start_s"]
+    file.write_text(yaml.safe_dump(content))
+
+
 def cross_checks(rng: np.random.Generator) -> Iterator[Variant]:
     """Channels that contradict each other or the model; what a diagnosis weighs itself is said, and no fault."""
 
@@ -211,6 +222,17 @@ def cross_checks(rng: np.random.Generator) -> Iterator[Variant]:
         "loads twice": (times(2, *loads), "harmless", ("force_z_n", "0.50", "hung_load")),
         "a current doubled": (times(2, "current_2_a"), "harmless", ("current_2_a", "looks doubled", "channel_scale")),
         "a current halved": (times(0.5, "current_1_a"), "harmless", ("current_1_a", "looks halved", "channel_scale")),
+        "a gauge doubled": (
+            times(2, "gas_pressure_pa"),
+            "harmless",
+            ("gas_pressure_pa", "looks doubled", "channel_scale"),
+        ),
+        "a gauge halved": (
+            times(0.5, "gas_pressure_pa"),
+            "harmless",
+            ("gas_pressure_pa", "looks halved", "channel_scale"),
+        ),
+        "there and back in the wrong order": (_in_the_wrong_order, "harmless", ("start_s", "exchanged?")),
         "a current late": (in_column(late, "current_2_a"), "harmless", ("current_2_a", "looks late", "channel_delay")),
         "a tracker late": (in_column(late, *tracker), "harmless", (tracker[0], "looks late", "channel_delay")),
         "a moment of 1e6 Nm": (_added("load_mx_nm", "1e6"), "doubt", ("load_mx_nm", "the robot is rated for 50")),

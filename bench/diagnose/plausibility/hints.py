@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from bench.diagnose.plausibility.between_runs import too_far_apart
 from bench.diagnose.plausibility.channels import BINS
 from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
@@ -13,6 +14,9 @@ from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import readings_of, segments_of
+from bench.diagnose.replay.world import NOMINAL
+from bench.effects.effect import REFERENCE_K
+from bench.effects.gas import GasLoss, GasTemperature
 from bench.effects.recorded import LATEST_DRIVE_S
 from bench.effects.recording_channel import ChannelDelay
 from bench.effects.sensing_drive import DriveDelay
@@ -37,7 +41,7 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
         return ()
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
-    found = list(unlike_currents(campaign, compiled))
+    found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled)]
     try:
         segments = segments_of(campaign, compiled, every, BINS)
         if not segments:
@@ -57,10 +61,11 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
             told = {hint.column for hint in found}
             found += [hint for hint in unexplained(picture, paid) if hint.column not in told]
         if seen := readings_of(segments, every, others):
-            late = late_reflectors(Replay(compiled, seen, others))
-            found += _late(late, ChannelDelay.parameters[0].low, ChannelDelay.name)
+            replay = Replay(compiled, seen, others)
+            found += _late(late_reflectors(replay), ChannelDelay.parameters[0].low, ChannelDelay.name)
+            found += _gauge(replay)
     except ConvergenceError:
-        return tuple(unlike_currents(campaign, compiled))
+        return tuple(found)
     return tuple(found)
 
 
@@ -75,10 +80,31 @@ def _scaled(looks: Sequence[DriveLook], compiled: CompiledRobot) -> Iterator[Fin
         as_stated = [abs(value - 1) < SCALED for value in others]
         off = abs(factor.value - 1)
         if others and 2 * sum(as_stated) > len(others) and off > SCALED and off > SURE * factor.sigma:
-            word = "looks doubled" if abs(factor.value / 2 - 1) < SCALED / 2 else "looks scaled"
-            word = "looks halved" if abs(2 * factor.value - 1) < SCALED / 2 else word
-            message = f"{word}: {factor.value:.2f} ± {factor.sigma:.2f} times what the model needs, others as stated"
-            yield _hint(column, message, "channel_scale")
+            times = f"{factor.value:.2f} ± {factor.sigma:.2f} times what the model needs, others as stated"
+            yield _hint(column, f"{_looks(factor.value)}: {times}", "channel_scale")
+
+
+def _looks(factor: float) -> str:
+    if abs(factor / 2 - 1) < SCALED / 2:
+        return "looks doubled"
+    return "looks halved" if abs(2 * factor - 1) < SCALED / 2 else "looks scaled"
+
+
+def _gauge(replay: Replay) -> Iterator[Finding]:
+    """Yield a warning where a gauge reads more or less than gas that was lost or is warm accounts for."""
+    observed, nominal = np.concatenate([segment.observed for segment in replay.segments]), replay.predict(NOMINAL)
+    warm = GasTemperature.parameters[0].high / REFERENCE_K
+    least, most = (1 - GasLoss.parameters[0].high) * (1 - warm), 1 + warm
+    for c, quantity in enumerate(replay.quantities):
+        rows = np.isfinite(observed[:, c])
+        if quantity.kind != "gas_pressure" or not np.any(rows):
+            continue
+        ratio = float(np.median(observed[rows, c]) / np.median(nominal[rows, c]))
+        if not least < ratio < most:
+            made = f"lost or warm gas makes {least:.2f} to {most:.2f}"
+            yield _hint(
+                quantity.column, f"{_looks(ratio)}: {ratio:.2f} times what the model has; {made}", "channel_scale"
+            )
 
 
 def _all_alike(told: Mapping[str, Factor]) -> Finding | None:

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from bench.record.finding import Finding
+from bench.record.rules.approach import approach_is_felt
 from bench.record.rules.clock import counts_by_one
 from bench.record.rules.repeated_runs import no_run_twice
 from bench.record.rules.sheet import Sheet
@@ -18,7 +19,13 @@ SLOWER = 0.1  # of the speed of the others; it is no slow sweep, for it is read 
 
 def examine_session(sheets: Sequence[Sheet]) -> list[Finding]:
     """Put the runs of one campaign, or of several of one machine, through the rules together."""
-    return [*begins_in_time(sheets), *no_overlap(sheets), *no_row_numbers(sheets), *no_run_twice(sheets)]
+    return [
+        *begins_in_time(sheets),
+        *no_overlap(sheets),
+        *no_row_numbers(sheets),
+        *no_run_twice(sheets),
+        *approach_is_felt(sheets),
+    ]
 
 
 def begins_in_time(sheets: Sequence[Sheet]) -> Iterator[Finding]:

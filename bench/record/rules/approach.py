@@ -1,0 +1,60 @@
+"""The side from which poses were reached, against what friction makes of it: motors that came upwards pull harder."""
+
+from collections import defaultdict
+from collections.abc import Hashable, Iterator, Sequence
+
+import numpy as np
+from scipy import stats
+
+from bench.record.finding import Finding
+from bench.record.rules.sheet import Sheet
+
+CHANCE = 0.001  # declared: that drives of which friction shows nothing are warned of
+SAME = 0.01  # rounding: [rad], [m]; poses that are alike to this are one pose, reached twice
+EFFORTS = ("current", "tau_motor")
+
+
+def approach_is_felt(sheets: Sequence[Sheet]) -> Iterator[Finding]:
+    """Drives that came to a pose upwards do not pull less there, unloaded, than those that came downwards.
+
+    Coulomb friction opposes the motion that has just ended. Where it shows nothing, either sign is as likely: signs of
+    all drives in all pairs of visits are counted (sign test). A servo that overshoots each time turns them as well.
+    """
+    poses: dict[Hashable, dict[float, list[dict[str, float]]]] = defaultdict(lambda: defaultdict(list))
+    where = None
+    for sheet in sheets:
+        for pose, side, efforts in _visits(sheet):
+            poses[sheet.run.recording, pose][side].append(efforts)
+            where = where or sheet
+    risen = [one for sides in poses.values() for one in _differences(sides[1.0], sides[-1.0])]
+    pairs, lower = sum(one != 0 for one in risen), sum(one < 0 for one in risen)
+    if where and pairs and stats.binom.sf(lower - 1, pairs, 0.5) < CHANCE:
+        message = (
+            f"drives that came upwards (+1) pull less than after they came downwards (-1), in {lower} of {pairs} "
+            "comparisons without load; friction makes them pull more"
+        )
+        remedy = "sides exchanged? +1 is written where joint positions rose; or servos that overshoot"
+        yield where.warning("approach", message, remedy)
+
+
+def _differences(upwards: Sequence[dict[str, float]], downwards: Sequence[dict[str, float]]) -> Iterator[float]:
+    """Yield by how much more each drive pulls after coming upwards, in the mean of visits to one pose."""
+    for name in {name for efforts in upwards for name in efforts} & {name for efforts in downwards for name in efforts}:
+        up, down = ([one[name] for one in every if name in one] for every in (upwards, downwards))
+        yield float(np.mean(up) - np.mean(down))
+
+
+def _visits(sheet: Sheet) -> Iterator[tuple[Hashable, float, dict[str, float]]]:
+    """Yield pose, side, and effort by channel before any load, of each visit of a static run."""
+    columns = sheet.run.columns
+    names = [name for name in ("pose", "approach", "load_step") if name in columns]
+    angles = [values for _, values in sheet.columns("q_cmd")] or [values for _, values in sheet.columns("q_motor")]
+    efforts = {column.name: values for column, values in sheet.columns(*EFFORTS)}
+    if sheet.run.kind != "static" or len(names) < 3 or not angles or not efforts or not len(sheet.run):
+        return
+    pose, side, step = (columns[name] for name in names)
+    visit = np.cumsum(np.concatenate([[True], (np.diff(pose) != 0) | (np.diff(side) != 0) | (np.diff(step) < 0)]))
+    for rows in np.split(np.arange(len(visit)), np.flatnonzero(np.diff(visit)) + 1):
+        first = rows[step[rows] == step[rows[0]]]
+        at = tuple(round(float(np.median(values[first])) / SAME) for values in angles)
+        yield at, float(side[first[0]]), {name: float(np.mean(values[first])) for name, values in efforts.items()}
