@@ -20,16 +20,23 @@ def missed(campaign: Campaign, compiled: CompiledRobot) -> float:
     return float(np.sqrt(np.nanmean(linear.residual[:, column] ** 2)))
 
 
-def test_it_predicts_what_it_was_fitted_to_and_the_same_motion_on_another_day(tmp_path: Path) -> None:
-    """Of a machine with everything a little off; torque constants and viscous friction drift by per cents a day."""
-    may, june = (made(SWEEP, seed=seed, machine=7) for seed in (1, 2))
-    fitted = as_it_was(may, nominal(), tmp_path)
-    assert (tmp_path / "robot").is_dir()
-    before, after = missed(may, nominal()), missed(may, fitted)
-    other = missed(june, fitted)
-    print(f"current 2: missed by {1e3 * before:.0f} mA, fitted {1e3 * after:.0f}, on another day {1e3 * other:.0f}")
-    assert after < 0.2 * before
-    assert other < missed(june, nominal())
+def test_of_a_machine_nothing_is_left_on_another_day_but_what_drifts(tmp_path: Path) -> None:
+    """Machines with everything a little off; their torque constants and viscous friction drift alike from day to day.
+
+    What a robot fitted to the first day misses on the second is the same for each machine, however far that is off.
+    """
+    nominal_errors, errors = [], []
+    for machine in (8, 11, 12):
+        may, june = (made(SWEEP, seed=seed, machine=machine) for seed in (1, 2))
+        fitted = as_it_was(may, nominal(), tmp_path / str(machine))
+        before, after = missed(may, nominal()), missed(may, fitted)
+        assert after < 0.2 * before
+        nominal_errors.append(missed(june, nominal()))
+        errors.append(missed(june, fitted))
+        print(f"current 2: missed by {1e3 * before:.0f} mA, fitted {1e3 * after:.0f}; on another day", end=" ")
+        print(f"{1e3 * nominal_errors[-1]:.0f}, fitted {1e3 * errors[-1]:.0f}")
+    assert np.ptp(errors) < 0.1 * np.mean(errors)
+    assert np.ptp(nominal_errors) > 0.5 * np.mean(nominal_errors)
 
 
 def test_where_nothing_can_be_fitted_the_robot_stays(tmp_path: Path) -> None:

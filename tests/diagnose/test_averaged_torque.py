@@ -30,10 +30,10 @@ def segment_of(speed: Array, current: Array, lost: bool = False) -> Segment:
     return segment
 
 
-def ramps(seconds: float = 8.0) -> tuple[Array, Array]:
+def ramps(seconds: float = 16.0) -> tuple[Array, Array]:
     """Return a speed with sudden accelerations, and the acceleration, shape (rows,) each."""
     time = np.arange(0, seconds, SAMPLE)
-    acceleration = np.where((time % 2.0) < 0.25, 0.6, np.where(((time - 1.0) % 2.0) < 0.25, -0.6, 0.0))
+    acceleration = np.where((time % 4.0) < 0.25, 0.6, np.where(((time - 2.0) % 4.0) < 0.25, -0.6, 0.0))
     # second differences of the angles are averages over two samples: those whose acceleration at the sample is this
     between = np.outer([-1, 14, -1], np.ones(len(time))) / 12
     return 0.1 + np.cumsum(solve_banded((1, 1), between, acceleration)) * SAMPLE, acceleration
@@ -79,7 +79,7 @@ def test_rotors_are_not_scatter_while_they_accelerate() -> None:
     assert np.max(rotors) < 0.01 * np.max(worst)
     assert np.all(rotors <= links)
     assert np.all(links <= np.max(worst))
-    assert np.all(links[worst > 0.9 * np.max(worst)] > 0.5 * np.max(worst))
+    assert np.all(links[worst > 0.9 * np.max(worst)] > 0.4 * np.max(worst))  # a period lets 0.46 of a jerk through
     quiet = np.flatnonzero(worst < 1e-6)
     assert len(quiet) > 1
     assert np.all(links[quiet] > rotors[quiet])  # they still ring
@@ -95,8 +95,8 @@ def test_without_even_samples_nothing_is_averaged_alike() -> None:
 
 
 def test_coarse_samples_are_not_averaged_beyond_a_bin() -> None:
-    """Else a fine ripple would be blurred: five samples of 40 ms are two bins and more."""
-    campaign, compiled = made(SWEEP, seed=3), nominal()
+    """Else a fine ripple would be blurred: five samples of 80 ms are two bins and more."""
+    campaign, compiled = made(SWEEP.model_copy(update={"sample_period_s": 0.08}), seed=3), nominal()
     for segment in segments_of(campaign, compiled, quantities_of(campaign.runs, compiled)):
         assert segment.path
         assert len(segment.path.kernel) == 1

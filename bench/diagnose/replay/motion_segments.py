@@ -21,11 +21,14 @@ from bench.robot.links import rigid_bodies
 from bench.robot.mass_matrix import link_mass_matrix
 from bench.simulate.prescribed import Motion
 
-LONGEST_WINDOW = 0.06  # assumed: [s], over which motion is differentiated; less where bins are shorter
+# assumed: [s], over which motion is differentiated at least, where an arm is so stiff that its lowest mode is faster
+STIFF_WINDOW = 0.06
 LEAST_BINS = 30  # declared: of a run; with fewer no figure is told from another, however exactly each is read
 UNRESOLVED = 0.5  # assumed: of the difference between accelerations over one window and over two, that may be error
 # assumed: of a joint's top speed, by which that changes unsteadily within a period of the arm's lowest mode
 JERKY = 0.01
+# exact: of a sudden change of speed over a window; the peak of what that averages is 15/8 of its mean, over two, half
+PEAK = 15 / 16
 # assumed: of modes with their motors held: bolted joints and gears of large arms, 0.01 to 0.05 in our models
 DAMPING_RATIO = 0.05
 FADED = 0.2  # assumed: of an oscillation's amplitude, which is left when an arm rings no more
@@ -37,8 +40,9 @@ def stretches_of(
 ) -> Iterator[SegmentInput]:
     """Yield the motion of a run as one piece, cut into bins.
 
-    The links follow quasi-statically in a replay, so bins are no narrower than half a period of the arm's lowest
-    mode: what rings averages out of torque and acceleration alike.
+    Links follow quasi-statically in a replay, which is right for what their motors do slowly. What they do faster than
+    the lowest mode, links do not follow, and what rings there nobody commanded. So torques and accelerations are
+    averaged alike, over a period of that mode: half a period lets 0.83 of it through, one 0.46.
 
     Args:
         run: A motion.
@@ -53,14 +57,14 @@ def stretches_of(
     dt = float(np.median(np.diff(time)))
     angles, wrenches = angles_of(run, compiled), wrench_of(run, compiled)
     period = lowest_period(compiled, angles.mean(axis=0))
-    width = max(width, period / 2)
-    longest = LONGEST_WINDOW
+    width = max(width, period)
+    longest = max(STIFF_WINDOW, period)
     if torque_noise is not None:
         inertia = link_mass_matrix(compiled, angles.mean(axis=0)) + np.diag(
             compiled.model.dof_armature[compiled.at.q_dof]
         )
         stiffness = Arm(rigid_bodies(compiled)).gravity_stiffness(angles.mean(axis=0))
-        least, most = min(LONGEST_WINDOW, width), float(np.ptp(time)) / LEAST_BINS
+        least, most = min(longest, width), float(np.ptp(time)) / LEAST_BINS
         missed = partial(missed_by_average, angles, stiffness)
         finest = finest_window(angle_noise(angles), inertia, torque_noise, dt, least, most, missed)
         longest, width = max(longest, finest), max(width, finest)
@@ -111,7 +115,8 @@ def stretches_of(
         np.stack([values[group].max(axis=0) for group in kept]) for values in (error, fading(error, time, period))
     )
     worst[:, still] = swinging[:, still] = 0.0
-    jerky = np.any(error[:, moves] * period > JERKY * top[moves], axis=1)
+    change = error * period / (UNRESOLVED * PEAK)  # of speed, unsteadily
+    jerky = np.any(change[:, moves] > JERKY * top[moves], axis=1)
     after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
     rings = np.array([np.any(after[group] < settling_periods() * period) for group in kept])
     felt = _drive_error(path, worst, swinging, np.where(still, 0.0, np.median(unresolved, axis=0)), period)
