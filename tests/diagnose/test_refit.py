@@ -147,7 +147,7 @@ def test_steps_correct_derivatives_of_nuisances_that_are_wrong(share: float) -> 
     assert np.all(np.abs(found.values - right.values) < 0.2 * right.sigma)
 
 
-# less seem to tell of fewer nuisances; with 4 and -1 friction at rest ends in another optimum, 10 above
+# less seem to tell of fewer nuisances; 4 is not settled in 16 steps and says so, -1 ends in another optimum of friction
 @pytest.mark.parametrize("share", [2.0, 3.0])
 def test_what_steps_have_corrected_does_not_tell_whether_the_optimum_is_reached(share: float) -> None:
     """On recording A of the KR300 fits without a cause ended 80 of chi-square too early, and the cause paid for it."""
