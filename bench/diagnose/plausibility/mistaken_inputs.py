@@ -118,7 +118,9 @@ def _again(recording: Recording, change: Change) -> DrivePicture | None:
         for c, other in enumerate(source):
             if other is not None:
                 readings[:, c] = change.torque[quantities[c].index] * segment.observed[:, other]
-        found.append(replace(segment, motion=motion, observed=readings, standing=segment.standing[order]))
+        found.append(
+            replace(segment, motion=motion, observed=readings, standing=segment.standing[order], averaged_rest=None)
+        )
     try:
         return drive_picture(Replay(recording.compiled, tuple(found), quantities))
     except ConvergenceError:

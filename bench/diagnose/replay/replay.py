@@ -48,6 +48,14 @@ class Replay(MotionReplay):
         super().__init__(compiled, segments, tolerance)
         self.quantities = quantities
         self._earlier: OrderedDict[float, MotionReplay] = OrderedDict()  # by how many seconds
+        none = np.zeros((1, compiled.n_joints))
+        rest = [none if one.averaged_rest is None else one.averaged_rest for one in segments]
+        self._averaged_rest = np.concatenate(
+            [
+                np.broadcast_to(one, (count_of(segment), compiled.n_joints))
+                for segment, one in zip(segments, rest, strict=True)
+            ]
+        )
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -66,6 +74,7 @@ class Replay(MotionReplay):
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
         trace = self._with_late_torques(world, trace)
+        trace = replace(trace, motor_torque=trace.motor_torque + self._averaged_rest)
         given, world = world, self.whole(world)
         if not world.is_told_apart:
             shown = self._read(world, self.segments, trace)

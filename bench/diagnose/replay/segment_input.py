@@ -148,6 +148,7 @@ class SegmentInput:
         turning: Shape (T, n) bool, drives that start, stop or turn round: their friction is between its levels.
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest.
+        averaged_rest: Shape (T, n), of `averaged_rest.py` [Nm] or [N]; None at rest.
     """
 
     label: str
@@ -158,6 +159,7 @@ class SegmentInput:
     rings: NDArray[np.bool_]
     path: Path | None = None
     drive_error: Array | None = None
+    averaged_rest: Array | None = None
 
     @property
     def rows(self) -> NDArray[np.int64]:

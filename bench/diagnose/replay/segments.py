@@ -53,6 +53,8 @@ class Segment:
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest, and for a motion that nobody measured.
         recording: Name of the recording that the run belongs to.
+        averaged_rest: Shape (T, n), what the drives' averaged torques have more than those in the middle of the bins
+            [Nm] or [N], by the nominal model (`averaged_rest.py`); None: nothing.
         counted_once: Shape (T, c), by what the variance of readings was raised that were rounded to the same number, so
             that together they count as one; None: by nothing.
     """
@@ -71,6 +73,7 @@ class Segment:
     recording: str = ""
     drive_error: Array | None = None
     counted_once: Array | None = None
+    averaged_rest: Array | None = None
 
     def __len__(self) -> int:
         return len(self.observed)
@@ -155,6 +158,7 @@ def segments_of(
                     segment_input.path,
                     run.recording,
                     segment_input.drive_error,
+                    averaged_rest=segment_input.averaged_rest,
                 )
             )
     runs = {run.name: run for run in campaign.runs}
