@@ -9,6 +9,7 @@ from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, clock_of, first_look
 from bench.diagnose.plausibility.hints import _scaled, hints_of
+from bench.diagnose.plausibility.speeds import fastest
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -101,6 +102,23 @@ def smooth(name: str) -> Change:
 def test_a_healthy_session_gets_no_hint(session: Campaign, robot: CompiledRobot) -> None:
     assert doubts_of(session, robot) == ()
     assert hints_of(session, robot) == ()
+
+
+@pytest.mark.parametrize("names", [("loaded-out",), ("unloaded-out",), ("unloaded-out", "unloaded-back")])
+def test_a_line_at_one_speed_tells_no_delay(session: Campaign, robot: CompiledRobot, names: tuple[str, ...]) -> None:
+    """Its speed differs by 1e-5 from its mean: a quarter of a millimetre beside the model looked like 1.5 s."""
+    alone = replace(session, runs=tuple(run for run in session.runs if run.name in names))
+    assert len(alone.runs) == len(names)
+    doubts = doubts_of(alone, robot)
+    assert doubts == ()
+    assert hints_of(alone, robot, doubts) == ()
+
+
+def test_the_fastest_joint_need_not_be_the_first(session: Campaign, robot: CompiledRobot) -> None:
+    """Joint 1 stands: a clock was divided by next to nothing, and the check died of a window of 1e20 samples."""
+    of_joint_3 = replace(session, runs=tuple(run for run in session.runs if run.name.startswith("joint3")))
+    assert of_joint_3.runs
+    assert fastest(of_joint_3, robot) > 0.1
 
 
 def rows_for_seconds(columns: dict[str, np.ndarray]) -> None:
