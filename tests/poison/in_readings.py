@@ -33,6 +33,26 @@ def spoilt_readings(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("spoilt readings", f"{column} in row {row}", _cell(column, value, (row,)), answer, words)
 
 
+def spoilt_single_rows(rng: np.random.Generator) -> Iterator[Variant]:
+    """One row of a static run, and one that no drive can have made."""
+    row = int(rng.integers(4, 9))
+    cells: dict[str, tuple[float, bool, Answer, tuple[str, ...]]] = {
+        "a reflector at 0": (0.0, True, "harmless", ("reflector_1_x_m", "the median of its repeats")),
+        "a reflector at 99.9": (99.9, True, "doubt", ("reflector_1_z_m", "the median of its repeats")),
+        "a current of 500 A at rest": (500.0, True, "harmless", ("current_1_a", "the median of its repeats")),
+        "an angle that jumps": (0.15, False, "doubt", ("q_motor_1_rad", f"row {row}", "there and back so fast")),
+    }
+    for name, (value, at_rest, answer, words) in cells.items():
+
+        def spoil(folder: Path, value: float = value, at_rest: bool = at_rest, column: str = words[0]) -> None:
+            sheet = next(one for one in map(Sheet, tables(folder)) if ("pose" in one.names) == at_rest)
+            before = 0.0 if at_rest else float(sheet.rows[row - 1][sheet.names.index(column)])
+            sheet.set(row, column, repr(before + value))
+            sheet.write()
+
+        yield Variant("spoilt single rows", name, spoil, answer, words)
+
+
 def copied_runs(rng: np.random.Generator) -> Iterator[Variant]:
     def over(kind: str, link: bool) -> Spoil:
         def spoil(folder: Path) -> None:
@@ -144,4 +164,4 @@ def known_of_no_such_robot(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("known of no such robot", name, spoil, "error", ("campaign.yaml", place))
 
 
-FAMILIES = (spoilt_readings, copied_runs, impossible_readings, known_of_no_such_robot)
+FAMILIES = (spoilt_readings, spoilt_single_rows, copied_runs, impossible_readings, known_of_no_such_robot)

@@ -32,6 +32,25 @@ def test_a_reading_that_stands_alone_is_told(column: str, value: float) -> None:
     assert f"reads {value:.6g} between" in finding.message
 
 
+@pytest.mark.parametrize(("column", "value"), [("reflector_1_x_m", 0.0), ("current_2_a", 90.0), ("force_z_n", 5e3)])
+def test_a_repeat_far_from_the_others_is_told(column: str, value: float) -> None:
+    columns = loading()
+    assert not examine(static(columns))
+    columns[column][40] = value
+    finding = only([finding for finding in examine(static(columns)) if "repeats" in finding.message])
+    assert (finding.level, finding.column, finding.row) == ("warning", column, 41)
+
+
+@pytest.mark.parametrize("freedom", [4.0, np.inf])
+def test_tails_of_noise_are_no_spoilt_repeats(freedom: float) -> None:
+    rng = np.random.default_rng(5)
+    for repeats in (2, 3, 10):
+        rows = np.repeat(np.arange(8.0), repeats)
+        columns = {"pose": 0 * rows + 1, "approach": 0 * rows + 1, "load_step": rows}
+        columns |= {f"current_{joint}_a": rng.standard_t(freedom, len(rows)) for joint in range(1, 300)}
+        assert not [finding for finding in examine(static(columns)) if "repeats" in finding.message]
+
+
 def test_lost_readings_of_one_number_are_told_though_small() -> None:
     rows = [300, 700, 1500]
     finding = only(spoilt("tau_motor_2_nm", 700.0, rows))

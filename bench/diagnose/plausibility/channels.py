@@ -18,6 +18,7 @@ from bench.diagnose.plausibility.loads import loads_too_small
 from bench.diagnose.plausibility.mistaken import doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
 from bench.diagnose.plausibility.physical_fit import misfit
+from bench.diagnose.plausibility.single_rows import jumps
 from bench.diagnose.plausibility.slow_clock import slow_clock
 from bench.diagnose.plausibility.smoothed import smoothed
 from bench.diagnose.plausibility.speeds import least_top_speed
@@ -60,6 +61,8 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
         return ()
     if too_heavy := tuple(_beyond_rating(campaign, compiled)):
         return too_heavy
+    if spoilt := tuple(jumps(campaign, compiled)):
+        return spoilt
     told = {finding.column for finding in known if finding.level != "warning"}
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)

@@ -10,6 +10,7 @@ from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_reflectors
 from bench.diagnose.plausibility.reported_torques import unlike_currents
+from bench.diagnose.plausibility.single_rows import overloads
 from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -42,6 +43,8 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
     found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled)]
+    told = {finding.column for finding in known}
+    found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     try:
         segments = segments_of(campaign, compiled, every, BINS)
         if not segments:

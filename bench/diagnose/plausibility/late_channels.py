@@ -54,7 +54,7 @@ def as_if_in_time(replay: Replay, observed: Array, nominal: Array) -> Array:
 def late_reflectors(replay: Replay) -> Iterator[Late]:
     """Yield by how much each reflector is late, all axes together; nothing where its speed goes with its place.
 
-    At one speed along a line, or along an arc in one direction, a delay looks like an offset, or a wrong zero of a joint.
+    At one speed along a line, or along an arc in one direction, a delay looks like an offset, or a wrong joint zero.
 
     Args:
         replay: Of segments with readings of reflectors.
