@@ -11,6 +11,7 @@ from bench.record.rules.approach import approach_is_felt
 from bench.record.rules.clock import counts_by_one
 from bench.record.rules.repeated_runs import no_run_twice
 from bench.record.rules.sheet import Sheet
+from bench.record.rules.weights import weights_are_masses
 
 ROUNDING_S = 1.0  # dates of files come in whole seconds
 YEAR_S = 3.2e7
@@ -26,6 +27,7 @@ def examine_session(sheets: Sequence[Sheet]) -> list[Finding]:
         *no_row_numbers(sheets),
         *no_run_twice(sheets),
         *approach_is_felt(sheets),
+        *weights_are_masses(sheets),
     ]
 
 
