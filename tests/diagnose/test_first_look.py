@@ -121,6 +121,15 @@ def test_the_fastest_joint_need_not_be_the_first(session: Campaign, robot: Compi
     assert fastest(of_joint_3, robot) > 0.1
 
 
+def test_a_gauge_that_reads_nothing_in_one_run_is_doubted(session: Campaign, robot: CompiledRobot) -> None:
+    run = session.runs[3]
+    empty = replace(run, columns={**run.columns, "gas_pressure_pa": np.zeros(len(run))})
+    runs = tuple(empty if one is run else one for one in session.runs)
+    (doubt,) = doubts_of(replace(session, runs=runs), robot)
+    assert doubt.column == "gas_pressure_pa"
+    assert f"is 0 times what the model has in run {run.name!r}, and not in all others" in doubt.message
+
+
 def rows_for_seconds(columns: dict[str, np.ndarray]) -> None:
     columns["time_s"] = np.arange(len(columns["time_s"]), dtype=np.float64)
 

@@ -53,6 +53,14 @@ def spoilt_single_rows(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("spoilt single rows", name, spoil, answer, words)
 
 
+def one_run_unlike_the_others(rng: np.random.Generator) -> Iterator[Variant]:
+    """Spoil the gauge in one run; a constant that gas might have shows nothing at rest."""
+    for name, value in (("no pressure", 0.0), ("a pressure of 0.1 MPa", 1e5)):
+        spoil = _in_column(lambda v, value=value: 0 * v + value, "gas_pressure_pa")
+        words = ("gas_pressure_pa", "joint1-payload5-speed30-up")
+        yield Variant("one run unlike the others", name, spoil, "doubt", words)
+
+
 def copied_runs(rng: np.random.Generator) -> Iterator[Variant]:
     def over(kind: str, link: bool) -> Spoil:
         def spoil(folder: Path) -> None:
@@ -164,4 +172,11 @@ def known_of_no_such_robot(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("known of no such robot", name, spoil, "error", ("campaign.yaml", place))
 
 
-FAMILIES = (spoilt_readings, spoilt_single_rows, copied_runs, impossible_readings, known_of_no_such_robot)
+FAMILIES = (
+    spoilt_readings,
+    spoilt_single_rows,
+    one_run_unlike_the_others,
+    copied_runs,
+    impossible_readings,
+    known_of_no_such_robot,
+)

@@ -45,7 +45,8 @@ def displaced(replay: Replay) -> Iterator[Finding]:
     for c, quantity in enumerate(replay.quantities):
         rows = np.isfinite(observed[:, c])
         if quantity.kind == "gas_pressure" and np.any(rows) and quantity.column not in stopped:
-            yield from _pressure(observed[rows, c], nominal[rows, c])
+            throughout = list(_pressure(observed[rows, c], nominal[rows, c]))
+            yield from throughout or _pressure_in_one_run(_runs(replay)[rows], observed[rows, c], nominal[rows, c])
 
 
 def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
@@ -126,3 +127,12 @@ def _pressure(observed: Array, nominal: Array) -> Iterator[Finding]:
         yield doubt(
             "gas_pressure_pa", f"is {ratio:.2g} times what the model has", f"{unit}? give pascals above ambient"
         )
+
+
+def _pressure_in_one_run(run_of: NDArray[np.str_], observed: Array, nominal: Array) -> Iterator[Finding]:
+    """Yield a doubt for the runs in which a gauge reads what gas cannot be, while it reads the gas in others."""
+    ratio = {run: float(np.median(observed[run_of == run] / nominal[run_of == run])) for run in dict.fromkeys(run_of)}
+    if far := [run for run, one in ratio.items() if not LEAST < one < MOST]:
+        more = f" and {len(far) - 1} more" if len(far) > 1 else ""
+        message = f"is {ratio[far[0]]:.2g} times what the model has in run {str(far[0])!r}{more}, and not in all others"
+        yield doubt("gas_pressure_pa", message, "was the gauge connected? leave the column out there")
