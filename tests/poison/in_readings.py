@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -161,6 +162,8 @@ def known_of_no_such_robot(rng: np.random.Generator) -> Iterator[Variant]:
         "a hot gas": ("{quantity: gas_temperature_k, value: 1.0e6, sigma: 1}", "known[0].value"),
         "bar": ("{quantity: gas_pressure_pa, at: [0.0, 0.0], value: 70, sigma: 1}", "bar? multiply by 100000"),
         "kNm/rad": ("{quantity: stiffness_nm_per_rad, joint: 1, value: 300, sigma: 1}", "kNm/rad or kN/m?"),
+        "0617": ("{quantity: payload_kg, value: 0617, sigma: 1}", "known[0].value"),
+        "6_1": ("{quantity: payload_kg, value: 6_1, sigma: 1}", "known[0].value"),
         "a sigma of nothing": ("{quantity: payload_kg, value: 1, sigma: 1.0e-300}", "known[0].sigma"),
     }
     for name, (entry, place) in entries.items():
@@ -170,6 +173,17 @@ def known_of_no_such_robot(rng: np.random.Generator) -> Iterator[Variant]:
             file.write_text(f"{file.read_text()}known: [{entry}]\n")
 
         yield Variant("known of no such robot", name, spoil, "error", ("campaign.yaml", place))
+
+    def listed(folder: Path, entries: str) -> None:
+        file = folder / "campaign.yaml"
+        file.write_text(f"{file.read_text()}known: [{entries}]\n")
+
+    high = "{quantity: gas_pressure_pa, at: [0.0, 0.0], value: 3.3e+7, sigma: 1.0e+5}"
+    twice = "{quantity: payload_kg, value: 5, sigma: 0.1}, {quantity: payload_kg, value: 1, sigma: 0.1}"
+    words = ("known[0].value", "times what the model has")
+    yield Variant("known of no such robot", "ten times the gas", partial(listed, entries=high), "doubt", words)
+    words = ("known[1].value", "standard errors apart")
+    yield Variant("known of no such robot", "a payload twice", partial(listed, entries=twice), "harmless", words)
 
 
 FAMILIES = (

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from bench.diagnose.plausibility.displaced import displaced
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
 from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
+from bench.diagnose.plausibility.known_pressure import known_pressures
 from bench.diagnose.plausibility.loads import loads_too_small
 from bench.diagnose.plausibility.mistaken import doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
@@ -73,6 +74,7 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
         drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
         sped_up = partial(slow_clock, campaign, compiled, drives, SURE_OF_CLOCK, BINS)
         found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told, sped_up))
+        found += known_pressures(campaign, compiled, segments)
         if readings := readings_of(segments, every, others):
             found += displaced(Replay(compiled, readings, others))
     except ConvergenceError as error:

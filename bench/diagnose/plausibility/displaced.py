@@ -123,10 +123,13 @@ def _off(observed: Array, nominal: Array) -> float:
 def _pressure(observed: Array, nominal: Array) -> Iterator[Finding]:
     ratio = float(np.median(observed) / np.median(nominal))
     if not LEAST < ratio < MOST:
-        unit = next((word for factor, word in PRESSURES.items() if factor / 2 < ratio < 2 * factor), "other unit")
-        yield doubt(
-            "gas_pressure_pa", f"is {ratio:.2g} times what the model has", f"{unit}? give pascals above ambient"
-        )
+        remedy = f"{pressure_unit(ratio)}? give pascals above ambient"
+        yield doubt("gas_pressure_pa", f"is {ratio:.2g} times what the model has", remedy)
+
+
+def pressure_unit(ratio: float) -> str:
+    """Return the unit in which a pressure that is so many times the model's may have been written."""
+    return next((word for factor, word in PRESSURES.items() if factor / 2 < ratio < 2 * factor), "other unit")
 
 
 def _pressure_in_one_run(run_of: NDArray[np.str_], observed: Array, nominal: Array) -> Iterator[Finding]:
