@@ -219,6 +219,17 @@ def test_what_a_diagnosis_weighs_is_a_hint(
     assert "bench diagnose weighs it" in hint.remedy
 
 
+@pytest.mark.parametrize("factor", [2.0, 2**0.5, 0.7, 0.5])
+def test_all_currents_off_by_one_factor_are_told(session: Campaign, robot: CompiledRobot, factor: float) -> None:
+    """Sigma grows with the factor: what was told of a half was not told of the double."""
+    currents = [f"current_{j + 1}_a" for j in range(robot.n_joints)]
+    campaign = changed(session, scale(factor, *currents))
+    assert doubts_of(campaign, robot) == ()
+    hints = hints_of(campaign, robot)
+    assert hints[0].column == currents[0]
+    assert "looks scaled, and so do current_2_a" in hints[0].message
+
+
 def exchanged(campaign: Campaign, one: str, other: str) -> Campaign:
     """Return a campaign in which two runs have each other's time of start."""
     starts = {run.name: run.start_s for run in campaign.runs}

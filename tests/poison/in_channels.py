@@ -226,6 +226,11 @@ def cross_checks(rng: np.random.Generator) -> Iterator[Variant]:
             ("force_z_n", "contradicts the loads"),
         ),
         "no column of loads": (_without("load_x", "load_y", "load_z"), "harmless", ("force_z_n", "no load is stated")),
+        "currents as peaks": (
+            times(2**0.5, "current_1_a", "current_2_a"),
+            "harmless",
+            ("current_1_a", "and so do current_2_a"),
+        ),
         "a current doubled": (times(2, "current_2_a"), "harmless", ("current_2_a", "looks doubled", "channel_scale")),
         "a current halved": (times(0.5, "current_1_a"), "harmless", ("current_1_a", "looks halved", "channel_scale")),
         "a gauge doubled": (
