@@ -45,7 +45,7 @@ class Range:
 
 MOST_TORQUE = 1e7  # [Nm], at a joint; the strongest robots have 1e5
 TURNS = float(10 * np.pi)  # [rad], five turns; wrists of welding robots turn 2.5 either way
-LIGHT_KG = 1.0  # lighter bodies stand for inertias alone
+LIGHT_KG = 1.0  # declared: [kg]; lighter bodies stand for inertias alone
 IN_RADIANS = 'angles are in degrees unless <compiler angle="radian"/> stands in the file'
 OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
     (

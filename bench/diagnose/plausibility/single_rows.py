@@ -12,7 +12,7 @@ from bench.record.finding import Finding, Level, spell_rows
 from bench.record.rules.sheet import TRAVEL
 from bench.robot.compiled import CompiledRobot
 
-BEYOND = 2.0  # times the limit of a drive, as far as a guess of it may be off; servos peak by less
+BEYOND = 2.0  # declared: times the limit of a drive, as far as a guess of it may be off; servos peak by less
 
 
 def jumps(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:

@@ -20,8 +20,8 @@ AROUND = 10  # rows on either side; a robot that shakes stands out there again a
 LARGE = 0.2  # of the range of all other rows; assumed: what is smaller spoils a mean over several rows by little
 STANDS_FOR_NONE = 3  # rows with the same number, which a logger writes where it has none
 MANY = 3 * AROUND  # rows of a run
-CALM = 0.75  # of repeats of a run, at least, are not spoilt; fewer tell their scatter less surely
-SOME = 5  # repeats that differ from the median of their state, at least, for their scatter to be known
+CALM = 0.75  # declared: of repeats of a run, at least, are not spoilt; fewer tell their scatter less surely
+SOME = 5  # declared: repeats that differ from the median of their state, at least, for their scatter to be known
 
 
 def no_spikes(sheet: Sheet) -> Iterator[Finding]:

@@ -10,7 +10,7 @@ from bench.record.rules.clock import SHORTEST_STEP_S, SLOW_STEP_S, UNEVEN
 from bench.robot.compiled import CompiledRobot
 
 FAR_BEYOND = 100.0  # times the speed of a drive; twice is a motion that asks too much, and is told so
-EVEN = 0.9  # of the steps, that are alike where a motion is sampled evenly; a planner may have steps of its own
+EVEN = 0.9  # declared: of the steps, alike where a motion is sampled evenly; a planner may have its own
 CREEPS = 1e-3  # of a drive's speed, the fastest joint of a motion with rows seconds apart
 ANOTHER = 0.9  # of the larger one, root mean square: degrees for radians make 0.98, another sign 2
 LEAST = 1e-3  # of a drive's speed in a second; below, rounding of angles is in the derivative
