@@ -23,6 +23,7 @@ class Check:
         from bench.cli.progress import progress_bar
         from bench.diagnose.plausibility.channels import doubts_of
         from bench.diagnose.plausibility.hints import hints_of
+        from bench.diagnose.plausibility.stated_figures import remarks_on
         from bench.errors import CampaignError
         from bench.record.finding import Level, counted
         from bench.record.logs.likewise import at_a_glance
@@ -32,6 +33,7 @@ class Check:
             report, compiled = open_campaign(self.campaign)
             progress(READ)
             findings = report.findings
+            findings += tuple(remarks_on(compiled)) if compiled else ()
             if report.campaign and compiled:
                 findings += doubts_of(report.campaign, compiled, report.findings)
                 findings += hints_of(report.campaign, compiled, findings)

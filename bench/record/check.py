@@ -9,8 +9,9 @@ import numpy as np
 
 from bench.record.campaign import Arm, Campaign, Run, in_order
 from bench.record.finding import Finding, Report
+from bench.record.known import Known, contradictions
 from bench.record.limits import CAMPAIGN_CELLS, FOLDER_ENTRIES
-from bench.record.manifest import SUFFIXES, Manifest, RunEntry, read_manifest
+from bench.record.manifest import MANIFEST, SUFFIXES, Manifest, RunEntry, read_manifest
 from bench.record.rules import examine, suits_arm
 from bench.record.rules.session import examine_session
 from bench.record.rules.sheet import Sheet
@@ -39,6 +40,7 @@ class _Content:
         """Return the report, given what the rules find in each sheet."""
         in_tables = [finding for found in of_sheets for finding in found]
         findings = (*self.manifest.findings, *self.faults, *in_tables, *examine_session(self.sheets), *self.forgotten)
+        findings += tuple(_contradictions(self.manifest.known))
         head = self.manifest.head
         if head is None or any(finding.level == "error" for finding in findings):
             return Report(self.folder, findings, None)
@@ -123,6 +125,12 @@ def _tables(folder: Path, entries: Sequence[RunEntry]) -> tuple[list[tuple[RunEn
             return tables, [Finding("error", entry.path, None, "", message, CAMPAIGN_CELLS.remedy)]
         tables.append((entry, table))
     return tables, []
+
+
+def _contradictions(known: Sequence[Known]) -> Iterator[Finding]:
+    """Yield a warning for each thing that is known twice, and not alike."""
+    for key, words in contradictions(known):
+        yield Finding("warning", MANIFEST, None, key, words, "correct one of them, or its sigma")
 
 
 def _forgotten(folder: Path, listed: set[str]) -> list[Finding]:

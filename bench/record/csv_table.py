@@ -17,6 +17,16 @@ from bench.record.limits import TABLE_BYTES, TABLE_CELLS, TABLE_COLUMNS
 from bench.record.plain_file import read_plain
 
 _NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE)
+OTHER_FILES: Mapping[bytes, tuple[str, str]] = {  # by how they begin: what they are, and what to do
+    b"PK\x03\x04": ("is a workbook (.xlsx, .ods) or another zip archive", "save its sheet as CSV, or unpack it"),
+    b"\xd0\xcf\x11\xe0": ("is a workbook of old (.xls)", "save its sheet as CSV"),
+    b"\x1f\x8b": ("is compressed by gzip", "unpack it: gunzip"),
+    b"(\xb5\x2f\xfd": ("is compressed by zstd", "unpack it: zstd -d"),
+    b"PAR1": ("is Parquet", "name it .parquet"),
+    b"\x89HDF": ("is HDF5", "write its tables as CSV or Parquet"),
+    b"%PDF": ("is a PDF", "save the table as CSV"),
+    b"version https://git-lfs": ("is a pointer of Git LFS, not the table", "fetch the table: git lfs pull"),
+}
 LONGEST_CELL = 1100  # characters; the longest double takes 1077 digits when written out, and 17 are enough
 _COMMA_NUMBER = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
 
@@ -28,6 +38,9 @@ def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...
 
 def parse(data: bytes, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
     """Take the contents of a CSV file apart; see `bench.record.table.Format`."""
+    if other := next((words for begin, words in OTHER_FILES.items() if data.startswith(begin)), None):
+        findings.append(Finding("error", file, None, "", *other))
+        return None
     if too_much := _too_much(data):
         findings.append(Finding("error", file, None, "", *too_much))
         return None

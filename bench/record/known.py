@@ -1,7 +1,8 @@
 """What the lab knows besides the tables, each a reading with a sigma: a payload, a stiffness, the gas."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import hypot
 from typing import Literal
 
 from bench.record.possible import (
@@ -15,6 +16,7 @@ from bench.record.possible import (
 
 KnownQuantity = Literal["payload_kg", "stiffness_nm_per_rad", "gas_pressure_pa", "gas_temperature_k"]
 PAYLOAD = "payload_kg"
+CONTRADICTS = 5.0  # declared: standard errors between two readings of one thing; less than one pair in a million is
 FINEST = 1e-6  # of a value; the best balances and gauges read to 1e-5
 
 
@@ -79,3 +81,14 @@ class Known:
                 if not limits[0] <= self.value <= limits[1]:
                     guess = what_a_temperature_may_be(self.value, limits)
                     yield f"{self.value:g} K is no temperature of the gas", guess
+
+
+def contradictions(known: Sequence[Known]) -> Iterator[tuple[str, str]]:
+    """Yield key and words of each reading that is further from one of the same thing than both sigmas explain."""
+    for i, one in enumerate(known):
+        for k, other in enumerate(known[:i]):
+            is_same = replace(one, value=0, sigma=0, note="") == replace(other, value=0, sigma=0, note="")
+            apart = abs(one.value - other.value) / hypot(one.sigma, other.sigma) if is_same else 0.0
+            if apart > CONTRADICTS:
+                words = f"{one.value:g} ± {one.sigma:g} and {other.value:g} ± {other.sigma:g} (known[{k}])"
+                yield f"known[{i}].value", f"{words} are readings of one thing, {apart:.2g} standard errors apart"

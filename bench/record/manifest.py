@@ -18,7 +18,7 @@ from bench.record.limits import CAMPAIGN_RUNS
 from bench.record.possible import noise_faults
 from bench.record.rules.values import IMPOSSIBLE
 from bench.record.schema_words import ONE_LINE, words_of
-from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
+from bench.record.yaml_text import YamlFault, dump_yaml, is_odd, load_yaml
 
 MANIFEST = "campaign.yaml"
 RUN_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"  # a file name on every system
@@ -40,7 +40,17 @@ def _moment(value: object) -> object:
     return found
 
 
-Deviation = Annotated[float, Field(gt=0), Field(ge=1 / IMPOSSIBLE, le=IMPOSSIBLE)]  # of a reading
+def _decimal(value: object) -> object:
+    """Refuse numbers that robots and scenarios do not have either."""
+    if isinstance(value, str) and is_odd(value):
+        raise ValueError("is no decimal number; write it without 0 in front or _ between digits")
+    return value
+
+
+Number = Annotated[float, BeforeValidator(_decimal)]
+Deviation = Annotated[
+    float, Field(gt=0), Field(ge=1 / IMPOSSIBLE, le=IMPOSSIBLE), BeforeValidator(_decimal)
+]  # of a reading
 
 
 class _Strict(BaseModel):
@@ -52,7 +62,7 @@ class RunEntry(_Strict):
 
     name: str = Field(pattern=RUN_NAME, max_length=100, description="letters, digits, '_', '-' and '.'")
     kind: RunKind = Field(description="static or motion")
-    start_s: float = Field(
+    start_s: Number = Field(
         ge=0, le=IMPOSSIBLE, description="seconds from the start of its recording; file dates are good enough"
     )
     recording: str = Field(
@@ -71,10 +81,12 @@ class KnownEntry(_Strict):
     """One thing that the lab knows besides."""
 
     quantity: KnownQuantity = Field(description=f"one of {', '.join(get_args(KnownQuantity))}")
-    value: float = Field(le=IMPOSSIBLE, description="the reading, in the unit of the quantity")
+    value: Number = Field(le=IMPOSSIBLE, description="the reading, in the unit of the quantity")
     sigma: Deviation = Field(description="its standard deviation, above 0")
-    joint: int = Field(0, ge=0, description="number of the joint, from 1, of a stiffness")
-    at: tuple[float, ...] = Field((), description="position of every joint [rad], of a slide [m], of a gas pressure")
+    joint: Annotated[int, BeforeValidator(_decimal)] = Field(
+        0, ge=0, description="number of the joint, from 1, of a stiffness"
+    )
+    at: tuple[Number, ...] = Field((), description="position of every joint [rad], of a slide [m], of a gas pressure")
     recording: str = Field(
         "", pattern=ONE_LINE, max_length=100, description="name of the recording in which it was so, in one line"
     )

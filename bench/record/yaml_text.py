@@ -23,6 +23,14 @@ DECIMAL = re.compile(r"[-+]?((0|[1-9]\d*)|(\d+\.\d*|\.\d+)([eE][-+]?\d+)?|\.(inf
 _PARTED = re.compile(r"[-+]?\d[\d_]*_[\d_]*(\.[\d_]*)?([eE][-+]?[\d_]+)?", re.ASCII)  # pydantic reads 1_0e1 as 100
 
 
+_ODD = re.compile(r"[-+]?(0[\d_]|\d*_).*")
+
+
+def is_odd(text: str) -> bool:
+    """Whether a number is written with 0 in front or _ between digits, which not all programs read alike."""
+    return _ODD.fullmatch(text.strip()) is not None
+
+
 class YamlFault(Exception):  # noqa: N818  it never reaches a user: the reader makes a finding of it
     """A file that is no mapping in YAML; the message says what is wrong and in which line."""
 

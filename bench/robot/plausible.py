@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 SLIDE = int(mujoco.mjtJoint.mjJNT_SLIDE)
 Named = Iterable[tuple[str, float]]
@@ -45,6 +45,7 @@ class Range:
 
 MOST_TORQUE = 1e7  # [Nm], at a joint; the strongest robots have 1e5
 TURNS = float(10 * np.pi)  # [rad], five turns; wrists of welding robots turn 2.5 either way
+LIGHT_KG = 1.0  # declared: [kg]; lighter bodies stand for inertias alone
 IN_RADIANS = 'angles are in degrees unless <compiler angle="radian"/> stands in the file'
 OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
     (
@@ -72,6 +73,16 @@ OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
     (
         Range("distance from the body that carries it", "m", 0.0, 100.0, "lengths are in m"),
         lambda model: _named(model, "body", np.linalg.norm(model.body_pos, axis=1)),
+    ),
+    (
+        Range("distance of its centre of mass", "m", 0.0, 20.0, "lengths are in m"),
+        lambda model: _moving(model, np.where(model.body_mass > 0, np.linalg.norm(model.body_ipos, axis=1), 0.0)),
+    ),
+    (  # a beam of 10 m has 2.9
+        Range("largest radius of gyration", "m", 0.0, 3.0, "moments of inertia are in kg m^2, masses in kg"),
+        lambda model: _moving(
+            model, np.sqrt(np.max(model.body_inertia, axis=1) / np.maximum(model.body_mass, LIGHT_KG))
+        ),
     ),
     (
         Range("armature", "kg m^2", 0.0, 1e5, "it is the rotor's inertia times the square of the gear ratio"),
@@ -136,6 +147,11 @@ def _moving(model: mujoco.MjModel, values: ArrayLike) -> Named:
     """Return values of bodies, of those that move."""
     found = zip(_named(model, "body", values), model.body_weldid, strict=True)
     return [named for named, welded_to in found if welded_to != 0]
+
+
+def _radius_of_gyration(model: mujoco.MjModel) -> NDArray[np.float64]:
+    squares: NDArray[np.float64] = np.max(model.body_inertia, axis=1) / np.maximum(model.body_mass, LIGHT_KG)
+    return np.asarray(np.sqrt(squares))
 
 
 def _dofs(model: mujoco.MjModel, values: ArrayLike) -> Named:

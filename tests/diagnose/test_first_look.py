@@ -9,6 +9,7 @@ from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, clock_of, first_look
 from bench.diagnose.plausibility.hints import _scaled, hints_of
+from bench.diagnose.plausibility.speeds import fastest
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -103,6 +104,32 @@ def test_a_healthy_session_gets_no_hint(session: Campaign, robot: CompiledRobot)
     assert hints_of(session, robot) == ()
 
 
+@pytest.mark.parametrize("names", [("loaded-out",), ("unloaded-out",), ("unloaded-out", "unloaded-back")])
+def test_a_line_at_one_speed_tells_no_delay(session: Campaign, robot: CompiledRobot, names: tuple[str, ...]) -> None:
+    """Its speed differs by 1e-5 from its mean: a quarter of a millimetre beside the model looked like 1.5 s."""
+    alone = replace(session, runs=tuple(run for run in session.runs if run.name in names))
+    assert len(alone.runs) == len(names)
+    doubts = doubts_of(alone, robot)
+    assert doubts == ()
+    assert hints_of(alone, robot, doubts) == ()
+
+
+def test_the_fastest_joint_need_not_be_the_first(session: Campaign, robot: CompiledRobot) -> None:
+    """Joint 1 stands: a clock was divided by next to nothing, and the check died of a window of 1e20 samples."""
+    of_joint_3 = replace(session, runs=tuple(run for run in session.runs if run.name.startswith("joint3")))
+    assert of_joint_3.runs
+    assert fastest(of_joint_3, robot) > 0.1
+
+
+def test_a_gauge_that_reads_nothing_in_one_run_is_doubted(session: Campaign, robot: CompiledRobot) -> None:
+    run = session.runs[3]
+    empty = replace(run, columns={**run.columns, "gas_pressure_pa": np.zeros(len(run))})
+    runs = tuple(empty if one is run else one for one in session.runs)
+    (doubt,) = doubts_of(replace(session, runs=runs), robot)
+    assert doubt.column == "gas_pressure_pa"
+    assert f"is 0 times what the model has in run {run.name!r}, and not in all others" in doubt.message
+
+
 def rows_for_seconds(columns: dict[str, np.ndarray]) -> None:
     columns["time_s"] = np.arange(len(columns["time_s"]), dtype=np.float64)
 
@@ -190,6 +217,17 @@ def test_what_a_diagnosis_weighs_is_a_hint(
     assert (hint.level, hint.column) == ("warning", column)
     assert words in hint.message
     assert "bench diagnose weighs it" in hint.remedy
+
+
+@pytest.mark.parametrize("factor", [2.0, 2**0.5, 0.7, 0.5])
+def test_all_currents_off_by_one_factor_are_told(session: Campaign, robot: CompiledRobot, factor: float) -> None:
+    """Sigma grows with the factor: what was told of a half was not told of the double."""
+    currents = [f"current_{j + 1}_a" for j in range(robot.n_joints)]
+    campaign = changed(session, scale(factor, *currents))
+    assert doubts_of(campaign, robot) == ()
+    hints = hints_of(campaign, robot)
+    assert hints[0].column == currents[0]
+    assert "looks scaled, and so do current_2_a" in hints[0].message
 
 
 def exchanged(campaign: Campaign, one: str, other: str) -> Campaign:

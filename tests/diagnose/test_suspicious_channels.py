@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from bench.diagnose.plausibility.channels import doubts_of
-from bench.record.campaign import Campaign
+from bench.diagnose.plausibility.single_rows import overloads
+from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 from tests.diagnose.sweeps import LOADS, SWEEPS, Change, changed, freeze, made, nominal, scale, swap
@@ -95,3 +96,22 @@ def test_nothing_is_made_of_angles_that_are_doubted_already(sweeps: Campaign, ro
     frozen = changed(sweeps, lambda columns: columns.update(q_motor_2_rad=np.zeros_like(columns["q_motor_2_rad"])))
     assert doubts_of(frozen, robot)
     assert doubts_of(frozen, robot, known) == ()
+
+
+def test_an_angle_that_no_drive_makes_is_doubted(sweeps: Campaign, robot: CompiledRobot) -> None:
+    def spoil(columns: dict[str, Array]) -> None:
+        columns["q_motor_2_rad"][50] += 0.4
+
+    every = doubts_of(changed(sweeps, spoil), robot)
+    assert {(doubt.level, doubt.column) for doubt in every} == {("doubt", "q_motor_2_rad")}
+    assert all("row 51" in doubt.message and "there and back so fast" in doubt.message for doubt in every)
+
+
+def test_a_current_beyond_the_torque_limit_in_the_first_row_is_told(sweeps: Campaign, robot: CompiledRobot) -> None:
+    def spoil(columns: dict[str, Array]) -> None:
+        columns["current_5_a"][0] = 200.0
+
+    hints = list(overloads(changed(sweeps, spoil), robot))
+    assert {(hint.level, hint.column) for hint in hints} == {("warning", "current_5_a")}
+    assert all("row 1" in hint.message and "the limit of its drive" in hint.message for hint in hints)
+    assert not list(overloads(changed(sweeps, scale(1e3, "current_2_a")), robot)), "that is another unit"

@@ -220,6 +220,17 @@ def cross_checks(rng: np.random.Generator) -> Iterator[Variant]:
         ),
         "a force sensor at 0.7": (times(0.7, "force_z_n"), "harmless", ("force_z_n", "0.70", "channel_scale")),
         "loads twice": (times(2, *loads), "harmless", ("force_z_n", "0.50", "hung_load")),
+        "a load of another step": (
+            in_column(lambda v: np.where((np.arange(len(v)) == 7) & (len(v) < 50), 0.0, v), "load_z_n"),
+            "harmless",
+            ("force_z_n", "contradicts the loads"),
+        ),
+        "no column of loads": (_without("load_x", "load_y", "load_z"), "harmless", ("force_z_n", "no load is stated")),
+        "currents as peaks": (
+            times(2**0.5, "current_1_a", "current_2_a"),
+            "harmless",
+            ("current_1_a", "and so do current_2_a"),
+        ),
         "a current doubled": (times(2, "current_2_a"), "harmless", ("current_2_a", "looks doubled", "channel_scale")),
         "a current halved": (times(0.5, "current_1_a"), "harmless", ("current_1_a", "looks halved", "channel_scale")),
         "a gauge doubled": (

@@ -1,5 +1,6 @@
 """What stands in a folder in place of a file: pipes, devices, folders, links."""
 
+import gzip
 import os
 import socket
 from collections.abc import Callable, Iterator
@@ -67,6 +68,24 @@ def in_place_of_a_table(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant(variant.family, variant.name, variant.spoil, "error", places)
 
 
+def other_files_named_csv(rng: np.random.Generator) -> Iterator[Variant]:
+    """Rename what is no text, or no table, to .csv."""
+    begins = {
+        "a workbook": (b"PK\x03\x04" + rng.bytes(500), "is a workbook"),
+        "a compressed table": (gzip.compress(b"time_s\n1\n"), "is compressed by gzip"),
+        "a pointer": (
+            b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 1\n",
+            "is a pointer of Git LFS",
+        ),
+    }
+    for name, (content, words) in begins.items():
+
+        def spoil(folder: Path, content: bytes = content) -> None:
+            (folder / TABLE).write_bytes(content)
+
+        yield Variant("other files named .csv", name, spoil, "error", (TABLE, words))
+
+
 def in_place_of_a_manifest(rng: np.random.Generator) -> Iterator[Variant]:
     yield from _in_place_of("in place of a manifest", "campaign.yaml")
 
@@ -109,4 +128,4 @@ def odd_folders(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("odd folders", name, spoil, "harmless", places)
 
 
-FAMILIES = (in_place_of_a_table, in_place_of_a_manifest, in_place_of_a_robots_file, odd_folders)
+FAMILIES = (in_place_of_a_table, other_files_named_csv, in_place_of_a_manifest, in_place_of_a_robots_file, odd_folders)

@@ -145,6 +145,8 @@ def numbers_of_no_robot(rng: np.random.Generator) -> Iterator[Variant]:
             f"a forcerange of {x}": (limit, f'forcerange="{x}"', "'servo_a': forcerange is")
             for x in ("300 -300", "100 300", "0 0", "-2e8 2e8")
         },
+        "a centre of mass in millimetres": ('pos="0.35 0 0" mass', 'pos="350 0 0" mass', "distance of its centre"),
+        "a radius of gyration of 5 m": ('diaginertia="0.12 1.1 1.0"', 'diaginertia="600 600 600"', "largest radius"),
         "no forcerange": (limit, "", "'servo_a': forcerange is"),
         "degrees taken for radians": (joint, joint.replace("-1 2", "-150 150"), 'compiler angle="radian"'),
         "a zero that is moved": (joint, f'{joint} ref="0.5"', "'hinge_a' has ref != 0"),

@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,34 @@ def spoilt_readings(rng: np.random.Generator) -> Iterator[Variant]:
     }
     for column, (value, answer, words) in alone.items():
         yield Variant("spoilt readings", f"{column} in row {row}", _cell(column, value, (row,)), answer, words)
+
+
+def spoilt_single_rows(rng: np.random.Generator) -> Iterator[Variant]:
+    """One row of a static run, and one that no drive can have made."""
+    row = int(rng.integers(4, 9))
+    cells: dict[str, tuple[float, bool, Answer, tuple[str, ...]]] = {
+        "a reflector at 0": (0.0, True, "harmless", ("reflector_1_x_m", "the median of its repeats")),
+        "a reflector at 99.9": (99.9, True, "doubt", ("reflector_1_z_m", "the median of its repeats")),
+        "a current of 500 A at rest": (500.0, True, "harmless", ("current_1_a", "the median of its repeats")),
+        "an angle that jumps": (0.15, False, "doubt", ("q_motor_1_rad", f"row {row}", "there and back so fast")),
+    }
+    for name, (value, at_rest, answer, words) in cells.items():
+
+        def spoil(folder: Path, value: float = value, at_rest: bool = at_rest, column: str = words[0]) -> None:
+            sheet = next(one for one in map(Sheet, tables(folder)) if ("pose" in one.names) == at_rest)
+            before = 0.0 if at_rest else float(sheet.rows[row - 1][sheet.names.index(column)])
+            sheet.set(row, column, repr(before + value))
+            sheet.write()
+
+        yield Variant("spoilt single rows", name, spoil, answer, words)
+
+
+def one_run_unlike_the_others(rng: np.random.Generator) -> Iterator[Variant]:
+    """Spoil the gauge in one run; a constant that gas might have shows nothing at rest."""
+    for name, value in (("no pressure", 0.0), ("a pressure of 0.1 MPa", 1e5)):
+        spoil = _in_column(lambda v, value=value: 0 * v + value, "gas_pressure_pa")
+        words = ("gas_pressure_pa", "joint1-payload5-speed30-up")
+        yield Variant("one run unlike the others", name, spoil, "doubt", words)
 
 
 def copied_runs(rng: np.random.Generator) -> Iterator[Variant]:
@@ -133,6 +162,8 @@ def known_of_no_such_robot(rng: np.random.Generator) -> Iterator[Variant]:
         "a hot gas": ("{quantity: gas_temperature_k, value: 1.0e6, sigma: 1}", "known[0].value"),
         "bar": ("{quantity: gas_pressure_pa, at: [0.0, 0.0], value: 70, sigma: 1}", "bar? multiply by 100000"),
         "kNm/rad": ("{quantity: stiffness_nm_per_rad, joint: 1, value: 300, sigma: 1}", "kNm/rad or kN/m?"),
+        "0617": ("{quantity: payload_kg, value: 0617, sigma: 1}", "known[0].value"),
+        "6_1": ("{quantity: payload_kg, value: 6_1, sigma: 1}", "known[0].value"),
         "a sigma of nothing": ("{quantity: payload_kg, value: 1, sigma: 1.0e-300}", "known[0].sigma"),
     }
     for name, (entry, place) in entries.items():
@@ -143,5 +174,23 @@ def known_of_no_such_robot(rng: np.random.Generator) -> Iterator[Variant]:
 
         yield Variant("known of no such robot", name, spoil, "error", ("campaign.yaml", place))
 
+    def listed(folder: Path, entries: str) -> None:
+        file = folder / "campaign.yaml"
+        file.write_text(f"{file.read_text()}known: [{entries}]\n")
 
-FAMILIES = (spoilt_readings, copied_runs, impossible_readings, known_of_no_such_robot)
+    high = "{quantity: gas_pressure_pa, at: [0.0, 0.0], value: 3.3e+7, sigma: 1.0e+5}"
+    twice = "{quantity: payload_kg, value: 5, sigma: 0.1}, {quantity: payload_kg, value: 1, sigma: 0.1}"
+    words = ("known[0].value", "times what the model has")
+    yield Variant("known of no such robot", "ten times the gas", partial(listed, entries=high), "doubt", words)
+    words = ("known[1].value", "standard errors apart")
+    yield Variant("known of no such robot", "a payload twice", partial(listed, entries=twice), "harmless", words)
+
+
+FAMILIES = (
+    spoilt_readings,
+    spoilt_single_rows,
+    one_run_unlike_the_others,
+    copied_runs,
+    impossible_readings,
+    known_of_no_such_robot,
+)

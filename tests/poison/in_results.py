@@ -157,6 +157,15 @@ def motions_to_apply(rng: np.random.Generator) -> Iterator[Variant]:
     for name, (spoil, place) in faults.items():
         yield Variant(family, name, spoil, "error", ("motion.csv", place), command)
     yield Variant(family, "nothing", given(), "harmless", (), command)
+
+    def lost(folder: Path) -> None:
+        given(columns=3)(folder)
+        lines = (folder / "motion.csv").read_text().splitlines()
+        (folder / "motion.csv").write_text("\n".join([*lines[:30], *lines[70:]]) + "\n")
+
+    yield Variant(
+        family, "0.4 s of rows lost", lost, "harmless", ("time_s: 0.41 s pass before row 30", "lost rows?"), command
+    )
     yield Variant(family, "a clock that counts since 1970", given(offset=1.7e9, columns=3), "harmless", (), command)
     for mass, answer in (("-1", "error"), ("nan", "error"), ("1e9", "error"), ("4000", "error"), ("30", "harmless")):
         spoil, place = given(), ("--payload-kg",) if answer == "error" else ()

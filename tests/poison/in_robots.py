@@ -53,6 +53,13 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
     }
     for name, (line, places) in appended.items():
         yield Variant("figures", name, _append(line), "error", (f"robot/{FIGURES}", *places))
+    remarked: dict[str, tuple[Spoil, tuple[str, ...]]] = {
+        "a mass 500 % uncertain": (_append("uncertainty: {mass: 5}\n"), ("uncertainty.mass", "per cent?")),
+        "noise beyond the drives": (_figures("sigma_a: 0.02", "sigma_a: 99"), ("sigma_a", "than a drive has")),
+        "an encoder 4 s late": (_figures("encoder: {}", "encoder: {delay_s: 4}"), ("delay_s", "milliseconds?")),
+    }
+    for name, (spoil, places) in remarked.items():
+        yield Variant("figures", name, spoil, "error or harmless", (f"robot/{FIGURES}", *places))
     speed = "speed_limit_rad_per_s"
     changed: dict[str, tuple[str, str, tuple[str, ...]]] = {
         "a word for a number": (f"{speed}: 2.0", f"{speed}: fast", (speed,)),

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.record import check
+from bench.record import check, csv_table
 from bench.record.campaign import Arm
 from bench.record.check import check_campaign
 from bench.record.finding import Finding, spell_rows
@@ -144,3 +144,19 @@ def test_only_lines_of_text_are_counted() -> None:
     assert Finding("error", "runs/a.csv", 4, "q", "m", "r").line == 5
     assert Finding("error", "runs/a.parquet", 4, "q", "m", "r").line is None
     assert str(Finding("error", "runs/a.parquet", 4, "q", "m", "r")) == "runs/a.parquet: row 4: q: m; r"
+
+
+@pytest.mark.parametrize(
+    ("begin", "words"),
+    [
+        (b"PK\x03\x04\x14\x00", "is a workbook"),
+        (b"\x1f\x8b\x08", "is compressed by gzip"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "git lfs pull"),
+        (b"PAR1\x15", "name it .parquet"),
+    ],
+)
+def test_what_is_no_csv_is_told_by_its_name(begin: bytes, words: str) -> None:
+    findings: list[Finding] = []
+    assert csv_table.parse(begin, "runs/a.csv", findings) is None
+    (finding,) = findings
+    assert words in str(finding)

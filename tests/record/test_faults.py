@@ -157,7 +157,13 @@ STATIC: dict[str, tuple[Change, str, str, int | None, str]] = {
     "lost repeat": (drop_rows([4]), "warning", "load_step", 4, "usual 3, rows 4 and 5"),
     "same labels": (put("repeat", 1, 1), "warning", "repeat", 1, "rows 1 and 2"),
     "other pose": (put("q_cmd_2_rad", slice(6, 9), 0.5), "warning", "q_cmd_2_rad", 7, "within one pose, rows 7 to 9"),
-    "hung at 0": (put("load_z_n", slice(3), -500.0), "warning", "load_step", 1, "0 under load"),
+    "hung at 0": (
+        lambda c: (put("load_z_n", slice(3), -500.0)(c), put("force_z_n", slice(3), -500.1)(c)),
+        "warning",
+        "load_step",
+        1,
+        "0 under load",
+    ),
     "weight up": (
         lambda c: (scale("load_z_n", -1)(c), scale("force_z_n", -1)(c)),
         "doubt",

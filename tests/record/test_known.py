@@ -11,7 +11,7 @@ from bench.record.campaign import Campaign, Run
 from bench.record.carried import with_payloads
 from bench.record.check import check_campaign
 from bench.record.joined import joined
-from bench.record.known import Known
+from bench.record.known import Known, contradictions
 from bench.record.read import read_campaign
 from bench.record.write import write_campaign
 
@@ -111,3 +111,13 @@ def test_runs_carry_a_payload_that_is_known() -> None:
     assert "load_z_n" not in found[0].columns
     np.testing.assert_allclose(found[1].columns["load_z_n"], -100.0 - 151.0 * 9.80665)
     assert with_payloads(replace(CAMPAIGN, known=KNOWN[1:])).runs == CAMPAIGN.runs
+
+
+@pytest.mark.parametrize(("second", "is_told"), [(20.9, False), (40.0, True)])
+def test_one_thing_known_twice_and_not_alike_is_told(second: float, is_told: bool) -> None:
+    first = Known("payload_kg", 20.0, 0.2)
+    between = Known("stiffness_nm_per_rad", 1e6, 1e5, joint=1)
+    found = list(contradictions([first, between, replace(first, value=second)]))
+    assert [key for key, _ in found] == ["known[2].value"] * is_told
+    if is_told:
+        assert "40 ± 0.2 and 20 ± 0.2 (known[0])" in found[0][1]

@@ -32,6 +32,25 @@ def test_a_reading_that_stands_alone_is_told(column: str, value: float) -> None:
     assert f"reads {value:.6g} between" in finding.message
 
 
+@pytest.mark.parametrize(("column", "value"), [("reflector_1_x_m", 0.0), ("current_2_a", 90.0), ("force_z_n", 5e3)])
+def test_a_repeat_far_from_the_others_is_told(column: str, value: float) -> None:
+    columns = loading()
+    assert not examine(static(columns))
+    columns[column][40] = value
+    finding = only([finding for finding in examine(static(columns)) if "repeats" in finding.message])
+    assert (finding.level, finding.column, finding.row) == ("warning", column, 41)
+
+
+@pytest.mark.parametrize("freedom", [4.0, np.inf])
+def test_tails_of_noise_are_no_spoilt_repeats(freedom: float) -> None:
+    rng = np.random.default_rng(5)
+    for repeats in (2, 3, 10):
+        rows = np.repeat(np.arange(8.0), repeats)
+        columns = {"pose": 0 * rows + 1, "approach": 0 * rows + 1, "load_step": rows}
+        columns |= {f"current_{joint}_a": rng.standard_t(freedom, len(rows)) for joint in range(1, 300)}
+        assert not [finding for finding in examine(static(columns)) if "repeats" in finding.message]
+
+
 def test_lost_readings_of_one_number_are_told_though_small() -> None:
     rows = [300, 700, 1500]
     finding = only(spoilt("tau_motor_2_nm", 700.0, rows))
@@ -124,6 +143,10 @@ def test_a_force_without_a_stated_load_is_told() -> None:
         ("runs: [{name: a, kind: motion, start_s: 1e300}]", "runs[0].start_s", "less than or equal"),
         ("noise: {current: 1e300}", "noise.current", "less than or equal"),
         ("noise: {current: 1e-300}", "noise.current", "greater than"),
+        ("noise: {current: 0_1}", "noise.current", "is no decimal number"),
+        ("runs: [{name: a, kind: motion, start_s: 617_843}]", "runs[0].start_s", "is no decimal number"),
+        ("runs: [{name: a, kind: motion, start_s: 0617}]", "runs[0].start_s", "is no decimal number"),
+        ("known: [{quantity: payload_kg, value: 010, sigma: 1}]", "known[0].value", "is no decimal number"),
         ("started: yesterday", "started", "is no moment; write it as 2024-05-13T09:00"),
         ("runs: [5]", "runs[0]", "is no list of `key: value` lines"),
         ("known: [{quantity: payload_kg, value: 1, sigma: 1.0e-300}]", "known[0].sigma", "greater than"),

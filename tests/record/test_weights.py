@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bench.record.campaign import Array
+from bench.record.finding import Finding
 from tests.record.build import examine, loading, motion, static, sweep
 
 
@@ -43,3 +44,39 @@ def test_a_sensor_that_is_a_little_askew_is_none() -> None:
     size = -columns["load_z_n"]
     columns |= {"load_x_n": 0.14 * size, "force_x_n": 0.123 * size + columns["force_x_n"]}
     assert not examine(static(columns))
+
+
+def found_in(columns: dict[str, Array]) -> list[Finding]:
+    return [finding for finding in examine(static(columns)) if finding.column == "force_z_n"]
+
+
+def test_loads_that_are_exchanged_between_steps_are_told() -> None:
+    columns = loading()
+    step = columns["load_step"]
+    columns["load_z_n"] = np.select([step == 1, step == 2, step == 3], [-900.0, -300.0, -600.0], columns["load_z_n"])
+    (finding,) = found_in(columns)
+    assert finding.level == "warning"
+    assert "contradicts the loads by up to 6" in finding.message
+    columns = loading()
+    columns["load_z_n"][[3, 4, 5]] = -600.0  # one state of 28 alone
+    (finding,) = found_in(columns)
+    assert "rows 4 to 6" in finding.message
+
+
+def test_a_force_without_any_column_of_loads_is_told() -> None:
+    columns = {name: values for name, values in loading().items() if not name.startswith("load_") or "step" in name}
+    (finding,) = found_in(columns)
+    assert "while no load is stated to change" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("masses", "factor", "is_told"), [((10, 20), 2.0, True), ((10, 10), 2.0, False), ((10, 20), 1.001, False)]
+)
+def test_loads_that_are_twice_the_weight_of_every_mass_are_doubted(
+    masses: tuple[float, float], factor: float, is_told: bool
+) -> None:
+    """Beside one mass something else may pull."""
+    mass = np.repeat(np.array(masses, dtype=np.float64), 1250)
+    columns = sweep() | {"load_mass_kg": mass, "load_z_n": -factor * 9.81 * mass}
+    found = [finding for finding in examine(motion(columns)) if finding.column == "load_z_n"]
+    assert [finding.level for finding in found] == ["doubt"] * is_told

@@ -21,6 +21,17 @@ SLIPS = {
     "a rotor below zero": ('armature="1.2"', 'armature="-0.01"', "joint 'j1': armature is -0.01"),
     "damping below zero": ('damping="350"', 'damping="-1"', "joint 'j1': damping is -1"),
     "degrees for radians": (JOINT, JOINT.replace("-2.6 2.6", "-150 150"), "joint 'j1': range is -150 rad"),
+    "limits exchanged": (JOINT, JOINT.replace("-2.6 2.6", "2.6 -2.6"), "joint 'j1': range is \"2.6 -2.6\"; exchange"),
+    "torque limits exchanged": (
+        'forcerange="-200.0 200.0"',
+        'forcerange="200 -200"',
+        'forcerange is "200 -200"; exchange',
+    ),
+    "a centre of mass in millimetres": (
+        'mass="12.0" pos="',
+        'mass="12.0" pos="250',
+        "distance of its centre of mass is",
+    ),
     "grams for kilograms": ('mass="12.0"', 'mass="12000"', "body 'l1': mass is 12000 kg"),
     "an endless torque limit": ('forcerange="-200.0 200.0"', 'forcerange="-1e20 1e20"', "forcerange is -1e+20"),
     "a rotor's name": ('name="l1"', 'name="j1_rotor"', "body 'j1_rotor': a part that is added"),

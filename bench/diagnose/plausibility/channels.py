@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 from bench.diagnose.plausibility.displaced import displaced
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
 from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
+from bench.diagnose.plausibility.known_pressure import known_pressures
 from bench.diagnose.plausibility.loads import loads_too_small
 from bench.diagnose.plausibility.mistaken import doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
 from bench.diagnose.plausibility.physical_fit import misfit
+from bench.diagnose.plausibility.single_rows import jumps
 from bench.diagnose.plausibility.slow_clock import slow_clock
 from bench.diagnose.plausibility.smoothed import smoothed
 from bench.diagnose.plausibility.speeds import least_top_speed
@@ -60,6 +62,8 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
         return ()
     if too_heavy := tuple(_beyond_rating(campaign, compiled)):
         return too_heavy
+    if spoilt := tuple(jumps(campaign, compiled)):
+        return spoilt
     told = {finding.column for finding in known if finding.level != "warning"}
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
@@ -70,6 +74,7 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
         drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
         sped_up = partial(slow_clock, campaign, compiled, drives, SURE_OF_CLOCK, BINS)
         found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told, sped_up))
+        found += known_pressures(campaign, compiled, segments)
         if readings := readings_of(segments, every, others):
             found += displaced(Replay(compiled, readings, others))
     except ConvergenceError as error:

@@ -45,7 +45,8 @@ def displaced(replay: Replay) -> Iterator[Finding]:
     for c, quantity in enumerate(replay.quantities):
         rows = np.isfinite(observed[:, c])
         if quantity.kind == "gas_pressure" and np.any(rows) and quantity.column not in stopped:
-            yield from _pressure(observed[rows, c], nominal[rows, c])
+            throughout = list(_pressure(observed[rows, c], nominal[rows, c]))
+            yield from throughout or _pressure_in_one_run(_runs(replay)[rows], observed[rows, c], nominal[rows, c])
 
 
 def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
@@ -104,7 +105,7 @@ def _in_one_run(
     runs = dict.fromkeys(run_of[rows].tolist())
     off = {run: _off(observed[here], nominal[here]) for run in runs if np.any(here := rows & (run_of == run))}
     worst = max(off, key=lambda run: off[run])
-    if off[worst] >= FAR:
+    if len(off) > 1 and off[worst] >= FAR:  # the only run is all there is, and was looked at
         message = f"lies {off[worst]:.2g} m from where the model has it in run {worst!r}, and not in all others"
         yield doubt(name, message, "look at zero and sign of the joints that move there")
 
@@ -122,7 +123,19 @@ def _off(observed: Array, nominal: Array) -> float:
 def _pressure(observed: Array, nominal: Array) -> Iterator[Finding]:
     ratio = float(np.median(observed) / np.median(nominal))
     if not LEAST < ratio < MOST:
-        unit = next((word for factor, word in PRESSURES.items() if factor / 2 < ratio < 2 * factor), "other unit")
-        yield doubt(
-            "gas_pressure_pa", f"is {ratio:.2g} times what the model has", f"{unit}? give pascals above ambient"
-        )
+        remedy = f"{pressure_unit(ratio)}? give pascals above ambient"
+        yield doubt("gas_pressure_pa", f"is {ratio:.2g} times what the model has", remedy)
+
+
+def pressure_unit(ratio: float) -> str:
+    """Return the unit in which a pressure that is so many times the model's may have been written."""
+    return next((word for factor, word in PRESSURES.items() if factor / 2 < ratio < 2 * factor), "other unit")
+
+
+def _pressure_in_one_run(run_of: NDArray[np.str_], observed: Array, nominal: Array) -> Iterator[Finding]:
+    """Yield a doubt for the runs in which a gauge reads what gas cannot be, while it reads the gas in others."""
+    ratio = {run: float(np.median(observed[run_of == run] / nominal[run_of == run])) for run in dict.fromkeys(run_of)}
+    if far := [run for run, one in ratio.items() if not LEAST < one < MOST]:
+        more = f" and {len(far) - 1} more" if len(far) > 1 else ""
+        message = f"is {ratio[far[0]]:.2g} times what the model has in run {str(far[0])!r}{more}, and not in all others"
+        yield doubt("gas_pressure_pa", message, "was the gauge connected? leave the column out there")

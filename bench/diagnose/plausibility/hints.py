@@ -10,6 +10,7 @@ from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_reflectors
 from bench.diagnose.plausibility.reported_torques import unlike_currents
+from bench.diagnose.plausibility.single_rows import overloads
 from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -42,6 +43,8 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
     found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled)]
+    told = {finding.column for finding in known}
+    found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     try:
         segments = segments_of(campaign, compiled, every, BINS)
         if not segments:
@@ -108,17 +111,22 @@ def _gauge(replay: Replay) -> Iterator[Finding]:
 
 
 def _all_alike(told: Mapping[str, Factor]) -> Finding | None:
-    """Return a warning where all channels have one factor that is not 1; no defect of a robot does that to all."""
+    """Return a warning where all channels have one factor that is not 1; no defect of a robot does that to all.
+
+    The one that is known best tells it, and the others agree: what is known less well is no reason to doubt it, and
+    errors that all masses share (all guessed by one density) do not shrink with the number of channels.
+    """
     factors = [factor.value for factor in told.values()]
     if len(factors) < 2:
         return None
     middle = float(np.median(factors))
-    if not all(abs(factor.value - 1) > max(SCALED, SURE * factor.sigma) for factor in told.values()):
+    best = min(factor.relative for factor in told.values())
+    if not all(abs(value - 1) > SCALED for value in factors) or abs(np.log(middle)) < SURE * best:
         return None
     if max(abs(np.log(np.array(factors) / middle))) > SCALED:
         return None
     message = f"looks scaled, and so do {', '.join([*told][1:])}: about {middle:.2f} times what the model needs"
-    remedy = "per cent of a rated value? the torque constants of another robot?"
+    remedy = "peak for root mean square? per cent of a rated value? the torque constants of another robot?"
     return Finding("warning", "all runs", None, next(iter(told)), message, remedy)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import stats
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture
-from bench.diagnose.plausibility.first_look import LEAST, Factor, inflation
+from bench.diagnose.plausibility.first_look import LEAST, TOLD, Factor, inflation
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL
 from bench.record.campaign import Array
@@ -52,7 +52,9 @@ def as_if_in_time(replay: Replay, observed: Array, nominal: Array) -> Array:
 
 
 def late_reflectors(replay: Replay) -> Iterator[Late]:
-    """Yield by how much each reflector is late, all axes together.
+    """Yield by how much each reflector is late, all axes together; nothing where its speed goes with its place.
+
+    At one speed along a line, or along an arc in one direction, a delay looks like an offset, or a wrong joint zero.
 
     Args:
         replay: Of segments with readings of reflectors.
@@ -63,18 +65,21 @@ def late_reflectors(replay: Replay) -> Iterator[Late]:
     moving = np.any(trace.q_velocity != 0, axis=1)
     for k in sorted({q.index for q in replay.quantities if q.kind == "reflector"}):
         columns = [c for c, q in enumerate(replay.quantities) if q.kind == "reflector" and q.index == k]
-        speed = _rates(replay, trace.time, nominal[:, columns])
-        missing = observed[:, columns] - nominal[:, columns]
-        rows = moving[:, None] & np.isfinite(missing) & np.isfinite(speed)
-        segment = _segments(replay)
+        place = nominal[:, columns]
+        speed = _rates(replay, trace.time, place)
+        missing = observed[:, columns] - place
+        rows = moving & np.all(np.isfinite(missing) & np.isfinite(speed), axis=1)
+        if rows.sum() < LEAST:
+            continue
+        missing, speed, place, segment = missing[rows], speed[rows], place[rows], _segments(replay)[rows]
+        fast = float(np.sqrt(np.mean(speed**2)))
         for one in np.unique(segment):  # the frame, and what the model lacks throughout
-            for c in range(len(columns)):
-                here = rows[:, c] & (segment == one)
-                if np.any(here):
-                    missing[here, c] -= np.mean(missing[here, c])
-                    speed[here, c] -= np.mean(speed[here, c])
-        if rows.sum() >= LEAST:
-            yield Late(replay.quantities[columns[0]].column, _delay(missing[rows], speed[rows]))
+            for part in (missing, speed, place):
+                part[segment == one] -= np.mean(part[segment == one], axis=0)
+        # what goes with the place is an error of the frame or of zeros of joints: there and back alike
+        missing, speed = (part - place @ np.linalg.lstsq(place, part)[0] for part in (missing, speed))
+        if np.sqrt(np.mean(speed**2)) > TOLD * fast:
+            yield Late(replay.quantities[columns[0]].column, _delay(missing.ravel(), speed.ravel()))
 
 
 def late_drives(replay: Replay, picture: DrivePicture, at_rest: Array) -> Iterator[Late]:

@@ -24,6 +24,6 @@ def least_top_speed(run: Run, number: int) -> float:
 
 def fastest(campaign: Campaign, compiled: CompiledRobot) -> float:
     """Return the largest speed of any joint, as a part of its drive's limit; 0 where nothing moves."""
-    runs = campaign.of_kind("motion")
+    runs = tuple(campaign.of_kind("motion"))
     speeds = (least_top_speed(run, j + 1) / speed_limit(compiled, j) for j in range(compiled.n_joints) for run in runs)
     return max(speeds, default=0.0)

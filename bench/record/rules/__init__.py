@@ -40,6 +40,7 @@ READING_RULES: tuple[Rule, ...] = (
     scale.angles,
     scale.magnitudes,
     spikes.no_spikes,
+    spikes.no_outliers,
     stuck.frozen_or_saturated,
     stuck.all_frozen,
     tracker.sees_reflectors,

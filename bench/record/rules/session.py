@@ -5,11 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from bench.record.campaign import Array
 from bench.record.finding import Finding
 from bench.record.rules.approach import approach_is_felt
 from bench.record.rules.clock import counts_by_one
 from bench.record.rules.repeated_runs import no_run_twice
 from bench.record.rules.sheet import Sheet
+from bench.record.rules.weights import weights_are_masses
 
 ROUNDING_S = 1.0  # dates of files come in whole seconds
 YEAR_S = 3.2e7
@@ -25,6 +27,7 @@ def examine_session(sheets: Sequence[Sheet]) -> list[Finding]:
         *no_row_numbers(sheets),
         *no_run_twice(sheets),
         *approach_is_felt(sheets),
+        *weights_are_masses(sheets),
     ]
 
 
@@ -64,7 +67,7 @@ def no_row_numbers(sheets: Sequence[Sheet]) -> Iterator[Finding]:
     lasts into the next run or moves as much more slowly than they do.
     """
     motions = [sheet for sheet in sheets if sheet.run.kind == "motion" and "time_s" in sheet.run.columns]
-    motions = [sheet for sheet in motions if np.all(np.diff(sheet.run.columns["time_s"]) > 0)]  # else it is an error
+    motions = [sheet for sheet in motions if _rises(sheet.run.columns["time_s"])]  # else it is an error
     counted = [sheet for sheet in motions if counts_by_one(sheet.run.columns["time_s"])]
     often = [sheet for sheet in motions if OFTEN * _step(sheet) <= 1]
     if not often:
@@ -77,6 +80,10 @@ def no_row_numbers(sheets: Sequence[Sheet]) -> Iterator[Finding]:
         if overlaps or _speed(sheet) < SLOWER * max(map(_speed, often)):
             message = f"counts rows, by 1 from row to row; that of {other.file} goes on by {_step(other):.3g} s"
             yield sheet.doubt("time_s", message, "row numbers? divide them by the rows that were read in a second")
+
+
+def _rises(time: Array) -> bool:
+    return bool(np.all(time[1:] > time[:-1]))
 
 
 def _step(sheet: Sheet) -> float:

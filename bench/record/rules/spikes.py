@@ -1,4 +1,4 @@
-"""Single readings that stand far from those before and after them: lost, or spoilt on the way."""
+"""Single readings that stand far from those before and after them, or from their repeats: lost, or spoilt."""
 
 from collections.abc import Iterator
 
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bench.record.campaign import Array
 from bench.record.finding import Finding
+from bench.record.rules.labels import STATE
 from bench.record.rules.sheet import TRAVEL, Sheet, rows_where
 
 QUANTITIES = ("q_motor", "q_link", "current", "tau_motor", "force", "moment", "reflector", "gas_pressure")
@@ -19,6 +20,8 @@ AROUND = 10  # rows on either side; a robot that shakes stands out there again a
 LARGE = 0.2  # of the range of all other rows; assumed: what is smaller spoils a mean over several rows by little
 STANDS_FOR_NONE = 3  # rows with the same number, which a logger writes where it has none
 MANY = 3 * AROUND  # rows of a run
+CALM = 0.75  # declared: of repeats of a run, at least, are not spoilt; fewer tell their scatter less surely
+SOME = 5  # declared: repeats that differ from the median of their state, at least, for their scatter to be known
 
 
 def no_spikes(sheet: Sheet) -> Iterator[Finding]:
@@ -30,6 +33,39 @@ def no_spikes(sheet: Sheet) -> Iterator[Finding]:
             x = values[rows[0] - 2 : rows[0] + 1]
             message = f"reads {x[1]:.6g} between {x[0]:.6g} and {x[2]:.6g}"
             yield sheet.warning(column.name, message, "lost or spoilt? leave such rows out", rows)
+
+
+def no_outliers(sheet: Sheet) -> Iterator[Finding]:
+    """At rest, no repeat of a state lies far from the others, by what repeats of all states scatter."""
+    labels = [sheet.get(name) for name in STATE]
+    if sheet.run.kind != "static" or labels[0] is None or labels[2] is None:
+        return
+    _, state = np.unique(np.stack([label for label in labels if label is not None]), axis=1, return_inverse=True)
+    states = np.split(np.argsort(state, kind="stable"), np.cumsum(np.bincount(state))[:-1])
+    states = [rows for rows in states if len(rows) > 1]
+    if not states:
+        return
+    every = np.concatenate(states)
+    counted = np.concatenate(
+        [np.arange(len(rows)) < len(rows) - (len(rows) == 2) for rows in states]
+    )  # two are equally off
+    for column, values in sheet.columns(*QUANTITIES):
+        if not np.isfinite(values).all():
+            continue
+        usual = np.concatenate([np.full(len(rows), np.median(values[rows])) for rows in states])
+        out = np.abs(values[every] - usual)
+        scatter = out[counted & (out > 0)]
+        if len(scatter) < SOME:
+            continue
+        times = out / np.quantile(scatter, CALM, method="lower")
+        far = _beyond_tails(times) & (out > TRAVEL.get(column.unit, 0.0))
+        if far.all() or not far.any() or out[far].min() <= LARGE * np.ptp(values[every][~far]):
+            continue
+        rows = np.sort(every[far]) + 1
+        message = (
+            f"reads {values[rows[0] - 1]:.6g}, and {usual[every == rows[0] - 1][0]:.6g} in the median of its repeats"
+        )
+        yield sheet.warning(column.name, message, "lost or spoilt? leave such rows out", rows.tolist())
 
 
 def _alone(values: Array, travel: float) -> NDArray[np.bool_]:
@@ -59,17 +95,22 @@ def _more_than_chance(out: Array, size: Array) -> NDArray[np.bool_]:
         out: How far a row stands out of those before and after it, shape (n - 2,).
         size: Steps from row to row, shape (n - 1,).
     """
-    from scipy.special import pdtrc, stdtr  # here: other commands need not wait for it
-
     rough = out > np.median(size)
     elsewhere = size[~(np.append(rough, False) | np.append(False, rough)) & (size > 0)]
     resolution = float(elsewhere.min()) if len(elsewhere) else float(np.max(size, initial=0.0))
     around = np.pad(size, AROUND, mode="reflect")
     noise = np.median(np.lib.stride_tricks.sliding_window_view(around, 2 * AROUND + 2), axis=1)
     times = out / np.maximum(noise, resolution) if resolution else np.zeros_like(out)
+    return _beyond_tails(times)
+
+
+def _beyond_tails(times: Array) -> NDArray[np.bool_]:
+    """Return which readings stand out, given by how many times the noise each does, shape (n,)."""
+    from scipy.special import pdtrc, stdtr  # here: other commands need not wait for it
+
     order = np.argsort(-times)
-    expected = len(out) * 2 * stdtr(TAILS, -times[order])
-    told = np.flatnonzero(pdtrc(np.arange(len(out)), expected) < CHANCE)
-    far = np.zeros(len(out), dtype=np.bool_)
+    expected = len(times) * 2 * stdtr(TAILS, -times[order])
+    told = np.flatnonzero(pdtrc(np.arange(len(times)), expected) < CHANCE)
+    far = np.zeros(len(times), dtype=np.bool_)
     far[order[: told[-1] + 1 if len(told) else 0]] = True
     return far

@@ -1,15 +1,18 @@
 """Loads, masses and the force sensor tell of one thing: what hangs on the load point."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from bench.record.carried import load_with_weight
 from bench.record.finding import Finding
 from bench.record.rules.pairing import CORRELATED, FORCES, LOAD_N, MANY, NEAR
 from bench.record.rules.sheet import Sheet, rows_where
+from bench.record.rules.stuck import AT_EXTREME
 from bench.record.units import STANDARD_GRAVITY
 
 APART = 0.05  # force sensors are good to 0.5 to 3 %, weights to 0.1 %; the least error of a load tried as a defect
+EXACT = 0.01  # rounding: of a factor; 9.8 and 9.81 are 0.1 % apart
 UNSTATED_N = 10 * LOAD_N  # beyond what a cable or a hand on the sensor makes; assumed
 ACROSS, LIKE = 0.3, (0.5, 2.0)  # cosine of 73 degrees, and sizes of one thing: the sensor reads along other axes
 HEAVY_N = 10.0  # [N]; below, rounding of either may be what differs
@@ -29,13 +32,30 @@ def masses_hang(sheet: Sheet) -> Iterator[Finding]:
         )
 
 
+def weights_are_masses(sheets: Sequence[Sheet]) -> Iterator[Finding]:
+    """No load is the same multiple of the weight of each mass; beside one mass alone something else may pull."""
+    both = [sheet for sheet in sheets if {"load_mass_kg", "load_z_n"} <= set(sheet.run.columns)]
+    if not both:
+        return
+    mass, load = (np.concatenate([sheet.run.columns[name] for sheet in both]) for name in ("load_mass_kg", "load_z_n"))
+    weight = STANDARD_GRAVITY * mass
+    heavy = (weight > HEAVY_N) & np.isfinite(load)
+    if len(set(mass[heavy].tolist())) < 2:
+        return
+    factor = -load[heavy] / weight[heavy]
+    if np.ptp(factor) < EXACT * abs(factor[0]) and factor[0] - 1 > APART:
+        message = f"is {factor[0]:.3g} times the weight of load_mass_kg with each mass"
+        yield both[0].doubt("load_z_n", message, "the weight of the mass stands in load_z_n; correct one of them")
+
+
 def loads_are_felt(sheet: Sheet) -> Iterator[Finding]:
     """At rest the force sensor reads the load, to a few per cent of its size; its direction is not looked at."""
     columns = sheet.run.columns
-    axes = [axis for axis in "xyz" if {f"force_{axis}_n", f"load_{axis}_n"} <= set(columns)]
+    axes = [axis for axis in "xyz" if f"force_{axis}_n" in columns]
     if sheet.run.kind != "static" or not axes or len(sheet.run) < MANY:
         return
-    force, load = (np.stack([columns[f"{name}_{axis}_n"] for axis in axes]) for name in ("force", "load"))
+    force = np.stack([columns[f"force_{axis}_n"] for axis in axes])
+    load = load_with_weight(sheet.run)[:, ["xyz".index(axis) for axis in axes]].T
     if np.max(np.ptp(load, axis=1)) <= LOAD_N:
         felt_n = float(np.max(np.ptp(force, axis=1)))
         if felt_n > UNSTATED_N:
@@ -54,9 +74,19 @@ def loads_are_felt(sheet: Sheet) -> Iterator[Finding]:
         axis = axes[int(np.argmax(np.ptp(force, axis=1)))]
         message = f"feels what load_{axes[int(np.argmax(np.ptp(load, axis=1)))]}_n says"
         yield sheet.doubt(f"force_{axis}_n", message, "look at the axes of the sensor; forces are along world axes")
-    if along <= CORRELATED * sizes[0] * sizes[1]:
         return
     ratio = along / float(np.sum(hung**2))
+    most = LOAD_N + APART * float(np.max(np.ptp(load, axis=1)))
+    if along <= CORRELATED * sizes[0] * sizes[1] or np.any(np.linalg.norm(felt - ratio * hung, axis=0) > most):
+        off = force - load
+        off = np.linalg.norm(off - np.median(off, axis=1, keepdims=True), axis=0)
+        loaded = force[np.ptp(force, axis=1) > LOAD_N]
+        is_cut = any(np.sum(values == end) >= AT_EXTREME for values in loaded for end in (values.min(), values.max()))
+        if along > 0 and not is_cut and (rows := rows_where(off > most)):
+            axis = axes[int(np.argmax(np.ptp(force, axis=1)))]
+            message = f"contradicts the loads by up to {np.max(off):.3g} N"
+            yield sheet.warning(f"force_{axis}_n", message, "steps of load exchanged, or a wrong zero of it?", rows)
+        return
     if abs(ratio - 1) > APART and not any(abs(ratio / factor - 1) < NEAR for factor in FORCES):
         axis = axes[int(np.argmax(np.ptp(load, axis=1)))]
         remedy = "one of them is wrong; bench diagnose weighs both (hung_load, channel_scale)"

@@ -5,10 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from bench.record.campaign import Array
-from bench.record.rules.clock import SHORTEST_STEP_S, SLOW_STEP_S
+from bench.record.finding import counted
+from bench.record.rules.clock import SHORTEST_STEP_S, SLOW_STEP_S, UNEVEN
 from bench.robot.compiled import CompiledRobot
 
 FAR_BEYOND = 100.0  # times the speed of a drive; twice is a motion that asks too much, and is told so
+EVEN = 0.9  # declared: of the steps, alike where a motion is sampled evenly; a planner may have its own
 CREEPS = 1e-3  # of a drive's speed, the fastest joint of a motion with rows seconds apart
 ANOTHER = 0.9  # of the larger one, root mean square: degrees for radians make 0.98, another sign 2
 LEAST = 1e-3  # of a drive's speed in a second; below, rounding of angles is in the derivative
@@ -35,6 +37,23 @@ def clock_faults(time: Array, q: Array, compiled: CompiledRobot) -> Iterator[str
     elif median >= SLOW_STEP_S and 0 < fastest < CREEPS:
         words = f"goes on by {median:.3g} s from row to row, and no joint reaches {fastest:.1e} of its drive's speed"
         yield f"time_s: {words}; milli-, micro- or nanoseconds? {remedy}."
+
+
+def gaps(time: Array, q: Array) -> Iterator[str]:
+    """Yield a sentence where rows may be missing of a motion that is else sampled evenly: angles go on in between.
+
+    Args:
+        time: Shape (T,), grows.
+        q: Shape (T, n).
+    """
+    step = np.diff(time)
+    median = float(np.median(step))
+    moved = np.any(np.diff(q, axis=0) != 0, axis=1)
+    late = np.flatnonzero((step > (1 + UNEVEN) * median) & moved)
+    if len(late) and np.mean(np.abs(step - median) <= UNEVEN * median) > EVEN:
+        first = int(late[0])
+        words = f"time_s: {step[first]:.3g} s pass before row {first + 2}, and {median:.3g} s from row to row else"
+        yield f"{words} ({counted(len(late), 'such gap')}); lost rows? torques there are of a straight way between"
 
 
 def derivative_faults(kind: str, given: Array, expected: Array, compiled: CompiledRobot) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """Somebody's MJCF or URDF: which joints are driven, what is kept of it, what is left out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -120,6 +120,8 @@ def _read(file: Path, urdf: Urdf | None) -> tuple[mujoco.MjSpec, mujoco.MjModel]
         model = spec.compile()
     except ValueError as error:
         raise RobotError(f"{file}: {plain_words(error)}") from error
+    if exchanged := tuple(_exchanged(spec)):
+        raise RobotError(f"{file}: {words}" for words in exchanged)
     for j in range(model.njnt):
         if int(model.jnt_type[j]) not in (HINGE, SLIDE):
             kind = "free joint" if int(model.jnt_type[j]) == FREE else "ball joint"
@@ -128,6 +130,17 @@ def _read(file: Path, urdf: Urdf | None) -> tuple[mujoco.MjSpec, mujoco.MjModel]
     if model.njnt == 0:
         raise RobotError(f"{file}: has no joints; give the file of a robot.")
     return spec, model
+
+
+def _exchanged(spec: mujoco.MjSpec) -> Iterator[str]:
+    """Yield a sentence for each pair of limits whose lower one is above; MuJoCo takes it for none."""
+    limits = [(f"joint {one.name!r}", one, ("range", "actfrcrange")) for one in spec.joints]
+    limits += [(f"actuator {one.name!r}", one, ("forcerange", "ctrlrange")) for one in spec.actuators]
+    for place, one, names in limits:
+        for name in names:
+            low, high = (float(end) for end in getattr(one, name))
+            if low > high:
+                yield f'{place}: {name} is "{low:g} {high:g}"; exchange the two.'
 
 
 def _driven(file: Path, model: mujoco.MjModel, wanted: Sequence[str]) -> list[int]:

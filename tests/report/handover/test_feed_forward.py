@@ -10,6 +10,7 @@ from bench.errors import InputError
 from bench.report.handover.applied import applied_robot
 from bench.report.handover.apply import beyond
 from bench.report.handover.feed_forward import PARTS, feed_forward, read_motion
+from bench.report.handover.motion_faults import gaps
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from tests.small_robot import FRICTION, LINK, MASS, ROTOR
@@ -49,6 +50,14 @@ def test_the_weight_of_a_link_and_its_payload(small_robot: Path, compiled: Compi
         held = table.parts["friction"][:, 1]
         assert np.all(np.abs(held) <= FRICTION[1]), "the link hangs on its friction, too"
         np.testing.assert_allclose((table.torque - table.parts["friction"])[:, 1], weight, rtol=GIVE)
+
+
+def test_rows_that_are_missing_are_told() -> None:
+    time = np.delete(np.arange(400) * 0.004, slice(100, 200))
+    (words,) = gaps(time, time[:, None])
+    assert words.startswith("time_s: 0.404 s pass before row 101, and 0.004 s from row to row else (1 such gap)")
+    assert not list(gaps(time, 0 * time[:, None])), "a rest needs no rows"
+    assert not list(gaps(np.cumsum(np.linspace(0.1, 1, 50)), np.arange(50.0)[:, None])), "steps of a planner's own"
 
 
 def test_what_friction_and_rotor_take(small_robot: Path, compiled: CompiledRobot, tmp_path: Path) -> None:

@@ -1,0 +1,57 @@
+"""Single rows that no drive can have made: angles that jump away and back, currents far beyond its torque limit."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.effects.places import most_speed, most_torque
+from bench.record.campaign import Campaign, Run
+from bench.record.channels import columns_of
+from bench.record.finding import Finding, Level, spell_rows
+from bench.record.rules.sheet import TRAVEL
+from bench.robot.compiled import CompiledRobot
+
+BEYOND = 2.0  # declared: times the limit of a drive, as far as a guess of it may be off; servos peak by less
+
+
+def jumps(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+    """Yield a doubt for each angle that jumps in one row, and back in the next, faster than its drive can go.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot, nominal.
+    """
+    for run in campaign.of_kind("motion"):
+        for column in columns_of(run.columns, "q_motor", "q_link"):
+            step, limit = np.diff(run.columns[column.name]), BEYOND * most_speed(compiled, column.index - 1)
+            is_jump = np.abs(step) > np.maximum(limit * np.diff(run.columns["time_s"]), TRAVEL[column.unit])
+            alone = np.pad(is_jump[:-1] & is_jump[1:] & (step[:-1] * step[1:] < 0), 1)[: len(run)]
+            yield from _told(
+                "doubt", run, column.name, alone, f"no drive goes there and back so fast ({limit:.3g} per s)"
+            )
+
+
+def overloads(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+    """Yield a warning for each drive's channel that is far beyond its torque limit in single rows, and within it else.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot, nominal.
+    """
+    for run in campaign.runs:
+        for column in columns_of(run.columns, "current", "tau_motor"):
+            per_unit = compiled.torque_constant[column.index - 1] if column.channel.quantity == "current" else 1.0
+            limit = most_torque(compiled, column.index - 1) / abs(per_unit)
+            size = np.abs(run.columns[column.name])
+            far = size > BEYOND * limit
+            if np.all(size[~far] <= limit):  # what goes on from within to beyond has another unit, or another limit
+                yield from _told("warning", run, column.name, far, f"the limit of its drive is {limit:.3g}")
+
+
+def _told(level: Level, run: Run, column: str, is_beyond: NDArray[np.bool_], why: str) -> Iterator[Finding]:
+    rows = (np.flatnonzero(is_beyond) + 1).tolist()
+    if rows and len(rows) < len(run):
+        value = run.columns[column][rows[0] - 1]
+        message = f"reads {value:.6g} in {spell_rows(rows)} of run {run.name!r}; {why}"
+        yield Finding(level, "all runs", None, column, message, "lost or spoilt? leave such rows out")
