@@ -26,7 +26,7 @@ from bench.cli.poses import Poses
 from bench.cli.predict import Predict
 from bench.cli.robots import Robots
 from bench.cli.run import Run
-from bench.cli.stopping import TerminatedError, ending_on_terminate
+from bench.cli.stopping import TerminatedError, ending_on_terminate, interrupt_behind
 from bench.cli.store import Store
 from bench.cli.study import Study
 from bench.cli.view import View
@@ -85,7 +85,10 @@ def _ended(arguments: list[str] | None) -> int:
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)
         return error.exit_code
-    except KeyboardInterrupt as interrupt:
+    except (KeyboardInterrupt, ImportError) as error:
+        interrupt = interrupt_behind(error)
+        if interrupt is None:
+            raise
         is_typed = not isinstance(interrupt, TerminatedError)
         word = "interrupted" if is_typed else "terminated"
         print(f"bench: {word}; nothing half-written was left behind.", file=sys.stderr)

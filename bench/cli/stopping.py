@@ -58,6 +58,16 @@ class TerminatedError(KeyboardInterrupt):
     """A request to end that was not typed, from a scheduler or a system that shuts down."""
 
 
+def interrupt_behind(error: BaseException | None) -> KeyboardInterrupt | None:
+    """Return the interrupt that an error is, or that led to it; None where there is none.
+
+    An extension that is interrupted while it is loaded says that it could not be.
+    """
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error
+
+
 @contextmanager
 def ending_on_terminate() -> Iterator[None]:
     """Let SIGTERM within the block end it as Ctrl-C does, so that nothing half-written stays.

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from bench.cli import main
-from bench.cli.stopping import UNFINISHED, seconds_of
+from bench.cli.stopping import UNFINISHED, TerminatedError, interrupt_behind, seconds_of
 from bench.report.diagnosis.file_names import REPORT, VERDICT
 
 STARTED_S = 60.0  # within which a run is under way on a busy machine
@@ -118,3 +118,11 @@ def test_full_disk_is_named(tmp_path: Path) -> None:
     assert process.returncode == 2
     assert re.search(r"out.*: cannot be written \(.*\); free some space", said)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_extension_that_is_interrupted_while_it_is_loaded_is_no_error_of_the_bench() -> None:
+    """SIGTERM while `import mujoco` ran ended in a traceback: "initialization failed"."""
+    loading = ImportError("initialization failed")
+    loading.__cause__ = TerminatedError()
+    assert interrupt_behind(loading) is loading.__cause__
+    assert interrupt_behind(ImportError("no such module")) is None

@@ -121,7 +121,7 @@ def stretches_of(
     after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
     rings = np.array([np.any(after[group] < settling_periods() * period) for group in kept])
     felt = _drive_error(path, worst, swinging, np.where(still, 0.0, np.median(unresolved, axis=0)), period)
-    rest = averaged_rest(run, compiled, path, motion.q[motion.read])
+    rest = averaged_rest(compiled, path, motion.q[motion.read])
     yield SegmentInput(run.name, kept, motion, worst, turning, rings, path, felt, rest)
 
 

@@ -48,14 +48,10 @@ class Replay(MotionReplay):
         super().__init__(compiled, segments, tolerance)
         self.quantities = quantities
         self._earlier: OrderedDict[float, MotionReplay] = OrderedDict()  # by how many seconds
-        none = np.zeros((1, compiled.n_joints))
-        rest = [none if one.averaged_rest is None else one.averaged_rest for one in segments]
-        self._averaged_rest = np.concatenate(
-            [
-                np.broadcast_to(one, (count_of(segment), compiled.n_joints))
-                for segment, one in zip(segments, rest, strict=True)
-            ]
-        )
+        self._rest, self._rest_per_kg = np.zeros((2, self.shape[0], compiled.n_joints))
+        for segment, rows in zip(segments, self._rows, strict=True):
+            if segment.averaged_rest is not None:
+                self._rest[rows], self._rest_per_kg[rows] = segment.averaged_rest.arm, segment.averaged_rest.per_kg
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -74,7 +70,7 @@ class Replay(MotionReplay):
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
         trace = self._with_late_torques(world, trace)
-        trace = replace(trace, motor_torque=trace.motor_torque + self._averaged_rest)
+        trace = replace(trace, motor_torque=trace.motor_torque + self._averaged_rest(world))
         given, world = world, self.whole(world)
         if not world.is_told_apart:
             shown = self._read(world, self.segments, trace)
@@ -87,6 +83,13 @@ class Replay(MotionReplay):
         if any(quantity.is_known for quantity in self.quantities):
             self._say_known(shown, given, trace)
         return shown
+
+    def _averaged_rest(self, world: World) -> Array:
+        """Return what averaged torques have more than those in the middle of the bins, shape (T, n) [Nm] or [N]."""
+        carried = np.zeros((len(self._rest), 1))
+        for course in self._courses(world):
+            carried[course.rows] = true_conditions(world, course).payload_kg
+        return self._rest + carried * self._rest_per_kg
 
     def _with_late_torques(self, world: World, trace: Trace) -> Trace:
         """Return a motion with the torques of drives that are read late as they were before: along an earlier motion.

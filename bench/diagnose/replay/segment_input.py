@@ -135,6 +135,19 @@ class Path:
 
 
 @dataclass(frozen=True, eq=False)
+class AveragedRest:
+    """What averaged torques have more than those in the middle of the bins (`averaged_rest.py`).
+
+    Attributes:
+        arm: Shape (T, n) [Nm] or [N], of links and counterbalance.
+        per_kg: Shape (T, n), of each kilogram that is bolted on.
+    """
+
+    arm: Array
+    per_kg: Array
+
+
+@dataclass(frozen=True, eq=False)
 class SegmentInput:
     """T instants of a run; n drives.
 
@@ -148,7 +161,7 @@ class SegmentInput:
         turning: Shape (T, n) bool, drives that start, stop or turn round: their friction is between its levels.
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest.
-        averaged_rest: Shape (T, n), of `averaged_rest.py` [Nm] or [N]; None at rest.
+        averaged_rest: What torques have more for being averaged; None at rest.
     """
 
     label: str
@@ -159,7 +172,7 @@ class SegmentInput:
     rings: NDArray[np.bool_]
     path: Path | None = None
     drive_error: Array | None = None
-    averaged_rest: Array | None = None
+    averaged_rest: AveragedRest | None = None
 
     @property
     def rows(self) -> NDArray[np.int64]:

@@ -15,7 +15,7 @@ from scipy.special import chdtri
 from bench.diagnose.replay.motion_segments import stretches_of
 from bench.diagnose.replay.noise import UNIFORM, Noise
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.segment_input import Path, SegmentInput, centre_weights
+from bench.diagnose.replay.segment_input import AveragedRest, Path, SegmentInput, centre_weights
 from bench.diagnose.replay.static_segments import visits_of
 from bench.effects.effect import REFERENCE_K, Conditions
 from bench.record.campaign import Array, Campaign, Run
@@ -53,8 +53,8 @@ class Segment:
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest, and for a motion that nobody measured.
         recording: Name of the recording that the run belongs to.
-        averaged_rest: Shape (T, n), what the drives' averaged torques have more than those in the middle of the bins
-            [Nm] or [N], by the nominal model (`averaged_rest.py`); None: nothing.
+        averaged_rest: What the drives' averaged torques have more than those in the middle of the bins, by the nominal
+            model; None: nothing.
         counted_once: Shape (T, c), by what the variance of readings was raised that were rounded to the same number, so
             that together they count as one; None: by nothing.
     """
@@ -73,7 +73,7 @@ class Segment:
     recording: str = ""
     drive_error: Array | None = None
     counted_once: Array | None = None
-    averaged_rest: Array | None = None
+    averaged_rest: AveragedRest | None = None
 
     def __len__(self) -> int:
         return len(self.observed)
