@@ -84,11 +84,12 @@ class Known:
 
 
 def contradictions(known: Sequence[Known]) -> Iterator[tuple[str, str]]:
-    """Yield key and words of each reading that is further from one of the same thing than both sigmas explain."""
+    """Yield key and words of each reading that is further from the first of its thing than both sigmas explain."""
+    first: dict[Known, int] = {}
     for i, one in enumerate(known):
-        for k, other in enumerate(known[:i]):
-            is_same = replace(one, value=0, sigma=0, note="") == replace(other, value=0, sigma=0, note="")
-            apart = abs(one.value - other.value) / hypot(one.sigma, other.sigma) if is_same else 0.0
-            if apart > CONTRADICTS:
-                words = f"{one.value:g} ± {one.sigma:g} and {other.value:g} ± {other.sigma:g} (known[{k}])"
-                yield f"known[{i}].value", f"{words} are readings of one thing, {apart:.2g} standard errors apart"
+        k = first.setdefault(replace(one, value=0, sigma=0, note=""), i)
+        other = known[k]
+        apart = abs(one.value - other.value) / hypot(one.sigma, other.sigma)
+        if apart > CONTRADICTS:
+            words = f"{one.value:g} ± {one.sigma:g} and {other.value:g} ± {other.sigma:g} (known[{k}])"
+            yield f"known[{i}].value", f"{words} are readings of one thing, {apart:.2g} standard errors apart"
