@@ -21,14 +21,12 @@ LONGEST_NUMBER = 100  # characters; 17 digits are all that a number keeps, and P
 BOOL, INT, FLOAT, STR = (f"tag:yaml.org,2002:{name}" for name in ("bool", "int", "float", "str"))
 DECIMAL = re.compile(r"[-+]?((0|[1-9]\d*)|(\d+\.\d*|\.\d+)([eE][-+]?\d+)?|\.(inf|Inf|INF))|\.(nan|NaN|NAN)", re.ASCII)
 _PARTED = re.compile(r"[-+]?\d[\d_]*_[\d_]*(\.[\d_]*)?([eE][-+]?[\d_]+)?", re.ASCII)  # pydantic reads 1_0e1 as 100
-
-
-_ODD = re.compile(r"[-+]?(0[\d_]|\d*_).*")
+_LED_BY_ZERO = re.compile(r"[-+]?0\d", re.ASCII)
 
 
 def is_odd(text: str) -> bool:
     """Whether a number is written with 0 in front or _ between digits, which not all programs read alike."""
-    return _ODD.fullmatch(text.strip()) is not None
+    return bool(_PARTED.fullmatch(text.strip()) or _LED_BY_ZERO.match(text.strip()))
 
 
 class YamlFault(Exception):  # noqa: N818  it never reaches a user: the reader makes a finding of it

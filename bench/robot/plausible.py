@@ -80,9 +80,7 @@ OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
     ),
     (  # a beam of 10 m has 2.9
         Range("largest radius of gyration", "m", 0.0, 3.0, "moments of inertia are in kg m^2, masses in kg"),
-        lambda model: _moving(
-            model, np.sqrt(np.max(model.body_inertia, axis=1) / np.maximum(model.body_mass, LIGHT_KG))
-        ),
+        lambda model: _moving(model, _radius_of_gyration(model)),
     ),
     (
         Range("armature", "kg m^2", 0.0, 1e5, "it is the rotor's inertia times the square of the gear ratio"),

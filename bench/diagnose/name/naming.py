@@ -95,7 +95,7 @@ def posterior_of(
     models: Sequence[Model],
     found: Sequence[Alternative],
     fell: Mapping[frozenset[Hashable], frozenset[Hashable]] = NOTHING,
-    most: float | None = None,
+    most: float = np.inf,
 ) -> dict[frozenset[Hashable], float]:
     """Return the logarithm of the posterior odds of every subset that was visited.
 
@@ -106,19 +106,18 @@ def posterior_of(
         models: Simulated, the most probable first.
         found: By the search.
         fell: What was promised and not borne out by a simulation -> which of its causes came to nothing.
-        most: That anything counts for that was not simulated; None: without a limit.
+        most: That anything counts for that was not simulated.
     """
     simulated = {model.keys: model.log_posterior for model in models}
     linear = {one.keys: one.log_posterior for one in found}
     offset = simulated[models[0].keys] - linear.get(models[0].keys, simulated[models[0].keys])
     tried = [(linear[keys], value) for keys, value in simulated.items() if keys in linear]
-    limit = [] if most is None else [most]
     lost = [(linear[keys], gone) for keys, gone in fell.items() if keys in linear]
 
     def expected(keys: frozenset[Hashable], value: float) -> float:
         if keys in fell or any(promised >= value and keys & gone for promised, gone in lost):
             return -np.inf
-        return min([value + offset, *limit, *(made for promised, made in tried if promised >= value)])
+        return min([value + offset, most, *(made for promised, made in tried if promised >= value)])
 
     return {keys: expected(keys, value) for keys, value in linear.items()} | simulated
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
@@ -24,6 +25,15 @@ from bench.robot.compiled import CompiledRobot
 
 ENOUGH = 1.2  # effort: times; standard errors that have to be raised by less are settled
 ROUNDS = 6  # effort: of weighing anew with other standard errors
+
+
+class Renew(Protocol):
+    """Returns the campaign linearised about a model, with everything that can be tried there."""
+
+    def __call__(
+        self, linear: LinearisedModel, model: Model, *, is_last: bool = False
+    ) -> tuple[LinearisedModel, Tried]:
+        """Return the design and what can be tried; `is_last`: nothing will be added, what is missed now is noise."""
 
 
 class Neighbourhood:

@@ -10,17 +10,18 @@ Every finding then has to pay on what was held out, or it is refused and the sea
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from math import inf
 
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.linearise.screening import Screening, Tried
+from bench.diagnose.linearise.screening import Screening
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
 from bench.diagnose.name.leaders import grown, leaders_of, rivals_of, scattering, without
 from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
+from bench.diagnose.name.neighbourhood import Renew
 from bench.diagnose.name.paying import fit_without_cause, fit_without_shape, held_findings, shape_pays, with_scatter
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
@@ -30,16 +31,6 @@ from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Stopped
-
-
-class Renew(Protocol):
-    """Returns the campaign linearised about a model, with everything that can be tried there."""
-
-    def __call__(
-        self, linear: LinearisedModel, model: Model, *, is_last: bool = False
-    ) -> tuple[LinearisedModel, Tried]:
-        """Return the design and what can be tried; `is_last`: nothing will be added, what is missed now is noise."""
-
 
 LEFT_OPEN = 30.0  # effort: evidence of all that is refused, from where something else is looked for in its place
 MOST_ROUNDS = 12  # effort: of linearising and searching; recording B of the KR300 takes 8
@@ -196,7 +187,8 @@ class _Selection:
         present = fitter.knows(self.best, about.candidate_of(about.present))
         alone = without(about, found[0].best.terms, shape) if shape else ()
         others = [*leaders, *alone, about.instead(found[0].best.terms)]
-        candidates = [present, *(about.candidate_of(terms) for terms in others if len(terms))]
+        others = [terms for terms in others if len(terms) > 0 and (adds or len(terms) <= len(about.present))]
+        candidates = [present, *map(about.candidate_of, others)]
         plays = scattering(about, found[0], self.plays) if is_last else {}
         candidates += plays.values()
         self.progress(f"fitting {len(candidates) - 1} models")
@@ -213,8 +205,8 @@ class _Selection:
         if adds and not shape and first.keys == self.best.keys:
             models += self._beside(about, fitter, first.log_posterior, is_last=is_last)
             found = [one for one in found if not one.keys & self.refused_shapes]
-        models = [one for one in (Model(self.null), *models) if adds or len(one.keys) <= len(self.best.keys)]
-        models.sort(key=lambda one: -one.log_posterior)
+        kept = [one for one in (Model(self.null), *models) if adds or len(one.keys) <= len(self.best.keys)]
+        models = sorted(kept, key=lambda one: -one.log_posterior)
         near = {model.keys for model in models if model.log_posterior > models[0].log_posterior - IN_SET}
         self.plays |= {there for there, one in plays.items() if one.keys not in near}
         # whatever was promised of those that could not be fitted, or did not need all of their causes
@@ -223,7 +215,7 @@ class _Selection:
             for keys, model in fitter.models.items()
             if model is None or model.keys != keys
         }
-        self.posterior = posterior_of(models, found, fell, None if adds else models[0].log_posterior)
+        self.posterior = posterior_of(models, found, fell, inf if adds else models[0].log_posterior)
         self.models = with_probabilities(models, self.posterior)
         self.best = self.models[0]
 

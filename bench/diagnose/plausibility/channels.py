@@ -19,7 +19,7 @@ from bench.diagnose.plausibility.loads import loads_too_small
 from bench.diagnose.plausibility.mistaken import doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
 from bench.diagnose.plausibility.physical_fit import misfit
-from bench.diagnose.plausibility.single_rows import jumps
+from bench.diagnose.plausibility.single_rows import BEYOND, jumps
 from bench.diagnose.plausibility.slow_clock import slow_clock
 from bench.diagnose.plausibility.smoothed import smoothed
 from bench.diagnose.plausibility.speeds import least_top_speed
@@ -39,7 +39,6 @@ BLOCKS = 6  # of the readings; what is said has to hold with any of them left ou
 LEAST = 30  # readings of a drive in motion
 GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
 SURE_OF_CLOCK = 0.999  # level of the interval of a clock's rate: one healthy campaign in a thousand is doubted
-BEYOND = 2.0  # times the limits of a drive
 # Times a limit that was made up: nearer, on a logarithmic scale, to what another unit would make of data (degrees, mNm)
 # than to data in SI units
 BEYOND_GUESS = {"speed limit": (180 / np.pi) ** 0.5, "torque limit": 1e3**0.5}
