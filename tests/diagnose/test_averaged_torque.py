@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_banded
 
+from bench.diagnose.replay.motion_segments import lowest_period
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.segment_input import centre_weights
 from bench.diagnose.replay.segments import Segment, segments_of
@@ -144,3 +145,18 @@ def test_viscous_friction_is_that_of_the_average_speed() -> None:
     left = segment.observed[:, 0] - drag * segment.motion.velocity[segment.motion.read][:, DRIVE]
     middle = np.array([speed[group].mean() for group in segment.path.groups])
     assert np.nanmax(np.abs(left[2:-2])) < 2e-3 * drag * np.ptp(middle)
+
+
+def test_what_links_do_not_follow_is_averaged_away_and_what_they_follow_is_kept() -> None:
+    """Half a period of the lowest mode let 0.83 of it through, so motors that vibrate passed for inertia."""
+    segment = segment_of(np.full(2000, 0.1), np.zeros(2000))
+    assert segment.path
+    rows, weights = segment.path.of_torque[len(segment.path.of_torque) // 2]
+    time, mode = segment.path.time[rows], 1 / lowest_period(nominal(), segment.path.angles.mean(axis=0))
+
+    def passes(frequency: float) -> float:
+        return float(abs(weights @ np.exp(2j * np.pi * frequency * time)))
+
+    assert passes(mode) < 0.5
+    assert passes(1.5 * mode) < 0.15
+    assert passes(0.1 * mode) > 0.99

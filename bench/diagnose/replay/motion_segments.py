@@ -28,7 +28,8 @@ LEAST_BINS = 30  # declared: of a run; with fewer no figure is told from another
 UNRESOLVED = 0.5  # assumed: of the difference between accelerations over one window and over two, that may be error
 # assumed: of a joint's top speed, by which that changes unsteadily within a period of the arm's lowest mode
 JERKY = 0.01
-# exact: of a sudden change of speed over a window; the peak of what that averages is 15/8 of its mean, over two, half
+# exact: times a sudden change of speed over a window: by as much differ accelerations over one window and over two, for
+# the average over one has its peak at 15/8 of the change over the window, and that over two at half of it
 PEAK = 15 / 16
 # assumed: of modes with their motors held: bolted joints and gears of large arms, 0.01 to 0.05 in our models
 DAMPING_RATIO = 0.05
