@@ -201,6 +201,18 @@ class Effect(ABC):
         """
         return None
 
+    def averaged(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        """Return what the torques of its drive have more where they are averaged along the motion than in its middle.
+
+        None, as by default: it does not change within what a reading averages.
+
+        Args:
+            place: Where it acts.
+            values: Parameters.
+            followed: What a robot did in which it acts.
+        """
+        return None
+
     def encoder_error(self, place: Place, values: Values, q: Array, velocity: Array) -> Array | None:
         """Return reading minus true motor angle, shape (T, n) [rad], or None if the encoder is right.
 

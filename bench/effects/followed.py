@@ -1,5 +1,6 @@
 """A robot along a motion, and torques that an effect adds to it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,8 @@ class Followed:
         visit: Shape (T,), at rest the index of the first instant of the same visit, which comes right after the pose
             was approached; -1 in motion.
         gear_k: Shape (T, n) [K], of the gearboxes.
+        waves: Returns the mean of exp(2 pi i x / period) over what each instant averages, shape (T,), of a period [rad]
+            or [m] and the index of a drive at x; None: that of its q, for nothing is averaged.
     """
 
     compiled: CompiledRobot
@@ -27,6 +30,13 @@ class Followed:
     acceleration: Array
     visit: NDArray[np.intp]
     gear_k: Array
+    waves: Callable[[float, int], NDArray[np.complex128]] | None = None
+
+    def wave(self, period: float, drive: int) -> NDArray[np.complex128]:
+        """Return the mean of exp(2 pi i x / period) over what each instant averages, shape (T,); see `waves`."""
+        if self.waves is not None:
+            return self.waves(period, drive)
+        return np.asarray(np.exp(2j * np.pi / period * self.trace.q[:, drive]))
 
 
 @dataclass(frozen=True, eq=False)

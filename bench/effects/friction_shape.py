@@ -1,11 +1,12 @@
 """Friction of a drive: how its level depends on speed, load, direction and angle."""
 
+from dataclasses import replace
 from math import atan2, hypot, pi
 
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Conditions, Parameter, Place, Values
+from bench.effects.effect import Array, Conditions, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
 from bench.effects.friction import ARMSTRONG, BITTENCOURT, scaled_friction, viscous, with_coulomb
 from bench.effects.friction_elements import give, give_side
@@ -160,10 +161,20 @@ class FrictionRipple(_Shape):
         )
 
     def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
-        motor, link = (
-            values["sin"] * np.sin(phase) + values["cos"] * np.cos(phase)
-            for phase in (
-                2 * pi / values["period"] * angle[:, place.index] for angle in (followed.trace.q, followed.trace.theta)
-            )
-        )
-        return scaled_friction(place, followed, motor, link)
+        return scaled_friction(place, followed, *_shares(place, values, followed))
+
+    def averaged(self, place: Place, values: Values, followed: Followed) -> Torques:
+        j, trace = place.index, followed.trace
+        middle = _shares(place, values, replace(followed, waves=None))
+        more = [
+            (1 + mean) / (1 + there) - 1 for mean, there in zip(_shares(place, values, followed), middle, strict=True)
+        ]
+        return Torques(more[0] * trace.motor_friction[:, j], more[1] * trace.link_friction[:, j])
+
+
+def _shares(place: Place, values: Values, followed: Followed) -> tuple[Array, Array]:
+    """Return by which shares the levels of motor and link are higher, shape (T,) each."""
+    period, j = values["period"], place.index
+    at_motor = (values["cos"] - 1j * values["sin"]) * followed.wave(period, j)
+    given = np.exp(2j * pi / period * (followed.trace.theta[:, j] - followed.trace.q[:, j]))
+    return np.real(at_motor), np.real(at_motor * given)

@@ -76,7 +76,7 @@ def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end:
             plant.take_over(before)
         rows, read = slice(piece.first, piece.last), course.marked[here]
         every = np.unique(np.concatenate([read, *(one.periods(read, piece) for one in late)]))
-        there = follow(plant, path, piece.first, wrenches[rows], every, before_end)
+        there = follow(plant, path, piece.first, wrenches[rows], every, before_end, course.waits[rows])
         truth = there[np.searchsorted(every, read)]
         parts.append(truth)
         for one in late:

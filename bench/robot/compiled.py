@@ -226,4 +226,5 @@ def counterbalance_of(
         exponent=float(given.get("exponent", 1.0)),
         reference_length=float(given.get("reference_length", 0.0)),
         seal_friction=float(given.get("seal_friction", 0.0)),
+        relaxation_time=float(given.get("relaxation_time", np.inf)),
     )

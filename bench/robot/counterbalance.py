@@ -33,6 +33,7 @@ class Counterbalance:
         critical_length: Length at which the gas volume would be zero, l_c of Eq. (7) [m].
         exponent, reference_length: n and l_r [m] of the polytropic law; n = 1 is Eq. (8).
         seal_friction: Friction of the seals as a share of the gas force.
+        relaxation_time: In which a difference of temperature falls to 1/e [s]; inf where the gas knows none.
     """
 
     joint: int
@@ -44,6 +45,7 @@ class Counterbalance:
     exponent: float = 1.0
     reference_length: float = 0.0
     seal_friction: float = 0.0
+    relaxation_time: float = np.inf
 
     def __post_init__(self) -> None:
         """Refuse figures that no cylinder can have.

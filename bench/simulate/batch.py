@@ -32,7 +32,7 @@ class Course:
         start: Shape (n,) [rad], where the robot stands at first.
         commands: Shape (P, n) [rad], motor angles at the end of each period.
         wrenches: Shape (P, 6) [N, Nm], at the end of each period.
-        ends: Shape (P,) [s], when each period ends, from the beginning of the sitting, waiting included.
+        waits: Shape (P,) [s], for how long the robot only stands after each period.
         marked: Shape (K,), periods at whose end is read, growing.
         steps: The K steps of those.
         events: (time [s], words).
@@ -41,13 +41,19 @@ class Course:
     start: Array
     commands: Array
     wrenches: Array
-    ends: Array
+    waits: Array
     marked: Rows
     steps: tuple[Step, ...]
     events: tuple[tuple[float, str], ...]
 
     def __len__(self) -> int:
-        return len(self.ends)
+        return len(self.waits)
+
+    @cached_property
+    def ends(self) -> Array:
+        """Shape (P,) [s], when each period ends, from the beginning of the sitting, waiting included."""
+        waited = np.concatenate([[0.0], np.cumsum(self.waits)[:-1]])
+        return np.asarray(CONTROL_PERIOD * np.arange(1, len(self) + 1) + waited)
 
     @property
     def seconds(self) -> float:
@@ -72,18 +78,18 @@ class Course:
 def course_of(sitting: Sitting) -> Course:
     """Return the steps of a sitting as arrays; the sitting is used up."""
     steps = list(sitting.steps)
-    waits = np.array([step.wait_s for step in steps])
-    ends = CONTROL_PERIOD * np.arange(1, len(steps) + 1) + np.concatenate([[0.0], np.cumsum(waits)[:-1]])
     marked = [i for i, step in enumerate(steps) if step.mark]
-    return Course(
+    course = Course(
         start=np.array(sitting.start),
         commands=read_only([step.q_cmd for step in steps]),
         wrenches=read_only([step.wrench for step in steps]),
-        ends=ends,
+        waits=np.array([step.wait_s for step in steps]),
         marked=np.array(marked, dtype=np.intp),
         steps=tuple(steps[i] for i in marked),
-        events=tuple((float(ends[i]), step.event) for i, step in enumerate(steps) if step.event),
+        events=(),
     )
+    events = tuple((float(course.ends[i]), step.event) for i, step in enumerate(steps) if step.event)
+    return replace(course, events=events)
 
 
 def smooth(start: Array, commands: Array) -> CubicSpline:
@@ -114,6 +120,7 @@ def follow(
     wrenches: Array,
     read: Iterable[int] | Rows,
     before_end: float | None = None,
+    waits: Array | None = None,
 ) -> Trace:
     """Follow a path, and return the truth near the end of some control periods.
 
@@ -125,15 +132,25 @@ def follow(
         read: Shape (K,), which periods, growing, counted as those of the path.
         before_end: How long before the end of a period the instant lies [s], a multiple of the timestep. None: one
             timestep, the last instant that the plant knows, as the environment reads it.
+        waits: Shape (P,) [s], for how long the robot only stands after each period; None: nowhere.
 
     Returns:
-        Trace of K instants; its time is that of the plant.
+        Trace of K instants; its time is that of the plant, without what it waited.
     """
     substeps = round(CONTROL_PERIOD / plant.timestep)
     back = 1 if before_end is None else round(before_end / plant.timestep)
-    rows = (np.asarray(read, dtype=np.int64) - first + 1) * substeps - back
-    last = first + len(wrenches)
-    return plant.track(path.c[:, first:last], wrenches, substeps, rows, path(CONTROL_PERIOD * last), NUDGE)
+    periods = np.asarray(read, dtype=np.int64) - first
+    stands = [] if waits is None else np.flatnonzero(waits).tolist()
+    seen = []
+    for begin, end in pairwise(dict.fromkeys([0, *(i + 1 for i in stands), len(wrenches)])):
+        here = periods[(periods >= begin) & (periods < end)]
+        rows = (here - begin + 1) * substeps - back
+        stretch = path.c[:, first + begin : first + end]
+        until = path(CONTROL_PERIOD * (first + end))
+        seen.append(plant.track(stretch, wrenches[begin:end], substeps, rows, until, NUDGE))
+        if waits is not None and waits[end - 1]:
+            plant.wait(float(waits[end - 1]))
+    return Trace.concatenate(seen) if len(seen) > 1 else seen[0]
 
 
 def read_steps(instruments: Instruments, steps: Sequence[Step], trace: Trace) -> Reading:

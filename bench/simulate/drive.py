@@ -70,6 +70,7 @@ def drive(env: BenchEnv, sitting: Sitting, begin: float, log: Log, progress: Pro
             env.instruments.move_reflector()
         observation, _, _, _, info = env.step({"q_cmd": step.q_cmd, "wrench": step.wrench})
         seen: Trace = info["truth"]
+        env.plant.wait(step.wait_s)
         waited += step.wait_s
         if not (step.mark or step.event or i % every == 0):
             continue

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.actuators.state import TEMPERATURE_RISE, state_of
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec, read_spec
 from bench.robot.folder import Robot
 from bench.simulate.track import Seen, Tracker
@@ -223,6 +224,13 @@ class Plant:
         trace = self._trace(seen.time, seen.sensors[:, self._sensors], seen.wrench)
         gained = seen.velocities[:, self.compiled.at.q_dof] - trace.q_velocity
         return replace(trace, motor_torque=trace.motor_torque - self._servo_damping * gained)
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass in which the robot only stands: its gas relaxes at the volume it has, nothing else moves."""
+        balance = self.compiled.counterbalance
+        if balance and np.isfinite(balance.relaxation_time):
+            gas = state_of(self.model, self.data, self.compiled.at.counterbalance)
+            gas[TEMPERATURE_RISE] *= np.exp(-seconds / balance.relaxation_time)
 
     def take_over(self, other: "Plant") -> None:
         """Go on from the present state of another plant, whose model has the same parts with other numbers.

@@ -65,11 +65,20 @@ class Motion:
 
     @classmethod
     def concatenate(cls, motions: Iterable["Motion"]) -> Self:
-        """Join motions, each of which still begins for itself."""
+        """Join motions, each of which still begins for itself, and not before the one before has ended.
+
+        How the robot came to the first instant of a motion is assumed, and when; where that is longer ago than the last
+        motion, gas would relax in the same second twice.
+        """
         parts = list(motions)
         names = [f.name for f in fields(cls) if f.name != "begins"]
         joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-        return cls(**joined, begins=np.concatenate([part.beginnings for part in parts]))
+        begins = np.concatenate([part.beginnings for part in parts])
+        time = joined["time"]
+        for first in np.flatnonzero(begins[1:]) + 1:
+            if first + 1 < len(time) and time[first] < time[first - 1] <= time[first + 1]:
+                time[first] = time[first - 1]
+        return cls(**joined, begins=begins)
 
 
 class Prescribed:

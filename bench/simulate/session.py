@@ -163,7 +163,7 @@ def _in_stretches(
         plant.reset(course.start)
         now += sitting.pause_s if i else 0.0
         kept = np.union1d(course.marked, np.arange(0, len(course), every))
-        trace = follow(plant, course.path, 0, course.wrenches, kept)
+        trace = follow(plant, course.path, 0, course.wrenches, kept, waits=course.waits)
         trace = replace(trace, time=now + course.ends[kept] - plant.timestep)
         log.instants.append(trace[np.searchsorted(kept, course.marked)])
         film.append(trace[np.flatnonzero(kept % every == 0)])

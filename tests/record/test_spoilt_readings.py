@@ -177,3 +177,16 @@ def test_a_wrong_number_is_not_proposed_again(name: str) -> None:
     messages = [finding.message for finding in examine(motion(columns)) if finding.column == name]
     assert messages
     assert f"did you mean {name!r}" not in messages[0]
+
+
+def test_an_arm_that_settles_is_not_spoilt() -> None:
+    """Currents of repeats that drift after an arrival, all of them, as a servo's integral action makes them."""
+    rng = np.random.default_rng(4)
+    rows = np.repeat(np.arange(8.0), 3)
+    currents = rows + 1e-2 * rng.normal(size=rows.size)
+    columns = {"pose": rows, "approach": 1 + 0 * rows, "load_step": 0 * rows, "current_1_a": currents}
+    assert not [finding for finding in examine(static(columns)) if "repeats" in finding.message]
+    columns["current_1_a"][3:6] = 5.3, 4.7, 3.5
+    assert not [finding for finding in examine(static(columns)) if "repeats" in finding.message]
+    columns["current_1_a"][3:6] = 5.3, 1.0, 1.01
+    assert [finding for finding in examine(static(columns)) if "repeats" in finding.message]

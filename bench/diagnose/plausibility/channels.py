@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.displaced import displaced
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
+from bench.diagnose.plausibility.first_look import Clock, clock_of, doubt_of_clock, first_look, resting_torque
 from bench.diagnose.plausibility.known_pressure import known_pressures
 from bench.diagnose.plausibility.loads import loads_too_small
 from bench.diagnose.plausibility.mistaken import doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
+from bench.diagnose.plausibility.one_run import mistaken_in_one_run
 from bench.diagnose.plausibility.physical_fit import misfit
 from bench.diagnose.plausibility.single_rows import BEYOND, jumps
 from bench.diagnose.plausibility.slow_clock import slow_clock
@@ -94,7 +95,7 @@ def _of_drives(
         return
     picture = drive_picture(Replay(compiled, segments, quantities))
     looks = first_look(picture, resting_torque(compiled, segments, quantities))
-    if wrong_clock := tuple(_of_clock(clock_of(looks, compiled, SURE_OF_CLOCK) or sped_up())):
+    if wrong_clock := tuple(doubt_of_clock(clock_of(looks, compiled, SURE_OF_CLOCK) or sped_up())):
         yield from wrong_clock
         return
     dead = tuple(_dead(picture))
@@ -115,16 +116,11 @@ def _of_drives(
             continue
         rows = np.isfinite(picture.observed[:, j]) & ~picture.standing[:, j]
         if rows.sum() >= LEAST:
-            yield from list(_of_drive(picture, compiled, j, rows))[:1]
-
-
-def _of_clock(clock: Clock | None) -> Iterator[Finding]:
-    if clock and not clock.low <= 1 <= clock.high:
-        message = (
-            f"counts {clock.rate:.2f} seconds for each second ({clock.low:.2f} to {clock.high:.2f}), by the inertia "
-            f"that {clock.drives} drives paid for"
-        )
-        yield doubt("time_s", message, "look at the sampling rate that was stated")
+            of_drive = list(_of_drive(picture, compiled, j, rows))[:1]
+            mistaken += of_drive
+            yield from of_drive
+    if not (dead or too_small or mistaken):
+        yield from mistaken_in_one_run(picture, segments)
 
 
 def _beyond_rating(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:

@@ -10,6 +10,7 @@ from bench.diagnose.plausibility.late_channels import as_if_in_time
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.replay.quantities import AXES
 from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import run_of_each
 from bench.diagnose.replay.world import NOMINAL
 from bench.record.campaign import Array
 from bench.record.finding import Finding
@@ -46,14 +47,16 @@ def displaced(replay: Replay) -> Iterator[Finding]:
         rows = np.isfinite(observed[:, c])
         if quantity.kind == "gas_pressure" and np.any(rows) and quantity.column not in stopped:
             throughout = list(_pressure(observed[rows, c], nominal[rows, c]))
-            yield from throughout or _pressure_in_one_run(_runs(replay)[rows], observed[rows, c], nominal[rows, c])
+            yield from throughout or _pressure_in_one_run(
+                run_of_each(replay.segments)[rows], observed[rows, c], nominal[rows, c]
+            )
 
 
 def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
     """Return columns that repeat one number while the model's goes far -> the run."""
     gauge = replay.compiled.robot.figures.instruments.pressure
     far = {"reflector": TRAVEL, "gas_pressure": STEPS * gauge.resolution_pa if gauge else np.inf}
-    run_of = _runs(replay)
+    run_of = run_of_each(replay.segments)
     found: dict[str, str] = {}
     for run in dict.fromkeys(segment.run for segment in replay.segments):
         for c, quantity in enumerate(replay.quantities):
@@ -101,18 +104,13 @@ def _in_one_run(
     replay: Replay, name: str, rows: NDArray[np.bool_], observed: Array, nominal: Array
 ) -> Iterator[Finding]:
     """Yield a doubt for the run in which a reflector is farthest off: a mirrored joint may stand at zero elsewhere."""
-    run_of = _runs(replay)
+    run_of = run_of_each(replay.segments)
     runs = dict.fromkeys(run_of[rows].tolist())
     off = {run: _off(observed[here], nominal[here]) for run in runs if np.any(here := rows & (run_of == run))}
     worst = max(off, key=lambda run: off[run])
     if len(off) > 1 and off[worst] >= FAR:  # the only run is all there is, and was looked at
         message = f"lies {off[worst]:.2g} m from where the model has it in run {worst!r}, and not in all others"
         yield doubt(name, message, "look at zero and sign of the joints that move there")
-
-
-def _runs(replay: Replay) -> NDArray[np.str_]:
-    """Return the run of each instant."""
-    return np.repeat([segment.run for segment in replay.segments], [len(segment) for segment in replay.segments])
 
 
 def _off(observed: Array, nominal: Array) -> float:

@@ -1,6 +1,6 @@
 """What every drive paid in a campaign, beside what the nominal model needs for the same motion."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ class DrivePicture:
         velocity: Shape (T, n) [rad/s].
         standing: Shape (T, n) bool, while a drive did not move.
         slack: Shape (n,) [Nm], what friction may hold at rest.
+        level: Shape (n,) [Nm], friction of the nominal model at which drives slide.
         unit: Shape (n,), from what was read to Nm.
         missing: Shape (T, n, e) [Nm], torque of a payload and of gas that the nominal model leaves out, and of rotors
             that nobody knows; those are not in `model`.
@@ -41,6 +42,7 @@ class DrivePicture:
     velocity: Array
     standing: NDArray[np.bool_]
     slack: Array
+    level: Array
     unit: Array
     missing: Array
     names: tuple[str, ...]
@@ -50,6 +52,11 @@ class DrivePicture:
         v = self.velocity[:, j]
         plain = np.stack([self.model[:, j], np.sign(v), v, np.ones(len(v))], axis=1)
         return np.concatenate([plain, self.missing[:, j]], axis=1)
+
+    def of(self, rows: NDArray[np.bool_]) -> "DrivePicture":
+        """Return the picture of some instants, shape (T,) bool."""
+        parts = {name: getattr(self, name)[rows] for name in ("observed", "model", "velocity", "standing", "missing")}
+        return replace(self, **parts)
 
 
 def drive_picture(replay: Replay) -> DrivePicture:
@@ -85,7 +92,8 @@ def drive_picture(replay: Replay) -> DrivePicture:
     if not (np.all(np.isfinite(model)) and np.all(np.isfinite(extra))):
         raise ConvergenceError("its torques are not finite")
     slack = np.array([HELD * torque_limit(replay.compiled, j) for j in range(shape[1])])
-    return DrivePicture(observed, model, trace.q_velocity, standing, slack, units, extra, tuple(names))
+    level = replay.compiled.motor_coulomb + replay.compiled.link_coulomb
+    return DrivePicture(observed, model, trace.q_velocity, standing, slack, level, units, extra, tuple(names))
 
 
 def _rotors(replay: Replay, nominal: Array) -> list[Array]:

@@ -1,6 +1,6 @@
 """What a fast look shows of errors that a diagnosis weighs itself, in numbers: channels scaled, late, not explained."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -8,7 +8,8 @@ from bench.diagnose.plausibility.between_runs import too_far_apart
 from bench.diagnose.plausibility.channels import BINS
 from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
-from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_reflectors
+from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_gauges, late_reflectors
+from bench.diagnose.plausibility.one_run import unlike_other_runs
 from bench.diagnose.plausibility.reported_torques import unlike_currents
 from bench.diagnose.plausibility.single_rows import overloads
 from bench.diagnose.plausibility.unexplained import unexplained
@@ -28,6 +29,8 @@ from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
 SCALED = 0.2  # beyond it a channel's scale is likelier than a torque constant (normal, 10 %/sqrt(3) wide: 3.5 of them)
+
+EARLY = 0.5  # declared: of the variance that the model leaves
 
 
 def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = ()) -> tuple[Finding, ...]:
@@ -61,11 +64,13 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
             found += _scaled(first_look(picture, at_rest), compiled)
             alone = (DriveDelay if compiled.n_joints == 1 else ChannelDelay).name
             found += _late(late_drives(replay, picture, at_rest), LATEST_DRIVE_S, alone)
+            found += unlike_other_runs(picture, paid, at_rest)
             told = {hint.column for hint in found}
             found += [hint for hint in unexplained(picture, paid) if hint.column not in told]
         if seen := readings_of(segments, every, others):
             replay = Replay(compiled, seen, others)
-            found += _late(late_reflectors(replay), ChannelDelay.parameters[0].low, ChannelDelay.name)
+            both = (*late_reflectors(replay), *late_gauges(replay))
+            found += _late(both, ChannelDelay.parameters[0].low, ChannelDelay.name)
             found += _gauge(replay)
     except ConvergenceError:
         return tuple(found)
@@ -144,11 +149,13 @@ def _factor(look: DriveLook, compiled: CompiledRobot) -> Factor:
     return Factor(value.value, value.value * float(np.hypot(value.relative, np.hypot(own / value.share, gain))))
 
 
-def _late(found: Iterator[Late], least: float, effect: str) -> Iterator[Finding]:
+def _late(found: Iterable[Late], least: float, effect: str) -> Iterator[Finding]:
+    """Yield warnings of what is late; or early, as nothing is by itself, where that explains most of what is left."""
     for late in found:
         delay = late.delay
-        if delay.value > least + SURE * delay.sigma:
-            message = f"looks late, by about {1e3 * delay.value:.0f} ms against the encoders"
+        if abs(delay.value) > least + SURE * delay.sigma and (delay.value > 0 or late.explained > EARLY):
+            how = "late" if delay.value > 0 else "early"
+            message = f"looks {how}, by about {1e3 * abs(delay.value):.0f} ms against the encoders"
             yield _hint(late.column, message, effect)
 
 

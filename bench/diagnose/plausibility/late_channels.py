@@ -25,11 +25,13 @@ class Late:
 
     Attributes:
         column: Its name.
-        delay: By how much [s].
+        delay: By how much [s]; negative: it is early.
+        explained: Of the variance that the model leaves.
     """
 
     column: str
     delay: Factor
+    explained: float
 
 
 def as_if_in_time(replay: Replay, observed: Array, nominal: Array) -> Array:
@@ -79,7 +81,34 @@ def late_reflectors(replay: Replay) -> Iterator[Late]:
         # what goes with the place is an error of the frame or of zeros of joints: there and back alike
         missing, speed = (part - place @ np.linalg.lstsq(place, part)[0] for part in (missing, speed))
         if np.sqrt(np.mean(speed**2)) > TOLD * fast:
-            yield Late(replay.quantities[columns[0]].column, _delay(missing.ravel(), speed.ravel()))
+            yield _late(replay.quantities[columns[0]].column, missing.ravel(), speed.ravel())
+
+
+def late_gauges(replay: Replay) -> Iterator[Late]:
+    """Yield by how much the gauge is late, with a gain and a zero of its own.
+
+    Args:
+        replay: Of segments with readings of gauges.
+    """
+    trace = replay.trace(NOMINAL)
+    nominal = replay.read(NOMINAL, trace)
+    observed = np.concatenate([segment.observed for segment in replay.segments])
+    moving = np.any(trace.q_velocity != 0, axis=1)
+    for c, quantity in enumerate(replay.quantities):
+        if quantity.kind != "gas_pressure":
+            continue
+        pressure = nominal[:, c]
+        rate = _rates(replay, trace.time, pressure[:, None])[:, 0]
+        rows = moving & np.isfinite(observed[:, c]) & np.isfinite(rate)
+        if rows.sum() < LEAST or not np.any(rate[rows]):
+            continue
+        # friction of the seal, which a gauge of the rod's force shows, turns with the motion as a delay does
+        parts = np.stack([pressure, np.ones_like(pressure), np.sign(rate)], axis=1)[rows]
+        parts = parts / np.maximum(np.linalg.norm(parts, axis=0), 1e-12)
+        missing, own = (part - parts @ np.linalg.lstsq(parts, part)[0] for part in (observed[rows, c], rate[rows]))
+        gain = float(np.median(observed[rows, c] / pressure[rows]))
+        if gain > 0 and np.sqrt(np.mean(own**2)) > TOLD * float(np.sqrt(np.mean(rate[rows] ** 2))):
+            yield _late(quantity.column, missing / gain, own)
 
 
 def late_drives(replay: Replay, picture: DrivePicture, at_rest: Array) -> Iterator[Late]:
@@ -114,16 +143,17 @@ def late_drives(replay: Replay, picture: DrivePicture, at_rest: Array) -> Iterat
             others = columns[kept] / scale
             own = rate[kept] - others @ np.linalg.lstsq(others, rate[kept])[0]
             rest = y[kept] - others @ np.linalg.lstsq(others, y[kept])[0]
-            yield Late(name, _delay(rest, own))
+            yield _late(name, rest, own)
 
 
-def _delay(missing: Array, rate: Array) -> Factor:
+def _late(column: str, missing: Array, rate: Array) -> Late:
     power = float(rate @ rate)
     if power == 0:
-        return Factor(np.nan, np.inf)
+        return Late(column, Factor(np.nan, np.inf), 0.0)
     delay = -float(missing @ rate) / power
-    rest = missing + delay * rate
-    return Factor(delay, float(np.sqrt(np.mean(rest**2) * inflation(rest) / power)))
+    rest, before = missing + delay * rate, float(missing @ missing)
+    explained = 1 - float(rest @ rest) / before if before else 0.0
+    return Late(column, Factor(delay, float(np.sqrt(np.mean(rest**2) * inflation(rest) / power))), explained)
 
 
 def _rates(replay: Replay, time: Array, values: Array) -> Array:

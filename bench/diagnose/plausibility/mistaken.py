@@ -49,7 +49,11 @@ class Mistake:
 
 
 def mistakes_in(
-    picture: DrivePicture, of_loads: Iterable[Mistake] = (), of_joints: Callable[[], Iterable[Mistake]] = lambda: ()
+    picture: DrivePicture,
+    of_loads: Iterable[Mistake] = (),
+    of_joints: Callable[[], Iterable[Mistake]] = lambda: (),
+    *,
+    of_units: bool = True,
 ) -> Iterator[Finding]:
     """Yield what the drives' channels are taken for, the mistake that explains most first.
 
@@ -57,12 +61,13 @@ def mistakes_in(
         picture: What drives did.
         of_loads: Mistakes about loads, tried once.
         of_joints: Mistakes about angles too, tried once, where nothing else leaves all drives well.
+        of_units: Whether a channel may be in another unit; few readings may be small for other reasons.
     """
     for i, _ in enumerate(picture.names):
         before = misfit(picture)
         if np.max(before) < BAD:
             return
-        likely = _likely((*_mistakes(picture, before), *(of_loads if i == 0 else ())), before)
+        likely = _likely((*_mistakes(picture, before, of_units=of_units), *(of_loads if i == 0 else ())), before)
         if i == 0 and not any(np.max(after) < BAD for after, _ in likely):
             likely += _likely(of_joints(), before)
         if not likely:
@@ -90,7 +95,7 @@ def doubt(column: str, message: str, remedy: str) -> Finding:
     return Finding("doubt", "all runs", None, column, message, remedy)
 
 
-def _mistakes(picture: DrivePicture, before: Array) -> Iterator[Mistake]:
+def _mistakes(picture: DrivePicture, before: Array, *, of_units: bool) -> Iterator[Mistake]:
     there = [j for j in range(len(picture.names)) if np.any(np.isfinite(picture.observed[:, j]))]
     bad = [j for j in there if before[j] > BAD]
     for drives in [*((j,) for j in bad), tuple(bad)]:
@@ -102,7 +107,10 @@ def _mistakes(picture: DrivePicture, before: Array) -> Iterator[Mistake]:
             "turn the sign of this channel, or of the angle",
             turned(picture, drives),
         )
-        yield from _other_unit(picture, drives)
+        if of_units:
+            yield from _other_unit(picture, drives)
+    for j in bad:
+        yield from _without_signs(picture, j)
     for i, j in combinations(there, 2):
         if before[i] > BAD or before[j] > BAD:
             one, other = picture.names[i], picture.names[j]
@@ -123,6 +131,19 @@ def _other_unit(picture: DrivePicture, drives: tuple[int, ...]) -> Iterator[Mist
     message = f"is about {size} than the model needs"
     columns = tuple(picture.names[j] for j in drives)
     yield Mistake(drives, columns, message, f"{guess} give SI units", _scaled(picture, drives, 1 / factor))
+
+
+def _without_signs(picture: DrivePicture, j: int) -> Iterator[Mistake]:
+    """Yield a channel that is nowhere negative as it would be with the signs of friction, or of the nominal model."""
+    observed = picture.observed[:, j]
+    if np.nanmin(observed) < 0:
+        return
+    message, remedy = "is nowhere negative; the model needs both signs", "an absolute value? log it with its sign"
+    for signs in (np.sign(picture.velocity[:, j]), np.sign(picture.model[:, j])):
+        if np.ptp(signs[np.isfinite(observed)]) > 1:
+            signed = picture.observed.copy()
+            signed[:, j] *= np.where(signs < 0, -1.0, 1.0)
+            yield Mistake((j,), (picture.names[j],), message, remedy, replace(picture, observed=signed))
 
 
 def turned(picture: DrivePicture, drives: tuple[int, ...]) -> DrivePicture:

@@ -9,7 +9,7 @@ import numpy as np
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.physical_fit import left_over
-from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.segments import Segment, run_of_each
 from bench.record.finding import Finding
 
 HALF = 0.5  # of the mean square: what is left is more than what is explained; 71 % of the size
@@ -24,7 +24,7 @@ def unexplained(picture: DrivePicture, segments: Sequence[Segment]) -> Iterator[
         segments: Whose readings these are.
     """
     left = left_over(picture)
-    run_of = np.repeat([segment.run for segment in segments], [len(segment) for segment in segments])
+    run_of = run_of_each(segments)
     for j, name in enumerate(picture.names):
         seen = np.isfinite(left[:, j])
         shares: dict[str, float] = {}

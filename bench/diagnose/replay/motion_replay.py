@@ -5,11 +5,12 @@ several threads.
 """
 
 from collections import OrderedDict
-from collections.abc import Hashable, Iterable
-from functools import cached_property
+from collections.abc import Hashable, Iterable, Sequence
+from functools import cached_property, partial
 from threading import Lock
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.replay.courses import Course, count_of, courses_of, slices_of, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
@@ -125,6 +126,7 @@ class MotionReplay:
                 acceleration=course.motion.acceleration[course.motion.read],
                 visit=np.repeat(visits, lengths),
                 gear_k=np.repeat([segment.conditions.gear_k for segment in segments], lengths, axis=0),
+                waves=partial(_waves, segments),
             )
             found.append((course, followed))
         return found
@@ -223,3 +225,15 @@ class MotionReplay:
 
     def _robot(self, world: World, conditions: Conditions) -> CompiledRobot:
         return self._structure.robot(steps_of(self.whole(world), conditions))
+
+
+def _waves(segments: Sequence[Segment], period: float, drive: int) -> NDArray[np.complex128]:
+    """Return `Followed.waves` of segments, one after the other."""
+    return np.concatenate(
+        [
+            segment.path.wave(period, drive)
+            if segment.path
+            else np.exp(2j * np.pi / period * segment.motion.q[segment.motion.read, drive])
+            for segment in segments
+        ]
+    )

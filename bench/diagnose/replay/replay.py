@@ -19,6 +19,7 @@ from bench.diagnose.replay.perfect_instruments import distorted, ideal_reading
 from bench.diagnose.replay.quantities import Quantity, predicted
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import World
+from bench.effects.effect import Effect
 from bench.effects.levels import acts_in
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
@@ -70,7 +71,7 @@ class Replay(MotionReplay):
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
         trace = self._with_late_torques(world, trace)
-        trace = replace(trace, motor_torque=trace.motor_torque + self._averaged_rest(world))
+        trace = replace(trace, motor_torque=trace.motor_torque + self._averaged_rest(world) - self._averaged(world))
         given, world = world, self.whole(world)
         if not world.is_told_apart:
             shown = self._read(world, self.segments, trace)
@@ -90,6 +91,20 @@ class Replay(MotionReplay):
         for course in self._courses(world):
             carried[course.rows] = true_conditions(world, course).payload_kg
         return self._rest + carried * self._rest_per_kg
+
+    def _averaged(self, world: World) -> Array | float:
+        """Return what effects that change within a bin add to averaged torques, shape (T, n) [Nm] or [N]."""
+        fine = [one for one in self.whole(world).acting if type(one.effect).averaged is not Effect.averaged]
+        if not fine:
+            return 0.0
+        added = np.zeros_like(self._rest)
+        for course, followed in self.followed(world):
+            for one in fine:
+                if acts_in(one.place, course.recording) and (
+                    more := one.effect.averaged(one.place, one.values, followed)
+                ):
+                    added[course.rows, one.place.index] += more.motor + more.link
+        return added
 
     def _with_late_torques(self, world: World, trace: Trace) -> Trace:
         """Return a motion with the torques of drives that are read late as they were before: along an earlier motion.

@@ -94,6 +94,10 @@ class Path:
         angles, of_speed, of_acceleration = self._averages
         return angles @ moved, of_speed @ speed, of_acceleration @ acceleration
 
+    def wave(self, period: float, drive: int) -> NDArray[np.complex128]:
+        """Return the mean of exp(2 pi i x / period) over what each torque averages, shape (T,), of a drive at x."""
+        return np.asarray(self._averages[1] @ np.exp(2j * np.pi / period * self.angles[:, drive]))
+
     @cached_property
     def _averages(self) -> tuple[csr_array, csr_array, csr_array]:
         """What makes angles, speeds and accelerations that are read of those at every sample, shape (T, rows) each.

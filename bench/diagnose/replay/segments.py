@@ -4,7 +4,7 @@ A static run is read visit by visit: the pose is approached from its side, then 
 mean with its standard error. A motion is cut into bins of constant direction, short against everything that changes.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -29,7 +29,6 @@ MOST_BINS = 700  # effort: of one run; a replay of so many takes some millisecon
 # the resolution of a run depend on the others, and what rings may look slow: bins as long as a period of the lowest
 # mode made a floor out of level of it (1.3 mrad, 67 nats, in two sound recordings without noise).
 MOST_READINGS = 100_000
-
 
 Index = NDArray[np.int64]
 
@@ -116,6 +115,11 @@ class Segment:
 def recordings_of(segments: Iterable[Segment]) -> tuple[str, ...]:
     """Return the names of the recordings that segments belong to, in order."""
     return tuple(dict.fromkeys(segment.recording for segment in segments))
+
+
+def run_of_each(segments: Sequence[Segment]) -> NDArray[np.str_]:
+    """Return the run of each instant of segments, shape (T,)."""
+    return np.repeat([segment.run for segment in segments], [len(segment) for segment in segments])
 
 
 def segments_of(

@@ -3,12 +3,16 @@
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.replay.segment_input import SegmentInput, angles_of, wrench_of
-from bench.record.campaign import Run
+from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
+# declared: times the usual time between repeats; what is read so much later is read of gas that has relaxed, and of a
+# frame that has drifted
+LATER = 10.0
 APPROACH = np.deg2rad(2.0)  # rounding: [rad]; friction is sliding long before, so no reading depends on it
 
 
@@ -23,11 +27,11 @@ def visits_of(run: Run, compiled: CompiledRobot) -> Iterator[SegmentInput]:
     )
     for first, last in zip(begins, np.append(begins[1:], len(run)), strict=True):
         rows = np.arange(first, last)
-        edges = np.flatnonzero(np.concatenate([[True], np.diff(step[rows]) != 0]))
-        groups = np.split(rows, edges[1:])
+        clock = run.columns.get("time_s", np.arange(len(run), dtype=np.float64))
+        edges = np.flatnonzero((np.diff(step[rows]) != 0) | _much_later(clock[rows])) + 1
+        groups = np.split(rows, edges)
         q = np.stack([angles[group].mean(axis=0) for group in groups])
         wrench = np.stack([wrenches[group].mean(axis=0) for group in groups])
-        clock = run.columns.get("time_s", np.arange(len(run), dtype=np.float64))
         time = run.start_s + np.array([clock[group].mean() for group in groups])
         side = approach[first]
         before = q[:1] - side * APPROACH if side else q[:1]
@@ -45,3 +49,9 @@ def visits_of(run: Run, compiled: CompiledRobot) -> Iterator[SegmentInput]:
         yield SegmentInput(
             f"{run.name}, pose {pose[first]:g}{words}", tuple(groups), motion, zeros[1:], still, still[:, 0]
         )
+
+
+def _much_later(time: Array) -> NDArray[np.bool_]:
+    """Return which readings but the first come long after the one before, by what is usual here, shape (n - 1,)."""
+    gaps = np.diff(time)
+    return gaps > LATER * np.median(gaps) if len(gaps) else gaps > 0

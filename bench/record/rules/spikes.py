@@ -1,6 +1,6 @@
 """Single readings that stand far from those before and after them, or from their repeats: lost, or spoilt."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ LARGE = 0.2  # of the range of all other rows; assumed: what is smaller spoils a
 STANDS_FOR_NONE = 3  # rows with the same number, which a logger writes where it has none
 MANY = 3 * AROUND  # rows of a run
 CALM = 0.75  # declared: of repeats of a run, at least, are not spoilt; fewer tell their scatter less surely
+ALONE = 3.0  # declared: times any other repeat of a state; where several are off, an arm is settling
 SOME = 5  # declared: repeats that differ from the median of their state, at least, for their scatter to be known
 
 
@@ -58,7 +59,7 @@ def no_outliers(sheet: Sheet) -> Iterator[Finding]:
         if len(scatter) < SOME:
             continue
         times = out / np.quantile(scatter, CALM, method="lower")
-        far = _beyond_tails(times) & (out > TRAVEL.get(column.unit, 0.0))
+        far = _beyond_tails(times) & (out > TRAVEL.get(column.unit, 0.0)) & (out > ALONE * _of_others(out, states))
         if far.all() or not far.any() or out[far].min() <= LARGE * np.ptp(values[every][~far]):
             continue
         rows = np.sort(every[far]) + 1
@@ -66,6 +67,18 @@ def no_outliers(sheet: Sheet) -> Iterator[Finding]:
             f"reads {values[rows[0] - 1]:.6g}, and {usual[every == rows[0] - 1][0]:.6g} in the median of its repeats"
         )
         yield sheet.warning(column.name, message, "lost or spoilt? leave such rows out", rows.tolist())
+
+
+def _of_others(out: Array, states: Sequence[NDArray[np.intp]]) -> Array:
+    """Return how far any other repeat of its state is off, for each repeat, shape (n,).
+
+    Args:
+        out: Shape (n,), how far each is off, state after state.
+        states: Rows of each.
+    """
+    edges = np.cumsum([len(rows) for rows in states])[:-1]
+    parts = np.split(out, edges)
+    return np.concatenate([[np.max(np.delete(part, i)) for i in range(len(part))] for part in parts])
 
 
 def _alone(values: Array, travel: float) -> NDArray[np.bool_]:

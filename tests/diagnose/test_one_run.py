@@ -1,0 +1,71 @@
+"""One run among others: a clock, a gain or a zero of its own is told, and nothing that two runs alone can settle."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.diagnose.plausibility.channels import doubts_of
+from bench.diagnose.plausibility.hints import hints_of
+from bench.hide.campaign import hide_campaign
+from bench.record.campaign import Array, Campaign
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import load_robot
+from bench.scenario.files import read_scenario
+
+
+@pytest.fixture(scope="module")
+def campaign() -> Campaign:
+    hidden = hide_campaign(load_robot("hh150"), read_scenario("session-study"), (), np.random.default_rng(21))
+    return hidden.campaign
+
+
+@pytest.fixture(scope="module")
+def compiled() -> CompiledRobot:
+    return compile_robot(load_robot("hh150"))
+
+
+def changed(campaign: Campaign, run: str, column: str, change: Callable[[Array], Array]) -> Campaign:
+    """Return a campaign with one column of one run changed."""
+    runs = [
+        replace(one, columns={**one.columns, column: change(one.columns[column])}) if one.name == run else one
+        for one in campaign.runs
+    ]
+    return replace(campaign, runs=tuple(runs))
+
+
+def said_of(campaign: Campaign, compiled: CompiledRobot) -> list[str]:
+    doubts = doubts_of(campaign, compiled)
+    return [str(finding) for finding in (*doubts, *hints_of(campaign, compiled, doubts))]
+
+
+def test_nothing_is_said_of_a_healthy_session(campaign: Campaign, compiled: CompiledRobot) -> None:
+    assert not said_of(campaign, compiled)
+
+
+@pytest.mark.parametrize(
+    ("run", "column", "change", "words"),
+    [
+        ("joint2-payload100-speed40-up", "time_s", lambda t: 1.1 * t, "time_s: counts 1.09 seconds for each second"),
+        ("loaded-out", "time_s", lambda t: 0.7 * t, "time_s: counts 0.8"),
+        ("joint2-payload50-speed18-up", "current_2_a", lambda v: 2 * v, "current_2_a: is 2.0"),
+        ("joint2-payload50-speed40-down", "current_2_a", lambda v: v - 3, "current_2_a: is -3.0"),
+        ("joint3-payload0-speed20-up", "current_3_a", lambda v: -v, "current_3_a: has the wrong sign"),
+        ("pose2-from-below", "current_2_a", lambda v: -v, "current_2_a: has the wrong sign"),
+    ],
+)
+def test_one_run_is_told(
+    run: str, column: str, change: Callable[[Array], Array], words: str, campaign: Campaign, compiled: CompiledRobot
+) -> None:
+    (said,) = said_of(changed(campaign, run, column, change), compiled)
+    assert words in said
+    assert f"in run {run!r}" in said
+
+
+def test_of_two_runs_that_contradict_each_other_none_is_blamed(campaign: Campaign, compiled: CompiledRobot) -> None:
+    """Two sweeps alone tell the inertia of joint 6: which of their clocks is off is not to be known."""
+    names = ("joint6-payload0-speed50-up", "joint6-payload0-speed50-down")
+    others = [run for run in campaign.runs if not run.name.startswith("joint6") or run.name in names]
+    few = replace(campaign, runs=tuple(others))
+    assert not said_of(changed(few, names[0], "time_s", lambda t: 1.3 * t), compiled)
