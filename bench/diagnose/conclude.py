@@ -105,13 +105,13 @@ def _findings(naming: Naming, near: Sequence[Model], fits: Sequence[Fit]) -> tup
         return _titled(cause, ())
 
     is_one = len(recordings_of(naming.linear.segments)) < 2  # several confirm by themselves
-    unconfirmed = {one.cause.key for one in naming.findings if is_one and one.is_taken and one.repeats < CONFIRMED}
+    held = {one.cause.key for one in naming.findings if one.is_taken and (not is_one or one.repeats >= CONFIRMED)}
     found = [
         AmbiguityGroup(
             tuple(PossibleCause(named(member.cause), member.probability) for member in group.members),
             group.probability,
             group.may_be_unlisted,
-            not group.keys & unconfirmed,
+            bool(group.keys & held),
         )
         for group in naming.groups
     ]

@@ -21,9 +21,13 @@ def linearised() -> Any:
     )
 
 
+def never(terms: object, i: int, play: int) -> bool:
+    return False
+
+
 def test_a_play_is_tried_beside_and_in_the_place_of_whatever_is_at_its_joint() -> None:
     leader = Alternative(frozenset({"friction 1", "softening 1", "friction 2"}), Subset((0, 1, 2), 0.0), 0.0)
-    found = scattering(linearised(), leader, set())
+    found = scattering(linearised(), leader, set(), never)
     assert {
         there: set(candidate) - there  # type: ignore[call-overload]
         for there, candidate in found.items()
@@ -36,10 +40,16 @@ def test_a_play_is_tried_beside_and_in_the_place_of_whatever_is_at_its_joint() -
 
 def test_a_play_that_fell_behind_is_not_tried_again_for_what_is_found_elsewhere() -> None:
     leader = Alternative(frozenset({"friction 1", "friction 2"}), Subset((0, 2), 0.0), 0.0)
-    behind = scattering(linearised(), leader, set()).keys()
+    behind = scattering(linearised(), leader, set(), never).keys()
     alone = Alternative(frozenset({"friction 1"}), Subset((0,), 0.0), 0.0)
-    assert scattering(linearised(), alone, behind) == {}
-    assert scattering(linearised(), Alternative(frozenset({"softening 1"}), Subset((1,), 0.0), 0.0), behind)
+    assert scattering(linearised(), alone, behind, never) == {}
+    assert scattering(linearised(), Alternative(frozenset({"softening 1"}), Subset((1,), 0.0), 0.0), behind, never)
+
+
+def test_a_play_is_not_tried_in_the_place_of_what_motion_needs() -> None:
+    leader = Alternative(frozenset({"friction 1", "softening 1"}), Subset((0, 1), 0.0), 0.0)
+    found = scattering(linearised(), leader, set(), lambda terms, i, play: i == 0)
+    assert set(found) == {frozenset({"friction 1", "softening 1", "play 1"}), frozenset({"friction 1", "play 1"})}
 
 
 def test_what_has_all_of_a_model_and_more_is_simulated_as_well(rng: np.random.Generator) -> None:

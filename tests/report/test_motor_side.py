@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from bench.cli import main
+from bench.identify.angle_scale import AngleScale
 from bench.record.convert import convert
 from bench.record.log_format import LogFormat, read_log_format
 from bench.record.look.families import Family
+from bench.report.log_look import gears
 from bench.report.log_look.angle_units import angle_unit
 from bench.report.log_look.look import look
 from bench.robot.nominal_dynamics import NominalDynamics, nominal_dynamics
@@ -93,6 +95,23 @@ def test_angles_of_the_joints_stay_as_they_are(tmp_path: Path, unit: str, header
     expected = DEGREE if unit == "deg" else 1.0
     np.testing.assert_allclose([abs(form.columns[f"q_motor_{j}_rad"].factor) for j in JOINTS], expected)
     assert proposal.questions == ()
+
+
+@pytest.mark.parametrize("header", ["Grad", "deg", ""])
+def test_joint_degrees_are_not_divided_by_stated_gear_ratios(
+    tmp_path: Path, arm: NominalDynamics, motion: stranger.Motion, header: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Scales as torques told them of an arm with 6 kg too much and masses that were 20 % off: no gear, so degrees.
+
+    They fit twice as well as none, which was enough to take the angles for radians of the motors.
+    """
+    bent = AngleScale(np.array([0.8, 0.93, 0.85]), np.array([0.09, 0.013, 0.018]), 0.0146, 0.0369)
+    monkeypatch.setattr(gears, "angle_scale", lambda *_: bent)
+    file = log(tmp_path / "x.csv", motion, (1.0, 1.0, 1.0), "deg", bool(header))
+    file.write_text(file.read_text().replace("_mot[deg]", f"[{header}]"))
+    stated = replace(arm, gear_ratio=np.array([121.0, 141.0, 121.0]))
+    form = proposed(tmp_path, look(file, nominal=stated).text)
+    np.testing.assert_allclose([abs(form.columns[f"q_motor_{j}_rad"].factor) for j in JOINTS], DEGREE)
 
 
 def test_a_gear_ratio_of_the_figures_is_used_as_it_is(

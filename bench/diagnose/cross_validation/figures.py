@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.diagnose.cross_validation.folds import folds_of
+from bench.diagnose.cross_validation.jackknife import jackknife_variance
 from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.extend.fit import Fit, Unknown
 from bench.diagnose.extend.size import NORMAL_95
@@ -56,6 +58,8 @@ class FittedFigure:
 def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...]:
     """Return all parameters of a fit, findings first, then figures, those that moved most first.
 
+    Their intervals count how much runs disagree (`jackknife.py`), as those of findings do wherever they are told.
+
     Args:
         linear: The campaign.
         fit: To all of it.
@@ -64,9 +68,12 @@ def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...
     constants = [torque_constant_of(compiled, nuisance) for nuisance in linear.nuisances]
     # what a drive reports falls where its constant rises
     sign = np.array([*(1.0 if constant is None else -1.0 for constant in constants), *np.ones(len(fit.unknowns))])
-    covariance = np.linalg.inv(tangent_of(linear, fit).precision)
-    spread = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.outer(sign * spread, sign * spread)
+    tangent = tangent_of(linear, fit)
+    covariance = np.linalg.inv(tangent.precision)
+    stated = np.sqrt(np.diag(covariance))
+    correlation = covariance / np.outer(sign * stated, sign * stated)
+    spread = np.maximum(stated, np.sqrt(jackknife_variance(tangent, *folds_of(linear).of_rows(linear))))
+    spread[:p] = np.minimum(spread[:p], 1.0)  # what is stated is known without any data
     np.fill_diagonal(correlation, 0.0)
     names = [*map(str, linear.nuisances), *map(_name, fit.unknowns)]
     found = []

@@ -1,6 +1,6 @@
 """Which models a search is worth to simulate."""
 
-from collections.abc import Hashable, Sequence, Set
+from collections.abc import Callable, Hashable, Sequence, Set
 
 from bench.diagnose.name.models import CandidateModel
 from bench.diagnose.name.search import WINDOW, Alternative, search
@@ -70,7 +70,10 @@ def without(about: SearchSpace, terms: Sequence[int], shape: tuple[int, ...]) ->
 
 
 def scattering(
-    about: SearchSpace, leader: Alternative, behind: Set[frozenset[Hashable]]
+    about: SearchSpace,
+    leader: Alternative,
+    behind: Set[frozenset[Hashable]],
+    is_needed: Callable[[Sequence[int], int, int], bool],
 ) -> dict[frozenset[Hashable], CandidateModel]:
     """Return the leader with a play beside or in the place of anything at its joint, by what acts at that joint then.
 
@@ -80,6 +83,7 @@ def scattering(
         about: What may be wrong.
         leader: The best subset of it.
         behind: What acted at one joint with a play in models that fell behind. Findings elsewhere do not change that.
+        is_needed: Returns whether a play falls short in the place of a term, of all terms, that one, and the play.
     """
     terms = leader.best.terms
     found: dict[frozenset[Hashable], CandidateModel] = {}
@@ -91,7 +95,8 @@ def scattering(
             other = about.cause(i)
             if about.what[i].drive != what.drive or (other and other.effect.scatters):
                 continue
-            for kept in (tuple(one for one in terms if one != i), terms):
+            fewer = () if is_needed(terms, i, play) else (tuple(one for one in terms if one != i),)
+            for kept in (*fewer, terms):
                 there = frozenset(about.model.terms[i].key for i in (*kept, play) if about.what[i].drive == what.drive)
                 if there not in behind and len(found) < MOST_PLAYS:
                     found[there] = about.candidate_of((*kept, play))

@@ -10,6 +10,7 @@ Every finding then has to pay on what was held out, or it is refused and the sea
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import inf
 
 from bench.diagnose.extend.refit import refit
@@ -17,7 +18,9 @@ from bench.diagnose.extend.relinearise import relinearised_fit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening
+from bench.diagnose.name.beginning import with_what_drawings_leave_out
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
+from bench.diagnose.name.instead_of_play import is_needed_in_motion
 from bench.diagnose.name.leaders import grown, leaders_of, rivals_of, scattering, without
 from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
@@ -57,6 +60,7 @@ def name_cause(
     """
     selection, why = _Selection(linear, screening, renew, progress, executor), ""
     try:
+        selection.begin()
         selection.run()
     except Stopped as stopped:
         why = str(stopped)
@@ -119,6 +123,11 @@ class _Selection:
         first = [finding.cause.key for finding in ranked]
         every = [*first, *(key for key in self.best.keys if key not in first)]
         return groups_of(every, self.posterior, self.causes, {model.keys for model in self.models})
+
+    def begin(self) -> None:
+        """Take what drawings leave out of a robot all at once."""
+        self.best = with_what_drawings_leave_out(self.linear, self.screening, self.best, self.executor)
+        self._relinearise()
 
     def run(self) -> None:
         """Search until the best model repeats, then with honest errors, and keep what pays on what was held out.
@@ -189,7 +198,8 @@ class _Selection:
         others = [*leaders, *alone, about.instead(found[0].best.terms)]
         others = [terms for terms in others if len(terms) > 0 and (adds or len(terms) <= len(about.present))]
         candidates = [present, *map(about.candidate_of, others)]
-        plays = scattering(about, found[0], self.plays) if is_last else {}
+        needed = partial(is_needed_in_motion, self.linear, about)
+        plays = scattering(about, found[0], self.plays, needed) if is_last else {}
         candidates += plays.values()
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)

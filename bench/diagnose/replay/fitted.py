@@ -10,11 +10,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
 from bench.effects.effect import Array
 from bench.effects.fitted import fitted_acting
+from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import Figures
 from bench.robot.fitted import NO_READINGS, FittedReadings, FittedWeights
@@ -50,6 +52,9 @@ def figures_with(
 
     Returns:
         Errors of readings, errors of weights, and the deviations that have no place in them.
+
+    Raises:
+        RobotError: A gain that would turn a channel round, or the like.
     """
     figures = compiled.robot.figures
     readings, weights = figures.fitted.readings.model_dump(), figures.fitted.weights.model_dump()
@@ -67,7 +72,14 @@ def figures_with(
                 put(readings, value)
             else:
                 left.append(nuisance)
-    return FittedReadings.model_validate(readings), FittedWeights.model_validate(weights), tuple(left)
+    try:
+        return FittedReadings.model_validate(readings), FittedWeights.model_validate(weights), tuple(left)
+    except ValidationError as error:
+        raise RobotError(
+            f"no figure can hold what was fitted: {'.'.join(map(str, one['loc']))} is {one['input']:.3g}; the stated "
+            "figures are too far from the recordings."
+            for one in error.errors()
+        ) from error
 
 
 def torque_constant_of(compiled: CompiledRobot, nuisance: Nuisance) -> float | None:

@@ -22,6 +22,9 @@ WORDS: tuple[tuple[Kind, frozenset[str]], ...] = (
 CLOCKS = {"t", "time", "timestamp", "stamp", "zeit", "clock", "log"}
 STAMPS = {"time", "timestamp", "stamp"}  # "log_time", "header.stamp"
 SI = {"rad", "m", "s", "a", "nm", "n", "k"}
+# other words for units, as loggers write them: "Achse 1 [Grad]", "angle (°)"
+WORDS_OF_UNITS = {"grad": "deg", "°": "deg", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad"}
+WORDS_OF_UNITS |= {"ampere": "a", "amps": "a"}
 # where no word tells the quantity
 BY_UNIT: dict[str, Kind] = {"a": "current", "nm": "torque", "n": "torque", "rad": "position", "m": "position"}
 ANGLES = {unit for unit, foreign in FOREIGN.items() if foreign.si == "rad"} | {"rad"}
@@ -37,8 +40,9 @@ def clocks(names: Sequence[str]) -> list[str]:
 
 def unit_of(name: str) -> str:
     """Return the unit at the end of a name, in lower case; "" if there is none that is known."""
-    end = re.search(r"(?:[_\s.]|[\[(])([A-Za-z]+)[\])]?$", name)
+    end = re.search(r"(?:[_\s.]|[\[(])([A-Za-z°]+)[\])]?$", name)
     word = end[1].lower() if end else ""
+    word = WORDS_OF_UNITS.get(word, word)
     return word if word in FOREIGN or word in SI else ""
 
 
@@ -61,7 +65,7 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
     for stem, members in groups.items():
         unit = unit_of(members[0][1])
         words = _words(stem)
-        words = words[:-1] if unit and words and words[-1] == unit else words
+        words = words[:-1] if unit and words and WORDS_OF_UNITS.get(words[-1], words[-1]) == unit else words
         measured = FOREIGN[unit].si if unit in FOREIGN else unit
         by_unit = BY_UNIT.get(measured, "unknown")
         by_word = next((kind for kind, known in WORDS if known & set(words) and _fits(kind, unit, by_unit)), None)

@@ -35,6 +35,7 @@ WORKSHOP = {"m": ("mm", 1e3), "rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 18
 SIGNIFICANT = 2  # digits of half an interval
 MOST_DECIMALS = 6  # of numbers without an exponent
 MOST_DIGITS = 15  # of numbers with one: those that a double has
+SINCE = " from run "  # before the run with which something sets in
 LARGE = 1e5  # from where on numbers have an exponent
 ACTS = {
     "link torque": "a torque on the link of {place}",
@@ -80,8 +81,10 @@ def cause_name(cause: NamedCause) -> str:
 def place_name(place: str) -> str:
     """Return what people call a place: "motor current 2 in recording may"; "" for the robot as a whole."""
     where, within, recording = place.partition(IN_RECORDING)
-    name = "" if where == "robot" else channel_name(where.removeprefix("robot ")).replace("_", " ")
-    return f"{name}{within}{recording}".strip()
+    where, since, run = where.partition(SINCE)
+    name = where if where.startswith("run ") else channel_name(where.removeprefix("robot ")).replace("_", " ")
+    name = "" if where == "robot" else name
+    return f"{name}{since}{run}{within}{recording}".strip()
 
 
 def ordered(causes: Sequence[NamedCause]) -> list[NamedCause]:

@@ -38,7 +38,7 @@ def notes_of(found: FirstPass) -> Iterator[str]:
         yield (
             f"All masses and friction scale with the torque reading, known to {gain.min():.1%}"
             f"{'' if np.ptp(gain) == 0 else f' to {gain.max():.1%}'}; that is in the intervals."
-            f"{'' if is_weighed else ' A known payload would tell the scale better.'}"
+            f"{'' if is_weighed else ' Runs with and without a known payload would tell the scale better.'}"
         )
     if is_weighed:
         known = f"{found.nominal.payload_sigma:.2g} kg"

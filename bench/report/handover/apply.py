@@ -30,8 +30,9 @@ def write_applied(applied: Applied, table: FeedForward | None, folder: Path) -> 
     lines = [
         f"# {robot.figures.title}, for other programs",
         "",
-        f"Written by `bench apply` from `{robot.folder}`, with {applied.conditions.payload_kg:g} kg at the load point,",
-        "at the temperatures for which its figures hold. SI units; of a slide kg for kg m^2, N for Nm, m for rad.",
+        f"Written by `bench apply` from `{robot.folder}`, with {applied.conditions.payload_kg:g} kg bolted on beside",
+        "what its model carries (a payload that was fitted is in it), at the temperatures for which its figures hold.",
+        "SI units; of a slide kg for kg m^2, N for Nm, m for rad.",
         "",
         f"- `{urdf}`: links with inertials, joints with limits, Coulomb (`friction`) and viscous (`damping`) friction.",
         f"- `{DRIVES}`: of each joint rotor inertia, stiffness, friction and torque constant.",

@@ -14,10 +14,10 @@ from bench.diagnose.replay.levels import as_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import recordings_of
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
+from bench.effects.division import divided, payload_as_body
 from bench.effects.effect import Acting, Conditions
 from bench.effects.fitted import acting_of, entry_of
 from bench.errors import NOT_SIMULATED, RobotError
-from bench.report.handover.division import divided, payload_as_body
 from bench.report.handover.drive_readings import with_drive_readings
 from bench.report.handover.readme import readme_of
 from bench.robot.compiled import CompiledRobot, compile_robot, compile_spec, read_spec

@@ -66,11 +66,15 @@ def geared(
     lines = _beside_others(lines, columns)
     sigma = np.zeros(0 if nominal is None else nominal.n_joints)
     questions: list[str] = []
+    stated: list[Line] = []
     if nominal is not None and any(line.side != "joint" for line in lines):
         slow = slow_motion(lines, readings, time, columns, nominal.n_joints)
         scale = _by_torques(slow, nominal) if slow is not None else None
         if slow is not None and scale is not None:
             stated = _by_figures([_refuted(line) for line in lines], columns, nominal)
+            if _are_nearer_to_degrees(slow, scale, {line.column: line for line in stated}):
+                stated, scale = list(lines), None
+        if slow is not None and scale is not None:
             estimated = _estimated(lines, slow, scale)
             lines = [one if one.side == "joint" else other for one, other in zip(stated, estimated, strict=True)]
             guessed = {line.number for line in lines if line.was_estimated}
@@ -151,6 +155,21 @@ def _is_clearly_another(scale: AngleScale) -> bool:
     told = np.isfinite(scale.sigma) & (scale.sigma > 0)
     off = np.abs(np.log(scale.factor[told])) > CLEARLY * scale.sigma[told]
     return bool(np.any(off) and scale.unexplained < HALF * scale.unexplained_as_given)
+
+
+def _are_nearer_to_degrees(slow: Slow, scale: AngleScale, stated: Mapping[str, Line]) -> bool:
+    """Return whether angles that may be degrees are nearer to that, by torque, than to the stated gear ratios.
+
+    Masses, a payload and friction that nobody stated bend the scales that torques tell; of two readings of a log that
+    differ by a factor of two they leave the right one nearer.
+    """
+    off = []
+    for k, line in enumerate(slow.angles):
+        other = stated.get(line.column)
+        if line.side == "either" and other and other.side == "joint" and scale.sigma[k] <= UNTOLD:
+            size = np.log(scale.factor[k])
+            off.append(abs(size) - abs(size - np.log(abs(other.factor / line.factor))))
+    return bool(off) and sum(off) < 0
 
 
 def _estimated(lines: Sequence[Line], slow: Slow, scale: AngleScale) -> list[Line]:

@@ -15,6 +15,7 @@ from bench.report.diagnosis.names import (
     meaning_of,
     parameter_text,
     percent,
+    place_name,
     shown,
 )
 from tests.report.diagnosis.made import GAS
@@ -123,3 +124,16 @@ def test_no_probability_is_rounded_to_certainty(share: float) -> None:
 )
 def test_a_place_in_one_recording_is_named_with_it(place: str, name: str) -> None:
     assert cause_name(replace(GAS, place=place)) == name
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        ("current_6_a from run svc_1 on", "motor current 6 from run svc_1 on"),
+        ("robot from run four_2 on", "from run four_2 on"),
+        ("run ptp_2", "run ptp_2"),
+        ("current_2_a in recording may_1", "motor current 2 in recording may_1"),
+    ],
+)
+def test_names_of_runs_stay_whole(place: str, words: str) -> None:
+    assert place_name(place) == words
