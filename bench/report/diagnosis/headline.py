@@ -54,7 +54,8 @@ def _headline(verdict: Verdict, room: int) -> str:
         return words + (why if len(words + why) <= room else ".")
     if large:
         rest = _rest_words(verdict)
-        return capital(f"{_large(verdict, room - len(rest) - 1) or 'Several causes, listed below'}{rest}.")
+        words = _large(verdict, room - len(rest) - 1) or _counted(_of_headline(verdict), room - len(rest) - 1)
+        return capital(f"{words}{rest}.")
     if verdict.findings:
         names = [_in_short(group) for group in verdict.findings]
         unsure = [_is_unconfirmed(group) for group in verdict.findings]
@@ -71,6 +72,12 @@ def _headline(verdict: Verdict, room: int) -> str:
     return (
         "Nothing found: the nominal model, with its figures fitted, explains this campaign; what moved far is listed."
     )
+
+
+def _counted(groups: Sequence[AmbiguityGroup], room: int) -> str:
+    """Return how many findings there are, and the first of them, where there is no room for all."""
+    words = f"{len(groups)} findings, listed below; first {_in_short(groups[0])}"
+    return words if len(words) <= room else "Several causes, listed below"
 
 
 def _of_headline(verdict: Verdict) -> list[AmbiguityGroup]:

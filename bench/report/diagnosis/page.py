@@ -24,6 +24,7 @@ from bench.report.diagnosis.names import (
     limit_of,
     meaning_of,
     name_beside,
+    parameter_text,
     percent,
     remark_text,
     shown,
@@ -50,6 +51,7 @@ from bench.report.diagnosis.sentences import (
 from bench.report.html import as_html
 
 TEMPLATE = "page.html.j2"
+MANY = 3  # findings; more are listed in a table before each is told
 MOST_LINES = 300  # of a difference, on the page
 HELD_OUT = {
     "recording": (
@@ -123,7 +125,7 @@ def page_of(
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.globals |= {"part_of_unlisted": PART_OF_UNLISTED, "floor_words": FLOOR}
+    environment.globals |= {"part_of_unlisted": PART_OF_UNLISTED, "floor_words": FLOOR, "many": MANY}
     environment.filters |= {
         "base64": lambda text: b64encode(text.encode()).decode(),
         "capital": capital,
@@ -132,6 +134,7 @@ def page_of(
         "channel": channel_name,
         "name_beside": name_beside,
         "interval": interval_of,
+        "parameter": parameter_text,
         "meaning": meaning_of,
         "limit": limit_of,
         "error": error_of,

@@ -14,7 +14,20 @@ from bench.report.diagnosis.names import WORKSHOP
 from bench.report.diagnosis.page import Pictures, page_of
 from bench.report.diagnosis.pictures import learned_picture
 from bench.report.jsonable import to_jsonable
-from tests.report.diagnosis.made import CURVE, GAS, HOSTILE, MASS, VERDICTS, WARM, explanation, facts_for, has_shape
+from tests.report.diagnosis.made import (
+    CURVE,
+    GAS,
+    HOSTILE,
+    MASS,
+    SEVERAL,
+    VERDICTS,
+    WARM,
+    ZERO,
+    explanation,
+    facts_for,
+    finding,
+    has_shape,
+)
 
 LEVELS = {95.0, 90.0, 1.0}  # of intervals, and the unit of residuals: said in words, of no campaign
 SCALES = (1.0, 100.0, *(scale for _, scale in WORKSHOP.values()))  # units of a workshop, and percent
@@ -226,3 +239,13 @@ def test_small_findings_come_last_and_are_called_so() -> None:
 
 def test_the_same_verdict_gives_the_same_page() -> None:
     assert html_of(VERDICTS["unlisted"]) == html_of(VERDICTS["unlisted"])
+
+
+def test_many_findings_are_listed_first_and_physics_is_told_once() -> None:
+    names = [f"a cause with quite a long name that no other has, number {number}" for number in range(1, 6)]
+    many = tuple(finding(replace(ZERO, title=name, physics="It reads x more.")) for name in names)
+    for count, lists in ((2, False), (5, True)):
+        verdict = replace(SEVERAL, findings=many[:count])
+        page = page_of(verdict, facts_for(verdict), Pictures(worst=()), {}, "")
+        assert ("Size (95 % interval)" in page) == lists
+        assert page.count("It reads x more.") == 1
