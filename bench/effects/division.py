@@ -15,7 +15,7 @@ from bench.robot.plugins import unused_name
 from bench.simulate.payload import bolt_on
 
 G = 9.81  # exact: [m/s^2], to two digits; turns the rated force into a payload to try with
-SAME = 1e-9  # rounding: relative, of inertia and gravity torques that are those of one and the same robot; rounding leaves 1e-13
+SAME = 1e-9  # rounding: relative, of inertia and gravity torques of one and the same robot; 1e-13 is rounding
 
 
 @dataclass(frozen=True)
