@@ -21,7 +21,10 @@ NOT_KEPT = ("keys", "sensors", "actuators", "equalities", "tendons", "excludes",
 WATER = 1000.0  # [kg/m^3], MuJoCo's density of a shape that has none
 TURN = 2 * np.pi  # [rad], range of a hinge that has none
 TRAVEL = 1.0  # [m], range of a slide that has none
-TOOL_SITES = ("attachment_site", "tool0", "tcp", "ee_site", "end_effector", "flange", "tool", "grip_site", "pinch")
+TOOL_SITES = (
+    *("attachment_site", "tool0", "tcp", "ee_site", "end_effector"),
+    *("tool_flange", "flange", "tool", "grip_site", "pinch"),
+)
 
 
 @dataclass(frozen=True)
