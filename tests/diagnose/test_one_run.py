@@ -69,3 +69,12 @@ def test_of_two_runs_that_contradict_each_other_none_is_blamed(campaign: Campaig
     others = [run for run in campaign.runs if not run.name.startswith("joint6") or run.name in names]
     few = replace(campaign, runs=tuple(others))
     assert not said_of(changed(few, names[0], "time_s", lambda t: 1.3 * t), compiled)
+
+
+@pytest.mark.parametrize("way", ["up", "down"])
+def test_a_slow_sweep_is_not_blamed_for_a_zero_of_the_fast_one(
+    way: str, campaign: Campaign, compiled: CompiledRobot
+) -> None:
+    """Four sweeps move joint 6; without the fast one that is off, the other three explain each other."""
+    moved = changed(campaign, f"joint6-payload0-speed50-{way}", "current_6_a", lambda v: v + 1.5)
+    assert not [said for said in said_of(moved, compiled) if "speed20" in said]

@@ -138,15 +138,15 @@ def _of_drive(picture: DrivePicture, j: int, run_of: NDArray[np.str_], at_rest: 
     run = run_of[rows]
     runs = [name for name in dict.fromkeys(run.tolist()) if (run == name).sum() >= READINGS]
     while len(runs) > OTHERS:
-        far, worst, unlike = max(
-            (_held_against(columns, y, run, runs, name) for name in runs), key=lambda found: found[0]
-        )
+        every = sorted((_held_against(columns, y, run, runs, name) for name in runs), key=lambda found: -found[0])
+        far, worst, unlike = every[0]
         if far <= FAR:
             return
         others = [name for name in runs if name != worst]
         fewer = ([*(name for name in others if name != left_out), worst] for left_out in others)
-        # nothing is told of a run that one other run alone contradicts
-        if all(_held_against(columns, y, run, known, worst)[2].is_like(unlike) for known in fewer):
+        # nothing is told of a run that one other run alone contradicts, or where another one may be the culprit
+        is_only = not any(other > 1 and one.is_told for other, _, one in every[1:])
+        if is_only and all(_held_against(columns, y, run, known, worst)[2].is_like(unlike) for known in fewer):
             yield worst, unlike
         runs.remove(worst)
 

@@ -37,6 +37,7 @@ READING_RULES: tuple[Rule, ...] = (
     labels.tell_readings_apart,
     labels.complete_states,
     labels.agree_with_pose,
+    labels.hang_one_load,
     scale.angles,
     scale.magnitudes,
     spikes.no_spikes,

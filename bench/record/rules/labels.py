@@ -11,6 +11,7 @@ from bench.record.rules.sheet import TRAVEL, Sheet, rows_where
 STATE = ("pose", "approach", "load_step")
 LABELS = (*STATE, "repeat")
 
+SAME_LOAD = 0.05  # declared: of the largest load of a run, by which what was written down of one state may scatter
 LOAD_N = 1.0  # [N]; a load smaller than this is a scale that was not quite zero
 
 
@@ -73,6 +74,24 @@ def agree_with_pose(sheet: Sheet) -> Iterator[Finding]:
     force = np.linalg.norm(sheet.run.load_wrench()[:, :3], axis=1)
     if step is not None and (rows := rows_where((step == 0) & (force > force.min(initial=np.inf) + LOAD_N))):
         yield sheet.warning("load_step", "is 0 under load", "0 is for unloaded readings", rows)
+
+
+def hang_one_load(sheet: Sheet) -> Iterator[Finding]:
+    """In a static run, all repeats of a state have the same load."""
+    states = _labels(sheet, STATE)
+    if sheet.run.kind != "static" or not states:
+        return
+    which = np.unique(states, axis=0, return_inverse=True)[1].ravel()
+    for column, values in sheet.columns("load"):
+        if column.unit != "n" or not np.isfinite(values).all():
+            continue
+        usual = np.array([np.median(values[which == state]) for state in range(which.max() + 1)])[which]
+        off = np.abs(values - usual)
+        if rows := rows_where(off > LOAD_N + SAME_LOAD * float(np.max(np.abs(usual), initial=0.0))):
+            message = (
+                f"is {values[rows[0] - 1]:.6g}, and {usual[rows[0] - 1]:.6g} in other repeats of the same load step"
+            )
+            yield sheet.warning(column.name, message, "correct the load, or count load steps", rows)
 
 
 def _labels(sheet: Sheet, names: tuple[str, ...]) -> list[tuple[float, ...]]:

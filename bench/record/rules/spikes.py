@@ -21,7 +21,7 @@ LARGE = 0.2  # of the range of all other rows; assumed: what is smaller spoils a
 STANDS_FOR_NONE = 3  # rows with the same number, which a logger writes where it has none
 MANY = 3 * AROUND  # rows of a run
 CALM = 0.75  # declared: of repeats of a run, at least, are not spoilt; fewer tell their scatter less surely
-ALONE = 3.0  # declared: times any other repeat of a state; where several are off, an arm is settling
+ALONE = 10.0  # declared: times any other repeat of a state; where several are off, an arm is settling
 SOME = 5  # declared: repeats that differ from the median of their state, at least, for their scatter to be known
 
 
