@@ -119,3 +119,14 @@ def test_a_diagnosis_that_is_not_stopped_is_finished(whole: Verdict) -> None:
     assert whole.unfinished is None
     assert whole.as_json()["unfinished"] is None
     assert not headline(whole).startswith("Unfinished")
+
+
+def test_what_was_not_held_against_anything_is_not_confirmed(
+    campaign: Campaign, effects: Mapping[str, Effect], store: Store, whole: Verdict
+) -> None:
+    """Every finding of a diagnosis that was stopped while it fitted was called confirmed."""
+    found = stopped_at("gain of each finding", campaign, effects, store=store).verdict
+    assert found.unfinished
+    assert found.findings
+    assert not any(group.is_confirmed for group in found.findings)
+    assert all(group.is_confirmed for group in whole.findings)
