@@ -35,6 +35,7 @@ from tests.poison import (
     in_readings,
     in_results,
     in_robots,
+    in_runs,
     in_scenarios,
     in_tables,
 )
@@ -46,7 +47,7 @@ LONGEST_S = 20.0  # the wall clock of one variant
 MOST_LINES = 50  # of a check; what is longer than a screen is not read
 SEED = 20261122
 FAMILIES: Sequence[Family] = (
-    *(*in_tables.FAMILIES, *in_channels.FAMILIES, *in_manifests.FAMILIES, *in_files.FAMILIES),
+    *(*in_tables.FAMILIES, *in_channels.FAMILIES, *in_runs.FAMILIES, *in_manifests.FAMILIES, *in_files.FAMILIES),
     *(*in_parquet.FAMILIES, *in_readings.FAMILIES, *in_models.FAMILIES, *in_robots.FAMILIES),
     *(*in_scenarios.FAMILIES, *in_results.FAMILIES),
 )

@@ -70,9 +70,9 @@ def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...
     sign = np.array([*(1.0 if constant is None else -1.0 for constant in constants), *np.ones(len(fit.unknowns))])
     tangent = tangent_of(linear, fit)
     covariance = np.linalg.inv(tangent.precision)
-    stated = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.outer(sign * stated, sign * stated)
-    spread = np.maximum(stated, np.sqrt(jackknife_variance(tangent, *folds_of(linear).of_rows(linear))))
+    by_noise = np.sqrt(np.diag(covariance))
+    correlation = covariance / np.outer(sign * by_noise, sign * by_noise)
+    spread = np.maximum(by_noise, np.sqrt(jackknife_variance(tangent, *folds_of(linear).of_rows(linear))))
     spread[:p] = np.minimum(spread[:p], 1.0)  # what is stated is known without any data
     np.fill_diagonal(correlation, 0.0)
     names = [*map(str, linear.nuisances), *map(_name, fit.unknowns)]

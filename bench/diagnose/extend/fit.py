@@ -98,6 +98,12 @@ class Fit:
         """Its values, for another fit to start from."""
         return {(*u.cause.key, u.parameter.name): float(v) for u, v in zip(self.unknowns, self.values, strict=True)}
 
+    def sizes_of(self, cause: Cause) -> tuple[list[int], Array]:
+        """Return where the unknowns of a cause are, and how far each is from none, shape (k,); 0 for its shapes."""
+        mine = [i for i, unknown in enumerate(self.unknowns) if unknown.cause is cause]
+        off = [0.0 if (p := self.unknowns[i].parameter).is_shape else self.values[i] - p.null for i in mine]
+        return mine, np.array(off)
+
     def design(self, linear: LinearisedModel) -> LinearisedModel:
         """Return a design with the derivatives of nuisances that this fit took anew."""
         if not self.renewed:

@@ -27,10 +27,7 @@ def is_needed_in_motion(linear: LinearisedModel, about: SearchSpace, terms: Sequ
     what, fit = about.what[i], about.about.fit
     if not isinstance(what, Cause) or about.about.shape:
         return False
-    mine = [k for k, unknown in enumerate(fit.unknowns) if unknown.cause is what]
-    sizes = np.array(
-        [0.0 if fit.unknowns[k].parameter.is_shape else fit.values[k] - fit.unknowns[k].parameter.null for k in mine]
-    )
+    _, sizes = fit.sizes_of(what)
     left = linear.whiten(fit.residual)
     without = left + about.tangents[about.about.causes.index(what)] @ sizes
     rests = _rests(linear, about.what[play].drive)

@@ -234,11 +234,8 @@ def search_space(
 
 def _removal(linear: LinearisedModel, fit: Fit, cause: Cause) -> tuple[Array, Array]:
     """Return what a cause changes, shape (m,), and the sensitivities to its parameters, shape (m, k), both whitened."""
-    mine = [i for i, unknown in enumerate(fit.unknowns) if unknown.cause is cause]
+    mine, sizes = fit.sizes_of(cause)
     tangent = linear.whiten(fit.jacobian[:, :, mine])
-    sizes = np.array(
-        [0.0 if fit.unknowns[i].parameter.is_shape else fit.values[i] - fit.unknowns[i].parameter.null for i in mine]
-    )
     try:
         removed = linear.whiten(fit_without(linear, fit, cause).residual - fit.residual)
     except NOT_SIMULATED:  # without it the model finds no balance along the measured motion

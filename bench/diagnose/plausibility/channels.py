@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.displaced import displaced
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.plausibility.first_look import Clock, clock_of, doubt_of_clock, first_look, resting_torque
+from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
 from bench.diagnose.plausibility.known_pressure import known_pressures
 from bench.diagnose.plausibility.loads import loads_too_small
 from bench.diagnose.plausibility.mistaken import doubt, mistakes_in, turned
@@ -95,7 +95,7 @@ def _of_drives(
         return
     picture = drive_picture(Replay(compiled, segments, quantities))
     looks = first_look(picture, resting_torque(compiled, segments, quantities))
-    if wrong_clock := tuple(doubt_of_clock(clock_of(looks, compiled, SURE_OF_CLOCK) or sped_up())):
+    if wrong_clock := tuple(_of_clock(clock_of(looks, compiled, SURE_OF_CLOCK) or sped_up())):
         yield from wrong_clock
         return
     dead = tuple(_dead(picture))
@@ -121,6 +121,15 @@ def _of_drives(
             yield from of_drive
     if not (dead or too_small or mistaken):
         yield from mistaken_in_one_run(picture, segments)
+
+
+def _of_clock(clock: Clock | None) -> Iterator[Finding]:
+    if clock and not clock.low <= 1 <= clock.high:
+        message = (
+            f"counts {clock.rate:.2f} seconds for each second ({clock.low:.2f} to {clock.high:.2f}), by the inertia "
+            f"that {clock.drives} drives paid for"
+        )
+        yield doubt("time_s", message, "look at the sampling rate that was stated")
 
 
 def _beyond_rating(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:

@@ -7,19 +7,17 @@ A channel that is scaled has s = m; a clock that counts c seconds for each secon
 m / s = c^2, because accelerations and products of velocities go with the inverse square of time.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
-from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
 SLOW = 1e-6  # times the speed, at which nothing of the motion is left but its direction
@@ -204,13 +202,3 @@ def clock_of(looks: Sequence[DriveLook], compiled: CompiledRobot, level: float) 
     half = float(stats.norm.ppf(0.5 + level / 2) * np.sqrt(birge / weights.sum()))
     rate, low, high = (float(np.exp(log / 2)) for log in (mean, mean - half, mean + half))
     return Clock(rate, low, high, len(logs))
-
-
-def doubt_of_clock(clock: Clock | None) -> Iterator[Finding]:
-    """Yield a doubt where a clock does not count seconds."""
-    if clock and not clock.low <= 1 <= clock.high:
-        message = (
-            f"counts {clock.rate:.2f} seconds for each second ({clock.low:.2f} to {clock.high:.2f}), by the inertia "
-            f"that {clock.drives} drives paid for"
-        )
-        yield doubt("time_s", message, "look at the sampling rate that was stated")

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import stats
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture
@@ -61,14 +62,11 @@ def late_reflectors(replay: Replay) -> Iterator[Late]:
     Args:
         replay: Of segments with readings of reflectors.
     """
-    trace = replay.trace(NOMINAL)
-    nominal = replay.read(NOMINAL, trace)
-    observed = np.concatenate([segment.observed for segment in replay.segments])
-    moving = np.any(trace.q_velocity != 0, axis=1)
+    time, nominal, observed, moving = _beside_nominal(replay)
     for k in sorted({q.index for q in replay.quantities if q.kind == "reflector"}):
         columns = [c for c, q in enumerate(replay.quantities) if q.kind == "reflector" and q.index == k]
         place = nominal[:, columns]
-        speed = _rates(replay, trace.time, place)
+        speed = _rates(replay, time, place)
         missing = observed[:, columns] - place
         rows = moving & np.all(np.isfinite(missing) & np.isfinite(speed), axis=1)
         if rows.sum() < LEAST:
@@ -90,15 +88,12 @@ def late_gauges(replay: Replay) -> Iterator[Late]:
     Args:
         replay: Of segments with readings of gauges.
     """
-    trace = replay.trace(NOMINAL)
-    nominal = replay.read(NOMINAL, trace)
-    observed = np.concatenate([segment.observed for segment in replay.segments])
-    moving = np.any(trace.q_velocity != 0, axis=1)
+    time, nominal, observed, moving = _beside_nominal(replay)
     for c, quantity in enumerate(replay.quantities):
         if quantity.kind != "gas_pressure":
             continue
         pressure = nominal[:, c]
-        rate = _rates(replay, trace.time, pressure[:, None])[:, 0]
+        rate = _rates(replay, time, pressure[:, None])[:, 0]
         rows = moving & np.isfinite(observed[:, c]) & np.isfinite(rate)
         if rows.sum() < LEAST or not np.any(rate[rows]):
             continue
@@ -144,6 +139,13 @@ def late_drives(replay: Replay, picture: DrivePicture, at_rest: Array) -> Iterat
             own = rate[kept] - others @ np.linalg.lstsq(others, rate[kept])[0]
             rest = y[kept] - others @ np.linalg.lstsq(others, y[kept])[0]
             yield _late(name, rest, own)
+
+
+def _beside_nominal(replay: Replay) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """Return time (T,), what the nominal model has (T, c), what was observed (T, c), and where anything moves (T,)."""
+    trace = replay.trace(NOMINAL)
+    observed = np.concatenate([segment.observed for segment in replay.segments])
+    return trace.time, replay.read(NOMINAL, trace), observed, np.any(trace.q_velocity != 0, axis=1)
 
 
 def _late(column: str, missing: Array, rate: Array) -> Late:

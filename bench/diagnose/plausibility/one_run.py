@@ -29,6 +29,7 @@ FAR = 3.0  # declared: times what the model leaves of any other run, before a ru
 EXPLAINED = 2 / 3  # declared: of what a run has that others have not: twice as much as one number leaves
 OTHERS = 3  # declared: runs in which a drive moves, at least, beside the one that is held against them
 READINGS = 5  # declared: of a drive that moves in a run
+TINY = 1e-18  # rounding: [Nm^2]
 MOTION, VISCOUS = 0, 3  # columns of what a channel is made of
 
 
@@ -96,10 +97,6 @@ class _Unlike:
         off = self.value if self.how == "moved" else self.value - 1
         return self.explained > EXPLAINED and abs(off) > SURE * self.sigma and (self.how == "moved" or self.value > 0)
 
-    def is_like(self, other: "_Unlike") -> bool:
-        """Whether both are told, and the same kind."""
-        return self.is_told and other.is_told and self.how == other.how
-
 
 def unlike_other_runs(picture: DrivePicture, segments: Sequence[Segment], at_rest: Array) -> Iterator[Finding]:
     """Yield a warning for each run whose clock, or a channel of whose drives, is not what it is in the others.
@@ -142,11 +139,8 @@ def _of_drive(picture: DrivePicture, j: int, run_of: NDArray[np.str_], at_rest: 
         far, worst, unlike = every[0]
         if far <= FAR:
             return
-        others = [name for name in runs if name != worst]
-        fewer = ([*(name for name in others if name != left_out), worst] for left_out in others)
-        # nothing is told of a run that one other run alone contradicts, or where another one may be the culprit
-        is_only = not any(other > 1 and one.is_told for other, _, one in every[1:])
-        if is_only and all(_held_against(columns, y, run, known, worst)[2].is_like(unlike) for known in fewer):
+        # nothing is told where another run may be the culprit as well
+        if unlike.is_told and not any(other > 1 and one.is_told for other, _, one in every[1:]):
             yield worst, unlike
         runs.remove(worst)
 
@@ -179,7 +173,7 @@ def _unlike(columns: Array, found: Array, left: Array, covariance: Array) -> _Un
     expected = columns @ found
     motion, viscous = (columns[:, k] * found[k] for k in (MOTION, VISCOUS))
     clock = _clock(motion, viscous, left + motion + viscous)
-    factor = float(expected @ (expected + left)) / float(expected @ expected)
+    factor = 1 + float(expected @ left) / max(float(expected @ expected), TINY)
     shift = float(np.mean(left))
     tried = {  # what it adds, and by how much more with the number
         "scaled": (factor, (factor - 1) * expected, expected),
@@ -189,9 +183,12 @@ def _unlike(columns: Array, found: Array, left: Array, covariance: Array) -> _Un
     every = []
     for how, (value, added, slope) in tried.items():
         rest, power = left - added, float(slope @ slope)
+        if power <= TINY:  # nothing is there that it could multiply
+            continue
         weights = slope @ columns
         variance = (float(np.mean(rest**2)) * inflation(rest) + float(weights @ covariance @ weights) / power) / power
-        every.append(_Unlike(how, value, float(np.sqrt(variance)), 1 - float(rest @ rest) / float(left @ left)))
+        explained = 1 - float(rest @ rest) / max(float(left @ left), TINY)
+        every.append(_Unlike(how, value, float(np.sqrt(variance)), explained))
     return max(every, key=lambda one: one.explained)
 
 

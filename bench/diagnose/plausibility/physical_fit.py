@@ -9,9 +9,8 @@ from scipy.optimize import nnls
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.record.campaign import Array
 
-HOLDS = (
-    2.0  # declared: times the friction of a drive in motion, that it may hold at rest; Stribeck friction is half more
-)
+# declared: times the friction of a drive in motion, that it may hold at rest; Stribeck friction is half more
+HOLDS = 2.0
 
 
 def misfit(picture: DrivePicture) -> Array:

@@ -82,8 +82,9 @@ def place_name(place: str) -> str:
     """Return what people call a place: "motor current 2 in recording may"; "" for the robot as a whole."""
     where, within, recording = place.partition(IN_RECORDING)
     where, since, run = where.partition(SINCE)
-    name = where if where.startswith("run ") else channel_name(where.removeprefix("robot ")).replace("_", " ")
-    name = "" if where == "robot" else name
+    name = "" if where == "robot" else where
+    if not where.startswith("run "):
+        name = channel_name(name.removeprefix("robot ")).replace("_", " ")
     return f"{name}{since}{run}{within}{recording}".strip()
 
 

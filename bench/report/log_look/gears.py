@@ -66,21 +66,18 @@ def geared(
     lines = _beside_others(lines, columns)
     sigma = np.zeros(0 if nominal is None else nominal.n_joints)
     questions: list[str] = []
-    stated: list[Line] = []
     if nominal is not None and any(line.side != "joint" for line in lines):
         slow = slow_motion(lines, readings, time, columns, nominal.n_joints)
         scale = _by_torques(slow, nominal) if slow is not None else None
         if slow is not None and scale is not None:
             stated = _by_figures([_refuted(line) for line in lines], columns, nominal)
-            if _are_nearer_to_degrees(slow, scale, {line.column: line for line in stated}):
-                stated, scale = list(lines), None
-        if slow is not None and scale is not None:
-            estimated = _estimated(lines, slow, scale)
-            lines = [one if one.side == "joint" else other for one, other in zip(stated, estimated, strict=True)]
-            guessed = {line.number for line in lines if line.was_estimated}
-            sigma = np.where([number in guessed for number in range(1, nominal.n_joints + 1)], scale.sigma, 0.0)
-            questions += [ESTIMATED] if guessed else []
-            lines = _beside_others(lines, columns)
+            if not _are_nearer_to_degrees(slow, scale, {line.column: line for line in stated}):
+                estimated = _estimated(lines, slow, scale)
+                lines = [one if one.side == "joint" else other for one, other in zip(stated, estimated, strict=True)]
+                guessed = {line.number for line in lines if line.was_estimated}
+                sigma = np.where([number in guessed for number in range(1, nominal.n_joints + 1)], scale.sigma, 0.0)
+                questions += [ESTIMATED] if guessed else []
+                lines = _beside_others(lines, columns)
     lines = [_as_degrees(line) if line.side == "either" else line for line in lines]
     questions += _open_questions(lines, columns, nominal)
     return Geared(tuple(_opened(line) for line in lines), sigma, tuple(questions))

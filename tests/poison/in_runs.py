@@ -1,0 +1,65 @@
+"""Channels and clocks that are wrong in one run alone, ahead of the encoders, or without sign."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from tests.poison.in_channels import OTHER
+from tests.poison.variant import Answer, Sheet, Spoil, Variant, in_column
+
+
+def _in_run(name: str, spoil: Callable[[Sheet], None]) -> Spoil:
+    def of_folder(folder: Path) -> None:
+        sheet = Sheet(folder / "runs" / name)
+        spoil(sheet)
+        sheet.write()
+
+    return of_folder
+
+
+def one_run_of_its_own(rng: np.random.Generator) -> Iterator[Variant]:
+    """One run of which a channel or the clock is not what it is in all others; a whole recording hides that."""
+
+    def changed(column: str, change: Callable[[np.ndarray], np.ndarray]) -> Spoil:
+        return _in_run(OTHER, lambda sheet: sheet.change(column, change))
+
+    def swapped(sheet: Sheet) -> None:
+        i, j = (sheet.names.index(f"current_{drive}_a") for drive in (1, 2))
+        for row in sheet.rows:
+            row[i], row[j] = row[j], row[i]
+
+    run = OTHER.removesuffix(".csv")
+    found: dict[str, tuple[Spoil, Answer, tuple[str, ...]]] = {
+        "a clock 15 % fast": (changed("time_s", lambda t: 1.15 * t), "harmless", ("time_s", "1.15 seconds", run)),
+        "a clock that counts 0.6 s": (changed("time_s", lambda t: 0.6 * t), "harmless", ("time_s", "0.60 sec", run)),
+        "a current doubled": (changed("current_1_a", lambda v: 2 * v), "harmless", ("current_1_a", "times", run)),
+        "a current off by 2 A": (changed("current_1_a", lambda v: v + 2), "harmless", ("current_1_a", "+2.0", run)),
+        "a current turned": (changed("current_1_a", lambda v: -v), "doubt", ("current_1_a", "wrong sign", run)),
+        "currents exchanged": (_in_run(OTHER, swapped), "doubt", ("current_1_a", "are exchanged", run)),
+    }
+    for name, (spoil, answer, places) in found.items():
+        yield Variant("one run of its own", name, spoil, answer, places)
+
+
+def early_and_absolute(rng: np.random.Generator) -> Iterator[Variant]:
+    """Channels ahead of the encoders, and drives whose logger keeps no sign."""
+
+    def early(values: np.ndarray) -> np.ndarray:
+        return values if len(values) < 50 else np.concatenate([values[5:], np.full(5, values[-1])])
+
+    def late(values: np.ndarray) -> np.ndarray:
+        return values if len(values) < 50 else np.concatenate([np.full(5, values[0]), values[:-5]])
+
+    for drive in (1, 2):
+        name = f"current_{drive}_a"
+        yield Variant("early and absolute", f"{name} early", in_column(early, name), "harmless", (name, "looks early"))
+        words = (name, "is nowhere negative", "an absolute value?")
+        yield Variant("early and absolute", f"{name} without sign", in_column(np.abs, name), "doubt", words)
+    for how, shift in (("early", early), ("late", late)):
+        words = ("gas_pressure_pa", f"looks {how}", "channel_delay")
+        spoil = in_column(shift, "gas_pressure_pa")
+        yield Variant("early and absolute", f"a gauge {how}", spoil, "harmless", words)
+
+
+FAMILIES = (one_run_of_its_own, early_and_absolute)
