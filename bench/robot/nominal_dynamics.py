@@ -32,6 +32,8 @@ class NominalDynamics:
         load_point: Name of the point where payloads are bolted on.
         payload: Largest payload that recordings may leave unstated [kg]; 0: none.
         payload_sigma: How well its mass is known beyond what they state [kg]; the same, unless it was weighed.
+        payload_side: Of a cube whose centre lies as far from the load point as the rating allows when one face is
+            bolted on [m]: how large payloads are, and how far away their centres.
         counterbalance: With all of its gas; None where the robot has no cylinder.
         gas_amount: Share of the gas that the nominal model has in it.
         uncertainty: How well all of this is known.
@@ -50,6 +52,7 @@ class NominalDynamics:
     load_point: str
     payload: float
     payload_sigma: float
+    payload_side: float
     counterbalance: Counterbalance | None
     gas_amount: float
     uncertainty: Uncertainty
@@ -92,6 +95,7 @@ def nominal_dynamics(compiled: "CompiledRobot") -> NominalDynamics:
         load_point=figures.load_point,
         payload=payload,
         payload_sigma=payload,
+        payload_side=2 * figures.rating.moment_nm / figures.rating.force_n,
         counterbalance=full,
         gas_amount=amount,
         uncertainty=figures.uncertainty,

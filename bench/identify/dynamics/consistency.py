@@ -59,7 +59,7 @@ class Bodies:
 
 
 def bodies_of(
-    layout: Layout, joints: Sequence[str], nominal: Array, sigma: Array, payload_kg: float, reach: float
+    layout: Layout, joints: Sequence[str], nominal: Array, sigma: Array, payload_kg: float, payload_side: float
 ) -> Bodies:
     """Return the constraints of a robot.
 
@@ -69,7 +69,7 @@ def bodies_of(
         nominal: Shape (p,), stated figures.
         sigma: Shape (p,), how well they are known.
         payload_kg: Largest payload [kg].
-        reach: Size of a payload [m].
+        payload_side: How large a payload is [m].
     """
     names, shapes, slack, start = [], [], [], nominal.copy()
     for link, joint in enumerate(joints):
@@ -86,7 +86,7 @@ def bodies_of(
         names.append("payload")
         shapes.append(shape)
         slack.append(THIN * payload_kg)
-        start[layout.payload] = inertial_parameters(SMALL * payload_kg * np.diag([*(0.1 * reach**2,) * 3, 1.0]))
+        start[layout.payload] = inertial_parameters(SMALL * payload_kg * np.diag([*(0.1 * payload_side**2,) * 3, 1.0]))
     every = np.arange(layout.size)
     for column in NOT_NEGATIVE:
         for joint, where in zip(joints, every[layout.of_drives(column)], strict=True):

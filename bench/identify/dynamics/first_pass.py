@@ -179,8 +179,7 @@ def first_pass(
         solution = late if later.surely_less_than(at_once) else solution
     unsure = width_errors(solution.normal, prior, solution.widths)
     solution = replace(solution, covariance=solution.covariance + unsure)
-    reach = float(np.linalg.norm(arm.point(nominal.load_point).position))
-    bodies = bodies_of(layout, arm.joint_names, prior.mean, solution.prior_sigma, nominal.payload, reach)
+    bodies = bodies_of(layout, arm.joint_names, prior.mean, solution.prior_sigma, nominal.payload, nominal.payload_side)
     factor = prior.factor(solution.widths)
     rival = rival_of(layout, base)
     plain = _plain_weights(rows, rival, solution, prior)

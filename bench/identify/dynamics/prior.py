@@ -188,8 +188,8 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     put(layout.of_drives("offset"), 0.0, nominal.torque_offset_sigma, free)
     put(layout.gain, 0.0, nominal.torque_gain_sigma, scale)
     if layout.has_payload:
-        reach = np.linalg.norm(arm.point(nominal.load_point).position)
-        moments = nominal.payload * np.array([*(reach,) * 3, *(reach**2,) * 6])  # its centre may be anywhere near
+        side = nominal.payload_side
+        moments = nominal.payload * np.array([*(side,) * 3, *(side**2,) * 6])  # its centre may be anywhere near
         put(layout.payload, 0.0, np.array([nominal.payload_sigma, *moments]), free)
     if layout.has_gas:
         amount = u.gas_constant * nominal.gas_amount if nominal.gas_amount > 0 else 1.0

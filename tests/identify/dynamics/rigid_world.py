@@ -54,6 +54,7 @@ def robot(bodies: RigidBodies, payload: float = 0.0, **uncertainty: float) -> No
         load_point="hook",
         payload=payload,
         payload_sigma=payload,
+        payload_side=0.7,
         counterbalance=None,
         gas_amount=0.0,
         uncertainty=Uncertainty.model_validate(uncertainty),

@@ -8,14 +8,15 @@ import pytest
 from bench.errors import InputError
 from bench.identify.arm import Arm
 from bench.identify.dynamics.advice import advise, sentence
+from bench.identify.dynamics.consistency import inertial_parameters
 from bench.identify.dynamics.first_pass import FirstPass, first_pass
 from bench.identify.dynamics.prior import weighed
 from bench.identify.dynamics.quantities import Quantity, quantities
-from bench.identify.dynamics.regressor import standard_parameters
+from bench.identify.dynamics.regressor import N_INERTIAL, standard_parameters
 from bench.record.campaign import Campaign, Run
 from bench.record.known import Known
 from bench.record.units import STANDARD_GRAVITY
-from bench.robot.bodies import read_only
+from bench.robot.bodies import Point, read_only
 from bench.robot.nominal_dynamics import NominalDynamics
 from bench.robot.payload import with_payload
 from tests.identify.dynamics.rigid_world import Friction, N, arm, drawn, recorded, robot
@@ -95,6 +96,32 @@ def test_payload_is_told_against_stated_masses() -> None:
     assert payload.told
     assert low < 9.0 < high
     assert payload.sigma < 1.5
+
+
+def test_a_payload_reaches_far_beyond_a_flange_that_is_close_to_the_last_joint() -> None:
+    """Its size was taken for the flange's distance from the joint; figures then had to err so that it could be there."""
+    rng, parts = np.random.default_rng(6), {"grip": (0.12, 0.03, 0.05), "jaw": (0.25, -0.05, 0.0)}
+    hook = Point(N - 1, read_only([0.02, 0.0, 0.0]), read_only(np.eye(3)))
+    ends = {name: replace(hook, position=read_only(place)) for name, place in parts.items()}
+    nominal = robot(replace(arm(), points={"hook": hook, **ends}), payload=20.0, **UNCERTAIN)
+    true = drawn(nominal, rng)
+    bodies, carried = true.bodies, np.zeros(N_INERTIAL)
+    for name, place in parts.items():
+        bodies = with_payload(bodies, 4.0, name)
+        lever = np.array(place) - hook.position
+        carried += inertial_parameters(4.0 * np.outer([*lever, 1.0], [*lever, 1.0]))
+    found = first_pass(recorded(replace(true, bodies=bodies), FRICTION, rng), nominal, find_delay=False)
+    truth = truth_of(found, true, FRICTION, 0.0)
+    truth[found.layout.payload] = carried
+    assert found.solution.widths.figures == 0
+    inside = [
+        low <= one.combine @ truth <= high
+        for one in quantities(found)
+        if one.told and one.kind == "inertia"
+        for low, high in [one.interval(found.quantile(0.9))]
+    ]
+    assert len(inside) > 10
+    assert np.mean(inside) >= 0.8  # 90 % of a dozen, less twice their standard deviation
 
 
 def test_a_payload_that_was_weighed_is_carried_and_tells_the_scale_of_torques() -> None:
