@@ -99,7 +99,7 @@ def test_payload_is_told_against_stated_masses() -> None:
 
 
 def test_a_payload_reaches_far_beyond_a_flange_that_is_close_to_the_last_joint() -> None:
-    """Its size was taken for the flange's distance from the joint; figures then had to err so that it could be there."""
+    """Its size was taken for the flange's distance from the joint, and figures had to err in its place."""
     rng, parts = np.random.default_rng(6), {"grip": (0.12, 0.03, 0.05), "jaw": (0.25, -0.05, 0.0)}
     hook = Point(N - 1, read_only([0.02, 0.0, 0.0]), read_only(np.eye(3)))
     ends = {name: replace(hook, position=read_only(place)) for name, place in parts.items()}
