@@ -31,17 +31,14 @@ def test_many_small_refusals_open_a_search_as_one_large_one_does(
         values = np.array([unknown.parameter.null for unknown in unknowns])
         return Fit(left, unknowns, values, np.eye(k), none, 0.0, each * len(left), none, none, none)
 
-    def without(_linear: Any, model: Model, cause: Cause) -> Fit:
-        return fit_of(tuple(other for other in model.causes if other is not cause))
-
-    def held(_linear: Any, _null: Any, model: Model, asked: Any, _threshold: float) -> dict[Any, Finding]:
+    def held(_linear: Any, _null: Any, model: Model, asked: Any, *_: Any) -> dict[Any, Finding]:
         worth: Any = SimpleNamespace(low=-1.0)
-        return {cause.key: Finding(cause, model.fit, each, worth, is_taken=False) for cause in asked}
+        left = {cause.key: fit_of(tuple(other for other in model.causes if other is not cause)) for cause in asked}
+        return {cause.key: Finding(cause, model.fit, left[cause.key], each, worth, is_taken=False) for cause in asked}
 
-    monkeypatch.setattr(selection_module, "fit_without_cause", without)
     monkeypatch.setattr(selection_module, "held_findings", held)
     selection = _Selection.__new__(_Selection)
-    selection.linear = selection.null = nothing
+    selection.linear = selection.null = selection.executor = nothing
     selection.screening = SimpleNamespace(threshold=3.0)  # type: ignore[assignment]
     selection.progress = lambda words: None
     selection.refused, selection.beside, selection.is_open = {}, {}, False

@@ -29,6 +29,7 @@ class Finding:
     Attributes:
         cause: The cause.
         fit: With it.
+        without: Fit of the model without it.
         log_evidence: By how much the logarithm of the evidence falls without it.
         held_out: What it is worth on what was held out.
         is_taken: Whether the model keeps it.
@@ -37,6 +38,7 @@ class Finding:
 
     cause: Cause
     fit: Fit
+    without: Fit
     log_evidence: float
     held_out: HeldOut
     is_taken: bool

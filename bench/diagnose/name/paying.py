@@ -1,11 +1,12 @@
 """What pays: each finding of a model held against what was held out, beside all others."""
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from bench.diagnose.cross_validation.held_out import held_out
 from bench.diagnose.cross_validation.jackknife import with_jackknife
-from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.fit import Fit, unknowns_of
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.extend.size import is_clear_of_none
 from bench.diagnose.linearise.candidates import Cause
@@ -15,6 +16,8 @@ from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Finding
 from bench.diagnose.name.simulation_error import SimulationError, imitated, rise_of
 from bench.errors import NOT_SIMULATED
+from bench.executor.contract import Executor, Progress, in_order
+from bench.executor.serial import SERIAL
 
 # effort: evidence that is lost without a finding, from where no better fit without it brings it back: derivatives about
 # itself gave one 41 at most (recording A of the KR300), and an arm without friction takes a minute for them
@@ -22,7 +25,12 @@ DECIDED = 200.0
 
 
 def held_findings(
-    linear: LinearisedModel, null: Fit, model: Model, causes: Iterable[Cause], threshold: float
+    linear: LinearisedModel,
+    null: Fit,
+    model: Model,
+    causes: Sequence[Cause],
+    threshold: float,
+    executor: Executor = SERIAL,
 ) -> dict[Hashable, Finding]:
     """Return what causes of a model are worth beside the others, if there is a balance without them.
 
@@ -32,19 +40,21 @@ def held_findings(
         model: With the causes.
         causes: Of which to tell.
         threshold: Log evidence that chance exceeds at the declared rate.
+        executor: Where to fit.
     """
     found = dict[Hashable, Finding]()
     error = SimulationError(linear, null, model)
     as_stated = with_scatter(model, linear).fit
-    for cause in causes:
-        try:
-            without = fit_without_cause(linear, model, cause)
-        except NOT_SIMULATED:
+    fits = in_order(executor, partial(_fit_without, linear, model), causes)
+    for cause, fit in zip(causes, fits, strict=True):
+        if fit is None:
             continue
+        others = _others(model, cause)
+        without = replace(fit, causes=others, unknowns=unknowns_of(others))
         gain = held_out(model.linear(linear), without, model.fit)
         is_clear = is_clear_of_none(cause, as_stated)  # else runs disagree whether there is anything
         pays = gain.is_gain and is_clear and error.is_needed(without, threshold)
-        found[cause.key] = Finding(cause, model.fit, rise_of(model.fit, without), gain, pays)
+        found[cause.key] = Finding(cause, model.fit, without, rise_of(model.fit, without), gain, pays)
     return found
 
 
@@ -63,20 +73,25 @@ def shape_pays(linear: LinearisedModel, null: Fit, model: Model, threshold: floa
     return held_out(model.linear(linear), without, fit, linear).is_gain
 
 
-def fit_without_cause(linear: LinearisedModel, model: Model, cause: Cause) -> Fit:
-    """Return a model fitted without one of its causes, to its end where that may matter.
+def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: Progress) -> Fit | None:
+    """Return a model fitted without one of its causes, to its end where that may matter; None where nothing balances.
 
-    Raises:
-        ConvergenceError, RobotError: It cannot be simulated.
+    It has no causes of its own, for those come from a user's file and do not pass between processes.
     """
     fit = model.fit
-    others = tuple(other for other in fit.causes if other.key != cause.key)
     start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
     design = model.linear(linear)
-    without = refit(design, others, start, fit.nuisances, fit, settles=False)
-    if without.is_settled or fit.log_evidence - without.log_evidence > DECIDED:
-        return without
-    return refitted(design, without)
+    try:
+        without = refit(design, _others(model, cause), start, fit.nuisances, fit, settles=False, progress=progress)
+        if not without.is_settled and fit.log_evidence - without.log_evidence <= DECIDED:
+            without = refitted(design, without, progress)
+    except NOT_SIMULATED:
+        return None
+    return replace(without, causes=(), unknowns=())
+
+
+def _others(model: Model, cause: Cause) -> tuple[Cause, ...]:
+    return tuple(other for other in model.causes if other.key != cause.key)
 
 
 def fit_without_shape(linear: LinearisedModel, model: Model) -> Fit:

@@ -25,7 +25,7 @@ from bench.diagnose.name.leaders import grown, leaders_of, rivals_of, scattering
 from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.neighbourhood import Renew
-from bench.diagnose.name.paying import fit_without_cause, fit_without_shape, held_findings, shape_pays, with_scatter
+from bench.diagnose.name.paying import fit_without_shape, held_findings, shape_pays, with_scatter
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import SearchSpace, search_space
@@ -278,21 +278,24 @@ class _Selection:
             self.refused_shapes.add(str(self.best.shape))
             self.best = Model(fit_without_shape(self.linear, self.best), log_posterior=self.best.log_posterior)
             return True
-        known, before = (self.linear, self.null), self.best.fit
-        held = held_findings(*known, self.best, self.best.causes, self.screening.threshold)
+        before = self.best.fit
+        held = self._held(self.best.causes)
         count = 0
         while (failed := [one for one in held.values() if not one.is_taken]) and len(self.refused) < MOST_REFUSED:
             worst = min(failed, key=lambda one: one.held_out.low)
             key = worst.cause.key
-            self.best = replace(self.best, fit=fit_without_cause(self.linear, self.best, worst.cause))
+            self.best = replace(self.best, fit=worst.without)
             self.beside[key] = frozenset() if key in self.refused else self.best.keys  # twice is for good
             self.refused[key] = held.pop(key)
             count += 1
-            others = [one.cause for one in failed if one is not worst]
-            held |= held_findings(*known, self.best, others, self.screening.threshold)
+            held |= self._held([one.cause for one in failed if one is not worst])
         self.findings = held
         self.is_open = rise_of(before, self.best.fit) > LEFT_OPEN
         return count > 0
+
+    def _held(self, causes: Sequence[Cause]) -> dict[Hashable, Finding]:
+        """Return what causes of the best model are worth beside the others."""
+        return held_findings(self.linear, self.null, self.best, causes, self.screening.threshold, self.executor)
 
     def _barred(self) -> frozenset[Hashable]:
         """Return the keys of what is not tried again: it did not pay beside findings that are all still there.

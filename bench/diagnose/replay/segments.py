@@ -106,9 +106,10 @@ class Segment:
         if self.path is not None and not self.is_static:
             wrong = error(self.path.angles, self.path.speeds)
             if wrong is not None:
-                _, speed, acceleration = self.path.motion_of(wrong)
-                for known, change in ((speeds, speed), (accelerations, acceleration)):
-                    known[self.motion.read] = np.where(self.standing, 0.0, change)
+                drives = np.flatnonzero(np.any(wrong != wrong[0], axis=0) & ~self.standing)  # a constant has no rate
+                _, speed, acceleration = self.path.motion_of(wrong[:, drives])
+                here = np.ix_(np.flatnonzero(self.motion.read), drives)
+                speeds[here], accelerations[here] = speed, acceleration
         return speeds, accelerations
 
 
