@@ -22,6 +22,7 @@ class NominalDynamics:
         rotor_inertia: Shape (n,) [kg m^2], J_m N^2.
         coulomb: Shape (n,) [Nm], Coulomb levels of motor and link side together.
         viscous: Shape (n,) [Nm s/rad], of motor and link side together.
+        stiffness: Shape (n,) [Nm/rad], of the gears.
         torque_constant: Shape (n,) [Nm/A].
         stated_constant: Shape (n,) [Nm/A], the same; nan where the figures do not state it.
         gear_ratio: Shape (n,), turns of the motor to one of the joint; nan where the figures do not state it.
@@ -43,6 +44,7 @@ class NominalDynamics:
     rotor_inertia: Array
     coulomb: Array
     viscous: Array
+    stiffness: Array
     torque_constant: Array
     stated_constant: Array
     gear_ratio: Array
@@ -86,6 +88,7 @@ def nominal_dynamics(compiled: "CompiledRobot") -> NominalDynamics:
         rotor_inertia=read_only(model.dof_armature[at.q_dof]),
         coulomb=read_only(compiled.motor_coulomb + compiled.link_coulomb),
         viscous=read_only(model.dof_damping[at.q_dof] + model.dof_damping[at.theta_dof]),
+        stiffness=read_only(compiled.stiffness),
         torque_constant=read_only(constant),
         stated_constant=read_only(np.where([d.states_torque_constant for d in figures.drives], constant, np.nan)),
         gear_ratio=read_only([np.nan if drive.gear_ratio is None else drive.gear_ratio for drive in figures.drives]),

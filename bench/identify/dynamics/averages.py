@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from bench.identify.dynamics.band import Band
-from bench.identify.dynamics.equations import equations_of
 from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.rows import DriveRows
 from bench.identify.dynamics.samples import MotionSamples
@@ -41,6 +40,11 @@ class Averaging(Band):
 
     smoothing: Band
     groups: tuple[Group, ...]
+
+    @property
+    def position_cutoff_hz(self) -> float:
+        """Of the positions [Hz]."""
+        return self.smoothing.position_cutoff_hz
 
     def smooth(self, samples: MotionSamples) -> tuple[Array, Array, Array]:
         """Return position, velocity and acceleration of a stretch, each of shape (T, n)."""
@@ -108,5 +112,4 @@ def _averages(found: FirstPass, samples: MotionSamples, groups: Sequence[tuple[A
     averaging = Averaging(UNFILTERED, found.band.bandwidth_hz, found.band, own)
     earlier = CubicSpline(samples.time, samples.position)(samples.time - found.solution.delay)
     late = replace(samples, position=earlier) if found.solution.delay else samples
-    part = equations_of(late, averaging, found.arm, found.nominal, found.top_speed)
-    return Averages(found.rows([part], averaging), np.array(which, dtype=np.int64))
+    return Averages(found.rows([found.equations(late, averaging)], averaging), np.array(which, dtype=np.int64))

@@ -40,9 +40,14 @@ class Band:
     cutoff_hz: float
     bandwidth_hz: float
 
+    @property
+    def position_cutoff_hz(self) -> float:
+        """Of the positions [Hz]."""
+        return POSITION_CUTOFF * self.cutoff_hz
+
     def smooth(self, samples: MotionSamples) -> tuple[Array, Array, Array]:
         """Return position, velocity and acceleration of a stretch, none of them late, each of shape (T, n)."""
-        position = low_pass(samples.position, samples.rate, POSITION_CUTOFF * self.cutoff_hz)
+        position = low_pass(samples.position, samples.rate, self.position_cutoff_hz)
         velocity = derivative(position, samples.rate)
         return position, velocity, derivative(velocity, samples.rate)
 

@@ -2,7 +2,7 @@
 
 A body exists if its pseudo-inertia is positive definite (P. M. Wensing, S. Kim, J.-J. E. Slotine, "Linear matrix
 inequalities for physically consistent inertial parameter identification", IEEE Robotics and Automation Letters 3(1),
-2018); rotors and friction are not negative. These constraints are convex, and a barrier method (S. Boyd,
+2018); rotors, friction and compliance are not negative. These constraints are convex, and a barrier method (S. Boyd,
 L. Vandenberghe, "Convex Optimization", 2004, section 11.3) finds the most probable point in dozens of Newton steps.
 """
 
@@ -88,8 +88,8 @@ def bodies_of(
         slack.append(THIN * payload_kg)
         start[layout.payload] = inertial_parameters(SMALL * payload_kg * np.diag([*(0.1 * payload_side**2,) * 3, 1.0]))
     every = np.arange(layout.size)
-    for column in NOT_NEGATIVE:
-        for joint, where in zip(joints, every[layout.of_drives(column)], strict=True):
+    for column, slots in (*((name, layout.of_drives(name)) for name in NOT_NEGATIVE), ("softness", layout.softness)):
+        for joint, where in zip(joints, every[slots], strict=True):
             shape = np.zeros((layout.size, 1, 1))
             shape[where] = 1.0
             names.append(f"{column} of {joint}")

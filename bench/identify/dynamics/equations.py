@@ -1,10 +1,11 @@
 """The linear equations of a stretch of motion, model and data through the same filter.
 
-    tau = Y(q, v, a) pi + J_r a + F_c sign(v) + F_v v + F_d |v| + offset + g M(q) - J_f^T W
+    tau = Y(q, v, a) pi + J_r a + F_c sign(v) + F_v v + F_d |v| + offset + g M(q) + S x - J_f^T W
 
 for each drive: pi inertial parameters of the links, J_r rotor inertia, F_c Coulomb and F_v viscous friction, F_d half
 the difference of viscous friction between the directions (that of Coulomb friction cannot be told from the offset), g
-the gas of the counterbalance with its nominal torque M, W the known load.
+the gas of the counterbalance with its nominal torque M, x how much softer gears are than stated and S what their
+winding adds (`bending.py`), W the known load.
 """
 
 from dataclasses import dataclass, replace
@@ -40,6 +41,8 @@ class Equations:
         drives: Shape (T, n, 5), factors of `DRIVE_COLUMNS`, each of its own drive only.
         gas: Shape (T, 1 + 4), motor torque against the nominal gas, and its derivatives by `GAS_SHAPE`; zeros without a
             counterbalance.
+        winding: Shape (T, n, n) [Nm], what the winding of each gear, stiff as stated, adds to each drive; zeros until
+            there are links to wind it (`bending.py`).
         known: Shape (T, n) [Nm], torque that the known load needs.
         torque: Shape (T, n) [Nm], measured; nan where it was not read.
         moves: Shape (T, n) bool, drives that move and were read: the equations that are used.
@@ -51,6 +54,7 @@ class Equations:
     links: Array
     drives: Array
     gas: Array
+    winding: Array
     known: Array
     torque: Array
     moves: NDArray[np.bool_]
@@ -87,7 +91,8 @@ def equations_of(samples: MotionSamples, band: Band, arm: Arm, nominal: NominalD
         links=thinned.reshape(len(kept), n, -1),
         drives=band.filtered(drives.reshape(count, -1), samples).reshape(len(kept), n, -1),
         gas=band.filtered(_gas_columns(nominal.counterbalance, position), samples),
-        known=band.filtered(_known_torque(arm, nominal, samples, position, velocity, acceleration), samples),
+        winding=np.zeros((len(kept), n, n)),
+        known=band.filtered(known_torque(arm, nominal, samples, (position, velocity, acceleration)), samples),
         torque=band.filtered(np.where(read, samples.torque, 0.0), samples) + np.where(read, 0.0, np.nan),
         moves=(band.filtered(moving.astype(np.float64), samples) > MOSTLY) & read,
     )
@@ -104,21 +109,35 @@ def _gas_columns(full: Counterbalance | None, position: Array) -> Array:
     return np.stack([full.torque(theta), *columns], axis=1)
 
 
-def _known_torque(
-    arm: Arm, nominal: NominalDynamics, samples: MotionSamples, position: Array, velocity: Array, acceleration: Array
+def known_torque(
+    arm: Arm,
+    nominal: NominalDynamics,
+    samples: MotionSamples,
+    state: tuple[Array, Array, Array],
+    rows: NDArray[np.int64] | slice = slice(None),
 ) -> Array:
-    """Return the motor torque that carries and accelerates the known load, shape (T, n) [Nm]."""
+    """Return the motor torque that carries and accelerates the known load, shape (R, n) [Nm].
+
+    Args:
+        arm: The links.
+        nominal: For the load point.
+        samples: Which load there is.
+        state: Position, velocity and acceleration at some of the samples, shape (R, n) each.
+        rows: Which samples.
+    """
+    position, velocity, acceleration = state
+    wrench, mass = samples.wrench[rows], samples.load_mass[rows]
     torque = np.zeros_like(position)
-    loaded = samples.wrench.any(axis=1)
+    loaded = wrench.any(axis=1)
     if loaded.any():
         jacobian = arm.jacobian(position[loaded], nominal.load_point)
-        torque[loaded] = -np.einsum("tkj,tk->tj", jacobian, samples.wrench[loaded])
-    bolted = samples.load_mass != 0
+        torque[loaded] = -np.einsum("tkj,tk->tj", jacobian, wrench[loaded])
+    bolted = mass != 0
     if bolted.any():
         body, columns = payload_columns(arm, nominal.load_point)
         first = slice(10 * body, 10 * body + 10)
-        state = position[bolted], velocity[bolted], acceleration[bolted]
+        moves = position[bolted], velocity[bolted], acceleration[bolted]
         still = position[bolted], 0 * velocity[bolted], 0 * acceleration[bolted]
-        moving = (link_regressor(arm, *state) - link_regressor(arm, *still))[:, :, first]
-        torque[bolted] += moving @ columns[:, 0] * samples.load_mass[bolted, None]
+        moving = (link_regressor(arm, *moves) - link_regressor(arm, *still))[:, :, first]
+        torque[bolted] += moving @ columns[:, 0] * mass[bolted, None]
     return torque

@@ -10,21 +10,21 @@ from bench.errors import InputError
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band, band_of
 from bench.identify.dynamics.base_parameters import BaseParameters, base_parameters
+from bench.identify.dynamics.bending import Bending, bending_of, bent
+from bench.identify.dynamics.chosen import with_its_delay
 from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
 from bench.identify.dynamics.equations import Equations, equations_of
 from bench.identify.dynamics.folds import Folds, folds_of
-from bench.identify.dynamics.held_out import HeldOut, Missed, Problems, hold_out, missed
-from bench.identify.dynamics.normal import Weighed, log_evidence, normal_of, width_errors
+from bench.identify.dynamics.held_out import HeldOut, Problems, hold_out
+from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.prior import NARROWEST, NONE, Prior, Widths, prior_of, weighed
+from bench.identify.dynamics.prior import Prior, prior_of, weighed
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, drive_rows
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
-from bench.identify.dynamics.solve import Solution, solve
+from bench.identify.dynamics.solve import Solution
 from bench.record.campaign import Array, Campaign
 from bench.robot.nominal_dynamics import NominalDynamics
-
-ROUNDS = 2  # of asking by how much the model errs beside its data; a third changes a tenth of that
 
 
 @dataclass(frozen=True)
@@ -65,6 +65,7 @@ class FirstPass:
         layout: Of the parameters.
         base: Its base parameters.
         band: The filter that model and data passed.
+        bending: How its gears wind up; None where what was held out is not surely predicted better for it.
         stretches: The thinned equations.
         problems: What was solved: prior, posterior, constraints, and plain least squares.
         parameters: Shape (p,), the posterior's most probable point among bodies that can exist: the result.
@@ -79,6 +80,7 @@ class FirstPass:
     layout: Layout
     base: BaseParameters
     band: Band
+    bending: Bending | None
     stretches: tuple[Equations, ...]
     problems: Problems
     parameters: Array
@@ -114,7 +116,13 @@ class FirstPass:
     def rows(self, stretches: Sequence[Equations], band: Band | None = None) -> tuple[DriveRows, ...]:
         """Return the equations of each drive, from stretches that passed `band`, by default that of the fit."""
         given = self.layout, band or self.band, self.arm, self.nominal
-        return tuple(drive_rows(stretches, j, *given) for j in range(self.layout.n))
+        return _rows(stretches, *given)
+
+    def equations(self, samples: MotionSamples, band: Band | None = None) -> Equations:
+        """Return the equations of a stretch that passes `band`, by default that of the fit."""
+        band = band or self.band
+        found = equations_of(samples, band, self.arm, self.nominal, self.top_speed)
+        return bent(found, self.bending, band) if self.bending else found
 
     def predict(self, campaign: Campaign) -> Torques:
         """Return what nominal model, rival and first pass predict of another campaign; nothing is fitted.
@@ -123,7 +131,8 @@ class FirstPass:
             InputError: It has no motion with torques.
         """
         samples = motion_samples(campaign, self.nominal)
-        return self.torques(_equations(samples, self.band, self.arm, self.nominal, self.top_speed))
+        found = [self.equations(part) for part in samples]
+        return self.torques([part for part in found if len(part)])
 
     def torques(self, stretches: Sequence[Equations]) -> Torques:
         """Return measured and predicted torques of thinned equations."""
@@ -164,8 +173,9 @@ def first_pass(
     samples = motion_samples(campaign, nominal)
     band = band_of(samples, cutoff_hz)
     top = np.max([np.abs(band.smooth(part)[1]).max(axis=0) for part in samples], axis=0)
-    stretches = _equations(samples, band, arm, nominal, top)
-    rows = tuple(drive_rows(stretches, j, layout, band, arm, nominal) for j in range(layout.n))
+    every = (equations_of(part, band, arm, nominal, top) for part in samples)
+    stretches = tuple(part for part in every if len(part))
+    rows = _rows(stretches, layout, band, arm, nominal)
     if not any(len(one) for one in rows):
         raise InputError(
             f"method 'dynamics': after the low-pass of {band.cutoff_hz:.3g} Hz no sample is left in which a joint "
@@ -173,14 +183,18 @@ def first_pass(
         )
     prior = prior_of(layout, nominal, arm, *_sizes(rows, layout, nominal.speed_limit))
     folds = folds_of(stretches)
-    solution, at_once = _solved(rows, prior, band, folds, find_delay=False)
-    if find_delay:
-        late, later = _solved(rows, prior, band, folds, find_delay=True)
-        solution = late if later.surely_less_than(at_once) else solution
+    solution, beside = with_its_delay(rows, prior, band, folds, find_delay=find_delay)
+    rigid = _existing(_bodies(layout, arm, prior, solution, nominal), solution, prior)
+    bending: Bending | None = None
+    winding = bending_of(nominal, arm, layout, rigid)
+    bent_stretches = tuple(bent(part, winding, band) for part in stretches)
+    bent_rows = _rows(bent_stretches, layout, band, arm, nominal)
+    wound, beside_wound = with_its_delay(bent_rows, prior, band, folds, find_delay=find_delay)
+    if beside_wound.surely_less_than(beside):
+        bending, solution, stretches, rows = winding, wound, bent_stretches, bent_rows
     unsure = width_errors(solution.normal, prior, solution.widths)
     solution = replace(solution, covariance=solution.covariance + unsure)
-    bodies = bodies_of(layout, arm.joint_names, prior.mean, solution.prior_sigma, nominal.payload, nominal.payload_side)
-    factor = prior.factor(solution.widths)
+    bodies = _bodies(layout, arm, prior, solution, nominal)
     rival = rival_of(layout, base)
     plain = _plain_weights(rows, rival, solution, prior)
     problems = Problems(solution, plain, prior, bodies, rival)
@@ -190,9 +204,10 @@ def first_pass(
         layout=layout,
         base=base,
         band=band,
+        bending=bending,
         stretches=stretches,
         problems=problems,
-        parameters=nearest(bodies, solution.parameters, prior.mean, factor, solution.normal.gram),
+        parameters=_existing(bodies, solution, prior),
         rival_parameters=rival.fit(normal_of(plain, solution.delay, layout.size)),
         folds=folds,
         held_out=hold_out(problems, folds),
@@ -200,60 +215,21 @@ def first_pass(
     )
 
 
-def _solved(
-    rows: Sequence[DriveRows], prior: Prior, band: Band, folds: Folds, find_delay: bool
-) -> tuple[Solution, Missed]:
-    """Return the posterior whose noise is what is missed beside its data, and that."""
-    inflation = np.ones(len(rows))
-    for _ in range(ROUNDS):
-        beside = missed(solve(rows, prior, band.cutoff_hz, inflation, find_delay), prior, folds)
-        inflation = inflation * beside.excess
-    solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay)
-    beside = missed(solution, prior, folds)
-    widths = _held_out_widths(solution, beside, prior, folds)
-    if widths != solution.widths:
-        solution = solve(rows, prior, band.cutoff_hz, inflation, find_delay, widths)
-        beside = missed(solution, prior, folds)
-    return solution, beside
+def _rows(
+    stretches: Sequence[Equations], layout: Layout, band: Band, arm: Arm, nominal: NominalDynamics
+) -> tuple[DriveRows, ...]:
+    return tuple(drive_rows(stretches, j, layout, band, arm, nominal) for j in range(layout.n))
 
 
-def _held_out_widths(solution: Solution, beside: Missed, prior: Prior, folds: Folds) -> Widths:
-    """Return the widths with those that held-out errors choose: what is not needed to predict is left out.
-
-    Scales of torques stay as read where all drives together are predicted no worse so, each by the logarithm of its
-    error. An offset is held where its drive's torque is predicted no worse without it. Viscous friction differs between
-    the directions where the evidence wants that and the drive is predicted better: it bends in what a model misses.
-    """
-    as_read = replace(solution, widths=replace(solution.widths, scale=NARROWEST))
-    tried = missed(as_read, prior, folds)
-    if tried.misfit <= beside.misfit:
-        solution, beside = as_read, tried
-    for drive, width in enumerate(solution.widths.offset):
-        if width == NARROWEST or solution.noise[drive] is None:
-            continue
-        without = replace(solution, widths=solution.widths.holding(drive))
-        tried = missed(without, prior, folds)
-        if tried.squares[:, drive].sum() <= beside.squares[:, drive].sum():
-            solution, beside = without, tried
-    for drive, noise in enumerate(solution.noise):
-        if noise is None:
-            continue
-        line = [solution.widths.differing(drive, width) for width in range(NONE, 1)]
-        best = max(line, key=lambda widths: log_evidence(solution.normal, prior, widths))
-        if best == solution.widths:
-            continue
-        uneven = replace(solution, widths=best)
-        tried = missed(uneven, prior, folds)
-        if tried.squares[:, drive].sum() < beside.squares[:, drive].sum():
-            solution, beside = uneven, tried
-    return solution.widths
+def _bodies(layout: Layout, arm: Arm, prior: Prior, solution: Solution, nominal: NominalDynamics) -> Bodies:
+    payload = nominal.payload, nominal.payload_side
+    return bodies_of(layout, arm.joint_names, prior.mean, solution.prior_sigma, *payload)
 
 
-def _equations(
-    samples: Sequence[MotionSamples], band: Band, arm: Arm, nominal: NominalDynamics, top: Array
-) -> tuple[Equations, ...]:
-    found = (equations_of(part, band, arm, nominal, top) for part in samples)
-    return tuple(part for part in found if len(part))
+def _existing(bodies: Bodies, solution: Solution, prior: Prior) -> Array:
+    """Return the most probable parameters of bodies that can exist, shape (p,)."""
+    factor = prior.factor(solution.widths)
+    return nearest(bodies, solution.parameters, prior.mean, factor, solution.normal.gram)
 
 
 def _sizes(rows: Sequence[DriveRows], layout: Layout, speed_limit: Array) -> tuple[Array, Array]:

@@ -41,9 +41,14 @@ class Layout:
         return self._after(self.drives, (1 + len(GAS_SHAPE)) * self.has_gas)
 
     @property
+    def softness(self) -> slice:
+        """Stated stiffness of the gears over the true one."""
+        return self._after(self.gas, self.n)
+
+    @property
     def gain(self) -> slice:
         """Relative errors of the torques that are read."""
-        return self._after(self.gas, self.n)
+        return self._after(self.softness, self.n)
 
     @property
     def delay(self) -> int:

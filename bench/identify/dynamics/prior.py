@@ -155,8 +155,8 @@ def weighed(nominal: NominalDynamics, campaign: Campaign) -> NominalDynamics:
 def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Array, speed_rms: Array) -> Prior:
     """Return the prior of a robot.
 
-    Masses, centres, rotors, friction and gas are known as `uncertainty` of the figures says; friction that is not
-    stated is free up to what the whole torque of a joint could be.
+    Masses, centres, rotors, friction, gas and stiffness are known as `uncertainty` of the figures says; friction that
+    is not stated is free up to what the whole torque of a joint could be.
 
     Args:
         layout: Of the parameters.
@@ -202,6 +202,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
             np.array([amount, *(shape[k] for k in GAS_SHAPE)]),
             free,
         )
+    put(layout.softness, 1.0, u.stiffness, free)
     offset, difference = (np.zeros((n, layout.size, layout.size)) for _ in range(2))
     every = np.arange(layout.size)
     for into, name, most in ((offset, "offset", torque_rms), (difference, "viscous_difference", drag)):

@@ -1,10 +1,13 @@
 """The joint torque of rigid links as a linear function of their inertial parameters (Pinocchio)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 
 from bench.identify.arm import Arm
 from bench.record.campaign import Array
+from bench.robot.bodies import RigidBodies, read_only
 
 N_INERTIAL = 10  # m, m c (3), and the inertia about the joint frame's origin: xx, xy, yy, xz, yz, zz
 NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
@@ -16,6 +19,17 @@ def standard_parameters(arm: Arm) -> Array:
     bodies = arm.bodies
     inertias = (pin.Inertia(float(m), np.array(c), np.array(i)) for m, c, i in _links(arm))
     return np.concatenate([inertia.toDynamicParameters() for inertia in inertias]).reshape(N_INERTIAL * bodies.n_joints)
+
+
+def links_with(bodies: RigidBodies, parameters: Array) -> RigidBodies:
+    """Return links with other inertial parameters, shape (n, 10), of bodies that can exist."""
+    mass, first, about = parameters[:, 0], parameters[:, 1:4], parameters[:, 4:]
+    safe = np.where(mass > 0, mass, 1.0)
+    com = np.where(mass[:, None] > 0, first / safe[:, None], 0.0)
+    inertia = about[:, [[0, 1, 3], [1, 2, 4], [3, 4, 5]]]
+    squares = np.sum(com**2, axis=1)[:, None, None] * np.eye(3) - com[:, :, None] * com[:, None, :]
+    inertia = inertia - mass[:, None, None] * squares
+    return replace(bodies, mass=read_only(mass), com=read_only(com), inertia=read_only(inertia))
 
 
 def link_regressor(arm: Arm, position: Array, velocity: Array, acceleration: Array) -> Array:

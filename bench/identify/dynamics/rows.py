@@ -84,14 +84,16 @@ def drive_rows(
     has_gas = layout.has_gas and nominal.counterbalance is not None and nominal.counterbalance.joint == drive
     every = np.arange(layout.size)
     parts = [every[layout.links], every[layout.payload], every[own], *([every[layout.gas]] if has_gas else [])]
-    index = np.concatenate([*parts, [layout.gain.start + drive]])
+    index = np.concatenate([*parts, every[layout.softness], [layout.gain.start + drive]])
+    shape = sum(map(len, parts)) - len(GAS_SHAPE)
     used = [np.flatnonzero(part.moves[:, drive]) for part in equations]
     tables, segments, n_segments = [], [], 0
     for part, rows in zip(equations, used, strict=True):
         links = part.links[rows, drive]
         carried = links[:, N_INERTIAL * body : N_INERTIAL * (body + 1)] @ payload[:, : N_INERTIAL * layout.has_payload]
         gas = part.gas[rows] if has_gas else np.zeros((len(rows), 0))
-        tables.append(np.hstack([links, carried, part.drives[rows, drive], gas, np.zeros((len(rows), 1))]))
+        own_gain = np.zeros((len(rows), 1))
+        tables.append(np.hstack([links, carried, part.drives[rows, drive], gas, part.winding[rows, drive], own_gain]))
         breaks = np.concatenate([[0], np.cumsum(np.diff(rows) > 1)])[: len(rows)]
         segments.append(breaks + n_segments)
         n_segments += int(breaks[-1]) + 1 if len(rows) else 0
@@ -99,7 +101,7 @@ def drive_rows(
         drive=drive,
         index=index,
         constant=np.vstack(tables),
-        gas=slice(len(index) - 1 - len(GAS_SHAPE), len(index) - 1) if has_gas else slice(0, 0),
+        gas=slice(shape, shape + len(GAS_SHAPE)) if has_gas else slice(0, 0),
         known=np.concatenate([part.known[rows, drive] for part, rows in zip(equations, used, strict=True)]),
         torque=tuple((_curve(part, drive, band), part.time[rows]) for part, rows in zip(equations, used, strict=True)),
         segment=np.concatenate(segments).astype(np.int64),

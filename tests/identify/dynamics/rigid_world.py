@@ -7,6 +7,9 @@ import mujoco
 import numpy as np
 from scipy import signal
 
+from bench.identify.arm import Arm
+from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.bodies import Point, RigidBodies, read_only
 from bench.robot.figures import Uncertainty
@@ -45,6 +48,7 @@ def robot(bodies: RigidBodies, payload: float = 0.0, **uncertainty: float) -> No
         rotor_inertia=read_only([8.0, 6.0, 3.0]),
         coulomb=read_only(np.zeros(N)),
         viscous=read_only(np.zeros(N)),
+        stiffness=read_only(np.full(N, np.inf)),
         torque_constant=read_only(np.full(N, 50.0)),
         stated_constant=read_only(np.full(N, 50.0)),
         gear_ratio=read_only(np.full(N, np.nan)),
@@ -137,12 +141,19 @@ def recorded(
         clean = torque_of(nominal, q, velocity, acceleration) + friction.torque(velocity)
         if late:
             clean = np.stack([np.interp(time - late, time, column) for column in clean.T], axis=1)
-        torque = clean + coloured(rng, clean.shape, sigma, 0.1, 1 / (time[1] - time[0]))
-        columns = {"time_s": time}
-        columns |= {f"q_motor_{j + 1}_rad": q[:, j] for j in range(q.shape[1])}
-        columns |= {f"tau_motor_{j + 1}_nm": torque[:, j] for j in range(q.shape[1])}
-        found.append(Run(f"run{k}", "motion", 100.0 * k, columns))
+        found.append(run_of(f"run{k}", 100.0 * k, time, q, clean, sigma, rng))
     return Campaign("rigid", tuple(found))
+
+
+def run_of(
+    name: str, start_s: float, time: Array, q: Array, torque: Array, sigma: float, rng: np.random.Generator
+) -> Run:
+    """Return a run with coloured noise on the torque."""
+    torque = torque + coloured(rng, torque.shape, sigma, 0.1, 1 / (time[1] - time[0]))
+    columns = {"time_s": time}
+    columns |= {f"q_motor_{j + 1}_rad": q[:, j] for j in range(q.shape[1])}
+    columns |= {f"tau_motor_{j + 1}_nm": torque[:, j] for j in range(q.shape[1])}
+    return Run(name, "motion", start_s, columns)
 
 
 def drawn(nominal: NominalDynamics, rng: np.random.Generator) -> NominalDynamics:
@@ -159,6 +170,23 @@ def drawn(nominal: NominalDynamics, rng: np.random.Generator) -> NominalDynamics
             inertia=read_only(bodies.inertia * scale[:, None, None]),
         ),
     )
+
+
+def truth_of(found: FirstPass, true: NominalDynamics, friction: Friction, payload: float) -> Array:
+    """Return the true parameters of a first pass, shape (p,)."""
+    layout = found.layout
+    truth = np.zeros(layout.size)
+    truth[layout.links] = standard_parameters(Arm(true.bodies))
+    if layout.has_payload:
+        truth[layout.payload.start] = payload
+    for column, values in (
+        ("rotor", true.rotor_inertia),
+        ("coulomb", friction.coulomb),
+        ("viscous", friction.viscous),
+        ("offset", friction.offset),
+    ):
+        truth[layout.of_drives(column)] = values
+    return truth
 
 
 def _row(values: Array) -> str:

@@ -6,40 +6,22 @@ import numpy as np
 import pytest
 
 from bench.errors import InputError
-from bench.identify.arm import Arm
 from bench.identify.dynamics.advice import advise, sentence
 from bench.identify.dynamics.consistency import inertial_parameters
 from bench.identify.dynamics.first_pass import FirstPass, first_pass
 from bench.identify.dynamics.prior import weighed
 from bench.identify.dynamics.quantities import Quantity, quantities
-from bench.identify.dynamics.regressor import N_INERTIAL, standard_parameters
+from bench.identify.dynamics.regressor import N_INERTIAL
 from bench.record.campaign import Campaign, Run
 from bench.record.known import Known
 from bench.record.units import STANDARD_GRAVITY
 from bench.robot.bodies import Point, read_only
-from bench.robot.nominal_dynamics import NominalDynamics
 from bench.robot.payload import with_payload
-from tests.identify.dynamics.rigid_world import Friction, N, arm, drawn, recorded, robot
+from tests.identify.dynamics.rigid_world import Friction, N, arm, drawn, recorded, robot, truth_of
 
 FRICTION = Friction(np.array([12.0, 9.0, 4.0]), np.array([15.0, 10.0, 6.0]), np.array([0.5, -1.0, 0.8]))
 UNCERTAIN = {"mass": 0.02, "centre_of_mass_m": 0.005}
 SHORT = {"seconds": 10.0, "rate": 100.0}
-
-
-def truth_of(found: FirstPass, true: NominalDynamics, friction: Friction, payload: float) -> np.ndarray:
-    layout = found.layout
-    truth = np.zeros(layout.size)
-    truth[layout.links] = standard_parameters(Arm(true.bodies))
-    if layout.has_payload:
-        truth[layout.payload.start] = payload
-    for column, values in (
-        ("rotor", true.rotor_inertia),
-        ("coulomb", friction.coulomb),
-        ("viscous", friction.viscous),
-        ("offset", friction.offset),
-    ):
-        truth[layout.of_drives(column)] = values
-    return truth
 
 
 def by_name(found: FirstPass) -> dict[str, Quantity]:
