@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.identify.dynamics.first_pass import FirstPass
-from bench.identify.dynamics.quantities import NOT_SOUGHT, Quantity
+from bench.identify.dynamics.quantities import Quantity
 from bench.identify.dynamics.regressor import N_INERTIAL, link_regressor, payload_columns
 from bench.record.campaign import Array
 
@@ -45,9 +45,9 @@ def advise(found: FirstPass, quantities: Sequence[Quantity]) -> tuple[Motion, ..
 
     Args:
         found: The first pass.
-        quantities: All that were looked for; scales of torques and compliances are left out, for known loads tell them.
+        quantities: All that were looked for; scales of torques are left out, for only a known payload tells them.
     """
-    open_ones = [one for one in quantities if not one.told and one.kind not in NOT_SOUGHT]
+    open_ones = [one for one in quantities if not one.told and one.kind != "drive"]
     motions = list(_candidates(found))
     information = [_information(found, motion) for motion in motions]
     free = (0,) * found.layout.n  # a motion has to tell offsets and differences however large they are

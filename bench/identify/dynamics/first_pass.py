@@ -105,6 +105,11 @@ class FirstPass:
         return self.problems.bodies
 
     @property
+    def compliance(self) -> Array | None:
+        """Shape (n,) [rad/Nm] or [m/N], of the gears, to first order; None where they are taken to be rigid."""
+        return self.parameters[self.layout.softness] / self.nominal.stiffness if self.bending else None
+
+    @property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints."""
         return self.nominal.bodies.names

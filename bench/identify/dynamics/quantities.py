@@ -9,14 +9,13 @@ from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.regressor import NAMES
 from bench.record.campaign import Array
 
-Kind = Literal["payload", "gas", "friction", "inertia", "compliance", "drive"]
+Kind = Literal["payload", "gas", "friction", "inertia", "drive"]
 DRIVE = {  # column -> name, its unit for a hinge and for a slide
     "coulomb": ("Coulomb friction", "Nm", "N"),
     "viscous": ("viscous friction", "Nm s/rad", "N s/m"),
     "viscous_difference": ("viscous friction, half the difference of directions", "Nm s/rad", "N s/m"),
     "offset": ("torque offset", "Nm", "N"),
 }
-NOT_SOUGHT = frozenset({"compliance", "drive"})  # kinds for which no motion is proposed: loads tell them
 SHOWN = 3  # terms of a base parameter that are written out
 RELATIVE = "relative"  # unit of a quantity that is a share
 
@@ -92,10 +91,6 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
         if unit == "kg m^2" and name.startswith("rotor") and _slides(found, int(base.joint[k])):
             unit = "kg"
         add("inertia", f"{name} ({found.joints[base.joint[k]]})", unit, base.combine[k], _meaning(found, k))
-    for joint, row in enumerate(every[layout.softness] if found.bending else ()):
-        unit = "um/N" if _slides(found, joint) else "urad/Nm"
-        stated = 1e6 / found.nominal.stiffness[joint]
-        add("compliance", f"compliance of the gear ({found.joints[joint]})", unit, stated * row)
     for joint, row in enumerate(every[layout.gain]):
         add("drive", f"torque scale ({found.joints[joint]})", RELATIVE, row)
     return tuple(result)

@@ -11,6 +11,7 @@ from bench.robot.bodies import RigidBodies, read_only
 
 N_INERTIAL = 10  # m, m c (3), and the inertia about the joint frame's origin: xx, xy, yy, xz, yz, zz
 NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+TINY = 1e-12  # rounding: [kg m^2]; constraints let bodies be thinner than that
 UNITS = ("kg", "kg m", "kg m", "kg m", *("kg m^2",) * 6)
 
 
@@ -28,7 +29,8 @@ def links_with(bodies: RigidBodies, parameters: Array) -> RigidBodies:
     com = np.where(mass[:, None] > 0, first / safe[:, None], 0.0)
     inertia = about[:, [[0, 1, 3], [1, 2, 4], [3, 4, 5]]]
     squares = np.sum(com**2, axis=1)[:, None, None] * np.eye(3) - com[:, :, None] * com[:, None, :]
-    inertia = inertia - mass[:, None, None] * squares
+    values, vectors = np.linalg.eigh(inertia - mass[:, None, None] * squares)
+    inertia = np.einsum("nij,nj,nkj->nik", vectors, np.maximum(values, TINY), vectors)
     return replace(bodies, mass=read_only(mass), com=read_only(com), inertia=read_only(inertia))
 
 

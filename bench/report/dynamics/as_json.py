@@ -40,6 +40,7 @@ def as_json(result: Dynamics, level: float) -> dict[str, object]:
             for one in result.quantities
         ],
         "links": _links(found),
+        "compliance_rad_per_nm": None if found.compliance is None else to_jsonable(found.compliance),
         "held_out_by": found.folds.by,
         "held_out": list(found.folds.names),
         "held_out_rms_nm": {model: to_jsonable(found.held_out.rms(model)) for model in MODELS},

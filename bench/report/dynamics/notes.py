@@ -32,6 +32,12 @@ def notes_of(found: FirstPass) -> Iterator[str]:
             f"Without constraints, least squares makes bodies that cannot exist ({', '.join(broken)}); the parameters "
             "given are the most probable ones that can."
         )
+    if found.compliance is not None:
+        wound = ", ".join(f"{1e6 * max(one, 0.0):.3g}" for one in found.compliance)
+        yield (
+            f"Gears wind up, to first order by {wound} urad/Nm (um/N); `bench diagnose` tells their stiffness with "
+            "intervals."
+        )
     gain = found.nominal.torque_gain_sigma
     is_weighed = found.nominal.payload_sigma < found.nominal.payload
     if np.any(gain > 0):

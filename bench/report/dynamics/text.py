@@ -8,7 +8,7 @@ import numpy as np
 from bench.identify.dynamics.advice import sentence
 from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.prior import AS_STATED
-from bench.identify.dynamics.quantities import NOT_SOUGHT, RELATIVE, Quantity
+from bench.identify.dynamics.quantities import RELATIVE, Quantity
 from bench.record.campaign import Array
 from bench.report.diagnosis.names import shown, unit_name
 from bench.report.dynamics.as_json import MODELS
@@ -31,7 +31,6 @@ TITLES = {
     "gas": "payload and counterbalance",
     "friction": "friction and offsets",
     "inertia": "base inertial parameters",
-    "compliance": "compliance of the gears",
     "drive": "torque scale",
 }
 
@@ -49,7 +48,7 @@ def print_dynamics(result: Dynamics, level: float) -> None:
         mine = [one for one in result.quantities if TITLES[one.kind] == title and one.told]
         if mine:
             print_wide(console, _parameters(f"{title}, {level:.0%} intervals", mine, found.quantile(level)))
-    open_ones = [one.name for one in result.quantities if not one.told and one.kind not in NOT_SOUGHT]
+    open_ones = [one.name for one in result.quantities if not one.told and one.kind != "drive"]
     if open_ones:
         console.print(f"Not told by these data, left near what was stated: {', '.join(open_ones)}.", highlight=False)
     for motion in result.motions:

@@ -52,22 +52,20 @@ def wound(
 
 def test_what_gears_wind_up_is_found_and_biases_nothing() -> None:
     """Gears that wind up by 3 mrad were taken for masses that are wrong: of 71 intervals 58 held the truth."""
-    inside, compliance = [], []
+    inside = []
     for seed, softer in ((1, 0.7), (2, 1.5), (3, 2.5)):
         rng = np.random.default_rng(seed)
         true = drawn(NOMINAL, rng)
         found = first_pass(wound(true, STATED / softer, rng, sigma=0.1), NOMINAL, find_delay=False)
-        assert found.bending is not None
+        assert found.compliance is not None
+        assert abs(found.compliance[1] / (softer / STATED[1]) - 1) < 0.1  # of the joint that pays most; to first order
         truth = truth_of(found, true, FRICTION, 0.0)
-        truth[found.layout.softness] = softer
         for one in quantities(found):
             low, high = one.interval(found.quantile(0.9))
-            if one.told and one.kind in ("inertia", "compliance"):
-                (inside if one.kind == "inertia" else compliance).append(low <= one.combine @ truth <= high)
+            if one.told and one.kind == "inertia":
+                inside.append(low <= one.combine @ truth <= high)
     assert len(inside) > 30
     assert np.mean(inside) >= 0.8  # 90 % less twice the standard deviation of so many
-    assert len(compliance) >= 6
-    assert np.mean(compliance) >= 0.75
 
 
 def test_a_rigid_arm_does_not_wind_up() -> None:

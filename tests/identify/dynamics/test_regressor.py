@@ -5,7 +5,13 @@ import numpy as np
 from bench.identify.arm import Arm
 from bench.identify.dynamics.base_parameters import base_parameters
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.regressor import link_regressor, payload_columns, standard_parameters
+from bench.identify.dynamics.regressor import (
+    N_INERTIAL,
+    link_regressor,
+    links_with,
+    payload_columns,
+    standard_parameters,
+)
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.robot.links import rigid_bodies
@@ -62,3 +68,15 @@ def test_base_parameters_are_all_that_torque_depends_on(rng: np.random.Generator
     for direction in hidden:
         change = links @ direction[:60] + direction[60:] * a
         np.testing.assert_allclose(change, 0, atol=1e-8 * np.abs(links).max())
+
+
+def test_links_take_other_parameters_and_thin_bodies_too() -> None:
+    """Bodies that the constraints let be thinner than a plate ended in Pinocchio's RuntimeError."""
+    bodies = arm()
+    own = standard_parameters(Arm(bodies)).reshape(-1, N_INERTIAL)
+    again = links_with(bodies, own)
+    np.testing.assert_allclose(standard_parameters(Arm(again)).reshape(-1, N_INERTIAL), own, atol=1e-9)
+    thin = own.copy()
+    thin[:, 4:] *= 1 - 1e-4  # a point's inertia about its joint, and less
+    thin[0] = 0.0
+    assert np.all(np.isfinite(Arm(links_with(bodies, thin)).gravity(np.zeros(len(own)))))
