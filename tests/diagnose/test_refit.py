@@ -163,6 +163,19 @@ def test_what_steps_have_corrected_does_not_tell_whether_the_optimum_is_reached(
         assert abs(found.objective - right) < 1
 
 
+def test_a_brief_fit_takes_no_derivatives_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    linear, causes, taken = _design(), (_whole("gas_loss"), _whole("payload_mass")), []
+    wrong = relinearised(linear, range(len(linear.nuisances)), 3.0 * linear.sensitivities)
+    better = refit_module._better
+    monkeypatch.setattr(refit_module, "_better", lambda *of, **it: taken.append(1) or better(*of, **it))
+    thorough, brief = (refit(wrong, causes, {}, settles=False, renews=renews) for renews in (True, False))
+    assert taken
+    taken.clear()
+    assert brief.objective > thorough.objective
+    refit(wrong, causes, {}, settles=False, renews=False)
+    assert not taken
+
+
 @pytest.mark.parametrize("settles", [False, True])
 def test_what_is_stated_of_a_fit_rests_on_derivatives_where_it_ended(
     settles: bool, monkeypatch: pytest.MonkeyPatch

@@ -54,6 +54,7 @@ def refit(
     known: Fit | None = None,
     *,
     settles: bool = True,
+    renews: bool = True,
     progress: Progress = ignore,
 ) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
@@ -70,6 +71,7 @@ def refit(
         known: A fit near the start, whose derivatives will do as long as they promise what comes true.
         settles: Whether a fit whose derivatives are doubtful at its end ends with those of all nuisances
             about itself, which takes a simulation for each. `refitted` does that later.
+        renews: Whether derivatives that do not keep what they promise are taken anew; else the fit ends there.
         progress: Called before every simulation; what it raises ends the fit.
 
     Raises:
@@ -81,7 +83,7 @@ def refit(
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
     slopes = (known.slopes_of(unknowns), known.renewed) if known else ()
     return _with_its_play(
-        linear, causes, _Point(np.clip(values, low, high), x, None, *slopes), progress, settles=settles
+        linear, causes, _Point(np.clip(values, low, high), x, None, *slopes), progress, settles=settles, renews=renews
     )
 
 
@@ -96,7 +98,7 @@ def refitted(linear: LinearisedModel, fit: Fit, progress: Progress = ignore) -> 
     Raises:
         ConvergenceError, RobotError: As `refit`.
     """
-    return _with_its_play(linear, fit.causes, _point_of(fit), progress, settles=True)
+    return _with_its_play(linear, fit.causes, _point_of(fit), progress, settles=True, renews=True)
 
 
 def _point_of(fit: Fit) -> _Point:
@@ -105,13 +107,19 @@ def _point_of(fit: Fit) -> _Point:
 
 
 def _with_its_play(
-    linear: LinearisedModel, causes: tuple[Cause, ...], point: _Point, progress: Progress, *, settles: bool
+    linear: LinearisedModel,
+    causes: tuple[Cause, ...],
+    point: _Point,
+    progress: Progress,
+    *,
+    settles: bool,
+    renews: bool,
 ) -> Fit:
     """Fit an extension until the play that its scatter belongs to is the play that it finds."""
     unknowns = unknowns_of(causes)
     play = play_of(linear, causes, unknowns, point.values)
     for _ in range(MOST_PLAYS):
-        fit = _fitted(Objective(with_play(linear, play), causes, progress), point, settles=settles)
+        fit = _fitted(Objective(with_play(linear, play), causes, progress), point, settles=settles, renews=renews)
         found = play_of(linear, causes, unknowns, fit.values)
         if scatters_alike(found, play):
             break
@@ -119,7 +127,7 @@ def _with_its_play(
     return fit
 
 
-def _fitted(objective: Objective, point: _Point, *, settles: bool) -> Fit:
+def _fitted(objective: Objective, point: _Point, *, settles: bool, renews: bool) -> Fit:
     """Fit an extension to a design that knows its play."""
     if point.residual is None:
         first = objective.near(point.nuisances, point.values)
@@ -129,16 +137,20 @@ def _fitted(objective: Objective, point: _Point, *, settles: bool) -> Fit:
     linear = objective.linear
     has_new_play = bool(np.any(linear.scatter.play > linear.replay.compiled.play))
     is_doubtful = not point.is_settled or (has_new_play and not slopes.renewed)
-    state, slopes = _least(objective, first, replace(slopes, is_doubtful=is_doubtful), settles=settles)
+    state, slopes = _least(objective, first, replace(slopes, is_doubtful=is_doubtful), settles=settles, renews=renews)
     has_all = slopes.all_at is not None
     is_settled = not slopes.is_doubtful or has_all
-    if (slopes.is_doubtful or has_all) and slopes.at is not state:  # what is stated of the end rests on derivatives
+    if (
+        renews and (slopes.is_doubtful or has_all) and slopes.at is not state
+    ):  # what is stated of the end rests on derivatives
         with suppress(*NOT_SIMULATED):
             slopes = objective.derivatives(state, nuisances=slopes.renewed)
     return _fit(objective, state, slopes, is_settled=is_settled)
 
 
-def _least(objective: Objective, state: State, slopes: Derivatives, *, settles: bool) -> tuple[State, Derivatives]:
+def _least(
+    objective: Objective, state: State, slopes: Derivatives, *, settles: bool, renews: bool
+) -> tuple[State, Derivatives]:
     """Return where the objective is least, and derivatives that lead no further.
 
     Derivatives serve as long as steps fall as far as they promise. Else those of the unknowns are taken anew, where
@@ -153,6 +165,8 @@ def _least(objective: Objective, state: State, slopes: Derivatives, *, settles: 
             state = _downhill(objective, state, slopes, step)
             if before.objective - state.objective >= FAITHFUL * promised:
                 continue
+        if not renews:
+            break
         try:
             better = _better(objective, slopes, before, state, step, promised, settles=settles)
         except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
