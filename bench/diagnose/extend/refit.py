@@ -71,7 +71,7 @@ def refit(
         known: A fit near the start, whose derivatives will do as long as they promise what comes true.
         settles: Whether a fit whose derivatives are doubtful at its end ends with those of all nuisances
             about itself, which takes a simulation for each. `refitted` does that later.
-        renews: Whether derivatives that do not keep what they promise are taken anew; else the fit ends there.
+        renews: Whether derivatives that do not keep what they promise are taken anew; else steps alone correct them.
         progress: Called before every simulation; what it raises ends the fit.
 
     Raises:
@@ -165,10 +165,8 @@ def _least(
             state = _downhill(objective, state, slopes, step)
             if before.objective - state.objective >= FAITHFUL * promised:
                 continue
-        if not renews:
-            break
         try:
-            better = _better(objective, slopes, before, state, step, promised, settles=settles)
+            better = _better(objective, slopes, before, state, step, promised, settles=settles, renews=renews)
         except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
             break
         if better is None:
@@ -186,10 +184,13 @@ def _better(
     promised: float,
     *,
     settles: bool,
+    renews: bool,
 ) -> Derivatives | None:
     """Return better derivatives at a state than those that promised a step to it, or None where none are worth it."""
     fell = before.objective - state.objective
     matters = promised - fell > MATTERS
+    if not renews:
+        return objective.corrected(slopes, before, state) if min(promised, fell) >= ENOUGH else None
     if promised >= ENOUGH:
         if slopes.at is None:
             own = objective.derivatives(state, nuisances=slopes.renewed)
