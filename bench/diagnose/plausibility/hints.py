@@ -9,6 +9,7 @@ from bench.diagnose.plausibility.channels import BINS
 from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_gauges, late_reflectors
+from bench.diagnose.plausibility.one_more_number import one_more_number
 from bench.diagnose.plausibility.one_run import unlike_other_runs
 from bench.diagnose.plausibility.reported_torques import unlike_currents
 from bench.diagnose.plausibility.single_rows import overloads
@@ -72,6 +73,8 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
             both = (*late_reflectors(replay), *late_gauges(replay))
             found += _late(both, ChannelDelay.parameters[0].low, ChannelDelay.name)
             found += _gauge(replay)
+        told = frozenset(run.name for run in campaign.runs if any(repr(run.name) in hint.message for hint in found))
+        found += one_more_number(campaign, compiled, told)
     except ConvergenceError:
         return tuple(found)
     return tuple(found)

@@ -1,0 +1,115 @@
+"""What may be wrong with one run of a campaign, as columns of a linear model: each is one number, or three of a place.
+
+    displaced    y = prediction + f
+    scaled       y = (1 + f) prediction
+    late         y = prediction - f rate of change
+    an angle     that is f more than what the joint stood at
+    a load       that was 1 + f times what was written down
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.diagnose.plausibility.listed_causes import ListedCauses
+from bench.diagnose.replay.quantities import AXES, Quantity
+from bench.diagnose.replay.segments import Segment
+from bench.record.campaign import Array
+
+LOADS = "loads"  # the subject of faults of what was written down; else the kind of a quantity, or "angles"
+ANGLES = "angles"
+VECTORS = ("reflector", "force", "moment")  # of which a quantity is one axis
+
+
+@dataclass(frozen=True, eq=False)
+class Fault:
+    """One thing that may be wrong with a run; t instants of the run, c quantities.
+
+    Attributes:
+        run: Its name.
+        subject: What it is about: kind of the quantities and index of the drive or reflector, `ANGLES`, or `LOADS`.
+        column: Of the campaign.
+        how: "displaced", "scaled" or "late".
+        unit: Of the number.
+        columns: Shape (t, c, p), what one unit of each number changes.
+    """
+
+    run: str
+    subject: tuple[str, int]
+    column: str
+    how: str
+    unit: str
+    columns: Array
+
+
+def faults_of(
+    run: str,
+    own: NDArray[np.bool_],
+    quantities: Sequence[Quantity],
+    predicted: Array,
+    rates: Array,
+    causes: ListedCauses,
+    angles: Mapping[int, str],
+) -> Iterator[Fault]:
+    """Yield what may be wrong with a run; of equals the plainest first.
+
+    Args:
+        run: Its name.
+        own: Shape (T,), its instants.
+        quantities: Shape (c,).
+        predicted: Shape (T, c), what the others make of it.
+        rates: Shape (T, c), how fast that changes.
+        causes: What changes readings.
+        angles: Index of a drive -> column of its angle.
+    """
+    for column, changes in causes.loads.items():
+        if run in changes and np.any(changes[run][own]):
+            yield Fault(run, (LOADS, 0), column, "scaled", "", changes[run][own][:, :, None])
+    seen = np.isfinite(causes.residual[own])
+    for j, zero in causes.zeros.items():
+        if j in angles and np.any(zero[own]):
+            yield Fault(run, (ANGLES, 0), angles[j], "displaced", unit_of(angles[j]), zero[own][:, :, None])
+    for subject, members in subjects_of(quantities).items():
+        there = [c for c in members if np.any(seen[:, c])]
+        if not there:
+            continue
+        only = np.zeros(seen.shape, dtype=np.bool_)
+        only[:, there] = seen[:, there]
+        name, unit = quantities[there[0]].column, quantities[there[0]].unit
+        for c in there:
+            alone = only & (np.arange(len(quantities)) == c)
+            quantity = quantities[c]
+            yield Fault(run, subject, quantity.column, "displaced", unit, 1.0 * alone[:, :, None])
+            yield Fault(run, subject, quantity.column, "scaled", "", (alone * predicted[own])[:, :, None])
+        yield Fault(run, subject, name, "late", "s", -(only * rates[own])[:, :, None])
+        if len(there) > 1:
+            yield Fault(run, subject, name, "scaled", "", (only * predicted[own])[:, :, None])
+            each = np.stack([1.0 * (only & (np.arange(len(quantities)) == c)) for c in there], axis=2)
+            yield Fault(run, subject, name, "displaced", unit, each)
+
+
+def subjects_of(quantities: Sequence[Quantity]) -> dict[tuple[str, int], list[int]]:
+    """Return the quantities that one instrument shows: kind and index -> places among the quantities."""
+    found: dict[tuple[str, int], list[int]] = {}
+    for c, quantity in enumerate(quantities):
+        found.setdefault((quantity.kind, quantity.index), []).append(c)
+    return found
+
+
+def rates_of(segments: Sequence[Segment], values: Array) -> Array:
+    """Return how fast values change, shape (T, c); 0 at rest and in motions of less than three readings."""
+    rates = np.zeros_like(values)
+    first = 0
+    for segment in segments:
+        rows = slice(first, first + len(segment))
+        first += len(segment)
+        if not segment.is_static and len(segment) > len(AXES) - 1:
+            rates[rows] = np.gradient(values[rows], segment.motion.time[segment.motion.read], axis=0)
+    return rates
+
+
+def unit_of(column: str) -> str:
+    """Return the unit that the name of a column ends with."""
+    return column.rsplit("_", 1)[-1]
