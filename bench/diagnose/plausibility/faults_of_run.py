@@ -1,10 +1,7 @@
 """What may be wrong with one run of a campaign, as columns of a linear model: each is one number, or three of a place.
 
-    displaced    y = prediction + f
-    scaled       y = (1 + f) prediction
-    late         y = prediction - f rate of change
-    an angle     that is f more than what the joint stood at
-    a load       that was 1 + f times what was written down
+A channel may be displaced, y = prediction + f; scaled, y = (1 + f) prediction; or late, y = prediction - f rate. An
+angle may be f more than where the joint was, and a load 1 + f times what was written down.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.listed_causes import ListedCauses
-from bench.diagnose.replay.quantities import AXES, Quantity
+from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 
 LOADS = "loads"  # the subject of faults of what was written down; else the kind of a quantity, or "angles"
 ANGLES = "angles"
-VECTORS = ("reflector", "force", "moment")  # of which a quantity is one axis
+LEAST = 3  # exact: readings that have a rate in their middle
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +27,7 @@ class Fault:
     Attributes:
         run: Its name.
         subject: What it is about: kind of the quantities and index of the drive or reflector, `ANGLES`, or `LOADS`.
-        column: Of the campaign.
+        column: Of the campaign, or what several columns of an instrument begin with.
         how: "displaced", "scaled" or "late".
         unit: Of the number.
         columns: Shape (t, c, p), what one unit of each number changes.
@@ -78,16 +75,17 @@ def faults_of(
         only = np.zeros(seen.shape, dtype=np.bool_)
         only[:, there] = seen[:, there]
         name, unit = quantities[there[0]].column, quantities[there[0]].unit
-        for c in there:
-            alone = only & (np.arange(len(quantities)) == c)
-            quantity = quantities[c]
-            yield Fault(run, subject, quantity.column, "displaced", unit, 1.0 * alone[:, :, None])
-            yield Fault(run, subject, quantity.column, "scaled", "", (alone * predicted[own])[:, :, None])
-        yield Fault(run, subject, name, "late", "s", -(only * rates[own])[:, :, None])
+        alone = [only & (np.arange(len(quantities)) == c) for c in there]
+        for c, rows in zip(there, alone, strict=True):
+            yield Fault(run, subject, quantities[c].column, "displaced", unit, 1.0 * rows[:, :, None])
+        whole = name.rsplit("_", 2)[0] if len(there) > 1 else name
+        yield Fault(run, subject, whole, "late", "s", -(only * rates[own])[:, :, None])
+        for c, rows in zip(there, alone, strict=True):
+            yield Fault(run, subject, quantities[c].column, "scaled", "", (rows * predicted[own])[:, :, None])
         if len(there) > 1:
-            yield Fault(run, subject, name, "scaled", "", (only * predicted[own])[:, :, None])
-            each = np.stack([1.0 * (only & (np.arange(len(quantities)) == c)) for c in there], axis=2)
-            yield Fault(run, subject, name, "displaced", unit, each)
+            yield Fault(run, subject, whole, "scaled", "", (only * predicted[own])[:, :, None])
+            each = np.stack([1.0 * rows for rows in alone], axis=2)
+            yield Fault(run, subject, whole, "displaced", unit, each)
 
 
 def subjects_of(quantities: Sequence[Quantity]) -> dict[tuple[str, int], list[int]]:
@@ -98,15 +96,27 @@ def subjects_of(quantities: Sequence[Quantity]) -> dict[tuple[str, int], list[in
     return found
 
 
-def rates_of(segments: Sequence[Segment], values: Array) -> Array:
-    """Return how fast values change, shape (T, c); 0 at rest and in motions of less than three readings."""
+def rates_of(segments: Sequence[Segment], values: Array, over: float = 0.0) -> Array:
+    """Return how fast values change, shape (T, c); 0 at rest and in motions of less than three readings.
+
+    Args:
+        segments: Of T instants.
+        values: Shape (T, c).
+        over: Time before each instant over which the change is taken [s]; 0: the rate at the instant.
+    """
     rates = np.zeros_like(values)
     first = 0
     for segment in segments:
         rows = slice(first, first + len(segment))
         first += len(segment)
-        if not segment.is_static and len(segment) > len(AXES) - 1:
-            rates[rows] = np.gradient(values[rows], segment.motion.time[segment.motion.read], axis=0)
+        time = segment.motion.time[segment.motion.read]
+        if segment.is_static or len(segment) < LEAST:
+            continue
+        if over == 0.0:
+            rates[rows] = np.gradient(values[rows], time, axis=0)
+            continue
+        for c, column in enumerate(values[rows].T):
+            rates[rows, c] = (column - np.interp(time - over, time, column)) / over
     return rates
 
 

@@ -9,6 +9,7 @@ from bench.diagnose.plausibility.channels import BINS
 from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_gauges, late_reflectors
+from bench.diagnose.plausibility.loads import unlike_weights
 from bench.diagnose.plausibility.one_more_number import one_more_number
 from bench.diagnose.plausibility.one_run import unlike_other_runs
 from bench.diagnose.plausibility.reported_torques import unlike_currents
@@ -46,7 +47,7 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
         return ()
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
-    found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled)]
+    found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled), *unlike_weights(campaign)]
     told = {finding.column for finding in known}
     found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     try:
@@ -73,8 +74,10 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
             both = (*late_reflectors(replay), *late_gauges(replay))
             found += _late(both, ChannelDelay.parameters[0].low, ChannelDelay.name)
             found += _gauge(replay)
-        told = frozenset(run.name for run in campaign.runs if any(repr(run.name) in hint.message for hint in found))
-        found += one_more_number(campaign, compiled, told)
+        suspected = frozenset(
+            run.name for run in campaign.runs if any(repr(run.name) in hint.message for hint in found)
+        )
+        found += one_more_number(campaign, compiled, suspected)
     except ConvergenceError:
         return tuple(found)
     return tuple(found)

@@ -1,94 +1,109 @@
 """A linear model with priors, fitted to a whole campaign, and what one more column would explain of it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import cho_solve, solve_triangular
 
+from bench.diagnose.plausibility.first_look import TOLD
 from bench.record.campaign import Array
 
-FREE = 1e-9  # rounding: precision of a column that has no prior, in units of its own information
+FREE = 1e-9  # rounding: precision of a column without a prior, whitened and as long as one
 TWICE = 2  # effort: times that the errors of readings are taken from what the fit before left
-OWN = 1e-9  # rounding: of the information of a column, that it has beside all others
 
 
 @dataclass(frozen=True, eq=False)
 class LinearFit:
-    """A fit; T instants, c quantities, k columns.
+    """A fit; T instants, c quantities, m readings, k columns with a prior of one, q without a prior.
 
     Attributes:
         residual: Shape (T, c); nan where nothing was measured.
-        columns: Shape (T, c, k), with a prior of one.
+        columns: Shape (T, c, k), those with a prior.
         errors: Shape (T, c), standard deviations of the readings.
-        more: Shape (T, c, q), without a prior.
+        matrix: Shape (m, k + q), all columns, whitened; those without a prior as long as one.
+        factor: Shape (k + q, k + q), lower Cholesky factor of their information.
     """
 
     residual: Array
     columns: Array
     errors: Array
-    more: Array
+    matrix: Array
+    factor: Array
 
-    @property
-    def weights(self) -> Array:
-        """Shape (T, c), 0 where nothing was measured."""
-        return np.where(np.isfinite(self.residual), 1 / self.errors, 0.0)
+    @classmethod
+    def of(cls, residual: Array, columns: Array, errors: Array) -> "LinearFit":
+        """Return a fit of columns with a prior of one, shape (T, c, k)."""
+        seen = np.isfinite(residual)
+        matrix = columns[seen] / errors[seen][:, None]
+        information = matrix.T @ matrix + np.eye(matrix.shape[1])
+        return cls(residual, columns, errors, matrix, np.asarray(np.linalg.cholesky(information), dtype=np.float64))
+
+    def with_more(self, column: Array) -> "LinearFit":
+        """Return the fit with one more column without a prior, shape (T, c)."""
+        white = column[self.seen] / self.errors[self.seen]
+        length = float(np.linalg.norm(white))
+        if length == 0:
+            return self
+        white /= length
+        reduced = solve_triangular(self.factor, self.matrix.T @ white, lower=True)
+        own = float(np.sqrt(max(1 + FREE - reduced @ reduced, FREE)))
+        k = len(self.factor)
+        factor = np.zeros((k + 1, k + 1))
+        factor[:k, :k], factor[k, :k], factor[k, k] = self.factor, reduced, own
+        return replace(self, matrix=np.column_stack([self.matrix, white]), factor=factor)
 
     @cached_property
-    def _matrix(self) -> Array:
-        """Whitened columns, shape (T, c, k + q); those without a prior as long as one."""
-        free = self.more * self.weights[:, :, None]
-        free = free / np.maximum(np.linalg.norm(free, axis=(0, 1)), OWN)
-        return np.concatenate([self.columns * self.weights[:, :, None], free], axis=2)
+    def seen(self) -> NDArray[np.bool_]:
+        """Shape (T, c), m of them."""
+        return np.isfinite(self.residual)
 
     @cached_property
-    def _factor(self) -> tuple[Array, bool]:
-        """Cholesky factor of the information of all columns."""
-        flat = self._flat(self._matrix)
-        precision = np.where(np.arange(flat.shape[1]) < self.columns.shape[2], 1.0, FREE)
-        factor, lower = cho_factor(flat.T @ flat + np.diag(precision), lower=True)
-        return np.tril(factor), lower
+    def _white(self) -> Array:
+        return np.asarray(self.residual[self.seen] / self.errors[self.seen])
+
+    @cached_property
+    def _sizes(self) -> Array:
+        """Shape (k + q,)."""
+        return np.asarray(cho_solve((self.factor, True), self.matrix.T @ self._white))
+
+    @cached_property
+    def _left(self) -> Array:
+        """Whitened residual of the fit, shape (m,)."""
+        return self._white - self.matrix @ self._sizes
 
     @cached_property
     def left(self) -> Array:
-        """Whitened residual of the fit, shape (T, c), 0 where nothing was measured."""
-        white = np.nan_to_num(self.residual) * self.weights
-        flat = self._flat(self._matrix)
-        found: Array = white - self._matrix @ cho_solve(self._factor, flat.T @ white.ravel())
+        """Residual of the fit, shape (T, c); nan where nothing was measured."""
+        found = np.full(self.residual.shape, np.nan)
+        found[self.seen] = self._left * self.errors[self.seen]
         return found
 
     @cached_property
     def explained(self) -> Array:
         """What columns with a prior explain of the residual, shape (T, c)."""
-        flat, white = self._flat(self._matrix), np.nan_to_num(self.residual) * self.weights
-        sizes = cho_solve(self._factor, flat.T @ white.ravel())
-        found: Array = self.columns @ sizes[: self.columns.shape[2]]
+        found: Array = self.columns @ self._sizes[: self.columns.shape[2]]
         return found
 
     def products(self, rows: NDArray[np.bool_], columns: Array) -> tuple[Array, Array]:
         """Return scores, shape (p,), and information, shape (p, p), of columns that act in some rows alone.
 
-        All that the model has is integrated out: the score is that of what others predict for these rows.
+        All that the model has is integrated out: the score is that of what others predict for these rows. Both are 0 of
+        columns that have next to nothing of their own beside the model.
 
         Args:
             rows: Shape (T,), of which there are t.
             columns: Shape (t, c, p).
         """
-        white = self._flat(columns * self.weights[rows][:, :, None])
-        cross = self._flat(self._matrix[rows]).T @ white
-        reduced = solve_triangular(self._factor[0], cross, lower=True)
-        return white.T @ self.left[rows].ravel(), white.T @ white - reduced.T @ reduced
-
-    def with_more(self, column: Array) -> "LinearFit":
-        """Return the fit with one more column without a prior, shape (T, c)."""
-        more = np.concatenate([self.more, column[:, :, None]], axis=2)
-        return LinearFit(self.residual, self.columns, self.errors, more)
-
-    @staticmethod
-    def _flat(values: Array) -> Array:
-        return values.reshape(-1, values.shape[2])
+        mine = np.nonzero(self.seen)[0]
+        own, seen = rows[mine], self.seen[rows]
+        white = columns[seen] / self.errors[rows][seen][:, None]
+        reduced = solve_triangular(self.factor, self.matrix[own].T @ white, lower=True)
+        before, information = white.T @ white, white.T @ white - reduced.T @ reduced
+        told = np.diag(information) > TOLD**2 * np.diag(before)
+        return told * (white.T @ self._left[own]), information * np.outer(told, told)
 
 
 def fitted(residual: Array, columns: Array, errors: Array, kinds: Sequence[NDArray[np.str_]]) -> LinearFit:
@@ -100,18 +115,16 @@ def fitted(residual: Array, columns: Array, errors: Array, kinds: Sequence[NDArr
         errors: Shape (T, c), by the instruments.
         kinds: For each kind of run, at rest and in motion, the run of every instant, shape (T,); "" where of another.
     """
-    free = np.zeros((*residual.shape, 0))
-    fit = LinearFit(residual, columns, errors, free)
+    fit = LinearFit.of(residual, columns, errors)
     for _ in range(TWICE):
-        left = np.where(np.isfinite(residual), fit.left * fit.errors, np.nan)
         raised = errors.copy()
         for run_of in kinds:
             rows = run_of != ""
             for c in range(residual.shape[1]):
-                squares = [_mean_square(left[run_of == run, c]) for run in np.unique(run_of[rows])]
+                squares = [_mean_square(fit.left[run_of == run, c]) for run in np.unique(run_of[rows])]
                 if known := [one for one in squares if np.isfinite(one)]:
                     raised[rows, c] = np.maximum(errors[rows, c], np.sqrt(np.median(known)))
-        fit = LinearFit(residual, columns, raised, free)
+        fit = LinearFit.of(residual, columns, raised)
     return fit
 
 

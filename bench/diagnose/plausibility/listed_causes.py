@@ -1,7 +1,7 @@
 """Everything that the catalogue and the stated uncertainties allow to be wrong throughout, as a linear model.
 
 One column for each nuisance and for each size of each effect at each place, as large as its prior is wide. What these
-explain is no fault of a file. Loads that were written down wrong in one run stand apart: of them one is tried at a time.
+explain is no fault of a file. Loads that were written down wrong in one run stand apart: one is tried at a time.
 """
 
 from collections.abc import Iterator
@@ -66,8 +66,10 @@ def listed_causes(replay: Replay, recorded: Recorded) -> ListedCauses | None:
 
     def changes(worlds: list[World], times: list[float]) -> Iterator[Array | None]:
         for found, factor in zip(simulate_all(replay, worlds), times, strict=True):
-            sound = not isinstance(found, BenchError) and bool(np.all(np.isfinite(found[seen])))
-            yield np.where(seen, factor * (found - nominal), 0.0) if sound else None
+            if isinstance(found, BenchError) or not np.all(np.isfinite(found[seen])):
+                yield None
+            else:
+                yield np.where(seen, factor * (found - nominal), 0.0)
 
     worlds = [World({nuisance: nuisance.sigma}) for nuisance in nuisances]
     worlds += [_acting(effect, place, size) for effect, place, size in effects]
@@ -83,9 +85,7 @@ def listed_causes(replay: Replay, recorded: Recorded) -> ListedCauses | None:
         places = [place for place in effect.places_in(compiled, recorded) if len(place.runs) == 1]
         (size,) = effect.parameters
         found = changes([_acting(effect, place, size) for place in places], [1 / size.typical] * len(places))
-        loads[name] = {
-            place.runs[0]: column for place, column in zip(places, found, strict=True) if column is not None
-        }
+        loads[name] = {place.runs[0]: column for place, column in zip(places, found, strict=True) if column is not None}
     shown = [column for column in columns if column is not None and np.any(column)]
     stacked = np.stack(shown, axis=2) if shown else np.zeros((*observed.shape, 0))
     return ListedCauses(np.where(seen, observed - nominal, np.nan), nominal, stacked, zeros, loads)

@@ -11,11 +11,13 @@ import numpy as np
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.plausibility.mistaken_inputs import Recording, without_loads
-from bench.record.campaign import Array
+from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.record.units import STANDARD_GRAVITY
 
 TOO_SMALL = 3.0  # times; a load that is written down wrong (hung_load) is up to twice too small
+ROUNDED = 0.01  # rounding: of a weight; gravity taken as 9.8 or 9.81, or a mass as full kilograms
+OTHERS = 3  # declared: runs whose mass and weight agree, at least, beside the one where they do not
 ALIKE = 0.9  # correlation of what drives paid and what the loads ask for, over all drives and states
 NEAR = 0.5  # of a factor's logarithm, by which friction may blur a unit
 UNITS = {1e3: "kilonewtons? multiply by 1000", STANDARD_GRAVITY: "kilograms? multiply by 9.80665"}
@@ -57,3 +59,27 @@ def _slope(y: Array, x: Array) -> float:
     """Return y over x by least squares, 0 where they do not go together."""
     power = float(np.sqrt((x @ x) * (y @ y)))
     return float(x @ y) / float(x @ x) if power > 0 and float(x @ y) > ALIKE * power else 0.0
+
+
+def unlike_weights(campaign: Campaign) -> Iterator[Finding]:
+    """Yield a warning for the motion whose bolted mass does not have the weight that its load states, as all others do.
+
+    Args:
+        campaign: A checked campaign.
+    """
+    states = {
+        run.name: (float(np.mean(run.columns["load_mass_kg"])), -float(np.mean(run.columns["load_z_n"])))
+        for run in campaign.of_kind("motion")
+        if {"load_mass_kg", "load_z_n"} <= run.columns.keys()
+    }
+    ratios = {run: weight / STANDARD_GRAVITY / mass for run, (mass, weight) in states.items() if mass > 0}
+    unlike = [run for run, ratio in ratios.items() if abs(ratio - 1) > ROUNDED]
+    if len(unlike) == 1 and len(ratios) > OTHERS:
+        mass, weight = states[unlike[0]]
+        message = (
+            f"is {mass:.4g} kg in run {unlike[0]!r}, whose load_z_n of {-weight:.4g} N is the weight of "
+            f"{weight / STANDARD_GRAVITY:.4g} kg; in all other runs both agree"
+        )
+        yield Finding(
+            "warning", "all runs", None, "load_mass_kg", message, "look which of the two was written down wrong"
+        )

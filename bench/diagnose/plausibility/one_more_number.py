@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bench.diagnose.plausibility.drive_picture import in_nm
 from bench.diagnose.plausibility.faults_of_run import ANGLES, LOADS, Fault, faults_of, rates_of
 from bench.diagnose.plausibility.late_channels import SURE
-from bench.diagnose.plausibility.linear_fit import OWN, LinearFit, fitted
+from bench.diagnose.plausibility.linear_fit import LinearFit, fitted
 from bench.diagnose.plausibility.listed_causes import ListedCauses, listed_causes
 from bench.diagnose.plausibility.one_run import EXPLAINED, FAR, OTHERS
 from bench.diagnose.replay.quantities import Quantity, quantities_of
@@ -25,8 +25,13 @@ from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
+OWN = 1e-9  # rounding: of the information of a column, that it has beside all others
 BINS = 30  # effort: of one run at most; enough for one number
-MOST_TRIED = 3  # effort: runs that are looked at more closely
+AGAIN = 3  # effort: times that a delay is found, each over the one before
+MOST_NAMED = 2  # declared: what explains a run as well; more leave nobody the wiser
+LATEST = 0.1  # declared: of a run; a delay is told by rates of change, which mean nothing over more
+HARDLY = "is hardly what all else makes of it"
+LOOK = "look at how that run was recorded"
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,21 +61,31 @@ class OneRunAmongOthers:
     def __init__(self, replay: Replay, causes: ListedCauses, angles: dict[int, str]) -> None:
         self.replay, self.causes, self.angles = replay, causes, angles
         self.run_of = run_of_each(replay.segments)
+        self.time = np.concatenate([one.motion.time[one.motion.read] for one in replay.segments])
         is_static = np.repeat([one.is_static for one in replay.segments], [len(one) for one in replay.segments])
         kinds = [np.where(is_static == kind, self.run_of, "") for kind in (True, False)]
         self.plain = fitted(causes.residual, causes.sensitivities, _errors(replay, is_static), kinds)
 
-    def explained(self, fit: LinearFit) -> list[Explained]:
-        """Return what each fault of each run would explain, beside a load of that run that was written down wrong."""
+    def explained(self, fit: LinearFit, like: Fault | None = None) -> list[Explained]:
+        """Return what each fault of each run would explain, beside a load of that run that was written down wrong.
+
+        Args:
+            fit: Of everything else.
+            like: Only faults of its subject, and of its run; None: all.
+        """
         predicted = self.causes.nominal + fit.explained
         rates = rates_of(self.replay.segments, predicted)
         found = []
         for run in dict.fromkeys(self.run_of.tolist()):
-            own = self.run_of == run
-            faults = list(faults_of(run, own, self.replay.quantities, predicted, rates, self.causes, self.angles))
+            faults = [
+                one
+                for one in self._faults(run, predicted, rates)
+                if not like or like.run == run or one.subject == like.subject or one.subject[0] == LOADS
+            ]
             if not faults:
                 continue
-            scores, information = fit.products(own, np.concatenate([fault.columns for fault in faults], axis=2))
+            columns = np.concatenate([fault.columns for fault in faults], axis=2)
+            scores, information = fit.products(self.run_of == run, columns)
             edges = np.cumsum([0, *(fault.columns.shape[2] for fault in faults)])
             places = [np.arange(*edges[i : i + 2]) for i in range(len(faults))]
             loads = [k for fault, some in zip(faults, places, strict=True) if fault.subject[0] == LOADS for k in some]
@@ -79,6 +94,29 @@ class OneRunAmongOthers:
                 values, gain = _gain(scores, information, mine, beside)
                 found.append(Explained(fault, values, float(np.sqrt(max(gain, 0.0)))))
         return found
+
+    def cleaned(self, fit: LinearFit, with_it: LinearFit, fault: Fault) -> tuple[Fault, Array]:
+        """Return a fault by predictions that it did not spoil, and its numbers.
+
+        Args:
+            fit: Without the fault.
+            with_it: In which it acts.
+            fault: By predictions of the fit without it.
+        """
+        predicted = self.causes.nominal + with_it.explained
+        key = fault.subject, fault.column, fault.how
+        over, values = 0.0, np.zeros(0)
+        for _ in range(AGAIN if fault.how == "late" else 1):
+            every = self._faults(fault.run, predicted, rates_of(self.replay.segments, predicted, over))
+            fault = next(one for one in every if (one.subject, one.column, one.how) == key)
+            scores, information = fit.products(self.run_of == fault.run, fault.columns)
+            values = _gain(scores, information, np.arange(len(scores)), np.array([], dtype=np.int64))[0]
+            over = float(values[0])
+        return fault, values
+
+    def _faults(self, run: str, predicted: Array, rates: Array) -> list[Fault]:
+        own = self.run_of == run
+        return list(faults_of(run, own, self.replay.quantities, predicted, rates, self.causes, self.angles))
 
     def with_fault(self, fit: LinearFit, fault: Fault) -> LinearFit:
         """Return a fit in which a fault may be as large as it wants."""
@@ -114,76 +152,78 @@ def one_more_number(campaign: Campaign, compiled: CompiledRobot, told: frozenset
         if name in measured
     }
     among = OneRunAmongOthers(replay, causes, angles)
-    fit, set_aside = among.plain, set(told)
-    for _ in range(MOST_TRIED):
-        every = among.explained(fit)
-        likely = [one for one in every if one.fault.run not in set_aside and one.sigmas > FAR * SURE]
-        if not likely:
-            return
-        worst = max(likely, key=lambda one: one.sigmas)
-        set_aside.add(worst.fault.run)
-        found = _judged(among, fit, every, worst)
-        if found:
-            yield found[0]
-            fit = found[1]
+    every = among.explained(among.plain)
+    worst_of: dict[tuple[str, int], Explained] = {}
+    for one in sorted(every, key=lambda one: -one.sigmas):
+        if one.sigmas > FAR:
+            worst_of.setdefault(one.fault.subject, one)
+    judged = set(told)
+    for worst in worst_of.values():
+        if worst.fault.run not in judged:
+            judged.add(worst.fault.run)
+            yield from _judged(among, every, worst)
 
 
-def _judged(
-    among: OneRunAmongOthers, fit: LinearFit, every: Sequence[Explained], worst: Explained
-) -> tuple[Finding, LinearFit] | None:
-    """Return what is told of the fault that explains most, with a fit in which it acts; None: it may be something else.
+def _judged(among: OneRunAmongOthers, every: Sequence[Explained], worst: Explained) -> Iterator[Finding]:
+    """Yield a warning of the fault that explains most, unless it may be something else.
 
     Args:
         among: The campaign.
-        fit: Without that fault.
-        every: What each fault explains beside that fit.
-        worst: The fault that explains most.
+        every: What each fault explains.
+        worst: The fault that explains most of its subject.
     """
     run, subject = worst.fault.run, worst.fault.subject
     if len({one.fault.run for one in every if one.fault.subject == subject}) <= OTHERS:
-        return None
+        return
+    fit = among.plain
     with_it = among.with_fault(fit, worst.fault)
-    after = among.explained(with_it)
-    rest = max((one.sigmas for one in after if one.fault.subject == subject and one.fault.run != run), default=0.0)
+    with_it = among.with_fault(fit, among.cleaned(fit, with_it, worst.fault)[0])
+    after = among.explained(with_it, worst.fault)
+    rest = max(_elsewhere(after, worst.fault), 1.0)
     same = max((one.sigmas for one in after if one.fault.run == run), default=0.0)
-    if worst.sigmas < FAR * rest or same**2 > (1 - EXPLAINED) * worst.sigmas**2:
-        return None
+    if worst.sigmas < FAR * rest:
+        return
+    then = {(one.fault.run, one.fault.column, one.fault.how): one.sigmas for one in after}
     rivals = {
-        before.fault.run
-        for before, then in zip(every, after, strict=True)
-        if before.fault.run != run and before.sigmas**2 > worst.sigmas**2 / 2 and then.sigmas < before.sigmas / 2
-    }
-    if len(rivals) > 1:
-        return None
-    equals = [
-        one
+        one.fault.run
         for one in every
-        if one.fault.run == run and one.sigmas**2 >= worst.sigmas**2 - max(rest, same) ** 2
-    ]
-    plainest = min(equals, key=lambda one: len(one.values))
+        if one.fault.run != run
+        and one.fault.subject == subject
+        and one.sigmas**2 > worst.sigmas**2 / 2
+        and then[one.fault.run, one.fault.column, one.fault.how] < one.sigmas / 2
+    }
     where = f"in run {run!r}" + (f", or in run {next(iter(rivals))!r} the other way" if rivals else "")
-    return _finding(plainest.fault, _values(among, fit, with_it, plainest.fault), where), with_it
+    if same**2 > (1 - EXPLAINED) * worst.sigmas**2:
+        if not rivals and subject[0] not in (LOADS, ANGLES):
+            yield Finding("warning", "all runs", None, worst.fault.column, f"{HARDLY} {where}", LOOK)
+        return
+    mine = [one for one in every if one.fault.run == run and one.sigmas >= worst.sigmas - max(rest, same)]
+    subjects = dict.fromkeys(one.fault.subject for one in sorted(mine, key=lambda one: -one.sigmas))
+    if len(rivals) > 1 or len(subjects) > MOST_NAMED:
+        return
+    plainest = [_plainest([one for one in mine if one.fault.subject == subject]) for subject in subjects]
+    lasts = float(np.ptp(among.time[among.run_of == run]))
+    words = [_in_words(fault, among.cleaned(fit, with_it, fault)[1], lasts) for fault in plainest]
+    others = [f"{fault.column} {said}" for fault, said in zip(plainest[1:], words[1:], strict=True)]
+    message = " or ".join([words[0], *others]) + f" {where}"
+    remedy = "look up what was hung on there; bench diagnose weighs it" if subject[0] == LOADS else LOOK
+    yield Finding("warning", "all runs", None, plainest[0].column, message, remedy)
 
 
-def _values(among: OneRunAmongOthers, fit: LinearFit, with_it: LinearFit, fault: Fault) -> Array:
-    """Return the numbers of a fault, by predictions that it did not spoil."""
-    own = among.run_of == fault.run
-    clean = among.causes.nominal + with_it.explained
-    rates = rates_of(among.replay.segments, clean)
-    again = faults_of(fault.run, own, among.replay.quantities, clean, rates, among.causes, among.angles)
-    same = next(
-        one
-        for one in again
-        if (one.subject, one.column, one.how, one.columns.shape)
-        == (fault.subject, fault.column, fault.how, fault.columns.shape)
+def _plainest(alike: Sequence[Explained]) -> Fault:
+    """Return the plainest fault of one subject, of those that explain as much but for chance."""
+    most = max(one.sigmas for one in alike)
+    return min((one for one in alike if one.sigmas >= most - SURE), key=lambda one: len(one.values)).fault
+
+
+def _elsewhere(every: Sequence[Explained], fault: Fault) -> float:
+    """Return the most standard errors by which anything of the same subject is off zero in another run."""
+    return max(
+        (one.sigmas for one in every if one.fault.subject == fault.subject and one.fault.run != fault.run), default=0.0
     )
-    scores, information = fit.products(own, same.columns)
-    return _gain(scores, information, np.arange(len(scores)), np.array([], dtype=np.int64))[0]
 
 
-def _gain(
-    scores: Array, information: Array, mine: NDArray[np.int64], beside: NDArray[np.int64]
-) -> tuple[Array, float]:
+def _gain(scores: Array, information: Array, mine: NDArray[np.int64], beside: NDArray[np.int64]) -> tuple[Array, float]:
     """Return the numbers of some columns, and twice the logarithm of what they gain, beside others that act as well."""
     both = np.concatenate([mine, beside])
     values, gain = _solved(scores[both], information[np.ix_(both, both)])
@@ -205,21 +245,22 @@ def _solved(scores: Array, information: Array) -> tuple[Array, float]:
     return values, float(values @ scores)
 
 
-def _finding(fault: Fault, values: Array, where: str) -> Finding:
-    remedy = "look at how that run was recorded"
+def _in_words(fault: Fault, values: Array, lasts: float) -> str:
+    """Return what is wrong with a channel, an angle or a load in a run that lasts so long [s]."""
     if fault.subject[0] == LOADS:
-        words = f"instruments show {1 + values[0]:.2f} times the load that is written down {where}"
-        remedy = "look up what was hung on there; bench diagnose weighs it"
-    elif fault.subject[0] == ANGLES:
-        words = f"is {values[0]:+.3g} {fault.unit} beside where the joint stood, by all else, {where}"
-    elif fault.how == "displaced":
+        against = values[0] <= -1
+        size = "against" if against else f"{1 / (1 + values[0]):.2g} times"
+        return f"is {size} the load that instruments show"
+    if fault.subject[0] == ANGLES:
+        return f"is {values[0]:+.3g} {fault.unit} beside where the joint is by all else"
+    if fault.how == "displaced":
         size = f"{values[0]:+.3g}" if len(values) == 1 else f"{np.linalg.norm(values):.3g}"
-        words = f"is {size} {fault.unit} beside what all else makes of it {where}"
-    elif fault.how == "late":
-        words = f"is {abs(values[0]):.2g} s {'late' if values[0] > 0 else 'early'} {where}, and not in others"
-    else:
-        words = f"is {1 + values[0]:.3g} times what all else makes of it {where}"
-    return Finding("warning", "all runs", None, fault.column, words, remedy)
+        return f"is {size} {fault.unit} beside what all else makes of it"
+    if fault.how == "late" and abs(values[0]) > LATEST * lasts:
+        return HARDLY
+    if fault.how == "late":
+        return f"is {abs(values[0]):.2g} s {'late' if values[0] > 0 else 'early'}, by all else,"
+    return f"is {1 + values[0]:.3g} times what all else makes of it"
 
 
 def _errors(replay: Replay, is_static: NDArray[np.bool_]) -> Array:
