@@ -7,6 +7,7 @@ well once a channel is read in another way (`mistaken.py`), or on distances far 
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,8 @@ from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_pictur
 from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
 from bench.diagnose.plausibility.known_pressure import known_pressures
 from bench.diagnose.plausibility.loads import loads_too_small
-from bench.diagnose.plausibility.mistaken import doubt, mistakes_in, turned
-from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads
+from bench.diagnose.plausibility.mistaken import Mistake, doubt, mistakes_in, turned
+from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads, mistaken_payload
 from bench.diagnose.plausibility.one_run import mistaken_in_one_run
 from bench.diagnose.plausibility.physical_fit import misfit
 from bench.diagnose.plausibility.single_rows import BEYOND, jumps
@@ -32,6 +33,7 @@ from bench.errors import ConvergenceError
 from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
 from bench.record.finding import Finding
+from bench.record.known import PAYLOAD
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import MOST_RATINGS
 
@@ -65,7 +67,7 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     if spoilt := tuple(jumps(campaign, compiled)):
         return spoilt
     told = {finding.column for finding in known if finding.level != "warning"}
-    campaign = with_payloads(campaign)
+    stated, campaign = campaign, with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
     try:
         if too_fast := tuple(_beyond_speed(campaign, compiled)):
@@ -73,7 +75,8 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
         segments = segments_of(campaign, compiled, every, BINS)
         drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
         sped_up = partial(slow_clock, campaign, compiled, drives, SURE_OF_CLOCK, BINS)
-        found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told, sped_up))
+        of_payload = partial(_of_payload, stated, compiled, drives)
+        found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told, sped_up, of_payload))
         found += known_pressures(campaign, compiled, segments)
         if readings := readings_of(segments, every, others):
             found += displaced(Replay(compiled, readings, others))
@@ -90,6 +93,7 @@ def _of_drives(
     quantities: tuple[Quantity, ...],
     told: set[str],
     sped_up: Callable[[], Clock | None],
+    of_payload: Callable[[DrivePicture], Iterator[Mistake]],
 ) -> Iterator[Finding]:
     if not segments:
         return
@@ -104,7 +108,7 @@ def _of_drives(
     recording = Recording(segments, quantities, compiled)
     too_small = tuple(loads_too_small(picture, recording))
     yield from too_small
-    of_loads = mistaken_loads(picture, recording)
+    of_loads = chain(mistaken_loads(picture, recording), of_payload(picture))
     mistaken = [
         finding
         for finding in mistakes_in(picture, of_loads, lambda: mistaken_joints(picture, recording))
@@ -121,6 +125,16 @@ def _of_drives(
             yield from of_drive
     if not (dead or too_small or mistaken):
         yield from mistaken_in_one_run(picture, segments)
+
+
+def _of_payload(
+    stated: Campaign, compiled: CompiledRobot, drives: tuple[Quantity, ...], picture: DrivePicture
+) -> Iterator[Mistake]:
+    """Yield the payload that is known besides, if there is one, as what may be wrong."""
+    payloads = [one.value for one in stated.known if one.quantity == PAYLOAD and one.value > 0]
+    if payloads:
+        segments = readings_of(segments_of(stated, compiled, drives, BINS), drives, drives)
+        yield from mistaken_payload(picture, Recording(segments, drives, compiled), max(payloads))
 
 
 def _of_clock(clock: Clock | None) -> Iterator[Finding]:

@@ -84,7 +84,7 @@ def drive_picture(replay: Replay) -> DrivePicture:
     observed, model = np.full(shape, np.nan), np.zeros(shape)
     extra, names, units = np.zeros((*shape, len(missing))), [""] * shape[1], np.ones(shape[1])
     for c, quantity in enumerate(replay.quantities):
-        j, unit = quantity.index, in_nm(quantity, replay.compiled)
+        j, unit = quantity.index, _in_nm(quantity, replay.compiled)
         observed[:, j], units[j] = unit * seen[:, c], unit
         model[:, j] = unit * nominal[:, c]
         extra[:, j] = unit * np.stack([change[:, c] for change in missing], axis=1) if missing else extra[:, j]
@@ -105,6 +105,5 @@ def _rotors(replay: Replay, nominal: Array) -> list[Array]:
     return [replay.predict(World(acting=(acting,))) - nominal for acting in doubled]
 
 
-def in_nm(quantity: Quantity, compiled: CompiledRobot) -> float:
-    """Return what one unit of a drive's channel is worth [Nm] or [N]."""
+def _in_nm(quantity: Quantity, compiled: CompiledRobot) -> float:
     return float(compiled.torque_constant[quantity.index]) if quantity.kind == "current" else 1.0

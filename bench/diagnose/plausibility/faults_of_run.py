@@ -13,10 +13,31 @@ from numpy.typing import NDArray
 from bench.diagnose.plausibility.listed_causes import ListedCauses
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
+from bench.effects.gas import GasLoss
+from bench.effects.geometry import JointZero
+from bench.effects.recording_channel import ChannelDelay
+from bench.effects.recording_log import HungLoad
+from bench.effects.sensing_bench import ForceGain, TrackerFrame, TrackerScale
+from bench.effects.sensing_drive import CurrentOffset, TorqueConstant
 from bench.record.campaign import Array
 
 LOADS = "loads"  # the subject of faults of what was written down; else the kind of a quantity, or "angles"
 ANGLES = "angles"
+# derived: sizes, by subject and how, up to which the catalogue knows a cause that is no fault of a file
+LISTED: Mapping[tuple[str, str], float] = {
+    (LOADS, "scaled"): HungLoad.parameters[0].low,
+    (ANGLES, "displaced"): JointZero.parameters[0].high,
+    ("q_link", "displaced"): JointZero.parameters[0].high,
+    ("reflector", "displaced"): TrackerFrame.parameters[0].high,
+    ("reflector", "scaled"): TrackerScale.parameters[0].high,
+    ("force", "scaled"): ForceGain.parameters[0].high,
+    ("moment", "scaled"): ForceGain.parameters[0].high,
+    ("gas_pressure", "scaled"): GasLoss.parameters[0].low,
+    ("current", "scaled"): TorqueConstant.parameters[0].high,
+    ("tau_motor", "scaled"): TorqueConstant.parameters[0].high,
+    ("current", "displaced"): CurrentOffset.parameters[0].high,
+}
+SOONEST = ChannelDelay.parameters[0].low  # derived: [s], of a delay of any channel
 LEAST = 3  # exact: readings that have a rate in their middle
 
 
@@ -39,6 +60,11 @@ class Fault:
     how: str
     unit: str
     columns: Array
+
+    def matters(self, values: Array) -> bool:
+        """Whether its numbers, shape (p,), are larger than what the catalogue knows a cause of."""
+        least = SOONEST if self.how == "late" else LISTED.get((self.subject[0], self.how), 0.0)
+        return float(np.linalg.norm(values)) > least
 
 
 def faults_of(

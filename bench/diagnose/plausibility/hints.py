@@ -1,6 +1,7 @@
 """What a fast look shows of errors that a diagnosis weighs itself, in numbers: channels scaled, late, not explained."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -81,6 +82,14 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
     except ConvergenceError:
         return tuple(found)
     return tuple(found)
+
+
+def _suspected(campaign: Campaign, found: Sequence[Finding]) -> Iterator[str]:
+    """Yield runs of which something was said, or whose loads or forces were found to disagree."""
+    for run in campaign.runs:
+        of_loads = {Path(hint.file).stem for hint in found if hint.column.startswith(("load_", "force_", "moment_"))}
+        if run.name in of_loads or any(repr(run.name) in hint.message for hint in found):
+            yield run.name
 
 
 def _scaled(looks: Sequence[DriveLook], compiled: CompiledRobot) -> Iterator[Finding]:

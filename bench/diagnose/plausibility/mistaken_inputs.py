@@ -71,6 +71,18 @@ def mistaken_loads(picture: DrivePicture, recording: Recording) -> Iterator[Mist
             yield from _mistake(picture, recording, "load_z_n", f"loads {message}", remedy, change)
 
 
+def mistaken_payload(picture: DrivePicture, without: Recording, stated: float) -> Iterator[Mistake]:
+    """Yield a payload that the lab knows besides, misread, with what the model makes of the runs without it; simulated.
+
+    Args:
+        picture: What drives did, with that payload.
+        without: The same recording without it.
+        stated: The payload [kg].
+    """
+    message, remedy = f"payload_kg is {stated:g}, which no drive paid for", "look at its value and unit"
+    yield from _mistake(picture, without, "known", message, remedy, without.plain)
+
+
 def mistaken_joints(picture: DrivePicture, recording: Recording) -> Iterator[Mistake]:
     """Yield each joint turned and every two exchanged, with what the model makes of it; simulated."""
     names = [name or f"q_motor_{j + 1}" for j, name in enumerate(picture.names)]

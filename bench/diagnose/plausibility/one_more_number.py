@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.plausibility.drive_picture import in_nm
 from bench.diagnose.plausibility.faults_of_run import ANGLES, LOADS, Fault, faults_of, rates_of
 from bench.diagnose.plausibility.late_channels import SURE
 from bench.diagnose.plausibility.linear_fit import LinearFit, fitted
@@ -28,6 +27,7 @@ from bench.robot.compiled import CompiledRobot
 OWN = 1e-9  # rounding: of the information of a column, that it has beside all others
 BINS = 30  # effort: of one run at most; enough for one number
 AGAIN = 3  # effort: times that a delay is found, each over the one before
+CHANCE = 2.0  # declared: standard errors, up to which the largest of a few numbers comes by chance
 MOST_NAMED = 2  # declared: what explains a run as well; more leave nobody the wiser
 LATEST = 0.1  # declared: of a run; a delay is told by rates of change, which mean nothing over more
 HARDLY = "is hardly what all else makes of it"
@@ -64,7 +64,9 @@ class OneRunAmongOthers:
         self.time = np.concatenate([one.motion.time[one.motion.read] for one in replay.segments])
         is_static = np.repeat([one.is_static for one in replay.segments], [len(one) for one in replay.segments])
         kinds = [np.where(is_static == kind, self.run_of, "") for kind in (True, False)]
-        self.plain = fitted(causes.residual, causes.sensitivities, _errors(replay, is_static), kinds)
+        errors = np.concatenate([segment.sigma for segment in replay.segments])
+        errors = np.where(np.isfinite(errors), errors, 1.0)
+        self.plain = fitted(causes.residual, causes.sensitivities, errors, kinds)
 
     def explained(self, fit: LinearFit, like: Fault | None = None) -> list[Explained]:
         """Return what each fault of each run would explain, beside a load of that run that was written down wrong.
@@ -155,7 +157,7 @@ def one_more_number(campaign: Campaign, compiled: CompiledRobot, told: frozenset
     every = among.explained(among.plain)
     worst_of: dict[tuple[str, int], Explained] = {}
     for one in sorted(every, key=lambda one: -one.sigmas):
-        if one.sigmas > FAR:
+        if one.sigmas > FAR * CHANCE and one.fault.matters(one.values):
             worst_of.setdefault(one.fault.subject, one)
     judged = set(told)
     for worst in worst_of.values():
@@ -179,7 +181,7 @@ def _judged(among: OneRunAmongOthers, every: Sequence[Explained], worst: Explain
     with_it = among.with_fault(fit, worst.fault)
     with_it = among.with_fault(fit, among.cleaned(fit, with_it, worst.fault)[0])
     after = among.explained(with_it, worst.fault)
-    rest = max(_elsewhere(after, worst.fault), 1.0)
+    rest = max(_elsewhere(after, worst.fault), CHANCE)
     same = max((one.sigmas for one in after if one.fault.run == run), default=0.0)
     if worst.sigmas < FAR * rest:
         return
@@ -197,7 +199,8 @@ def _judged(among: OneRunAmongOthers, every: Sequence[Explained], worst: Explain
         if not rivals and subject[0] not in (LOADS, ANGLES):
             yield Finding("warning", "all runs", None, worst.fault.column, f"{HARDLY} {where}", LOOK)
         return
-    mine = [one for one in every if one.fault.run == run and one.sigmas >= worst.sigmas - max(rest, same)]
+    nearly = worst.sigmas - max(rest, same)
+    mine = [one for one in every if one.fault.run == run and one.sigmas >= nearly and one.fault.matters(one.values)]
     subjects = dict.fromkeys(one.fault.subject for one in sorted(mine, key=lambda one: -one.sigmas))
     if len(rivals) > 1 or len(subjects) > MOST_NAMED:
         return
@@ -263,25 +266,13 @@ def _in_words(fault: Fault, values: Array, lasts: float) -> str:
     return f"is {1 + values[0]:.3g} times what all else makes of it"
 
 
-def _errors(replay: Replay, is_static: NDArray[np.bool_]) -> Array:
-    """Return standard errors of readings, shape (T, c); friction holds drives at rest anywhere up to its level."""
-    compiled = replay.compiled
-    errors = np.concatenate([segment.sigma for segment in replay.segments])
-    level = compiled.motor_coulomb + compiled.link_coulomb
-    for c, quantity in enumerate(replay.quantities):
-        if quantity.is_drive:
-            held = level[quantity.index] / in_nm(quantity, compiled)
-            errors[is_static, c] = np.hypot(errors[is_static, c], held)
-    return np.where(np.isfinite(errors), errors, 1.0)
-
-
 def _sliding(segments: Sequence[Segment], quantities: Sequence[Quantity]) -> tuple[Segment, ...]:
-    """Return segments without readings of drives that stand while others move: friction holds them anywhere."""
+    """Return segments without readings of drives that stand: friction holds them anywhere between its levels."""
     found = []
     for segment in segments:
         observed = segment.observed.copy()
         for c, quantity in enumerate(quantities):
-            if quantity.is_drive and segment.standing[quantity.index] and not segment.is_static:
+            if quantity.is_drive and segment.standing[quantity.index]:
                 observed[:, c] = np.nan
         found.append(replace(segment, observed=observed))
     return tuple(found)
