@@ -1,6 +1,6 @@
 """Channels and clocks that are wrong in one run alone, ahead of the encoders, or without sign."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +42,62 @@ def one_run_of_its_own(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("one run of its own", name, spoil, answer, places)
 
 
+def one_more_number_in_one_run(rng: np.random.Generator) -> Iterator[Variant]:
+    """One run of which an instrument, an angle or a load is not what all else makes of it."""
+    run, loaded = OTHER.removesuffix(".csv"), "loaded-out"
+    places = [f"reflector_1_{axis}_m" for axis in "xyz"]
+
+    def changed(name: str, columns: Sequence[str], change: Callable[[np.ndarray], np.ndarray]) -> Spoil:
+        def spoil(sheet: Sheet) -> None:
+            for column in columns:
+                sheet.change(column, change)
+
+        return _in_run(f"{name}.csv", spoil)
+
+    def late(values: np.ndarray) -> np.ndarray:
+        return np.concatenate([np.full(5, values[0]), values[:-5]])
+
+    load = ["load_mass_kg", "load_z_n"]
+    found: dict[str, tuple[Spoil, tuple[str, ...]]] = {
+        "a gauge 10 % high": (
+            changed(run, ["gas_pressure_pa"], lambda p: 1.1 * p),
+            ("gas_pressure_pa", "e+05 Pa", run),
+        ),
+        "a gauge 3 bar off": (
+            changed(run, ["gas_pressure_pa"], lambda p: p + 3e5),
+            ("gas_pressure_pa", "e+05 Pa", run),
+        ),
+        "a tracker 5 mm off": (changed(run, places[2:], lambda z: z + 0.005), (places[2], "+0.00", "m beside", run)),
+        "a tracker that scales": (changed(run, places, lambda x: 1.01 * x), ("reflector_1", "1.01 times", run)),
+        "a tracker late": (changed(loaded, places, late), ("reflector_1", loaded)),
+        "an encoder 1 degree off": (
+            changed(run, ["q_motor_1_rad"], lambda q: q + 0.0175),
+            ("q_motor_1", "+0.017", run),
+        ),
+        "another encoder off": (changed(run, ["q_motor_2_rad"], lambda q: q + 0.0175), ("q_motor_2", "+0.017", run)),
+        "half of a mass": (changed(run, load, lambda m: m / 2), ("load_mass_kg", "times the load that", run)),
+        "a current late": (changed(run, ["current_1_a"], late), ("current_1_a", "all else", run)),
+    }
+    for name, (spoil, words) in found.items():
+        yield Variant("one more number in one run", name, spoil, "harmless", words)
+
+
+def payloads_that_are_known(rng: np.random.Generator) -> Iterator[Variant]:
+    """Payloads that the lab knows besides, by far more than any drive paid for; currents are not to be blamed."""
+
+    def known(kg: float) -> Spoil:
+        def spoil(folder: Path) -> None:
+            file = folder / "campaign.yaml"
+            stated = f"known:\n- {{quantity: payload_kg, value: {kg}, sigma: 1}}\n"
+            file.write_text(file.read_text() + stated)
+
+        return spoil
+
+    for kg in (100, 300):
+        words = ("known", f"payload_kg is {kg}", "no drive paid for")
+        yield Variant("payloads that are known", f"{kg} kg", known(kg), "doubt", words)
+
+
 def early_and_absolute(rng: np.random.Generator) -> Iterator[Variant]:
     """Channels ahead of the encoders, and drives whose logger keeps no sign."""
 
@@ -62,4 +118,4 @@ def early_and_absolute(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("early and absolute", f"a gauge {how}", spoil, "harmless", words)
 
 
-FAMILIES = (one_run_of_its_own, early_and_absolute)
+FAMILIES = (one_run_of_its_own, one_more_number_in_one_run, payloads_that_are_known, early_and_absolute)

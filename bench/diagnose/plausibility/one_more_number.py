@@ -194,7 +194,7 @@ def _judged(among: OneRunAmongOthers, every: Sequence[Explained], worst: Explain
         and one.sigmas**2 > worst.sigmas**2 / 2
         and then[one.fault.run, one.fault.column, one.fault.how] < one.sigmas / 2
     }
-    where = f"in run {run!r}" + (f", or in run {next(iter(rivals))!r} the other way" if rivals else "")
+    where = f"in run {run!r}" + (f", or the other way round in run {next(iter(rivals))!r}" if rivals else "")
     if same**2 > (1 - EXPLAINED) * worst.sigmas**2:
         if not rivals and subject[0] not in (LOADS, ANGLES):
             yield Finding("warning", "all runs", None, worst.fault.column, f"{HARDLY} {where}", LOOK)
@@ -208,7 +208,7 @@ def _judged(among: OneRunAmongOthers, every: Sequence[Explained], worst: Explain
     lasts = float(np.ptp(among.time[among.run_of == run]))
     words = [_in_words(fault, among.cleaned(fit, with_it, fault)[1], lasts) for fault in plainest]
     others = [f"{fault.column} {said}" for fault, said in zip(plainest[1:], words[1:], strict=True)]
-    message = " or ".join([words[0], *others]) + f" {where}"
+    message = ", or ".join([words[0], *others]) + ("," if others else "") + f" {where}"
     remedy = "look up what was hung on there; bench diagnose weighs it" if subject[0] == LOADS else LOOK
     yield Finding("warning", "all runs", None, plainest[0].column, message, remedy)
 
@@ -262,7 +262,7 @@ def _in_words(fault: Fault, values: Array, lasts: float) -> str:
     if fault.how == "late" and abs(values[0]) > LATEST * lasts:
         return HARDLY
     if fault.how == "late":
-        return f"is {abs(values[0]):.2g} s {'late' if values[0] > 0 else 'early'}, by all else,"
+        return f"is {abs(values[0]):.2g} s {'late' if values[0] > 0 else 'early'} by all else"
     return f"is {1 + values[0]:.3g} times what all else makes of it"
 
 
