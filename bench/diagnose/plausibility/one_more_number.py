@@ -194,7 +194,7 @@ def _judged(among: OneRunAmongOthers, every: Sequence[Explained], worst: Explain
         and one.sigmas**2 > worst.sigmas**2 / 2
         and then[one.fault.run, one.fault.column, one.fault.how] < one.sigmas / 2
     }
-    where = f"in run {run!r}" + (f", or the other way round in run {next(iter(rivals))!r}" if rivals else "")
+    where = f"in run {run!r}" + (f" or, the other way round, in run {next(iter(rivals))!r}" if rivals else "")
     if same**2 > (1 - EXPLAINED) * worst.sigmas**2:
         if not rivals and subject[0] not in (LOADS, ANGLES):
             yield Finding("warning", "all runs", None, worst.fault.column, f"{HARDLY} {where}", LOOK)
@@ -210,6 +210,7 @@ def _judged(among: OneRunAmongOthers, every: Sequence[Explained], worst: Explain
     others = [f"{fault.column} {said}" for fault, said in zip(plainest[1:], words[1:], strict=True)]
     message = ", or ".join([words[0], *others]) + ("," if others else "") + f" {where}"
     remedy = "look up what was hung on there; bench diagnose weighs it" if subject[0] == LOADS else LOOK
+    remedy = f"nothing tells which: {remedy.replace('that run was', 'both were')}" if rivals else remedy
     yield Finding("warning", "all runs", None, plainest[0].column, message, remedy)
 
 
