@@ -12,6 +12,7 @@ from bench.diagnose.plausibility.first_look import TOLD
 from bench.record.campaign import Array
 
 FREE = 1e-9  # rounding: precision of a column without a prior, whitened and as long as one
+JITTER = 1e-10  # rounding: of a diagonal, added to it; columns far larger than any noise are alike within that
 TWICE = 2  # effort: times that the errors of readings are taken from what the fit before left
 
 
@@ -38,7 +39,9 @@ class LinearFit:
         """Return a fit of columns with a prior of one, shape (T, c, k)."""
         seen = np.isfinite(residual)
         matrix = columns[seen] / errors[seen][:, None]
-        information = matrix.T @ matrix + np.eye(matrix.shape[1])
+        information = matrix.T @ matrix
+        information[np.diag_indices_from(information)] *= 1 + JITTER
+        information[np.diag_indices_from(information)] += 1.0
         return cls(residual, columns, errors, matrix, np.asarray(np.linalg.cholesky(information), dtype=np.float64))
 
     def with_more(self, column: Array) -> "LinearFit":

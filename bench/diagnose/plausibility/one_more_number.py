@@ -65,7 +65,8 @@ class OneRunAmongOthers:
         is_static = np.repeat([one.is_static for one in replay.segments], [len(one) for one in replay.segments])
         kinds = [np.where(is_static == kind, self.run_of, "") for kind in (True, False)]
         errors = np.concatenate([segment.sigma for segment in replay.segments])
-        errors = np.where(np.isfinite(errors), errors, 1.0)
+        spread = np.sqrt(np.mean(np.nan_to_num(causes.residual) ** 2, axis=0))
+        errors = np.where(errors > 0, errors, np.where(spread > 0, spread, 1.0))  # of instruments without noise
         self.plain = fitted(causes.residual, causes.sensitivities, errors, kinds)
 
     def explained(self, fit: LinearFit, like: Fault | None = None) -> list[Explained]:
@@ -163,16 +164,19 @@ def one_more_number(campaign: Campaign, compiled: CompiledRobot, told: frozenset
     for worst in worst_of.values():
         if worst.fault.run not in judged:
             judged.add(worst.fault.run)
-            yield from _judged(among, every, worst)
+            yield from _judged(among, every, worst, told)
 
 
-def _judged(among: OneRunAmongOthers, every: Sequence[Explained], worst: Explained) -> Iterator[Finding]:
+def _judged(
+    among: OneRunAmongOthers, every: Sequence[Explained], worst: Explained, told: frozenset[str]
+) -> Iterator[Finding]:
     """Yield a warning of the fault that explains most, unless it may be something else.
 
     Args:
         among: The campaign.
         every: What each fault explains.
         worst: The fault that explains most of its subject.
+        told: Runs of which something was told already; what they may be the culprits of is not told again.
     """
     run, subject = worst.fault.run, worst.fault.subject
     if len({one.fault.run for one in every if one.fault.subject == subject}) <= OTHERS:
@@ -194,6 +198,8 @@ def _judged(among: OneRunAmongOthers, every: Sequence[Explained], worst: Explain
         and one.sigmas**2 > worst.sigmas**2 / 2
         and then[one.fault.run, one.fault.column, one.fault.how] < one.sigmas / 2
     }
+    if rivals & told:
+        return
     where = f"in run {run!r}" + (f" or, the other way round, in run {next(iter(rivals))!r}" if rivals else "")
     if same**2 > (1 - EXPLAINED) * worst.sigmas**2:
         if not rivals and subject[0] not in (LOADS, ANGLES):
