@@ -95,7 +95,7 @@ def test_what_one_run_alone_has_is_told(
     assert f"in run '{run}'" in said
 
 
-@pytest.mark.parametrize(("factor", "words"), [(0.5, "is 0.4"), (2.0, "is 2")])
+@pytest.mark.parametrize(("factor", "words"), [(0.5, "is 0.4"), (2.0, "is 2"), (0.1, "is several times smaller")])
 def test_a_load_is_told_by_what_the_tracker_saw(
     campaign: Campaign, compiled: CompiledRobot, factor: float, words: str
 ) -> None:

@@ -15,6 +15,7 @@ from bench.diagnose.plausibility.faults_of_run import ANGLES, LOADS, Fault, faul
 from bench.diagnose.plausibility.late_channels import SURE
 from bench.diagnose.plausibility.linear_fit import LinearFit, fitted
 from bench.diagnose.plausibility.listed_causes import ListedCauses, listed_causes
+from bench.diagnose.plausibility.loads import TOO_SMALL
 from bench.diagnose.plausibility.one_run import EXPLAINED, FAR, OTHERS
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -258,9 +259,12 @@ def _solved(scores: Array, information: Array) -> tuple[Array, float]:
 def _in_words(fault: Fault, values: Array, lasts: float) -> str:
     """Return what is wrong with a channel, an angle or a load in a run that lasts so long [s]."""
     if fault.subject[0] == LOADS:
-        against = values[0] <= -1
-        size = "against" if against else f"{1 / (1 + values[0]):.2g} times"
-        return f"is {size} the load that instruments show"
+        shown = float(1 + values[0])  # to first order: of what is several times off, the number is not
+        if shown > TOO_SMALL:
+            return "is several times smaller than the load that instruments show"
+        if shown < 1 / TOO_SMALL:
+            return "is far more than the load that instruments show"
+        return f"is {1 / shown:.2g} times the load that instruments show"
     if fault.subject[0] == ANGLES:
         return f"is {values[0]:+.3g} {fault.unit} beside where the joint is by all else"
     if fault.how == "displaced":
