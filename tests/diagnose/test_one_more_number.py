@@ -123,7 +123,7 @@ def test_nothing_is_told_of_a_healthy_session(compiled: CompiledRobot, seed: int
     [
         "gas_step@joint3-payload0-speed20-up=0.3",
         "joint_slip@3@joint3-payload0-speed20-up=0.005",
-        "tracker_step@unloaded-out=0.005",
+        "tracker_step@tracker@unloaded-out=0.005",
         "thermal_growth",
         "thermal_relaxation=0.6",
         "backlash@3",
