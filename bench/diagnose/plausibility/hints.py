@@ -75,10 +75,7 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
             both = (*late_reflectors(replay), *late_gauges(replay))
             found += _late(both, ChannelDelay.parameters[0].low, ChannelDelay.name)
             found += _gauge(replay)
-        suspected = frozenset(
-            run.name for run in campaign.runs if any(repr(run.name) in hint.message for hint in found)
-        )
-        found += one_more_number(campaign, compiled, suspected)
+        found += one_more_number(campaign, compiled, frozenset(_suspected(campaign, found)))
     except ConvergenceError:
         return tuple(found)
     return tuple(found)
