@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.diagnose.cross_validation.held_out import HeldOut
-from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.fit import BEYOND, Fit
 from bench.diagnose.extend.size import size_of
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.limits import detection_limits
@@ -181,7 +181,11 @@ def _named(cause: Cause, fit: Fit) -> NamedCause:
         if u.cause is cause
     )
     size = size_of(cause, fit)
-    return replace(_titled(cause, (*parameters, *quotients_of(cause, fit))), share=size.share, sigmas=size.sigmas)
+    named = replace(_titled(cause, (*parameters, *quotients_of(cause, fit))), share=size.share, sigmas=size.sigmas)
+    if not size.share > BEYOND:
+        return named
+    doubt = f"{size.share:.2g} times the largest plausible size: is it this, or is a figure or a channel wrong?"
+    return replace(named, advice=f"{doubt} {named.advice}".strip())
 
 
 def quotients_of(cause: Cause, fit: Fit) -> Iterator[ParameterValue]:

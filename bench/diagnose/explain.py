@@ -10,6 +10,7 @@ from bench.diagnose.baseline.comparison import Baseline, baseline_of
 from bench.diagnose.conclude import unfinished_of
 from bench.diagnose.cross_validation.held_out import HeldOut, held_out
 from bench.diagnose.cross_validation.jackknife import with_jackknife
+from bench.diagnose.cross_validation.leave_out import REACH
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
@@ -34,6 +35,9 @@ from bench.identify.dynamics.held_out import SAME
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
 
+# declared: times what is plausible, that causes are looked for where nothing plausible explains a campaign
+LARGER = 4.0
+UNEXPLAINED = 2.0  # effort: standard errors that are left on average, from where that is worth another diagnosis
 UNKNOWN_MASS = 1.0  # derived: relative uncertainty of a mass that nobody knows: none is one standard deviation away
 
 
@@ -124,7 +128,9 @@ def explained(task: Task, signatures: Signatures) -> Explained:
     linear = linearised_model_of(Replay(compiled, segments, quantities), signatures.nuisances, sensitivities.nuisances)
     progress("naming")
     recorded = recorded_by(campaign, compiled)
-    around = Neighbourhood(compiled, task.catalogue, measured_by(campaign), task.rate, task.executor, recorded=recorded)
+    reach = signatures.causes[0].reach if signatures.causes else 1.0
+    measured = measured_by(campaign)
+    around = Neighbourhood(compiled, task.catalogue, measured, task.rate, task.executor, recorded, reach)
     linear, screening = around.weighed(linear, signatures.causes, sensitivities)
     naming = name_cause(linear, screening, around.about, progress, task.executor)
     found = Explained(signatures, segments, naming, naming.linear)
@@ -183,6 +189,50 @@ def beside_unknown_links(
         return replace(found, unfinished=other.unfinished)
     assert found.baseline
     return other if other.baseline and other.baseline.over(found.baseline) < 1 / SAME else found
+
+
+def is_open(found: Explained) -> bool:
+    """Whether something is unlisted, or nothing was found but with figures that are farther off than figures are."""
+    if found.unfinished:
+        return False
+    if found.naming.models:
+        return found.naming.unlisted is not None
+    left = found.about.whiten(found.fit.residual)
+    is_missed = bool(found.baseline and found.baseline.lags) or float(np.mean(left**2)) > UNEXPLAINED**2
+    return is_missed or float(np.max(np.abs(found.fit.nuisances), initial=0.0)) > REACH
+
+
+def beyond_plausible(task: Task, found: Explained, farther: Signatures) -> Explained:
+    """Return what explains a campaign if causes may be several times as large as is plausible, where nothing else does.
+
+    Friction may be three times what is stated, and most of the gas may be gone. That is told as what it looks like, to
+    be checked first: another cause, a figure or a channel may be as wrong.
+
+    Args:
+        task: What is asked.
+        found: What explains the campaign with plausible causes.
+        farther: Signatures of causes that go farther.
+    """
+    task.progress(f"once more, with causes up to {LARGER:g} times as large as is plausible")
+    try:
+        other = explained(task, farther)
+    except Stopped as stopped:
+        return replace(found, unfinished=unfinished_of(found.naming, str(stopped), task.progress.now))
+    except NOT_SIMULATED:
+        return found
+    if other.unfinished:
+        return replace(found, unfinished=other.unfinished)
+    explains = bool(other.naming.models) and other.naming.unlisted is None
+    return other if explains and _misfit(other) < _misfit(found) + np.log(SAME) else found
+
+
+def _misfit(found: Explained) -> float:
+    """Return what the model leaves over what instruments scatter, the logarithm of its mean over all channels."""
+    left, shown = found.fit.residual, np.isfinite(found.fit.residual)
+    sigma = np.concatenate([segment.sigma for segment in found.segments])
+    square = np.where(shown & (sigma > 0), left / np.where(sigma > 0, sigma, 1.0), np.nan) ** 2
+    seen = [c for c in range(left.shape[1]) if np.any(np.isfinite(square[:, c]))]
+    return float(np.mean([np.log(np.nanmean(square[:, c])) / 2 for c in seen])) if seen else 0.0
 
 
 def extension_of(naming: Naming, discrepancy: Discrepancy | None) -> Fit | None:

@@ -72,8 +72,13 @@ class GasTemperature(OfGas):
     title = "gas warmer or colder than nominal"
     between = "anew"
     physics = "At the same volume p ~ T: F grows by the factor 1 + dT / 293.15 K (0.34 % per kelvin)."
-    source = "ideal gas law; range: workshop 5 to 45 degC and self-heating, assumed"
-    parameters = (Parameter("offset", "K", 0.0, 3.0, 40.0, "gas temperature less 293.15 K", signed=True),)
+    source = (
+        "ideal gas law; range: workshop 5 to 45 degC and self-heating, assumed; never beyond -40 to 120 degC, which "
+        "seals of accumulators bear (data sheets of NBR, ECO and FKM)"
+    )
+    parameters = (
+        Parameter("offset", "K", 0.0, 3.0, 40.0, "gas temperature less 293.15 K", signed=True, least=-60.0, most=100.0),
+    )
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         return amount_scaled(1 + values["offset"] / REFERENCE_K)

@@ -35,7 +35,8 @@ def size_of(cause: Cause, fit: Fit) -> Size:
     for unknown, value, sigma in zip(fit.unknowns, fit.values, fit.sigma, strict=True):
         if unknown.cause is cause and not unknown.parameter.is_shape:
             off = abs(float(value) - unknown.parameter.null)
-            sizes.append(Size(off / unknown.parameter.high, off / float(sigma) if sigma > 0 else float("inf")))
+            plausible = unknown.parameter.high / cause.reach
+            sizes.append(Size(off / plausible, off / float(sigma) if sigma > 0 else float("inf")))
     clear = [size for size in sizes if size.sigmas > NORMAL_95]
     if clear:
         return max(clear, key=lambda size: size.share)

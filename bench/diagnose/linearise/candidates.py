@@ -1,7 +1,7 @@
 """Which effects could act on a robot, where, and what a campaign would show of each: signatures, by simulation."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -28,12 +28,14 @@ class Cause:
         place: Where.
         sizes: Its parameters that are sizes there.
         shapes: Its parameters that only shape it.
+        reach: Times what is plausible, that its sizes are looked for up to.
     """
 
     effect: Effect
     place: Place
     sizes: tuple[Parameter, ...]
     shapes: tuple[Parameter, ...]
+    reach: float = 1.0
 
     @property
     def key(self) -> tuple[str, str]:
@@ -90,6 +92,7 @@ def causes_of(
     compiled: CompiledRobot,
     measured: frozenset[str],
     recorded: Recorded = NOTHING_RECORDED,
+    reach: float = 1.0,
 ) -> tuple[Cause, ...]:
     """Return every effect at every place where it may act on this robot, as far as these channels could show it.
 
@@ -98,6 +101,7 @@ def causes_of(
         compiled: The robot.
         measured: Quantities that the campaign has.
         recorded: Its runs and columns; without them errors of the recording have no place.
+        reach: Times what is plausible, that sizes are looked for up to.
     """
     found = []
     for effect in catalogue:
@@ -105,9 +109,9 @@ def causes_of(
             continue
         for place in places_of(effect, compiled, recorded):
             parameters = effect.parameters_at(compiled, place)
-            sizes = tuple(parameter for parameter in parameters if not parameter.is_shape)
+            sizes = tuple(replace(one, high=reach * one.high) for one in parameters if not one.is_shape)
             shapes = tuple(parameter for parameter in parameters if parameter.is_shape)
-            found.append(Cause(effect, place, sizes, shapes))
+            found.append(Cause(effect, place, sizes, shapes, reach))
     return tuple(found)
 
 
@@ -163,7 +167,7 @@ def candidates_of(
         visible = norms[columns] * prior > INVISIBLE
         if np.any(visible):
             sizes = tuple(size for (size, _), is_visible in zip(kept, visible, strict=True) if is_visible)
-            shown = Cause(cause.effect, cause.place, sizes, cause.shapes)
+            shown = replace(cause, sizes=sizes)
             found.append(Candidate(shown, shape, step[visible], prior[visible], _view(white, columns[visible])))
     return tuple(found)
 

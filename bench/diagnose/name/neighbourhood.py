@@ -46,6 +46,7 @@ class Neighbourhood:
         rate: Declared false-alarm rate.
         executor: Where to simulate.
         recorded: Runs and columns of the campaign.
+        reach: Times what is plausible, that sizes are looked for up to.
     """
 
     def __init__(
@@ -56,6 +57,7 @@ class Neighbourhood:
         rate: float,
         executor: Executor = SERIAL,
         recorded: Recorded = NOTHING_RECORDED,
+        reach: float = 1.0,
     ) -> None:
         self.compiled = compiled
         self.catalogue = catalogue
@@ -63,6 +65,7 @@ class Neighbourhood:
         self.rate = rate
         self.executor = executor
         self.recorded = recorded
+        self.reach = reach
         self._causes: tuple[Cause, ...] = ()
         self._changes = Sensitivities(np.empty(0), ())
         self._tried: Tried | None = None
@@ -145,7 +148,7 @@ class Neighbourhood:
         return needs
 
     def _causes_of(self, robot: CompiledRobot) -> tuple[Cause, ...]:
-        return causes_of(self.catalogue.values(), robot, self.measured, self.recorded)
+        return causes_of(self.catalogue.values(), robot, self.measured, self.recorded, self.reach)
 
     def _looked_around(self, linear: LinearisedModel, white_of: Callable[[LinearisedModel], Array]) -> LinearisedModel:
         """Return the design with what not even everything together explains, by the instruments' standard errors."""
