@@ -12,6 +12,7 @@ where the filter's band lies (`band.py`). What a known load pulls is taken where
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from bench.identify.arm import Arm
@@ -34,11 +35,13 @@ class Bending:
         arm: Its links, with the payload that nobody stated.
         nominal: The robot, for its counterbalance, known loads and stiffness.
         gas: Share of the gas that is in the counterbalance.
+        winds: Shape (n,), gears that wind up; the others are rigid.
     """
 
     arm: Arm
     nominal: NominalDynamics
     gas: float
+    winds: NDArray[np.bool_]
 
     def columns(self, equations: Equations, band: Band) -> Array:
         """Return what each gear's winding as stated adds to the torque of each drive, shape (T, n, n), thinned.
@@ -56,8 +59,8 @@ class Bending:
         wound = CubicSpline(
             time, (rigid + known_torque(self.arm, self.nominal, samples, state, rows)) / self.nominal.stiffness
         )
-        found = np.empty((len(rows), n, n))
-        for j in range(n):
+        found = np.zeros((len(rows), n, n))
+        for j in np.flatnonzero(self.winds):
             of_j = np.arange(n) == j
             found[:, :, j] = self._torque(*(x - of_j * wound(time, k) for k, x in enumerate(state))) - rigid
         return band.filtered(CubicSpline(time, found)(samples.time), samples)
@@ -85,7 +88,7 @@ def bending_of(nominal: NominalDynamics, arm: Arm, layout: Layout, parameters: A
         body, payload = payload_columns(arm, nominal.load_point)
         links[body] += payload @ parameters[layout.payload]
     gas = float(parameters[layout.gas][0]) if layout.has_gas else 0.0
-    return Bending(Arm(links_with(arm.bodies, links)), nominal, gas)
+    return Bending(Arm(links_with(arm.bodies, links)), nominal, gas, np.isfinite(nominal.stiffness))
 
 
 def bent(equations: Equations, bending: Bending, band: Band) -> Equations:

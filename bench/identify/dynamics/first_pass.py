@@ -22,7 +22,7 @@ from bench.identify.dynamics.prior import Prior, prior_of, weighed
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, drive_rows
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
-from bench.identify.dynamics.solve import Solution
+from bench.identify.dynamics.solve import Solution, solve
 from bench.record.campaign import Array, Campaign
 from bench.robot.nominal_dynamics import NominalDynamics
 
@@ -107,7 +107,9 @@ class FirstPass:
     @property
     def compliance(self) -> Array | None:
         """Shape (n,) [rad/Nm] or [m/N], of the gears, to first order; None where they are taken to be rigid."""
-        return self.parameters[self.layout.softness] / self.nominal.stiffness if self.bending else None
+        if self.bending is None:
+            return None
+        return np.where(self.bending.winds, self.parameters[self.layout.softness], 0.0) / self.nominal.stiffness
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -190,13 +192,19 @@ def first_pass(
     folds = folds_of(stretches)
     solution, beside = with_its_delay(rows, prior, band, folds, find_delay=find_delay)
     rigid = _existing(_bodies(layout, arm, prior, solution, nominal), solution, prior)
-    bending: Bending | None = None
-    winding = bending_of(nominal, arm, layout, rigid)
-    bent_stretches = tuple(bent(part, winding, band) for part in stretches)
-    bent_rows = _rows(bent_stretches, layout, band, arm, nominal)
+    bending = bending_of(nominal, arm, layout, rigid)
+    bent_stretches = tuple(bent(part, bending, band) for part in stretches)
+    while True:
+        bent_rows = _rows(bent_stretches, layout, band, arm, nominal)
+        once = solve(bent_rows, prior, band.cutoff_hz, np.ones(layout.n), find_delay)
+        backwards = bending.winds & (once.parameters[layout.softness] < 0)  # no gear winds up so
+        if not backwards.any():
+            break
+        bending = replace(bending, winds=bending.winds & ~backwards)
+        bent_stretches = tuple(replace(part, winding=part.winding * bending.winds) for part in bent_stretches)
     wound, beside_wound = with_its_delay(bent_rows, prior, band, folds, find_delay=find_delay)
-    if beside_wound.surely_less_than(beside):
-        bending, solution, stretches, rows = winding, wound, bent_stretches, bent_rows
+    if is_bent := beside_wound.surely_less_than(beside):
+        solution, stretches, rows = wound, bent_stretches, bent_rows
     unsure = width_errors(solution.normal, prior, solution.widths)
     solution = replace(solution, covariance=solution.covariance + unsure)
     bodies = _bodies(layout, arm, prior, solution, nominal)
@@ -209,7 +217,7 @@ def first_pass(
         layout=layout,
         base=base,
         band=band,
-        bending=bending,
+        bending=bending if is_bent else None,
         stretches=stretches,
         problems=problems,
         parameters=_existing(bodies, solution, prior),

@@ -35,7 +35,7 @@ PRESLIDING = 1e-4  # [rad] or [m], where a friction element has reached its leve
 LEAST_FRICTION = 0.05
 # Torque limits by what the neediest drive is given without one, from where one limit for all drives is a placeholder.
 # Assumed: `RESERVE` once more; arms of drives that are all alike have no ten times too strong shoulder
-IDLE = 3.0
+IDLE = 30.0
 RESERVE = 3.0  # torque limit by what the arm alone takes, where the file limits no torque
 REACH_TIME = 0.5  # [s] to the speed limit, where the file limits no torque
 WEAKEST = 0.1  # of the strongest drive's torque limit: none is taken to be weaker where the file limits no torque.

@@ -31,6 +31,7 @@ from tests.identify.dynamics.rigid_world import (
 
 FRICTION = Friction(np.array([12.0, 9.0, 4.0]), np.array([15.0, 10.0, 6.0]), np.array([0.5, -1.0, 0.8]))
 STATED = np.array([2e5, 1.5e5, 6e4])  # [Nm/rad]; gears wind up by some mrad, and ring at 8 Hz
+SHORT = {"seconds": 10.0, "rate": 100.0}
 NOMINAL = replace(robot(arm(), mass=0.02, centre_of_mass_m=0.005, stiffness=3.0), stiffness=read_only(STATED))
 
 
@@ -69,8 +70,23 @@ def test_what_gears_wind_up_is_found_and_biases_nothing() -> None:
 
 
 def test_a_rigid_arm_does_not_wind_up() -> None:
-    rng = np.random.default_rng(4)
-    assert first_pass(recorded(drawn(NOMINAL, rng), FRICTION, rng), NOMINAL, find_delay=False).bending is None
+    """What it takes by chance, on one in twenty, is not clear of none."""
+    taken = 0
+    for seed in range(4, 9):
+        rng = np.random.default_rng(seed)
+        found = first_pass(recorded(drawn(NOMINAL, rng), FRICTION, rng, **SHORT), NOMINAL, find_delay=False)
+        where = found.layout.softness
+        sigma = np.sqrt(np.diag(found.solution.covariance))[where]
+        taken += found.bending is not None
+        assert found.bending is None or np.all(found.parameters[where] < 2 * sigma)
+    assert taken <= 1
+
+
+def test_no_gear_winds_up_backwards() -> None:
+    """Of a pan-tilt of another laboratory compliances came out below zero, and all frictions with them, by 3 sigma."""
+    rng = np.random.default_rng(6)
+    true = drawn(NOMINAL, rng)
+    assert first_pass(wound(true, -STATED, rng, sigma=0.1), NOMINAL, find_delay=False).bending is None
 
 
 def test_winding_is_the_torque_of_links_that_stand_elsewhere() -> None:
@@ -83,7 +99,7 @@ def test_winding_is_the_torque_of_links_that_stand_elsewhere() -> None:
         links = Arm(nominal.bodies)
         equations = equations_of(samples, band, links, nominal, np.ones(N))
         rigid = equations.links @ standard_parameters(links)
-        winding = Bending(links, nominal, 0.0).columns(equations, band).sum(axis=2)
+        winding = Bending(links, nominal, 0.0, np.ones(N, dtype=np.bool_)).columns(equations, band).sum(axis=2)
         left.append(np.linalg.norm(equations.torque - rigid - winding) / np.linalg.norm(equations.torque - rigid))
     assert left[0] < 0.05
     assert left[1] < 0.6 * left[0]
