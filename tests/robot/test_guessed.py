@@ -141,3 +141,18 @@ def test_friction_may_be_more_where_the_speed_limit_was_made_up(tmp_path: Path) 
         effect = catalogue()[name]
         (most, least) = (effect.parameters_at(one, effect.places(one)[0])[0].high for one in (guessed, stated))
         assert most == pytest.approx(factor * least)
+
+
+def test_a_servo_that_is_stronger_than_its_joint_needs_keeps_its_limit(tmp_path: Path) -> None:
+    """Of a pan-tilt with two servos of 1.5 Nm the upright one was given 0.019 Nm, and its friction was not seen."""
+    inertia = 'ixx="3e-4" iyy="3e-4" izz="3e-4" ixy="0" ixz="0" iyz="0"'
+    link = f'<inertial><origin xyz="0.01 0 0.02"/><mass value="0.3"/><inertia {inertia}/></inertial>'
+    limit = '<limit lower="-1.5" upper="1.5" effort="1.5" velocity="5"/>'
+    text = (
+        f'<robot name="pan_tilt"><link name="base">{link}</link><link name="yoke">{link}</link>'
+        f'<link name="head">{link}</link>'
+        f'<joint name="pan" type="revolute"><parent link="base"/><child link="yoke"/><axis xyz="0 0 1"/>{limit}</joint>'
+        f'<joint name="tilt" type="revolute"><parent link="yoke"/><child link="head"/><origin xyz="0 0 0.08"/>'
+        f'<axis xyz="0 1 0"/>{limit}</joint></robot>'
+    )
+    assert [drive.torque_limit for drive in started(tmp_path, text, "arm.urdf").drives] == [1.5, 1.5]

@@ -7,7 +7,7 @@ import numpy as np
 from bench.diagnose.baseline.first_look import FirstLook
 from bench.diagnose.verdict import DriveErrors, Verdict
 from bench.identify.dynamics.first_pass import FirstPass
-from bench.report.diagnosis.names import listed
+from bench.report.diagnosis.names import listed, percent
 from bench.report.dynamics.folds_words import folds_words
 
 # Fields of `DriveErrors` -> what they are called; the same models have other names in a first pass
@@ -24,6 +24,7 @@ OF_FIRST_PASS = {
     "plain_least_squares": "rival",
     "first_pass": "first_pass",
 }
+NOTABLE = 1.05  # declared: ratio of errors, from where it is said
 DIGITS = 3
 
 
@@ -63,7 +64,7 @@ def baseline_lines(verdict: Verdict) -> Iterator[str]:
     yield f"Torque in motion beside least squares, root mean square [{unit}], {baseline_words(verdict)}"
     rows = {words: [getattr(drive, name) for drive in baseline.drives] for name, words in MODELS.items()}
     yield from table_lines([f"drive {drive.drive}" for drive in baseline.drives], rows)
-    if words := missed_sentence(verdict):
+    if words := missed_sentence(verdict) or behind_sentence(verdict):
         yield words
     if words := links_sentence(verdict):
         yield words
@@ -89,6 +90,19 @@ def missed_sentence(verdict: Verdict) -> str:
     more = f" (and {len(missed) - 1} more)" if len(missed) > 1 else ""
     errors = f"least squares predicts {least} {worst.unit}, {model} {ours}"
     return f"Drive {worst.drive}{more}: {errors}: something is missing here."
+
+
+def behind_sentence(verdict: Verdict) -> str:
+    """Return where least squares predicts better by what chance may bring about, "" where nowhere, or for sure."""
+    behind = [
+        f"{drive.drive} (by {percent(drive.diagnosed / drive.least_squares - 1)})"
+        for drive in (verdict.baseline.drives if verdict.baseline else ())
+        if drive.diagnosed > NOTABLE * drive.least_squares
+    ]
+    if not behind or missed_sentence(verdict):
+        return ""
+    which = f"drive{'s' * (len(behind) > 1)} {listed(behind, 'and')}"
+    return f"Least squares leaves less on {which}, which chance may bring about over so little that was held out."
 
 
 def links_sentence(verdict: Verdict) -> str:

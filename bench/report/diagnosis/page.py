@@ -9,7 +9,7 @@ import numpy as np
 
 from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.diagnose.verdict import ChannelGain, Verdict
-from bench.report.diagnosis.baseline import MODELS, baseline_words, drive_rows, links_sentence
+from bench.report.diagnosis.baseline import MODELS, baseline_words, behind_sentence, drive_rows, links_sentence
 from bench.report.diagnosis.blind import blind_sentences
 from bench.report.diagnosis.facts import Facts
 from bench.report.diagnosis.headline import headline
@@ -180,6 +180,7 @@ def page_of(
         baseline_words=baseline_words(verdict),
         baseline_models=list(MODELS.values()),
         baseline_rows=drive_rows(verdict),
+        behind_words=behind_sentence(verdict),
         links_words=links_sentence(verdict),
         expected=[one for one in verdict.predicted if one.kind == "motion"],
         files=made,

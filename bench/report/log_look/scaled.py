@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.identify.drive_scale import DriveScale
+from bench.identify.drive_scale import AT_MOST, DriveScale
 from bench.record.campaign import Array
 from bench.record.look.families import Family
 from bench.report.log_look.angle_units import SLOWEST_GEAR
@@ -19,7 +19,6 @@ from bench.robot.nominal_dynamics import NominalDynamics
 NEAR_ONE = 0.25  # relative: a factor this near to one is no gear ratio; payload and masses may be off so far (assumed)
 NINETY = 1.645  # exact: standard deviations to either side that hold 90 %
 NINETY_NINE = 2.576  # exact: those that hold 99 %; six drives that are as stated stay within in 19 logs of 20
-AT_LIMIT = 1e-2  # rounding: of a payload that was searched to a thousandth
 
 
 def named_by_constants(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks: list[str]) -> Family:
@@ -79,8 +78,11 @@ def _of_delay_and_payload(family: Family, scale: DriveScale, nominal: NominalDyn
         f"{'lag' if scale.delay >= 0 else 'lead'} the angles by {1e3 * abs(scale.delay):.1f} +- "
         f"{1e3 * scale.delay_sigma:.1f} ms (what the model gets wrong of rotors and friction looks like that too)"
     )
-    if told and 0 < nominal.payload <= scale.payload * (1 + AT_LIMIT):
-        yield "that is the largest payload that may be unstated: if more hangs there, raise payload_kg in figures.yaml"
+    if told and 0 < nominal.payload <= scale.payload * (1 + AT_MOST):
+        yield (
+            "that is the largest payload that may be unstated: if more hangs there, raise payload_kg in figures.yaml; "
+            "else its centre is elsewhere, or masses or rotors are wrong, and factors are not told well"
+        )
 
 
 def _currents(family: Family, scale: DriveScale) -> Iterator[Line]:

@@ -38,6 +38,11 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
     if all(drive.origins["rotor_inertia"] in KEPT for drive in drives):
         known = Uncertainty.model_fields["rotor_inertia"].default
         found.append(f"uncertainty of rotor inertias: those of the file are taken as known to {100 * known:.0f} %")
+    elif some := [j.name for j, d in zip(source.joints, drives, strict=True) if d.origins["rotor_inertia"] in KEPT]:
+        found.append(
+            f"uncertainty of rotor inertias: as some are guessed, those of the file ({', '.join(some)}) count as "
+            "uncertain as these; state uncertainty.rotor_inertia once you know the others"
+        )
     return (
         *found,
         "instruments: drives that report torque with noise of 0.2 % of the torque limit, encoders, a laser tracker",
