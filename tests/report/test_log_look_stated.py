@@ -156,3 +156,12 @@ def test_motions_without_a_torque_are_warned_of(tmp_path: Path, capsys: pytest.C
     said = capsys.readouterr().out
     assert "log.yaml reads neither torques nor currents of the drives" in said
     assert "1 warning" in said
+
+
+def test_a_letter_stands_for_the_one_drive_that_has_no_number() -> None:
+    """As SCARAs have it; the currents of such a log were taken for torques behind unknown gears."""
+    names = ["A1_Strom [A]", "A2_Strom [A]", "Z_Strom [A]", "A4_Strom [A]", "Temperatur"]
+    (family,) = families_by_name(names, ("shoulder", "elbow", "lift", "roll"))
+    assert (family.kind, family.sources, family.numbers) == ("current", tuple(names[:4]), (1, 2, 3, 4))
+    (others,) = families_by_name([*names, "U_Strom [A]"], ("shoulder", "elbow", "lift", "roll"))
+    assert others.numbers == (1, 2, 4)

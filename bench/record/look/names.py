@@ -56,13 +56,17 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
         joints: Names of the robot's joints, if it is known.
     """
     groups: dict[str, list[tuple[int, str]]] = {}
+    others: list[str] = []
     for name in dict.fromkeys(names):
         stem, number = _stem(name, joints)
-        if number is not None:
+        if number is None:
+            others.append(name)
+        else:
             groups.setdefault(stem, []).append((number, name))
     found = []
     first = min((number for members in groups.values() for number, _ in members), default=1)  # 0 or 1
     for stem, members in groups.items():
+        members += _lettered(stem, members, others, range(first, first + len(joints)))
         unit = unit_of(members[0][1])
         words = _words(stem)
         words = words[:-1] if unit and words and WORDS_OF_UNITS.get(words[-1], words[-1]) == unit else words
@@ -77,6 +81,16 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
         why = "by name" if by_word else f"unit {unit} in its name" if kind != "unknown" else "moves with the robot"
         found.append(Family(kind, bool(COMMANDED & set(words)), sources, unit, why, numbers))
     return found
+
+
+def _lettered(
+    stem: str, members: Sequence[tuple[int, str]], others: Sequence[str], numbers: range
+) -> list[tuple[int, str]]:
+    """Return the one column that a family lacks and its number: of "A1_I", "A2_I", "Z_I", "A4_I" the third."""
+    missing = set(numbers) - {number for number, _ in members}
+    rest = stem.partition("*")[2]
+    alike = [name for name in others if name.endswith(rest)] if _words(rest) else []
+    return [(missing.pop(), alike[0])] if len(missing) == len(alike) == 1 < len(members) else []
 
 
 def _fits(kind: Kind, unit: str, by_unit: Kind) -> bool:
