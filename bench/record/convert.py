@@ -64,7 +64,7 @@ def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None)
         for begin, columns in pieces:
             name = _run_name(file, {run.name for run in runs})
             cut = f" from {begin:g} s" if not layout.runs.cuts_nothing else ""
-            runs.append(Run(name, layout.kind, start + begin, columns, f"made of {file.name}{cut}{when}"))
+            runs.append(Run(name, layout.kind, round(start + begin, 9), columns, f"made of {file.name}{cut}{when}"))
         start += length + PAUSE_S if "time_s" in log.columns else 0.0
     if findings:
         raise CampaignError(str(finding) for finding in likewise(findings))
