@@ -28,7 +28,8 @@ from bench.cli import main
         (["hide", "gas_loss=nan"], "'nan' is not a number"),
         (["hide", "gas_loss=inf"], "'inf' is not a number"),
         (["hide", "gas_loss=5"], "beyond it means nothing"),
-        (["hide", "gas_temperature=-300"], "no robot can be simulated with gas_temperature=-300"),
+        (["hide", "gas_temperature=-300"], "beyond it means nothing"),
+        (["hide", "anchor=-2"], "no robot can be simulated with anchor=-2"),
     ],
 )
 def test_it_is_bad_input(words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

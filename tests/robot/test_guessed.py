@@ -10,9 +10,10 @@ import pytest
 from bench.cli import main
 from bench.diagnose.plausibility.channels import BEYOND as SPEED_BEYOND
 from bench.diagnose.plausibility.channels import doubts_of
+from bench.diagnose.plausibility.single_rows import beyond_guessed_limits
 from bench.effects.catalogue import catalogue
 from bench.effects.masses import RotorInertia
-from bench.effects.places import GUESSED
+from bench.effects.places import GUESSED, most_torque
 from bench.record.campaign import Campaign, Run
 from bench.record.read import read_campaign
 from bench.record.write import write_campaign
@@ -156,3 +157,18 @@ def test_a_servo_that_is_stronger_than_its_joint_needs_keeps_its_limit(tmp_path:
         f'<axis xyz="0 1 0"/>{limit}</joint></robot>'
     )
     assert [drive.torque_limit for drive in started(tmp_path, text, "arm.urdf").drives] == [1.5, 1.5]
+
+
+def test_torques_beyond_a_limit_that_was_made_up_are_a_warning(tmp_path: Path) -> None:
+    """Seven times the limit was recorded, rotor, stiffness and payload were guessed by it, and nothing said so."""
+    (tmp_path / "arm.xml").write_text(stranger.mjcf("0", actuators=False))
+    main(["new-robot", "arm", "--mjcf", str(tmp_path / "arm.xml"), "-o", str(tmp_path / "arm")])
+    compiled = compile_robot(load_robot(tmp_path / "arm"))
+    motion = stranger.moved(np.random.default_rng(1), 10.0)
+    largest = float(np.percentile(np.abs(motion.torque[:, 1]), 99))
+    limit = most_torque(compiled, 1)
+    for times in (0.9, 3.0):
+        columns = {"time_s": motion.time, "tau_motor_2_nm": times * limit / largest * motion.torque[:, 1]}
+        campaign = Campaign("arm", (Run("a", "motion", 0.0, columns),))
+        found = list(beyond_guessed_limits(campaign, compiled))
+        assert [one.column for one in found] == (["tau_motor_2_nm"] if times > 1 else [])

@@ -14,7 +14,7 @@ from bench.diagnose.plausibility.loads import unlike_weights
 from bench.diagnose.plausibility.one_more_number import one_more_number
 from bench.diagnose.plausibility.one_run import unlike_other_runs
 from bench.diagnose.plausibility.reported_torques import unlike_currents
-from bench.diagnose.plausibility.single_rows import overloads
+from bench.diagnose.plausibility.single_rows import beyond_guessed_limits, overloads
 from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -51,6 +51,7 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
     found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled), *unlike_weights(campaign)]
     told = {finding.column for finding in known}
     found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
+    found += [hint for hint in beyond_guessed_limits(campaign, compiled) if hint.column not in told]
     try:
         segments = segments_of(campaign, compiled, every, BINS)
         if not segments:

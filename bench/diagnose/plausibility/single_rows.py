@@ -5,13 +5,14 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.effects.places import most_speed, most_torque
+from bench.effects.places import most_speed, most_torque, torque_limit
 from bench.record.campaign import Campaign, Run
 from bench.record.channels import columns_of
 from bench.record.finding import Finding, Level, spell_rows
 from bench.record.rules.sheet import TRAVEL
 from bench.robot.compiled import CompiledRobot
 
+STEADY = 99.0  # declared: per cent of the readings that a limit has to hold for; single ones are something else
 BEYOND = 2.0  # declared: times the limit of a drive, as far as a guess of it may be off; servos peak by less
 
 
@@ -47,6 +48,29 @@ def overloads(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
             far = size > BEYOND * limit
             if np.all(size[~far] <= limit):  # what goes on from within to beyond has another unit, or another limit
                 yield from _told("warning", run, column.name, far, f"the limit of its drive is {limit:.3g}")
+
+
+def beyond_guessed_limits(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+    """Yield a warning for each drive that paid more than a guess of its torque limit may be off.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot, nominal.
+    """
+    worst: dict[str, tuple[float, float]] = {}  # column -> largest reading, and the limit
+    for run in campaign.runs:
+        for column in columns_of(run.columns, "current", "tau_motor"):
+            j = column.index - 1
+            if compiled.robot.figures.assumes("torque limit", compiled.robot.figures.drives[j].joint):
+                per_unit = compiled.torque_constant[j] if column.channel.quantity == "current" else 1.0
+                most = float(np.nanpercentile(np.abs(run.columns[column.name]), STEADY))
+                if most > most_torque(compiled, j) / abs(per_unit):
+                    limit = torque_limit(compiled, j) / abs(per_unit)
+                    worst[column.name] = max(worst.get(column.name, (0.0, limit)), (most, limit))
+    for name, (most, limit) in worst.items():
+        message = f"reads up to {most:.3g}, and the torque limit that was assumed for its drive is {limit:.3g}"
+        remedy = "state it, and make the folder anew: rotor, stiffness and largest payload were guessed by it"
+        yield Finding("warning", "all runs", None, name, message, remedy)
 
 
 def _told(level: Level, run: Run, column: str, is_beyond: NDArray[np.bool_], why: str) -> Iterator[Finding]:
