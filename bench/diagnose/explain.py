@@ -101,12 +101,13 @@ class Explained:
         return self.extension or self.naming.null
 
 
-def explained(task: Task, signatures: Signatures) -> Explained:
+def explained(task: Task, signatures: Signatures, reach: float = 1.0) -> Explained:
     """Return what explains a campaign, as far as time allows.
 
     Args:
         task: What is asked.
         signatures: Of the robot that is believed, not simulated yet.
+        reach: Times what is plausible, that their causes go up to.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
@@ -128,7 +129,6 @@ def explained(task: Task, signatures: Signatures) -> Explained:
     linear = linearised_model_of(Replay(compiled, segments, quantities), signatures.nuisances, sensitivities.nuisances)
     progress("naming")
     recorded = recorded_by(campaign, compiled)
-    reach = signatures.causes[0].reach if signatures.causes else 1.0
     measured = measured_by(campaign)
     around = Neighbourhood(compiled, task.catalogue, measured, task.rate, task.executor, recorded, reach)
     linear, screening = around.weighed(linear, signatures.causes, sensitivities)
@@ -179,16 +179,10 @@ def beside_unknown_links(
         update={"uncertainty": uncertainty.model_copy(update={"links": UNKNOWN_MASS / uncertainty.mass})}
     )
     compiled = replace(task.compiled, robot=replace(task.compiled.robot, figures=figures))
-    try:
-        other = explained(task, signatures_about(compiled))
-    except Stopped as stopped:
-        return replace(found, unfinished=unfinished_of(found.naming, str(stopped), task.progress.now))
-    except NOT_SIMULATED:
-        return found
-    if other.unfinished:
-        return replace(found, unfinished=other.unfinished)
+    other = _once_more(task, found, signatures_about(compiled))
     assert found.baseline
-    return other if other.baseline and other.baseline.over(found.baseline) < 1 / SAME else found
+    is_better = other.baseline is not None and other.baseline.over(found.baseline) < 1 / SAME
+    return other if other.unfinished or is_better else found
 
 
 def is_open(found: Explained) -> bool:
@@ -214,16 +208,21 @@ def beyond_plausible(task: Task, found: Explained, farther: Signatures) -> Expla
         farther: Signatures of causes that go farther.
     """
     task.progress(f"once more, with causes up to {LARGER:g} times as large as is plausible")
+    other = _once_more(task, found, farther, LARGER)
+    explains = bool(other.naming.models) and other.naming.unlisted is None
+    is_as_good = explains and _misfit(other) < _misfit(found) + np.log(SAME)
+    return other if other.unfinished or is_as_good else found
+
+
+def _once_more(task: Task, found: Explained, signatures: Signatures, reach: float = 1.0) -> Explained:
+    """Return what explains a campaign by other signatures; what was found, where that is stopped or not simulated."""
     try:
-        other = explained(task, farther)
+        other = explained(task, signatures, reach)
     except Stopped as stopped:
         return replace(found, unfinished=unfinished_of(found.naming, str(stopped), task.progress.now))
     except NOT_SIMULATED:
         return found
-    if other.unfinished:
-        return replace(found, unfinished=other.unfinished)
-    explains = bool(other.naming.models) and other.naming.unlisted is None
-    return other if explains and _misfit(other) < _misfit(found) + np.log(SAME) else found
+    return replace(found, unfinished=other.unfinished) if other.unfinished else other
 
 
 def _misfit(found: Explained) -> float:

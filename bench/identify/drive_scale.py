@@ -24,9 +24,7 @@ from bench.identify.drive_model import (
     solved,
 )
 from bench.record.campaign import Array
-from bench.robot.bodies import Point, RigidBodies
 from bench.robot.nominal_dynamics import NominalDynamics
-from bench.robot.payload import with_payload
 
 BLOCKS = 8  # of the record, fitted one by one; their spread is the statistical error of the factor (assumed)
 LATEST = 0.03  # [s], delay up to which is looked; drives report within a few control periods (assumed)
@@ -34,6 +32,7 @@ MOST_FLIPPED = 6  # drives up to which all signs of angles are tried; 64 fits
 LAG_STEP = 1e-3  # [s] between the delays that are tried; a parabola through three of them tells the rest
 CLEARLY_MOVING = 0.1  # of the top speed (assumed; friction that turns within 0.1 mrad was taken for 5 ms otherwise)
 HALF = 0.5  # of what is unexplained: signs are turned only where that is left (assumed; symmetric signs leave all)
+FREELY = 10.0  # effort: times the largest payload, up to which one is looked for that wants to be heavier
 AT_MOST = 1e-2  # rounding: of a payload that was searched to a thousandth
 SAMPLES = 400  # with which signs are tried, and centres of mass moved
 LEAST_KNOWN = 0.5  # relative: an angle that is known less well is nudged by this, in place of infinitely far
@@ -98,6 +97,9 @@ def drive_scale(
     rotor = np.sqrt(np.mean((nominal.rotor_inertia * motion.acceleration) ** 2, axis=0))
     of_rotors = 0.0 if is_guessed(nominal) else nominal.uncertainty.rotor_inertia * rotor / needed
     stated = np.sqrt(nominal.uncertainty.mass**2 + of_rotors**2 + _of_centres(nominal, motion, columns, payload) ** 2)
+    if payload > (1 - AT_MOST) * heaviest > 0:  # it wants to be heavier; then factors would be other ones
+        freely = _slopes(columns, reading, best_payload(columns, reading, FREELY * heaviest))
+        stated = np.hypot(stated, np.abs(np.log(np.abs(freely / slopes))))
     if angle_sigma is not None:
         stated = np.hypot(stated, _of_angles(nominal, motion, reading, slopes, angle_sigma))
     explained = 1 - misfit(carrying(columns, payload), reading)
@@ -165,11 +167,7 @@ def _of_angles(nominal: NominalDynamics, motion: Motion, reading: Array, slopes:
 
 
 def _of_centres(nominal: NominalDynamics, motion: Motion, columns: Array, payload: float) -> Array:
-    """Return the relative error of each drive's factor by centres of mass that are not where they are stated.
-
-    A payload that wants to be heavier than any may be is no point mass at the load point: its centre may lie as far
-    away as the rating allows.
-    """
+    """Return the relative error of each drive's factor by centres of mass that are not where they are stated."""
     every = max(1, columns.shape[1] // SAMPLES)
     few = motion.seen(np.ones(nominal.n_joints), every)
     known = carrying(columns[:, ::every], payload)
@@ -186,21 +184,7 @@ def _of_centres(nominal: NominalDynamics, motion: Motion, columns: Array, payloa
                 * nominal.uncertainty.centre_of_mass_m
             )
             errors += [float(np.dot(f, d) / max(np.dot(f, f), TINY)) ** 2 for f, d in zip(freed, moved.T, strict=True)]
-    if payload > (1 - AT_MOST) * nominal.payload > 0:
-        point, carried = nominal.bodies.points[nominal.load_point], link_torque(_carrying(nominal, payload), few)
-        for way in np.eye(3):
-            there = replace(point, position=point.position + nominal.payload_side / 2 * way)
-            moved = link_torque(_carrying(nominal, payload, there), few) - carried
-            errors += [float(np.dot(f, d) / max(np.dot(f, f), TINY)) ** 2 for f, d in zip(freed, moved.T, strict=True)]
     return np.asarray(np.sqrt(errors))
-
-
-def _carrying(nominal: NominalDynamics, payload: float, point: Point | None = None) -> RigidBodies:
-    """Return the links with a payload [kg] at the load point, or elsewhere."""
-    bodies = nominal.bodies
-    if point:
-        bodies = replace(bodies, points={nominal.load_point: point})
-    return with_payload(bodies, payload, nominal.load_point)
 
 
 def _apart(values: Array, others: Array) -> Array:

@@ -6,6 +6,7 @@ from functools import cache
 import pytest
 
 from bench.diagnose.extend.refit import refit
+from bench.diagnose.extend.size import wald
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name import paying
@@ -67,4 +68,4 @@ def test_derivatives_tell_what_a_fit_loses_without_a_cause() -> None:
         others = tuple(other for other in fit.causes if other is not cause)
         without = refit(linear_once(), others, {}, fit.nuisances, fit)
         lost = (without.objective - fit.objective) / 2
-        assert paying._evidence_by_slopes(fit, cause) == pytest.approx(lost, rel=0.1)
+        assert wald(cause, fit)[0] / 2 == pytest.approx(lost, rel=0.1)

@@ -46,16 +46,24 @@ def size_of(cause: Cause, fit: Fit) -> Size:
 def is_clear_of_none(cause: Cause, fit: Fit) -> bool:
     """Return whether the sizes of a cause, taken together, lie outside of the 95 % region of none.
 
-    By the Wald statistic x' C^-1 x of k sizes, which is chi-square with k degrees of freedom where there is nothing. Of
-    shifts and turns of a frame that trade against each other none may be clear by itself, and all of them together are.
+    Of shifts and turns of a frame that trade against each other none may be clear by itself, and all of them together
+    are.
+    """
+    statistic, count = wald(cause, fit)
+    return count > 0 and bool(statistic > chi2.ppf(CLEAR, count))
+
+
+def wald(cause: Cause, fit: Fit) -> tuple[float, int]:
+    """Return the Wald statistic x' C^-1 x of the sizes of a cause, all else fitted again, and how many they are.
+
+    Where there is nothing it is chi-square with as many degrees of freedom; half of it is the log likelihood that a fit
+    loses without the cause, as its derivatives have it. It is inf where a size without an error is off none.
     """
     mine = [i for i, one in enumerate(fit.unknowns) if one.cause is cause and not one.parameter.is_shape]
     off = np.array([fit.values[i] - fit.unknowns[i].parameter.null for i in mine])
     covariance = fit.covariance[np.ix_(mine, mine)]
-    if not len(mine):
-        return False
-    if np.any((fit.sigma[mine] == 0) & (off != 0)):
-        return True
     known = fit.sigma[mine] > 0
+    if np.any(off[~known] != 0):
+        return float("inf"), len(mine)
     off, covariance = off[known], covariance[np.ix_(known, known)]
-    return bool(off @ np.linalg.solve(covariance, off) > chi2.ppf(CLEAR, len(off)))
+    return float(off @ np.linalg.solve(covariance, off)), len(off)

@@ -4,13 +4,11 @@ from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
 from bench.diagnose.cross_validation.held_out import held_out
 from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.extend.fit import Fit, unknowns_of
 from bench.diagnose.extend.refit import refit, refitted
-from bench.diagnose.extend.size import is_clear_of_none
+from bench.diagnose.extend.size import is_clear_of_none, wald
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.threshold import LEAST
@@ -92,7 +90,7 @@ def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: 
         return refit(design, *without, settles=False, renews=renews, progress=progress)
 
     try:
-        is_plain = _evidence_by_slopes(fit, cause) > PLAIN
+        is_plain = wald(cause, fit)[0] / 2 > PLAIN
         without = refit_without(renews=not is_plain)
         if is_plain and fit.log_evidence - without.log_evidence <= DECIDED:
             without = refit_without(renews=True)
@@ -101,13 +99,6 @@ def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: 
     except NOT_SIMULATED:
         return None
     return replace(without, causes=(), unknowns=())
-
-
-def _evidence_by_slopes(fit: Fit, cause: Cause) -> float:
-    """Return what a fit loses without a cause as its derivatives have it, all others fitted again [nats]."""
-    own = [i for i, unknown in enumerate(fit.unknowns) if unknown.cause.key == cause.key]
-    away = fit.values[own] - [fit.unknowns[i].parameter.null for i in own]
-    return float(away @ np.linalg.solve(fit.covariance[np.ix_(own, own)], away) / 2)
 
 
 def _others(model: Model, cause: Cause) -> tuple[Cause, ...]:

@@ -107,9 +107,8 @@ class Segment:
             wrong = error(self.path.angles, self.path.speeds)
             if wrong is not None:
                 drives = np.flatnonzero(np.any(wrong != wrong[0], axis=0) & ~self.standing)  # a constant has no rate
-                _, speed, acceleration = self.path.motion_of(wrong[:, drives])
                 here = np.ix_(np.flatnonzero(self.motion.read), drives)
-                speeds[here], accelerations[here] = speed, acceleration
+                _, speeds[here], accelerations[here] = self.path.motion_of(wrong[:, drives])
         return speeds, accelerations
 
 

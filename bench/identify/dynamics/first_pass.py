@@ -202,9 +202,11 @@ def first_pass(
             break
         bending = replace(bending, winds=bending.winds & ~backwards)
         bent_stretches = tuple(replace(part, winding=part.winding * bending.winds) for part in bent_stretches)
-    wound, beside_wound = with_its_delay(bent_rows, prior, band, folds, find_delay=find_delay)
-    if is_bent := beside_wound.surely_less_than(beside):
-        solution, stretches, rows = wound, bent_stretches, bent_rows
+    is_bent = False
+    if bending.winds.any():
+        wound, beside_wound = with_its_delay(bent_rows, prior, band, folds, find_delay=find_delay)
+        if is_bent := beside_wound.surely_less_than(beside):
+            solution, stretches, rows = wound, bent_stretches, bent_rows
     unsure = width_errors(solution.normal, prior, solution.widths)
     solution = replace(solution, covariance=solution.covariance + unsure)
     bodies = _bodies(layout, arm, prior, solution, nominal)
