@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from bench.diagnose.plausibility.channels import doubts_of
+from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.hints import hints_of
+from bench.diagnose.plausibility.one_run import _mistaken
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Array, Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -87,3 +89,28 @@ def test_a_slow_sweep_is_not_blamed_for_a_zero_of_the_fast_one(
     moved = changed(campaign, culprit, "current_6_a", lambda v: v + 1.5)
     for said in said_of(moved, compiled):
         assert "speed20" not in said or (repr(culprit) in said and "nothing tells which" in said)
+
+
+@pytest.mark.parametrize(("off", "is_told"), [(1, False), (4, True)])
+def test_one_reading_at_rest_turns_no_sign(off: int, is_told: bool) -> None:
+    """A healthy campaign was refused: joint 1 held 120 Nm where it was put first, and next to nothing later on."""
+    runs, rows = 6, 5
+    model = np.full((runs * rows, 1), -35.0)
+    observed = model + np.tile([[2.0], [-1.0], [0.5], [1.5], [-2.0]], (runs, 1))
+    observed[:rows] = np.array([[-2.0], [-1.0], [-3.0], [-4.0], [-2.0]])
+    observed[:off] = 120.0
+    observed[rows] = 45.0  # another one holds a little more than friction in motion, too
+    picture = DrivePicture(
+        observed=observed,
+        model=model,
+        velocity=np.zeros_like(model),
+        standing=np.ones(model.shape, dtype=np.bool_),
+        slack=np.full(1, 200.0),
+        level=np.full(1, 33.0),
+        unit=np.ones(1),
+        missing=np.zeros((*model.shape, 0)),
+        names=("current_1_a",),
+    )
+    names = [f"run{k}" for k in range(runs)]
+    found = _mistaken(picture, np.repeat(names, rows), names[0], names[1:])
+    assert bool(found) == is_told

@@ -58,10 +58,19 @@ def mistaken_in_one_run(picture: DrivePicture, segments: Sequence[Segment]) -> I
 
 
 def _mistaken(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]) -> list[Finding]:
-    """Return what channels are taken for in a run, of those that are far from what the others make of them."""
+    """Return what channels are taken for in a run, of those that are far from what the others make of them.
+
+    Nothing is told that one reading alone shows: at rest friction may hold more than it did in motion.
+    """
     there, times = _beside(picture, run_of, run, others)
     far = {name for name, one in zip(picture.names, times, strict=True) if one > FAR}
-    return [finding for finding in mistakes_in(there, of_units=False) if finding.column in far]
+    found = [finding for finding in mistakes_in(there, of_units=False) if finding.column in far]
+    for j, name in enumerate(picture.names):
+        if any(finding.column == name for finding in found):
+            left = np.nan_to_num(beyond(there)[:, j])
+            still = list(mistakes_in(there.of(np.arange(len(left)) != np.argmax(left)), of_units=False))
+            found = [finding for finding in found if finding.column != name or finding in still]
+    return found
 
 
 def _beside(
