@@ -80,7 +80,7 @@ def write_kr300(file: Path, rng: np.random.Generator, seconds: float = 10.0) -> 
     phase = rate * time[:, None] + np.arange(6)
     q, velocity = size * np.sin(phase), size * rate * np.cos(phase)
     motion = Motion(time, q, velocity, -(rate**2) * q, np.zeros((len(time), 6)), np.ones(len(time), dtype=bool))
-    trace, _ = Prescribed(compile_robot(robot, edits)).follow(motion)
+    trace, *_ = Prescribed(compile_robot(robot, edits)).follow(motion)
     format_of = log_format_of(robot).columns
     columns = {"time_s": time}
     columns |= {f"q_cmd_{i}_rad": q[:, i - 1] for i in KR300_AXES}

@@ -1,8 +1,8 @@
 """The robot along a prescribed motion of its motors: what torque that takes, and where the links are.
 
 The direction in which measured motion is replayed: motor angles, velocities and accelerations in, motor torques out.
-The links follow quasi-statically: their velocities and accelerations are those of the motors, and each sits on its
-elastic element where gravity, inertia, counterbalance, friction and load balance. What rings is left out. Any other
+The links follow quasi-statically: each sits on its elastic element where gravity, inertia, counterbalance, friction and
+load balance, and moves as its motor does, if nothing else is said. What rings is left out. Any other
 hinge of the model is a passive compliance and finds its balance in the same way. Friction elements and gas remember
 the path from one instant to the next.
 
@@ -119,31 +119,40 @@ class Prescribed:
         """Links and passive hinges whose balance is sought."""
         return len(self.dofs)
 
-    def follow(self, motion: Motion, guess: Array | None = None) -> tuple[Trace, Array]:
-        """Return the truth at the instants that are read, and for all of them the unknown positions and stiffnesses.
+    def follow(
+        self, motion: Motion, guess: Array | None = None, links: tuple[Array, Array] | None = None
+    ) -> tuple[Trace, Array, Array]:
+        """Return the truth along a motion.
 
         Args:
             motion: What the motors do.
             guess: Shape (T, 2, u), what a robot with as many unknowns found along the same motion: positions [rad], and
                 torques over angles [Nm/rad].
+            links: Velocities and accelerations of the links, shape (T, n) each; None: those of the motors.
+
+        Returns:
+            The truth at the instants that are read. For all of them the unknown positions and stiffnesses, shape
+            (T, 2, u), and what inertia, gravity, the wrench and the counterbalance ask of the elastic elements, shape
+            (T, n) [Nm] or [N].
 
         Raises:
             ConvergenceError: No balance at some instant.
         """
+        links = links or (motion.velocity, motion.acceleration)
         at, n, u = self.compiled.at, self.compiled.n_joints, self.n_unknowns
         length, rows = len(motion), np.flatnonzero(motion.read)
         sites = len(at.reflectors) + 1
         found = np.empty((length, 2, u))
         theta, torque, motor, link = (np.empty((len(rows), n)) for _ in range(4))
-        points, cylinder = np.empty((len(rows), sites, 3)), np.full((len(rows), 2), np.nan)
-        given = [motion.time, motion.q, motion.velocity, motion.acceleration, motion.wrench]
+        load, points, cylinder = np.empty((length, n)), np.empty((len(rows), sites, 3)), np.full((len(rows), 2), np.nan)
+        given = [motion.time, motion.q, motion.velocity, motion.acceleration, *links, motion.wrench]
         flags = (motion.beginnings, motion.read)
         handed: list[NDArray[Any]] = [np.ascontiguousarray(values, dtype=np.uint8) for values in flags]
         handed += [np.ascontiguousarray(values, dtype=np.float64) for values in given]
         first = None if guess is None else np.ascontiguousarray(guess, dtype=np.float64)
         pointer = None if first is None else first.ctypes.data
         course = _Course(length, *(part.ctypes.data for part in handed), pointer)
-        written = (found, theta, torque, motor, link, points, cylinder)
+        written = (found, load, theta, torque, motor, link, points, cylinder)
         seen = _Seen(*(part.ctypes.data for part in written), 0.0)
         failed = _replay()(
             self.compiled.model._address,
@@ -163,7 +172,7 @@ class Prescribed:
             q=motion.q[rows],
             q_velocity=motion.velocity[rows],
             theta=theta,
-            theta_velocity=motion.velocity[rows],
+            theta_velocity=links[0][rows],
             motor_torque=torque,
             motor_friction=motor,
             link_friction=link,
@@ -174,7 +183,7 @@ class Prescribed:
             gas_force=gas_force(self.compiled, cylinder[:, 0], cylinder[:, 1]),
             counterbalance_length=cylinder[:, 1],
         )
-        return trace, found
+        return trace, found, load
 
 
 @dataclass(frozen=True)
@@ -237,12 +246,15 @@ class _Arm(ctypes.Structure):
     _fields_ = [*((name, ctypes.c_int32) for name in _COUNTS), *((name, _address) for name in _INDICES + _STIFFNESSES)]
 
 
+_MOTORS, _LINKS = ("q", "velocity", "acceleration"), ("link_velocity", "link_acceleration")
+
+
 class _Course(ctypes.Structure):
     """`Course` of replay.c."""
 
     _fields_ = [
         ("length", ctypes.c_int32),
-        *((name, _address) for name in ("begins", "read", "time", "q", "velocity", "acceleration", "wrench", "guess")),
+        *((name, _address) for name in ("begins", "read", "time", *_MOTORS, *_LINKS, "wrench", "guess")),
     ]
 
 
@@ -250,7 +262,7 @@ class _Seen(ctypes.Structure):
     """`Seen` of replay.c."""
 
     _fields_ = [
-        *((name, _address) for name in ("found", "theta", "torque", "motor", "link", "points", "cylinder")),
+        *((name, _address) for name in ("found", "load", "theta", "torque", "motor", "link", "points", "cylinder")),
         ("left", ctypes.c_double),
     ]
 

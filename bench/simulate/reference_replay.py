@@ -40,21 +40,19 @@ class Reference:
         """Links and passive hinges whose balance is sought."""
         return len(self._dofs)
 
-    def follow(self, motion: Motion, guess: Array | None = None) -> tuple[Trace, Array]:
-        """Return the truth at the instants that are read, and for all of them the unknown positions and stiffnesses.
-
-        Args:
-            motion: What the motors do.
-            guess: Shape (T, 2, u), what a robot with as many unknowns found along the same motion: positions [rad], and
-                torques over angles [Nm/rad].
+    def follow(
+        self, motion: Motion, guess: Array | None = None, links: tuple[Array, Array] | None = None
+    ) -> tuple[Trace, Array, Array]:
+        """Return what `Prescribed.follow` returns.
 
         Raises:
             ConvergenceError: No balance at some instant.
         """
+        links = links or (motion.velocity, motion.acceleration)
         model, data, at = self.compiled.model, self._data, self.compiled.at
         mujoco.mj_resetData(model, data)
         n = self.compiled.n_joints
-        found = np.empty((len(motion), 2, len(self._dofs)))
+        found, load = np.empty((len(motion), 2, len(self._dofs))), np.empty((len(motion), n))
         rows = np.flatnonzero(motion.read)
         kept = {name: np.empty((len(rows), n)) for name in ("theta", "torque", "motor", "link")}
         points = np.empty((len(rows), len(at.reflectors) + 1, 3))
@@ -64,7 +62,7 @@ class Reference:
         unknown[:n] = motion.q[0]
         row = 0
         own_step = model.opt.timestep
-        accelerated, pushed = np.any(motion.acceleration, axis=1).tolist(), np.any(motion.wrench, axis=1).tolist()
+        accelerated, pushed = np.any(links[1], axis=1).tolist(), np.any(motion.wrench, axis=1).tolist()
         for i in range(len(motion)):
             # gas relaxes over what the plugin takes for one step
             model.opt.timestep = own_step if i == 0 else max(motion.time[i] - motion.time[i - 1], own_step)
@@ -77,10 +75,11 @@ class Reference:
                 unknown = found[i - 1, 0].copy()
                 unknown[:n] += motion.q[i] - motion.q[i - 1]
             data.qpos[at.q] = motion.q[i]
-            data.qvel[at.q_dof] = data.qvel[at.theta_dof] = motion.velocity[i]
-            data.qacc[at.q_dof] = data.qacc[at.theta_dof] = motion.acceleration[i]
+            data.qvel[at.q_dof], data.qvel[at.theta_dof] = motion.velocity[i], links[0][i]
+            data.qacc[at.q_dof], data.qacc[at.theta_dof] = motion.acceleration[i], links[1][i]
             self._wrench = motion.wrench[i] if pushed[i] else None
             found[i] = self._balance(np.array(unknown), slope, accelerated[i], motion.time[i])
+            load[i] = self._load(accelerated[i])
             if motion.read[i]:
                 kept["theta"][row] = data.qpos[at.theta]
                 kept["torque"][row] = self._motor_torque(motion.acceleration[i])
@@ -97,7 +96,7 @@ class Reference:
             q=motion.q[rows],
             q_velocity=motion.velocity[rows],
             theta=kept["theta"],
-            theta_velocity=motion.velocity[rows],
+            theta_velocity=links[0][rows],
             motor_torque=kept["torque"],
             motor_friction=kept["motor"],
             link_friction=kept["link"],
@@ -108,7 +107,7 @@ class Reference:
             gas_force=gas_force(self.compiled, cylinder[:, 0], cylinder[:, 1]),
             counterbalance_length=cylinder[:, 1],
         )
-        return trace, found
+        return trace, found, load
 
     def _balance(self, unknown: Array, slope: Array | None, accelerates: bool, time: float) -> tuple[Array, Array]:
         data = self._data
@@ -165,6 +164,21 @@ class Reference:
             )
         sprung = passive[self._dofs]
         return forces[self._dofs], TOLERANCE**2 * (1.0 + float(sprung @ sprung))
+
+    def _load(self, accelerates: bool) -> Array:
+        """Return what elements have to carry but for friction and what else acts on a joint, shape (n,) [Nm]."""
+        model, data, at = self.compiled.model, self._data, self.compiled.at
+        forces, _ = self._residual(accelerates)
+        carried = np.zeros(model.nv)
+        if at.counterbalance >= 0:
+            moment = np.zeros((len(data.moment_rownnz), model.nv))
+            mujoco.mju_sparse2dense(
+                moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
+            )
+            carried = moment[at.counterbalance] * data.actuator_force[at.counterbalance]
+        others = data.qfrc_passive + data.qfrc_actuator - carried
+        n = self.compiled.n_joints
+        return np.array(others[at.theta_dof] - forces[:n])
 
     def _motor_torque(self, acceleration: Array) -> Array:
         """Return what the motors put out, shape (n,) [Nm]: inertia, viscous and Coulomb friction, and the element."""

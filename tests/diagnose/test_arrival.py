@@ -21,8 +21,8 @@ def test_a_link_that_arrives_the_other_way_is_what_an_approach_from_there_leaves
         motion = segment.motion
         mirrored = motion.q.copy()
         mirrored[0] = 2 * motion.q[1] - motion.q[0]
-        here, _ = Prescribed(robot).follow(motion)
-        there, _ = Prescribed(robot).follow(replace(motion, q=mirrored))
+        here, *_ = Prescribed(robot).follow(motion)
+        there, *_ = Prescribed(robot).follow(replace(motion, q=mirrored))
         change = (there.link_friction - here.link_friction) / levels
         found = arrived_otherwise(robot, here) / levels
         np.testing.assert_allclose(np.abs(found[0]), 2.0, rtol=0.02)

@@ -29,7 +29,7 @@ def _motion(q: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> Mo
 def test_rests_are_those_of_equilibrium() -> None:
     compiled = compile_robot(load_robot("hh150"))
     path = np.deg2rad([[0, 10, -20, 30, 40, 0], [0, 20, -30, 20, 50, 10], [0, 15, -25, 10, 45, 5]])
-    trace, _ = Prescribed(compiled).follow(_motion(path, 0 * path, 0 * path))
+    trace, *_ = Prescribed(compiled).follow(_motion(path, 0 * path, 0 * path))
     equilibrium = Equilibrium(compiled)
     equilibrium.data.qpos[compiled.at.theta] = equilibrium.data.qpos[compiled.at.q] = path[0]
     equilibrium = Equilibrium(compiled, equilibrium.data)
@@ -60,8 +60,8 @@ def test_acceleration_costs_the_mass_matrix(small_robot: Path) -> None:
     n = compiled.n_joints
     q, zero, speed = np.full((2, n), 0.3), np.zeros((2, n)), np.full((2, n), 0.2)
     acceleration = np.full((2, n), 0.5)
-    slow, _ = Prescribed(compiled).follow(_motion(q, speed, zero))
-    fast, _ = Prescribed(compiled).follow(_motion(q, speed, acceleration))
+    slow, *_ = Prescribed(compiled).follow(_motion(q, speed, zero))
+    fast, *_ = Prescribed(compiled).follow(_motion(q, speed, acceleration))
     link = link_mass_matrix(compiled, q[1]) @ acceleration[1]
     rotor = compiled.model.dof_armature[compiled.at.q_dof] * acceleration[1]
     np.testing.assert_allclose(fast.motor_torque[1] - slow.motor_torque[1], link + rotor, rtol=5e-3)
@@ -73,7 +73,7 @@ def test_a_link_is_pushed_through_the_whole_gap_of_its_gear(torque: float) -> No
     compiled = _with_gap(GAP)
     zero = np.zeros((2, compiled.n_joints))
     motion = replace(_motion(zero, zero, zero), wrench=np.tile([0.0, 0.0, 0.0, 0.0, 0.0, torque], (2, 1)))
-    trace, _ = Prescribed(compiled).follow(motion)
+    trace, *_ = Prescribed(compiled).follow(motion)
     wound = np.sign(torque) * GAP / 2 + torque / compiled.stiffness[0]
     np.testing.assert_allclose(trace.theta[:, 0], wound, atol=0.025 / compiled.stiffness[0])
 

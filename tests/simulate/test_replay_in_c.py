@@ -14,6 +14,7 @@ from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.folder import Robot, load_robot
 from bench.simulate import prescribed, reference_replay
+from bench.simulate.plant import Array, Trace
 from bench.simulate.prescribed import Motion, Prescribed
 from bench.simulate.reference_replay import Reference
 
@@ -123,8 +124,15 @@ def _agree(compiled: CompiledRobot, motion: Motion, guessed: bool) -> None:
     if guessed:  # as the nominal robot found it, from which the search starts in a diagnosis
         slack = 1 + 1e-3 * np.arange(Prescribed(compiled).n_unknowns)
         guess = Reference(compiled).follow(motion)[1] * slack
-    expected, found = Reference(compiled).follow(motion, guess)
-    trace, places = Prescribed(compiled).follow(motion, guess)
+    wound_up = 0.9 * motion.velocity, 0.8 * motion.acceleration
+    for links in (None, wound_up):
+        by_numpy = Reference(compiled).follow(motion, guess, links)
+        _agree_on(by_numpy, Prescribed(compiled).follow(motion, guess, links))
+
+
+def _agree_on(by_numpy: tuple[Trace, Array, Array], in_c: tuple[Trace, Array, Array]) -> None:
+    (expected, found, load), (trace, places, loads) = by_numpy, in_c
+    np.testing.assert_allclose(loads, load, rtol=0, atol=AGREE * np.max(np.abs(load)))
     np.testing.assert_allclose(places[:, 0], found[:, 0], rtol=0, atol=AGREE)
     np.testing.assert_allclose(places[:, 1], found[:, 1], rtol=0, atol=AGREE_SLOPE)
     for name in vars(expected):

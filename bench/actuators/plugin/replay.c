@@ -61,6 +61,8 @@ typedef struct Course {
   const double* q;             // (T, n) motor angles
   const double* velocity;      // (T, n)
   const double* acceleration;  // (T, n)
+  const double* link_velocity;      // (T, n)
+  const double* link_acceleration;  // (T, n)
   const double* wrench;        // (T, 6) on the load point
   const double* guess;         // (T, 2, u) positions and slopes, or NULL
 } Course;
@@ -68,6 +70,7 @@ typedef struct Course {
 // What was found; K instants are read.
 typedef struct Seen {
   double* found;     // (T, 2, u) positions and slopes
+  double* load;      // (T, n) what inertia, gravity, the push and the counterbalance ask of the elastic elements
   double* theta;     // (K, n)
   double* torque;    // (K, n) of the motors
   double* motor;     // (K, n) friction on the rotor
@@ -273,6 +276,27 @@ static void remember(Work* w) {
   mju_copy(d->act, w->servos, m->na);
 }
 
+// Writes what the elastic elements have to carry, but for friction and what else acts on a joint.
+static void write_load(const Work* w, double* load) {
+  const mjData* d = w->data;
+  const Arm* arm = w->arm;
+  for (int j = 0; j < arm->n; j++) {
+    load[j] = -w->outside[arm->theta_dof[j]];
+  }
+  if (arm->counterbalance < 0) {
+    return;
+  }
+  const int out = w->model.actuator_outadr[arm->counterbalance];
+  const int first = d->moment_rowadr[out], end = first + d->moment_rownnz[out];
+  for (int i = first; i < end; i++) {
+    for (int j = 0; j < arm->n; j++) {
+      if (d->moment_colind[i] == arm->theta_dof[j]) {
+        load[j] -= d->actuator_moment[i] * d->actuator_force[out];
+      }
+    }
+  }
+}
+
 static void write_instant(const Work* w, Seen* seen, int row, const double* acceleration) {
   const mjModel* m = &w->model;
   const mjData* d = w->data;
@@ -351,6 +375,8 @@ EXPORT int bench_replay(const mjModel* model, mjData* data, const Arm* arm, cons
     const double* q = course->q + i * n;
     const double* velocity = course->velocity + i * n;
     const double* acceleration = course->acceleration + i * n;
+    const double* link_velocity = course->link_velocity + i * n;
+    const double* link_acceleration = course->link_acceleration + i * n;
     const double* push = course->wrench + 6 * i;
     double* found = seen->found + 2 * (size_t)i * u;
     const double since = i ? course->time[i] - course->time[i - 1] : 0;  // [s]
@@ -361,8 +387,10 @@ EXPORT int bench_replay(const mjModel* model, mjData* data, const Arm* arm, cons
     w.model.opt.timestep = fmax(since, own_step);
     for (int j = 0; j < n; j++) {
       data->qpos[arm->q[j]] = q[j];
-      data->qvel[arm->q_dof[j]] = data->qvel[arm->theta_dof[j]] = velocity[j];
-      data->qacc[arm->q_dof[j]] = data->qacc[arm->theta_dof[j]] = acceleration[j];
+      data->qvel[arm->q_dof[j]] = velocity[j];
+      data->qvel[arm->theta_dof[j]] = link_velocity[j];
+      data->qacc[arm->q_dof[j]] = acceleration[j];
+      data->qacc[arm->theta_dof[j]] = link_acceleration[j];
     }
     if (course->guess) {
       const double* guess = course->guess + 2 * (size_t)i * u;
@@ -382,7 +410,7 @@ EXPORT int bench_replay(const mjModel* model, mjData* data, const Arm* arm, cons
       }
       mju_copy(w.slope, any(velocity, n) ? arm->sliding : arm->sticking, u);
     }
-    w.accelerates = any(acceleration, n);
+    w.accelerates = any(link_acceleration, n);
     w.push = any(push, 6) ? push : NULL;
     if (!balance(&w)) {
       failed = i;
@@ -394,6 +422,7 @@ EXPORT int bench_replay(const mjModel* model, mjData* data, const Arm* arm, cons
     }
     mju_copy(found, w.unknown, u);
     mju_copy(found + u, w.slope, u);
+    write_load(&w, seen->load + (size_t)i * n);
     if (course->read[i]) {
       write_instant(&w, seen, row++, acceleration);
     }

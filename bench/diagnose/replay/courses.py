@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.winding import MotionSpline
 from bench.diagnose.replay.world import World, log_error_of
 from bench.effects.effect import Conditions
+from bench.record.campaign import Array
 from bench.simulate.prescribed import Motion
 
 
@@ -25,6 +27,8 @@ class Course:
         instants: Shape (T,), where these stand among all instants of the campaign.
         rows: Shape (K,), where those that are read stand among all that are read.
         segments: Indices of the segments.
+        spline: Through all instants of its motions.
+        spread: Shape (K,) [s^2], variance of the weights with which torques are averaged over time.
     """
 
     run: str
@@ -34,6 +38,8 @@ class Course:
     instants: NDArray[np.intp]
     rows: NDArray[np.intp]
     segments: tuple[int, ...]
+    spline: MotionSpline
+    spread: Array
 
 
 def courses_of(
@@ -67,6 +73,8 @@ def courses_of(
                 instants=_indices(instants, members),
                 rows=_indices(rows, members),
                 segments=tuple(members),
+                spline=MotionSpline.through([segments[i] for i in members]),
+                spread=np.concatenate([np.full(count_of(segments[i]), _spread(segments[i])) for i in members]),
             )
         )
     return tuple(courses)
@@ -83,6 +91,15 @@ def true_conditions(world: World, course: Course) -> Conditions:
 def count_of(segment: Segment) -> int:
     """Return how many instants of a segment are read."""
     return int(np.count_nonzero(segment.motion.read))
+
+
+def _spread(segment: Segment) -> float:
+    """Return the variance of the weights with which the torques of a segment are averaged over time [s^2]."""
+    if segment.path is None or segment.is_static:
+        return 0.0
+    kernel = segment.path.kernel
+    away = np.median(np.diff(segment.path.time)) * (np.arange(len(kernel)) - len(kernel) // 2)
+    return float(kernel @ away**2)
 
 
 def slices_of(lengths: Iterable[int]) -> list[slice]:

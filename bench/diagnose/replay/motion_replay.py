@@ -6,6 +6,7 @@ several threads.
 
 from collections import OrderedDict
 from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from threading import Lock
 
@@ -72,12 +73,12 @@ class MotionReplay:
         nominal = self._courses(NOMINAL)
         # where links and passive hinges of the nominal robot balance; every search starts there
         self._found = np.zeros((sum(len(segment.motion) for segment in segments), 2, 0))
-        parts = [self._followed(NOMINAL, course) for course in nominal]
-        self._nominal = self._joined(nominal, [trace for trace, _ in parts])
-        unknowns = parts[0][1].shape[2] if parts else 0
-        self._found = np.empty((len(self._found), 2, unknowns))
-        for course, (_, found) in zip(nominal, parts, strict=True):
+        parts = [self._followed(NOMINAL, course)[1] for course in nominal]
+        self._found = np.empty((len(self._found), 2, parts[0].shape[2] if parts else 0))
+        for course, found in zip(nominal, parts, strict=True):
             self._found[course.instants] = found
+        # from there once more: what does not move the robot changes nothing then, to the last digit
+        self._nominal = self._joined(nominal, [self._followed(NOMINAL, course)[0] for course in nominal])
 
     def trace(self, world: World) -> Trace:
         """Return the true motion in a world at all instants that are read, segment after segment.
@@ -133,8 +134,9 @@ class MotionReplay:
 
     @cached_property
     def jacobians(self) -> Array:
-        """Shape (T, r, 3, n), of the reflectors with respect to the links along the nominal motion [m/rad], [m/m]."""
-        return reflector_jacobians(self.compiled, self._nominal.theta)
+        """Shape (T, r, 3, n), of the reflectors with respect to links that stand where the motors do [m/rad], [m/m]."""
+        motors = [segment.motion.q[segment.motion.read] for segment in self.segments]
+        return reflector_jacobians(self.compiled, np.concatenate(motors))
 
     def play(self, world: World) -> Array:
         """Return the play of the gears in a world, shape (n,) [rad] or [m].
@@ -193,10 +195,26 @@ class MotionReplay:
         segments = [self.segments[i] for i in course.segments]
         as_fitted, _ = moved(course.motion, self.fitted, segments=segments)
         motion, shift = moved(as_fitted, world, error.hung if error else 1.0, segments)
-        trace, found = robot.follow(motion, self._guess(robot, course, shift))
+        trace, found, load = robot.follow(motion, self._guess(robot, course, shift))
+        if np.any(course.spline.inner):
+            speed, bend = course.spline.rates(load / compiled.stiffness)
+            trace, found, _ = robot.follow(motion, found, (motion.velocity - speed, motion.acceleration - bend))
+            trace = self._at_the_middle(trace, course, bend[motion.read])
         rows = slices_of(count_of(segment) for segment in segments)
         stretches = [(here, None if s.is_static else s.standing) for s, here in zip(segments, rows, strict=True)]
         return expected(compiled, trace, stretches), found
+
+    def _at_the_middle(self, trace: Trace, course: Course, bend: Array) -> Trace:
+        """Return a trace with links where they are in the middle of a bin, not where averaged torques hold them.
+
+        Args:
+            trace: At what is read.
+            course: Along which.
+            bend: Shape (K, n), second derivatives of the winding.
+        """
+        less = course.spread[:, None] / 2 * bend
+        reflectors = trace.reflectors + np.einsum("trxj,tj->trx", self.jacobians[course.rows], less)
+        return replace(trace, theta=trace.theta + less, reflectors=reflectors)
 
     def _guess(self, robot: Prescribed, course: Course, shift: Array | None) -> Array | None:
         """Return where to search first, shape (T, 2, u): where the nominal robot balanced; `shift` of its motors."""

@@ -116,7 +116,7 @@ def feed_forward(applied: Applied, motion: Motion) -> FeedForward:
     """
     compiled, at = applied.compiled, applied.compiled.at
     motion, _ = moved(motion, applied.world)
-    trace, _ = Prescribed(compiled).follow(motion)
+    trace, *_ = Prescribed(compiled).follow(motion)
     arm = Arm(applied.bodies)
     rows = zip(motion.q, motion.velocity, motion.acceleration, strict=True)
     parts = {
