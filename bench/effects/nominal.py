@@ -60,17 +60,17 @@ def factor_of(deviation: float, sigma: float) -> float:
 def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
     """Return everything that may be a little wrong in the model of a robot, with a sigma above zero."""
     robot, model, known = compiled.robot, compiled.model, compiled.robot.figures.uncertainty
+    of_drives = robot.figures.drive_uncertainty
     found: list[NominalParameter] = []
-    friction = known.friction
-    for drive in robot.figures.drives:
-        joint, rotor = drive.joint, drive.rotor
+    for j, drive in enumerate(robot.figures.drives):
+        joint, rotor, friction = drive.joint, drive.rotor, float(of_drives.friction[j])
         motor, link = drive.motor_friction, drive.link_friction
         found += [
             _share(f"motor-side Coulomb friction of {joint}", friction, _scaled(motor, "coulomb")),
             _share(f"link-side Coulomb friction of {joint}", friction, _scaled(link, "coulomb")),
-            _share(f"rotor inertia of {joint}", known.rotor_inertia, _joint_scaled(rotor, "armature")),
+            _share(f"rotor inertia of {joint}", float(of_drives.rotor_inertia[j]), _joint_scaled(rotor, "armature")),
             replace(_share(f"viscous friction of {joint}", friction, _joint_scaled(rotor, "damping")), is_viscous=True),
-            _factor(f"stiffness of {joint}", known.stiffness, _stiffness(drive.element)),
+            _factor(f"stiffness of {joint}", float(of_drives.stiffness[j]), _stiffness(drive.element)),
         ]
     for name in moving_bodies(compiled):
         if model.body(name).mass[0] > 0:

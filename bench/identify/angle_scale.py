@@ -16,7 +16,7 @@ from itertools import product
 import numpy as np
 from scipy.optimize import least_squares
 
-from bench.identify.drive_model import TINY, Motion, carrying, is_guessed, model_columns, shifted, solved
+from bench.identify.drive_model import TINY, Motion, carrying, model_columns, shifted, solved
 from bench.identify.drive_scale import BLOCKS, LATEST, MOST_FLIPPED, SAMPLES, Flags
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
@@ -180,7 +180,7 @@ def _sigma(problem: _Problem, fit: _Fit) -> Array:
 
 def _within_uncertainty(nominal: NominalDynamics) -> Iterator[NominalDynamics]:
     """Yield arms of which one figure each is off by one standard deviation: masses, centres, known rotors."""
-    bodies, unsure = nominal.bodies, nominal.uncertainty
+    bodies, unsure, drives = nominal.bodies, nominal.uncertainty, nominal.drive_uncertainty
     for k in range(nominal.n_joints):
         scale = np.ones(nominal.n_joints)
         scale[k] += unsure.mass
@@ -190,7 +190,7 @@ def _within_uncertainty(nominal: NominalDynamics) -> Iterator[NominalDynamics]:
             com = bodies.com.copy()
             com[k, axis] += unsure.centre_of_mass_m
             yield replace(nominal, bodies=replace(bodies, com=com))
-        if not is_guessed(nominal):
+        if not drives.rotor_is_unknown[k]:
             scale = np.ones(nominal.n_joints)
-            scale[k] += unsure.rotor_inertia
+            scale[k] += drives.rotor_inertia[k]
             yield replace(nominal, rotor_inertia=nominal.rotor_inertia * scale)

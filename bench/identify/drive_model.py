@@ -12,7 +12,6 @@ from bench.robot.nominal_dynamics import NominalDynamics
 from bench.robot.payload import with_payload
 
 NOT_SHARP = 0.02  # of the top speed, over which the direction of a slow movement is not sharp (assumed)
-GUESSED = 1.0  # uncertainty of rotors, a factor of two, from which they are guesses; sigma of what a file states is 0.1
 
 TINY = np.finfo(float).tiny
 
@@ -40,21 +39,18 @@ class Motion:
 def model_columns(nominal: NominalDynamics, motion: Motion) -> Array:
     """Return for each drive model torque, speed, direction, one, and the torque of 1 kg of payload, shape (n, T, c).
 
-    Where rotors are guesses, acceleration stands before the payload; c is 5 or 6.
+    Where nobody knows some of the rotors, acceleration stands before the payload, zero for drives whose rotor is known;
+    c is 5 or 6.
     """
     links = link_torque(nominal.bodies, motion)
     payload = link_torque(with_payload(nominal.bodies, 1.0, nominal.load_point), motion) - links
-    guessed = [motion.acceleration] if is_guessed(nominal) else []
-    torque = links if guessed else links + nominal.rotor_inertia * motion.acceleration
+    unknown = nominal.drive_uncertainty.rotor_is_unknown
+    torque = links + np.where(unknown, 0.0, nominal.rotor_inertia) * motion.acceleration
+    of_unknown = [np.where(unknown, motion.acceleration, 0.0)] if np.any(unknown) else []
     slow = NOT_SHARP * np.max(np.abs(motion.velocity), axis=0, initial=1e-9)
     direction = np.tanh(motion.velocity / slow)
-    stack = np.stack([torque, motion.velocity, direction, np.ones_like(torque), *guessed, payload], axis=-1)
+    stack = np.stack([torque, motion.velocity, direction, np.ones_like(torque), *of_unknown, payload], axis=-1)
     return np.swapaxes(stack, 0, 1)
-
-
-def is_guessed(nominal: NominalDynamics) -> bool:
-    """Return whether nobody knows the rotors."""
-    return nominal.uncertainty.rotor_inertia >= GUESSED
 
 
 def link_torque(bodies: RigidBodies, motion: Motion) -> Array:

@@ -2,7 +2,8 @@
 
 For each drive y = (M(q, v, a) + p L(q, v, a) + J_r a) / factor + c_v v + c_s sign(v) + c_0 by least squares, M the
 inverse dynamics of the nominal links, L that of one kilogram at the load point, p the payload, one for all drives.
-Rotors that nobody knows (`drive_model.GUESSED`) are not in that; their torque has a coefficient of its own, c_a a.
+A rotor that nobody knows (`DriveUncertainty.rotor_is_unknown`) is not in that; its torque has a coefficient of its
+own, c_a a.
 Positions and readings have passed the same low-pass. A factor is as good as the masses are: it is told against them.
 """
 
@@ -16,7 +17,6 @@ from bench.identify.drive_model import (
     Motion,
     best_payload,
     carrying,
-    is_guessed,
     link_torque,
     misfit,
     model_columns,
@@ -95,7 +95,8 @@ def drive_scale(
     scatter = np.std(parts, axis=0, ddof=1) / np.sqrt(BLOCKS) / np.abs(slopes)
     needed = np.sqrt(np.mean(carrying(columns, payload)[:, :, 0] ** 2, axis=1))
     rotor = np.sqrt(np.mean((nominal.rotor_inertia * motion.acceleration) ** 2, axis=0))
-    of_rotors = 0.0 if is_guessed(nominal) else nominal.uncertainty.rotor_inertia * rotor / needed
+    known = nominal.drive_uncertainty
+    of_rotors = np.where(known.rotor_is_unknown, 0.0, known.rotor_inertia * rotor / needed)
     stated = np.sqrt(nominal.uncertainty.mass**2 + of_rotors**2 + _of_centres(nominal, motion, columns, payload) ** 2)
     if payload > (1 - AT_MOST) * heaviest > 0:  # it wants to be heavier; then factors would be other ones
         freely = _slopes(columns, reading, best_payload(columns, reading, FREELY * heaviest))

@@ -8,7 +8,9 @@ from pydantic import Field, model_validator
 from bench.errors import unknown_name
 from bench.record.possible import MAX_NOISE, MIN_NOISE
 from bench.record.schema_words import ONE_LINE
+from bench.robot.drive_uncertainty import DriveUncertainty
 from bench.robot.fitted import NOTHING, Fitted
+from bench.robot.one_or_each import OneOrEach, of_each, wrong_lengths
 from bench.robot.strict import Strict
 
 Positive = Annotated[float, Field(gt=0)]
@@ -32,6 +34,7 @@ AWAY = 1e3  # [m], of an instrument from the robot; laser trackers see 160 m far
 Noise = Annotated[float, Field(ge=MIN_NOISE)]
 TorqueNoise = Annotated[float, Field(ge=MIN_NOISE, le=MAX_NOISE["nm"])]
 Torque = Annotated[float, Field(ge=0, le=MAX_NOISE["nm"])]
+Share = Annotated[float, Field(ge=0, le=SHARE)]
 OneLine = Annotated[str, Field(pattern=ONE_LINE)]  # it is printed, and stands in pages
 Place = Annotated[float, Field(ge=-AWAY, le=AWAY)]
 
@@ -127,22 +130,22 @@ class CurrentSensor(Strict):
 class TorqueSensor(Strict):
     """Motor torque as a drive reports it, reflected to the joint; of a slide a force, in N for Nm."""
 
-    sigma_nm: TorqueNoise | tuple[TorqueNoise, ...] = Field(
+    sigma_nm: OneOrEach[TorqueNoise] = Field(
         description="[Nm], noise of one reading; one for all drives, or one for each"
     )
     resolution_nm: NonNegative = Field(0.0, le=MAX_NOISE["nm"], description="[Nm], step of the reading")
-    offset_sigma_nm: Torque | tuple[Torque, ...] = Field(
+    offset_sigma_nm: OneOrEach[Torque] = Field(
         0.0, description="[Nm], offset of the reading, one draw per drive; one sigma for all drives, or one for each"
     )
     gain_sigma: NonNegative = Field(0.02, le=GAIN, description="relative gain error of the reading, one draw per drive")
 
     def sigma_of(self, n: int) -> tuple[float, ...]:
         """Return `sigma_nm` of each of n drives [Nm]."""
-        return self.sigma_nm if isinstance(self.sigma_nm, tuple) else (self.sigma_nm,) * n
+        return tuple(of_each(self.sigma_nm, n).tolist())
 
     def offset_sigma_of(self, n: int) -> tuple[float, ...]:
         """Return `offset_sigma_nm` of each of n drives [Nm]."""
-        return self.offset_sigma_nm if isinstance(self.offset_sigma_nm, tuple) else (self.offset_sigma_nm,) * n
+        return tuple(of_each(self.offset_sigma_nm, n).tolist())
 
 
 class Encoder(Strict):
@@ -206,15 +209,19 @@ class Uncertainty(Strict):
     geometry_m: NonNegative = Field(
         0.2e-3, le=M, description="[m], each coordinate of each joint's place and of the anchors"
     )
-    friction: NonNegative = Field(
-        0.05, le=SHARE, description="relative, of each Coulomb level and each viscous coefficient"
+    friction: OneOrEach[Share] = Field(
+        0.05,
+        description="relative, of each Coulomb level and each viscous coefficient; one for all drives, or one for each",
     )
     presliding: NonNegative = Field(
         2.0, le=SHARE, description="relative, of how stiff each friction element holds; 2: known to a factor of 3"
     )
-    rotor_inertia: NonNegative = Field(0.1, le=SHARE, description="relative, of each rotor with its gear")
-    stiffness: NonNegative = Field(
-        0.03, le=SHARE, description="relative, of each elastic element; 3: known to a factor of 4"
+    rotor_inertia: OneOrEach[Share] = Field(
+        0.1, description="relative, of each rotor with its gear; one for all drives, or one for each"
+    )
+    stiffness: OneOrEach[Share] = Field(
+        0.03,
+        description="relative, of each elastic element; 3: known to a factor of 4; one for all drives, or one for each",
     )
     gas_constant: NonNegative = Field(0.01, le=SHARE, description="relative, of the counterbalance's C")
     critical_length_m: NonNegative = Field(0.5e-3, le=M, description="[m], of the counterbalance's l_c")
@@ -222,6 +229,14 @@ class Uncertainty(Strict):
     payload_kg: NonNegative | None = Field(
         None, le=KG, description="[kg], largest payload that recordings may leave unstated; by default the rated load"
     )
+
+    def of_drives(self, n: int) -> DriveUncertainty:
+        """Return what is stated of the drives, for each of n."""
+        return DriveUncertainty(
+            friction=of_each(self.friction, n),
+            rotor_inertia=of_each(self.rotor_inertia, n),
+            stiffness=of_each(self.stiffness, n),
+        )
 
 
 class Figures(Strict):
@@ -261,18 +276,21 @@ class Figures(Strict):
                 "that drives report current: write how many Nm at the joint one A makes (motor constant times gear "
                 "ratio); where nobody knows, write current: null, then `bench convert --look LOG --robot DIR` tells it"
             )
-        for name in ("sigma_nm", "offset_sigma_nm"):
-            given = getattr(fitted.torque, name, None)
-            if isinstance(given, tuple) and len(given) != len(joints):
-                raise ValueError(
-                    f"instruments.torque.{name} needs one number, or one for each of the {len(joints)} drives"
-                )
+        torque = {f"instruments.torque.{name}": value for name, value in fitted.torque or ()}
+        known = {f"uncertainty.{name}": value for name, value in self.uncertainty}
+        if faults := tuple(wrong_lengths(torque | known, len(joints))):
+            raise ValueError("; ".join(faults))
         for name in fitted.link_encoder.joints if fitted.link_encoder else ():
             if name not in joints:
                 raise ValueError(f"instruments.link_encoder.joints: {unknown_name('driven joint', name, joints)}")
         if faults := tuple(self.fitted.faults(joints, self.reflectors)):
             raise ValueError(" ".join(faults))
         return self
+
+    @property
+    def drive_uncertainty(self) -> DriveUncertainty:
+        """How well the figures of each drive are known."""
+        return self.uncertainty.of_drives(len(self.drives))
 
     def assumes(self, figure: str, joint: str) -> bool:
         """Return whether a figure of a joint, such as "speed limit", is a guess that `assumed` still lists."""

@@ -14,6 +14,7 @@ from bench.record.rules.values import IMPOSSIBLE
 from bench.record.schema_words import words_of
 from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.figures import Figures
+from bench.robot.one_or_each import LIST, NUMBER
 
 FIGURES_FILE = "figures.yaml"
 MJCF_ENDINGS = (".xml", ".mjcf")
@@ -109,7 +110,8 @@ def problems_of(error: ValidationError, file: str, model: type[BaseModel] | None
     """Return one sentence per fault of a pydantic validation as `model`, each with its place in the file."""
     sentences = []
     for fault in error.errors():
-        place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in fault["loc"]).lstrip(".")
+        keys = [part for part in fault["loc"] if part not in (NUMBER, LIST)]
+        place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in keys).lstrip(".")
         is_told = fault["type"] == "extra_forbidden" or isinstance(fault["input"], dict | list)
         given = "" if is_told else f", not {str(fault['input'])[:80]!r}"
         sentences.append(f"{file}: {place or 'top level'}: {words_of(fault, model)}{given}")

@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.robot.bodies import Array, RigidBodies, read_only
 from bench.robot.counterbalance import Counterbalance
+from bench.robot.drive_uncertainty import DriveUncertainty
 from bench.robot.figures import Uncertainty
 
 if TYPE_CHECKING:
@@ -63,6 +64,11 @@ class NominalDynamics:
     def n_joints(self) -> int:
         """Number of driven joints."""
         return self.bodies.n_joints
+
+    @property
+    def drive_uncertainty(self) -> DriveUncertainty:
+        """How well the figures of each drive are known."""
+        return self.uncertainty.of_drives(self.n_joints)
 
 
 def nominal_dynamics(compiled: "CompiledRobot") -> NominalDynamics:

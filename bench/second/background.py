@@ -17,12 +17,13 @@ def drawn(figures: Figures, known: Uncertainty, rng: np.random.Generator) -> Fig
         rng: Random numbers.
     """
     n = figures.n
+    drives = known.of_drives(n)
 
-    def about(values: Array, sigma: float) -> Array:
+    def about(values: Array, sigma: Array) -> Array:
         return values * (1 + sigma * rng.standard_normal(values.shape))
 
     def rubbing(friction: Friction) -> Friction:
-        return replace(friction, level=about(friction.level, known.friction))
+        return replace(friction, level=about(friction.level, drives.friction))
 
     lumps = tuple(
         replace(
@@ -47,12 +48,12 @@ def drawn(figures: Figures, known: Uncertainty, rng: np.random.Generator) -> Fig
         figures,
         position=figures.position + known.geometry_m * rng.standard_normal((n, 3)),
         lumps=lumps,
-        springs=replace(figures.springs, stiffness=about(figures.springs.stiffness, known.stiffness)),
+        springs=replace(figures.springs, stiffness=about(figures.springs.stiffness, drives.stiffness)),
         motor=rubbing(figures.motor),
         link=rubbing(figures.link),
         gas=gas,
-        rotor_inertia=about(figures.rotor_inertia, known.rotor_inertia),
-        viscous=about(figures.viscous, known.friction),
+        rotor_inertia=about(figures.rotor_inertia, drives.rotor_inertia),
+        viscous=about(figures.viscous, drives.friction),
         payload_change=known.load * float(rng.standard_normal()),
         hung_change=known.load * float(rng.standard_normal()),
     )

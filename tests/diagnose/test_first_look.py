@@ -180,6 +180,45 @@ def test_rotors_that_nobody_knows_are_free(session: Campaign, robot: CompiledRob
     np.testing.assert_allclose(free.model + rotors.sum(axis=2), sure.model, atol=1e-6)
 
 
+def stating_rotors(robot: CompiledRobot, *sigmas: float) -> CompiledRobot:
+    known = robot.robot.figures.uncertainty.model_copy(update={"rotor_inertia": sigmas})
+    return replace(
+        robot, robot=replace(robot.robot, figures=robot.robot.figures.model_copy(update={"uncertainty": known}))
+    )
+
+
+def test_of_rotors_those_that_nobody_knows_alone_are_free(session: Campaign, robot: CompiledRobot) -> None:
+    partly = stating_rotors(robot, 0.1, 0.1, 3.0, 0.1, 0.1, 0.1)
+    quantities = tuple(quantity for quantity in quantities_of(session.runs, robot) if quantity.is_drive)
+    segments = segments_of(session, robot, quantities)
+    sure, free = (drive_picture(Replay(one, segments, quantities)) for one in (robot, partly))
+    (rotor,) = np.moveaxis(free.missing[:, :, sure.missing.shape[2] :], 2, 0)
+    assert np.any(rotor[:, 2])
+    assert not np.any(np.delete(rotor, 2, axis=1))
+    np.testing.assert_allclose(free.model + rotor, sure.model, atol=1e-6)
+
+
+def test_one_rotor_that_is_known_does_not_doubt_a_clock(robot: CompiledRobot) -> None:
+    """It may be half as heavy again as stated; others agree with it only because nobody knows theirs."""
+    motion = np.array([1.5, 1, 1, 1, 1, 1])
+    alone = clock_of(looks(motion), stating_rotors(robot, 0.1, *[3.0] * 5), 0.999)
+    assert alone
+    assert alone.low < 1 < alone.high
+    two = clock_of(looks(np.full(6, 1.5)), stating_rotors(robot, 0.1, 0.1, *[3.0] * 4), 0.999)
+    assert two
+    assert two.low > 1
+
+
+def test_a_channel_is_as_scaled_as_its_own_rotor_allows(robot: CompiledRobot) -> None:
+    """Told by inertia alone, at rest nothing: a factor of 1.4 is beyond a rotor that is known to a tenth."""
+    for sigma, told in ((0.05, ["current_5_a"]), (3.0, [])):
+        seen = looks(np.ones(6))
+        untold = Factor(np.nan, np.inf)
+        seen[4] = replace(seen[4], gravity=untold, whole=Factor(1.4, 1e-3))
+        stated = stating_rotors(robot, *[0.05] * 4, sigma, 0.05)
+        assert [hint.column for hint in _scaled(seen, stated)] == told
+
+
 def test_a_smoothed_channel_is_doubted(session: Campaign, robot: CompiledRobot) -> None:
     (doubt,) = doubts_of(changed(session, smooth("current_3_a")), robot)
     assert (doubt.column, "smoothed?" in doubt.remedy) == ("current_3_a", True)

@@ -44,6 +44,15 @@ def test_a_figure_that_nobody_meant_is_remarked(
     assert words in str(remark)
 
 
+def test_of_a_list_the_number_that_nobody_meant_is_remarked(robot: CompiledRobot) -> None:
+    content = robot.robot.figures.model_dump()
+    content["uncertainty"]["friction"] = [0.05, 5, 0.05, 0.05, 0.05, 0.05]
+    figures = type(robot.robot.figures).model_validate(content)
+    (remark,) = remarks_on(replace(robot, robot=replace(robot.robot, figures=figures)))
+    assert remark.column == "uncertainty.friction[1]"
+    assert "500% uncertain" in str(remark)
+
+
 @pytest.mark.parametrize("name", robot_names())
 def test_no_robot_of_ours_is_remarked(name: str) -> None:
     assert not list(remarks_on(compile_robot(load_robot(name))))

@@ -60,6 +60,31 @@ def test_a_deviation_says_by_how_much_a_figure_is_off(compiled: CompiledRobot) -
     assert named["centre of mass of wrist, x"].off_by(0.002) == 0.002
 
 
+def test_each_drive_has_the_uncertainty_that_is_stated_of_it(compiled: CompiledRobot) -> None:
+    """Names are those of a robot that states one number; what is stated as known exactly is no parameter."""
+    joints = [drive.joint for drive in compiled.robot.figures.drives]
+    stated = {
+        "friction": ("motor-side Coulomb friction of", (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)),
+        "rotor_inertia": ("rotor inertia of", (0.1, 3.0, 0.1, 0.0, 0.1, 0.2)),
+        "stiffness": ("stiffness of", (0.03, 0.03, 3.0, 0.0, 0.03, 1.0)),
+    }
+    known = compiled.robot.figures.uncertainty
+    known = known.model_copy(update={key: numbers for key, (_, numbers) in stated.items()})
+    figures = compiled.robot.figures.model_copy(update={"uncertainty": known})
+    found = {
+        one.name: one for one in nominal_parameters(replace(compiled, robot=replace(compiled.robot, figures=figures)))
+    }
+    assert set(found) < {one.name for one in nominal_parameters(compiled)}
+    for words, numbers in stated.values():
+        sigmas = [found[f"{words} {joint}"].sigma if f"{words} {joint}" in found else 0.0 for joint in joints]
+        assert sigmas == list(numbers)
+    for words in ("link-side Coulomb", "viscous"):
+        assert [found[f"{words} friction of {joint}"].sigma for joint in joints] == list(stated["friction"][1])
+    factor = found[f"stiffness of {joints[2]}"]
+    stiffness = compile_robot(compiled.robot, (factor.edit(factor.sigma),)).stiffness
+    np.testing.assert_allclose(stiffness / compiled.stiffness, [1, 1, 4, 1, 1, 1])
+
+
 @pytest.mark.parametrize("name", ["hh150", "kr300"])  # diagonal inertias, and full ones
 def test_links_that_nobody_knows_have_moments_of_inertia_that_can_exist(name: str) -> None:
     robot = load_robot(name)

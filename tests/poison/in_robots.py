@@ -44,6 +44,9 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
         "half a pair": ('x: "\\udc00"\n', ("surrogate",)),
         "an uncertainty below zero": ("uncertainty: {mass: -1}\n", ("uncertainty.mass",)),
         "an uncertainty of nan": ("uncertainty: {mass: .nan}\n", ("uncertainty.mass",)),
+        "an uncertainty for too few drives": ("uncertainty: {friction: [0.1]}\n", ("uncertainty.friction", "2 drives")),
+        "a rotor below zero": ("uncertainty: {rotor_inertia: [0.1, -1]}\n", ("uncertainty.rotor_inertia[1]",)),
+        "a stiffness in words": ("uncertainty: {stiffness: [soft, 3]}\n", ("uncertainty.stiffness[0]",)),
         "a list for a section": ("uncertainty: [1]\n", ("uncertainty",)),
         "an uncertainty of 1e9": ("uncertainty: {mass: 1.0e+9}\n", ("uncertainty.mass",)),
         "a weight below zero": ("fitted: {weights: {hung: -5}}\n", ("fitted.weights.hung",)),
@@ -55,6 +58,10 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("figures", name, _append(line), "error", (f"robot/{FIGURES}", *places))
     remarked: dict[str, tuple[Spoil, tuple[str, ...]]] = {
         "a mass 500 % uncertain": (_append("uncertainty: {mass: 5}\n"), ("uncertainty.mass", "per cent?")),
+        "friction of a drive 500 % uncertain": (
+            _append("uncertainty: {friction: [0.1, 5]}\n"),
+            ("uncertainty.friction[1]", "per cent?"),
+        ),
         "noise beyond the drives": (_figures("sigma_a: 0.02", "sigma_a: 99"), ("sigma_a", "than a drive has")),
         "an encoder 4 s late": (_figures("encoder: {}", "encoder: {delay_s: 4}"), ("delay_s", "milliseconds?")),
     }

@@ -17,7 +17,6 @@ from bench.errors import ConvergenceError
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-UNKNOWN = 1.0  # relative uncertainty of a figure that says as much as nothing: 0 is one standard deviation away
 HELD = 0.1  # of a drive's torque limit, that friction may hold at rest; Coulomb levels are 1 to 6 % of it
 
 
@@ -97,11 +96,10 @@ def drive_picture(replay: Replay) -> DrivePicture:
 
 
 def _rotors(replay: Replay, nominal: Array) -> list[Array]:
-    """Return what each rotor adds to the readings, shape (T, c) each, where nobody knows it; else nothing."""
-    if replay.compiled.robot.figures.uncertainty.rotor_inertia < UNKNOWN:
-        return []
-    effect = RotorInertia()
-    doubled = (Acting(effect, place, effect.complete({"change": 1.0})) for place in effect.places(replay.compiled))
+    """Return what each rotor that nobody knows adds to the readings, shape (T, c) each."""
+    effect, unknown = RotorInertia(), replay.compiled.robot.figures.drive_uncertainty.rotor_is_unknown
+    places = [place for place in effect.places(replay.compiled) if unknown[place.index]]
+    doubled = (Acting(effect, place, effect.complete({"change": 1.0})) for place in places)
     return [replay.predict(World(acting=(acting,))) - nominal for acting in doubled]
 
 

@@ -174,7 +174,8 @@ def clock_of(looks: Sequence[DriveLook], compiled: CompiledRobot, level: float) 
     """Return the rate of the clock, None where fewer than two joints tell.
 
     Each joint's m / s is as uncertain as its rotor's inertia and, where gravity does not tell the gain of its channel,
-    its torque constant. Where joints differ by more than that, the interval is as much wider (Birge).
+    its torque constant. Where joints differ by more than that, the interval is as much wider (Birge). One joint alone
+    may have another inertia: the rotor that is known best counts as no better known than the next.
 
     Args:
         looks: At the drives.
@@ -183,20 +184,22 @@ def clock_of(looks: Sequence[DriveLook], compiled: CompiledRobot, level: float) 
     """
     figures = compiled.robot.figures
     current = figures.instruments.current
-    logs, sigmas = [], []
+    logs, sigmas, rotors = [], [], []
     for look in looks:
-        if not look.fits or look.motion.relative > figures.uncertainty.rotor_inertia:
+        rotor = float(figures.drive_uncertainty.rotor_inertia[look.index])
+        if not look.fits or look.motion.relative > rotor:
             continue
-        told = look.gravity.relative < figures.uncertainty.rotor_inertia
+        told = look.gravity.relative < rotor
         if not told and figures.uncertainty.payload_kg:  # a payload that nobody stated has inertia, too
             continue
         gain = float(np.hypot(current.gain_sigma if current else 0.0, figures.drives[look.index].torque_constant_error))
         logs.append(np.log(look.motion.value / (look.gravity.value if told else 1.0)))
         of_gain = look.gravity.relative if told else gain
-        sigmas.append(np.hypot(figures.uncertainty.rotor_inertia, np.hypot(look.motion.relative, of_gain)))
+        sigmas.append(np.hypot(look.motion.relative, of_gain))
+        rotors.append(rotor)
     if len(logs) < 2:
         return None
-    values, weights = np.array(logs), np.array(sigmas) ** -2.0
+    values, weights = np.array(logs), np.hypot(np.maximum(rotors, np.sort(rotors)[1]), sigmas) ** -2.0
     mean = float(weights @ values / weights.sum())
     birge = max(1.0, float(weights @ (values - mean) ** 2) / (len(values) - 1))
     half = float(stats.norm.ppf(0.5 + level / 2) * np.sqrt(birge / weights.sum()))

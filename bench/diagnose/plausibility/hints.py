@@ -154,7 +154,8 @@ def _factor(look: DriveLook, compiled: CompiledRobot) -> Factor:
     What is stated of masses is right to a share of all that they need, and the factor is told by a part of that alone.
     """
     figures = compiled.robot.figures
-    inertia, gain = figures.uncertainty.rotor_inertia, figures.drives[look.index].torque_constant_error
+    inertia = float(figures.drive_uncertainty.rotor_inertia[look.index])
+    gain = figures.drives[look.index].torque_constant_error
     by_gravity = look.gravity.relative < inertia
     if not by_gravity and figures.uncertainty.payload_kg:  # a payload that nobody stated has inertia, too
         return Factor(np.nan, np.inf)

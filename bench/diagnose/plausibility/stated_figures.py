@@ -24,7 +24,11 @@ def remarks_on(compiled: CompiledRobot) -> Iterator[Finding]:
 
 def _uncertainties(compiled: CompiledRobot) -> Iterator[tuple[str, str, str]]:
     figures = compiled.robot.figures
-    stated = {f"uncertainty.{key}": getattr(figures.uncertainty, key) for key in OF_THE_WHOLE}
+    stated: dict[str, float] = {}
+    for key in OF_THE_WHOLE:
+        value = getattr(figures.uncertainty, key)
+        each = {f"[{j}]": one for j, one in enumerate(value)} if isinstance(value, tuple) else {"": value}
+        stated |= {f"uncertainty.{key}{place}": one for place, one in each.items()}
     stated |= {f"drives[{j}].torque_constant_error": one.torque_constant_error for j, one in enumerate(figures.drives)}
     for name in ("force", "current", "torque"):
         if sensor := getattr(figures.instruments, name):

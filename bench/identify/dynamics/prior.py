@@ -165,7 +165,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
         torque_rms: Shape (n,) [Nm], of each joint in the campaign.
         speed_rms: Shape (n,) [rad/s], likewise.
     """
-    u, n = nominal.uncertainty, layout.n
+    u, drives, n = nominal.uncertainty, nominal.drive_uncertainty, layout.n
     mean = np.zeros(layout.size)
     figures, friction, scale, free = (np.zeros((layout.size, layout.size)) for _ in range(4))
     mean[layout.links] = standard_parameters(arm)
@@ -179,11 +179,11 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
         into[index, index] = sigma
 
     own_inertia = np.diag(arm.mass_matrix(np.zeros(n)))
-    rotor = np.where(nominal.rotor_inertia > 0, u.rotor_inertia * nominal.rotor_inertia, own_inertia)
+    rotor = np.where(nominal.rotor_inertia > 0, drives.rotor_inertia * nominal.rotor_inertia, own_inertia)
     put(layout.of_drives("rotor"), nominal.rotor_inertia, rotor, figures)
     drag = torque_rms / np.where(speed_rms > 0, speed_rms, 1.0)
     for name, stated, most in (("coulomb", nominal.coulomb, torque_rms), ("viscous", nominal.viscous, drag)):
-        put(layout.of_drives(name), stated, u.friction * stated, friction)
+        put(layout.of_drives(name), stated, drives.friction * stated, friction)
         put(layout.of_drives(name), stated, np.where(stated > 0, 0.0, most), free)
     put(layout.of_drives("offset"), 0.0, nominal.torque_offset_sigma, free)
     put(layout.gain, 0.0, nominal.torque_gain_sigma, scale)
@@ -202,7 +202,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
             np.array([amount, *(shape[k] for k in GAS_SHAPE)]),
             free,
         )
-    put(layout.softness, 1.0, u.stiffness, free)
+    put(layout.softness, 1.0, drives.stiffness, free)
     offset, difference = (np.zeros((n, layout.size, layout.size)) for _ in range(2))
     every = np.arange(layout.size)
     for into, name, most in ((offset, "offset", torque_rms), (difference, "viscous_difference", drag)):

@@ -24,7 +24,7 @@ from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from tests.report.handover.made import CASES, EFFECTS, FAR, SECOND, Case, design_for, fit_of, predictions
 from tests.simulate.loading_small import small_loading
-from tests.small_robot import FIGURES
+from tests.small_robot import FIGURES, write_small_robot
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -163,6 +163,19 @@ def handed(small_robot: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
         first, fit_of(first, CASES["unstated payload"], np.random.default_rng(5)), made / "robot", made / "nominal.xml"
     )
     return made / "robot"
+
+
+def test_what_is_stated_of_each_drive_is_written_back(tmp_path: Path) -> None:
+    stated = {"rotor_inertia": [0.1, 3.0], "stiffness": [3.0, 0.03], "friction": [0.05, 0.2], "presliding": 1.0}
+    nominal = write_small_robot(tmp_path / "small")
+    (nominal / "figures.yaml").write_text(yaml.safe_dump(FIGURES | {"uncertainty": stated}))
+    linear = design_for(compile_robot(load_robot(nominal)))
+    names = {nuisance.name: nuisance.sigma for nuisance in linear.nuisances}
+    assert (names["rotor inertia of hinge_a"], names["rotor inertia of hinge_b"]) == (0.1, 3.0)
+    fit = fit_of(linear, CASES["unstated payload"], np.random.default_rng(5))
+    hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
+    assert yaml.safe_load((tmp_path / "robot" / "figures.yaml").read_text())["uncertainty"] == stated
+    assert load_robot(tmp_path / "robot").figures.uncertainty == load_robot(nominal).figures.uncertainty
 
 
 def test_commands_take_the_folder(handed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
