@@ -9,7 +9,7 @@ from bench.identify.angle_scale import AngleScale, angle_scale
 from bench.record.look.values import evenly
 from bench.robot.nominal_dynamics import NominalDynamics
 from tests import stranger
-from tests.stranger_started import started
+from tests.stranger_started import erring, started
 
 DRIVES = 3
 LOGS = 8  # three ratios each
@@ -34,16 +34,6 @@ def scale_of(
     clock, slow = evenly(motion.time, dict(zip(names, columns.T, strict=True)))
     values = np.stack([slow[name] for name in names], axis=1)[5:-5]
     return angle_scale(arm, clock[5:-5], values[:, :DRIVES], values[:, DRIVES:], sought)
-
-
-def erring(arm: NominalDynamics, rng: np.random.Generator) -> NominalDynamics:
-    """Return an arm that is wrong by what it states of itself."""
-    unsure, links = arm.uncertainty, arm.bodies
-    scale = 1 + unsure.mass * rng.normal(size=DRIVES)
-    com = links.com + unsure.centre_of_mass_m * rng.normal(size=(DRIVES, 3))
-    bodies = replace(links, mass=links.mass * scale, inertia=links.inertia * scale[:, None, None], com=com)
-    rotors = arm.rotor_inertia * (1 + unsure.rotor_inertia * rng.normal(size=DRIVES))
-    return replace(arm, bodies=bodies, rotor_inertia=rotors)
 
 
 @pytest.mark.parametrize("ratio", [(50.0, 121.0, 200.0), (-160.0, 101.0, -99.0)])

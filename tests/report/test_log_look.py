@@ -14,10 +14,9 @@ from bench.record.convert import convert
 from bench.record.log_format import LogFormat, read_log_format
 from bench.record.look.values import evenly
 from bench.report.log_look.look import look
-from bench.robot.nominal_dynamics import NominalDynamics, nominal_dynamics
-from bench.robot.starter.folder import start_robot
-from bench.robot.starter.source import read_source
+from bench.robot.nominal_dynamics import NominalDynamics
 from tests import stranger
+from tests.stranger_started import erring, started
 
 SECONDS = 8.0
 LAG = 2e-3  # [s], to which a delay is told: a control period of such a drive
@@ -30,9 +29,7 @@ LEAST_HELD = 18  # of 24 intervals of 90 %: fewer come by chance once in 100 (bi
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory: pytest.TempPathFactory) -> NominalDynamics:
     """Return the stranger's arm as `bench new-robot` starts it."""
-    folder = tmp_path_factory.mktemp("stranger")
-    (folder / "arm.xml").write_text(stranger.mjcf())
-    return nominal_dynamics(start_robot("arm", read_source(folder / "arm.xml"), folder / "arm").compiled)
+    return started(tmp_path_factory.mktemp("stranger"))
 
 
 def proposed(tmp_path: Path, text: str) -> LogFormat:
@@ -91,20 +88,6 @@ def test_a_payload_that_may_not_be_so_heavy_leaves_factors_open(arm: NominalDyna
     off = np.abs(scale.factor / constants - 1)
     assert np.any(off > 0.15)
     assert np.all(off < 2 * scale.sigma)
-
-
-def erring(arm: NominalDynamics, rng: np.random.Generator) -> NominalDynamics:
-    """Return an arm that is wrong by what it states of itself."""
-    unsure, links = arm.uncertainty, arm.bodies
-    scale = 1 + unsure.mass * rng.normal(size=DRIVES)
-    bodies = replace(
-        links,
-        mass=links.mass * scale,
-        inertia=links.inertia * scale[:, None, None],
-        com=links.com + unsure.centre_of_mass_m * rng.normal(size=(DRIVES, 3)),
-    )
-    rotors = arm.rotor_inertia * (1 + unsure.rotor_inertia * rng.normal(size=DRIVES))
-    return replace(arm, bodies=bodies, rotor_inertia=rotors)
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.008])
@@ -194,8 +177,7 @@ def test_names_that_are_not_known(tmp_path: Path, arm: NominalDynamics, position
 @pytest.mark.parametrize("ratio", [1.0, 60.0])
 def test_what_is_called_a_torque_is_one_at_the_joint_or_behind_a_gear(tmp_path: Path, ratio: float) -> None:
     """Factors were off by up to nine to one where the file has a placeholder for its rotors, and none became a line."""
-    (tmp_path / "arm.xml").write_text(stranger.mjcf(armature=5.0))
-    guessed = nominal_dynamics(start_robot("arm", read_source(tmp_path / "arm.xml"), tmp_path / "arm").compiled)
+    guessed = started(tmp_path, stranger.mjcf(armature=5.0))
     real = stranger.unlike_its_file(np.random.default_rng(4))
     motion = stranger.moved(np.random.default_rng(3), 20.0, real)
     file = named_log(tmp_path / "x.csv", motion, "joint{}_position_deg", "joint{}_torque_Nm", motion.torque / ratio)

@@ -16,10 +16,11 @@ from bench.robot.compiled import compile_robot
 from bench.robot.figures import Encoder, Figures, TorqueSensor, Tracker, Uncertainty
 from bench.robot.folder import load_robot
 from bench.robot.instrument_table import table
-from bench.robot.starter.defaults import WEAKEST
+from bench.robot.starter.defaults import ROTOR_GUESSED, SPIN_UP, WEAKEST
 from bench.robot.starter.folder import Started, start_robot
 from bench.robot.starter.source import read_source
 from tests import stranger
+from tests.stranger_started import but_one_rotor
 
 MODELS = Path(__file__).parents[2] / "models" / "README.md"
 
@@ -227,8 +228,18 @@ def test_how_well_rotors_of_the_file_are_known_is_said(tmp_path: Path) -> None:
     said = "uncertainty of rotor inertias: those of the file are taken as known to 10 %"
     assert said in started(tmp_path / "stated", stranger.mjcf()).compiled.robot.figures.assumed
     guessed = started(tmp_path / "guessed", stranger.mjcf(armature=5.0)).compiled.robot.figures
-    assert guessed.uncertainty.rotor_inertia > 1
+    assert guessed.uncertainty.rotor_inertia == ROTOR_GUESSED
     assert said not in guessed.assumed
+
+
+def test_a_placeholder_for_some_drives_is_one(tmp_path: Path) -> None:
+    """Beside a drive without any, one armature for 200 Nm and for 80 Nm was taken for both rotors, known to 10 %."""
+    text = re.sub(r'armature="[^"]*"', 'armature="0.1"', but_one_rotor())
+    robot = started(tmp_path, text)
+    np.testing.assert_allclose([drive.rotor_inertia for drive in robot.drives], np.array(stranger.LIMIT) / SPIN_UP)
+    figures = robot.compiled.robot.figures
+    assert figures.uncertainty.rotor_inertia == ROTOR_GUESSED
+    assert any("(j1 4, j3 1.6)" in line and "armature 0.1 of the file stands there" in line for line in figures.assumed)
 
 
 def test_defaults_of_instruments_stand_in_one_table() -> None:

@@ -199,8 +199,9 @@ def _without_placeholder(joints: Sequence[SourceJoint], needed: Sequence[float])
 
 def _rotors(joints: Sequence[SourceJoint]) -> list[tuple[float, str]]:
     """Return what the file says of the inertia of each rotor, 0 where that is nothing, and the reason in words."""
-    armatures = {joint.armature for joint in joints}
-    limits = [joint.torque_limit for joint in joints if joint.torque_limit]
+    stating = [joint for joint in joints if joint.armature]
+    armatures = {joint.armature for joint in stating}
+    limits = [joint.torque_limit for joint in stating if joint.torque_limit]
     same = len(armatures) == 1 and max(limits, default=0.0) >= UNLIKE * min(limits, default=1.0)
     placeholder = "; armature {:g} of the file stands there for weak and strong drives alike" if same else ""
     found = []
