@@ -20,7 +20,7 @@ from bench.robot.starter.defaults import ROTOR_GUESSED, SPIN_UP, WEAKEST
 from bench.robot.starter.folder import Started, start_robot
 from bench.robot.starter.source import read_source
 from tests import stranger
-from tests.stranger_started import but_one_rotor
+from tests.stranger_started import MISSING, but_one_rotor
 
 MODELS = Path(__file__).parents[2] / "models" / "README.md"
 
@@ -230,6 +230,18 @@ def test_how_well_rotors_of_the_file_are_known_is_said(tmp_path: Path) -> None:
     guessed = started(tmp_path / "guessed", stranger.mjcf(armature=5.0)).compiled.robot.figures
     assert guessed.uncertainty.rotor_inertia == ROTOR_GUESSED
     assert said not in guessed.assumed
+
+
+def test_of_rotors_the_guessed_ones_alone_are_guesses(tmp_path: Path) -> None:
+    """For one rotor that the file leaves out, all six of an arm counted as three times as large as anybody likes."""
+    figures = started(tmp_path, but_one_rotor()).compiled.robot.figures
+    known = [0.1, 0.1, 0.1]
+    known[MISSING] = ROTOR_GUESSED
+    assert figures_of(tmp_path / "arm")["uncertainty"]["rotor_inertia"] == known  # type: ignore[index]
+    np.testing.assert_array_equal(figures.drive_uncertainty.rotor_inertia, known)
+    (said,) = (line for line in figures.assumed if line.startswith("uncertainty of rotor inertias"))
+    assert "those of the file (j1, j3) are taken as known to 10 %, guesses (j2) to 3 times the guess" in said
+    assert f"- {said}\n" in (tmp_path / "arm" / "README.md").read_text()
 
 
 def test_a_placeholder_for_some_drives_is_one(tmp_path: Path) -> None:

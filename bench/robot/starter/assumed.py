@@ -1,9 +1,9 @@
 """What a file did not say of its robot, one sentence each: for README, `figures.yaml` and `bench check`."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from bench.robot.figures import Uncertainty
-from bench.robot.starter.defaults import DriveFigures
+from bench.robot.starter.defaults import ROTOR_GUESSED, DriveFigures
 from bench.robot.starter.source import Source
 
 WORDS = {
@@ -16,6 +16,13 @@ WORDS = {
 }
 KEPT = ("the file", "armature of the file", "damping of the file", "frictionloss of the file")
 
+ROTOR_KEPT: float = Uncertainty.model_fields["rotor_inertia"].default
+
+
+def is_kept(drive: DriveFigures, key: str) -> bool:
+    """Return whether a figure of a drive is the file's."""
+    return drive.origins[key] in KEPT
+
 
 def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ...]:
     """Return what was assumed, in the order in which it is worth replacing."""
@@ -23,8 +30,8 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
     for key, words in WORDS.items():
         by_reason: dict[str, list[str]] = {}
         for joint, drive in zip(source.joints, drives, strict=True):
-            if (reason := drive.origins[key]) not in KEPT:
-                by_reason.setdefault(reason, []).append(f"{joint.name} {getattr(drive, key):g}")
+            if not is_kept(drive, key):
+                by_reason.setdefault(drive.origins[key], []).append(f"{joint.name} {getattr(drive, key):g}")
         for reason, who in by_reason.items():
             found.append(f"{words} ({', '.join(who)}): {_plainly(reason)}")
     if unlimited := [joint.name for joint in source.joints if not joint.has_limits]:
@@ -35,14 +42,7 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
         found.append(
             f"mass of {', '.join(source.guessed_masses)}: the file gives shapes alone; made of them at 1000 kg/m^3"
         )
-    if all(drive.origins["rotor_inertia"] in KEPT for drive in drives):
-        known = Uncertainty.model_fields["rotor_inertia"].default
-        found.append(f"uncertainty of rotor inertias: those of the file are taken as known to {100 * known:.0f} %")
-    elif some := [j.name for j, d in zip(source.joints, drives, strict=True) if d.origins["rotor_inertia"] in KEPT]:
-        found.append(
-            f"uncertainty of rotor inertias: as some are guessed, those of the file ({', '.join(some)}) count as "
-            "uncertain as these; state uncertainty.rotor_inertia once you know the others"
-        )
+    found += _of_rotors(source, drives)
     return (
         *found,
         "instruments: drives that report torque with noise of 0.2 % of the torque limit, encoders, a laser tracker",
@@ -50,6 +50,22 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
         "uncertainty of masses, centres of mass and friction: that of a model taken from a drawing",
         "uncertainty of stiffness: a factor of four",
     )
+
+
+def _of_rotors(source: Source, drives: Sequence[DriveFigures]) -> Iterator[str]:
+    """Yield how well rotors are known, where the file states some."""
+    pairs = list(zip(source.joints, drives, strict=True))
+    kept = [joint.name for joint, drive in pairs if is_kept(drive, "rotor_inertia")]
+    guessed = [joint.name for joint, drive in pairs if not is_kept(drive, "rotor_inertia")]
+    known = f"are taken as known to {100 * ROTOR_KEPT:.0f} %"
+    if not guessed:
+        yield f"uncertainty of rotor inertias: those of the file {known}"
+    elif kept:
+        yield (
+            f"uncertainty of rotor inertias: those of the file ({', '.join(kept)}) {known}, guesses "
+            f"({', '.join(guessed)}) to {ROTOR_GUESSED:g} times the guess; with a guess that you replace, change "
+            "its number in uncertainty.rotor_inertia"
+        )
 
 
 def _plainly(reason: str) -> str:

@@ -8,7 +8,7 @@ from pydantic import BaseModel
 
 from bench.record.units import STANDARD_GRAVITY
 from bench.robot.figures import Encoder, TorqueSensor, Tracker, Uncertainty
-from bench.robot.starter.assumed import KEPT, assumptions
+from bench.robot.starter.assumed import ROTOR_KEPT, assumptions, is_kept
 from bench.robot.starter.defaults import ROTOR_GUESSED, DriveFigures, Survey
 from bench.robot.starter.mjcf import names_of
 from bench.robot.starter.source import Source
@@ -76,7 +76,7 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
             "  ",
             **DRAWING,
             stiffness=STIFFNESS_GUESSED,
-            **_of_rotors(drives),
+            rotor_inertia=_of_rotors(drives),
             payload_kg=float(f"{heaviest:.2g}"),
         ),
         "",
@@ -86,17 +86,21 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
     return "\n".join(lines) + "\n"
 
 
-def _of_rotors(drives: Sequence[DriveFigures]) -> dict[str, float]:
-    """Return how well rotors are known where not all of them are the file's."""
-    return {} if all(d.origins["rotor_inertia"] in KEPT for d in drives) else {"rotor_inertia": ROTOR_GUESSED}
+def _of_rotors(drives: Sequence[DriveFigures]) -> float | list[float]:
+    """Return how well rotors are known: one number, or one for each drive where the file states some of them."""
+    known = [ROTOR_KEPT if is_kept(drive, "rotor_inertia") else ROTOR_GUESSED for drive in drives]
+    return known if len(set(known)) > 1 else known[0]
 
 
-def _defaults(kind: type[BaseModel], indent: str = "    ", **other: float) -> list[str]:
+def _defaults(kind: type[BaseModel], indent: str = "    ", **other: float | list[float]) -> list[str]:
     """Return a line for each figure that has a default."""
     lines = []
     for name, field in kind.model_fields.items():
         if not field.is_required():
-            lines.append(f"{indent}{name}: {other.get(name, field.default):g}  # default")
+            value = other.get(name, field.default)
+            is_list = isinstance(value, list)
+            text = f"[{', '.join(f'{one:g}' for one in value)}]" if is_list else f"{value:g}"
+            lines.append(f"{indent}{name}: {text}  # default{', drive by drive' if is_list else ''}")
     return lines
 
 
