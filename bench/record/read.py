@@ -2,18 +2,17 @@
 
 from pathlib import Path
 
-from bench.record.campaign import Arm, Campaign
+from bench.record.campaign import Campaign
 from bench.record.check import check_campaign
 
 
-def read_campaign(folder: Path, arm: Arm | None = None) -> Campaign:
+def read_campaign(folder: Path) -> Campaign:
     """Read a campaign folder; warnings are left to `check_campaign`.
 
     Args:
         folder: A folder with a `campaign.yaml`.
-        arm: The robot, if it is known.
 
     Raises:
         CampaignError: The campaign cannot be used; `problems` names every fault with file, row and column.
     """
-    return check_campaign(folder, arm).usable()
+    return check_campaign(folder).usable()

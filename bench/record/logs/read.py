@@ -19,8 +19,6 @@ from bench.record.logs.resample import at_times, even_rows, filled
 from bench.record.rules.sheet import Sheet, rows_where
 from bench.record.table import Table
 
-SHOWN_ROW = 4  # cells of a row that an error shows
-
 
 @dataclass(frozen=True)
 class LogColumns:

@@ -155,11 +155,6 @@ def at_places(words: str, places: Sequence[str]) -> str:
     return f"{words} {'' if where.startswith(IN_RECORDING.strip()) else 'of '}{where}" if where else words
 
 
-def letter(index: int) -> str:
-    """Return A for 0, B for 1."""
-    return chr(ord("A") + index)
-
-
 def capital(words: str) -> str:
     """Return words with a capital letter in front."""
     return words[:1].upper() + words[1:]

@@ -1,7 +1,6 @@
 """Pictures of a diagnosis as small SVGs: what is left of the worst channels, in their own unit, and learned shapes."""
 
 from dataclasses import dataclass
-from io import BytesIO
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +10,7 @@ from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.record.campaign import Array
 from bench.report.diagnosis.names import WORKSHOP, channel_name, of_slide, shown, unit_name
 from bench.report.diagnosis.readings import Readings
-from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure
+from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure, svg_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +25,7 @@ LEAST_RANGE = np.deg2rad(2.0)  # [rad]; a joint that moves less shows no depende
 BINS = 12  # of an angle, by which structure is looked for
 OWN = 0.5  # of what the best joint explains, from where on a drive is drawn over its own angle
 FEW = 24  # readings, below which there is no structure to look for
-RASTER_DPI = 220  # of the points; lines and words stay sharp
+SALT = "diagnosis"  # of the ids in the SVGs
 WAYS = ((1.0, "angle rising", "o", COLOURS[0]), (-1.0, "angle falling", "s", COLOURS[1]))
 
 
@@ -94,22 +93,12 @@ def learned_picture(curve: LearnedCurve, what: str) -> Picture:
     panel.set_ylabel(f"{what} [{unit}]")
     _legend(figure, panel, 1.0)
     named = f", {curve.name}" if curve.name else ""
-    return Picture(svg_of(figure), f"{what} as learned over {over_name(curve)}{named}, with its 95 % interval")
+    return Picture(svg_of(figure, SALT), f"{what} as learned over {over_name(curve)}{named}, with its 95 % interval")
 
 
 def over_name(curve: LearnedCurve) -> str:
     """Return what a learned curve depends on; of a slide the position."""
     return of_slide(curve.over) if curve.over_unit == "m" else curve.over
-
-
-def svg_of(figure: "Figure") -> str:
-    """Return a figure as SVG; the same figure gives the same text."""
-    import matplotlib
-
-    file = BytesIO()
-    with matplotlib.rc_context({"svg.hashsalt": "diagnosis"}):
-        figure.savefig(file, format="svg", dpi=RASTER_DPI, metadata={"Date": None})
-    return file.getvalue().decode()
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +123,7 @@ def _over_angle(readings: Readings, column: int, joint: int, name: str) -> Pictu
             _points(panel, scale * readings.angle[at, joint][moving], stage.left[moving], marker, colour, words)
     panels[-1][0].set_xlabel(f"{over} [{unit}]")
     _legend(figure, panels[0][0])
-    return Picture(svg_of(figure), f"Residual of {name} over the {over}, by direction")
+    return Picture(svg_of(figure, SALT), f"Residual of {name} over the {over}, by direction")
 
 
 def _over_time(readings: Readings, column: int, name: str) -> Picture:
@@ -155,7 +144,7 @@ def _over_time(readings: Readings, column: int, name: str) -> Picture:
     several = len(begins) > 1
     panels[-1][0].set_xlabel("time of the recording, runs one after another [s]" if several else "time [s]")
     _legend(figure, panels[0][0])
-    return Picture(svg_of(figure), f"Residual of {name} over time, all runs one after another")
+    return Picture(svg_of(figure, SALT), f"Residual of {name} over time, all runs one after another")
 
 
 def _measured(readings: Readings, column: int) -> NDArray[np.intp]:

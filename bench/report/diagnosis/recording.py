@@ -19,15 +19,13 @@ from bench.report.recording.events import log_events
 from bench.report.recording.layout import event_view, robot_view, with_plots
 from bench.report.recording.poses import Poses, elastic_poses, rigid_poses
 from bench.report.recording.scene import floor_height, scene_of
-from bench.report.recording.write import extent_of
+from bench.report.recording.write import MAGNIFICATION, extent_of
 from bench.report.recording.writer import RecordingWriter, identity_of, recording_to
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.plant import Trace
 
 if TYPE_CHECKING:
     from rerun.blueprint import Blueprint, View
-
-MAGNIFICATION = 100.0  # of the wind-up of the elastic elements
 
 
 def write_diagnosis_recording(path: Path, diagnosis: Diagnosis, readings: Readings) -> None:

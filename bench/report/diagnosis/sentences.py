@@ -7,14 +7,13 @@ import numpy as np
 
 from bench.diagnose.cross_validation.held_out import NOTICEABLE
 from bench.diagnose.experiment_design.propose import NONE
-from bench.diagnose.verdict import ChannelGain, NamedCause, Proposal, Step, UndetectableEffect, Verdict
+from bench.diagnose.verdict import ChannelGain, Proposal, Step, UndetectableEffect, Verdict
 from bench.report.diagnosis.names import (
     at_places,
     cause_name,
     channel_name,
     gain_percent,
     listed,
-    parameter_text,
     percent,
     shown,
     unit_name,
@@ -228,8 +227,3 @@ def proposal_text(proposal: Proposal) -> str:
 def _with_channels(words: str) -> str:
     """Return words in which columns are called as people call them."""
     return COLUMN.sub(lambda found: channel_name(found[0]), words)
-
-
-def cause_text(cause: NamedCause) -> str:
-    """Return a cause with its parameters in a line."""
-    return f"{cause_name(cause)}: {', '.join(parameter_text(p) for p in cause.parameters)}"

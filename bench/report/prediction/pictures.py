@@ -4,9 +4,9 @@ import numpy as np
 
 from bench.predict.prediction import PredictedRecording
 from bench.report.diagnosis.names import WORKSHOP, channel_name, shown, unit_name
-from bench.report.diagnosis.pictures import BAND, Picture, svg_of
+from bench.report.diagnosis.pictures import BAND, SALT, Picture
 from bench.report.diagnosis.recording_clock import recording_clock_of
-from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure
+from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure, svg_of
 
 WORST = 3  # channels that are drawn
 SIZE = (4.6, 3.9)  # [inch]; on a telephone it fills the width
@@ -53,5 +53,5 @@ def _picture(recording: PredictedRecording, column: int) -> Picture:
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=SMALL_TEXT)
     name = channel_name(quantity.column)
     return Picture(
-        svg_of(figure), f"{name} over time: measured, as the nominal robot has it, predicted; and what is left"
+        svg_of(figure, SALT), f"{name} over time: measured, as the nominal robot has it, predicted; and what is left"
     )

@@ -7,7 +7,6 @@ import numpy as np
 from bench.predict.prediction import PredictedRecording
 from bench.report.diagnosis.curves import MEASURED, MEASURED_WIDTH, SIMULATED_WIDTH, WITH, WITHOUT
 from bench.report.diagnosis.names import WORKSHOP, capital, channel_name
-from bench.report.diagnosis.recording import MAGNIFICATION
 from bench.report.diagnosis.recording_clock import RecordingClock, recording_clock_of
 from bench.report.recording.compared import log_compared
 from bench.report.recording.curves import JOINT_COLOURS, Curve, Plot, log_plots
@@ -15,7 +14,7 @@ from bench.report.recording.events import log_events
 from bench.report.recording.layout import layout
 from bench.report.recording.poses import elastic_poses, rigid_poses
 from bench.report.recording.scene import floor_height, scene_of
-from bench.report.recording.write import extent_of
+from bench.report.recording.write import MAGNIFICATION, extent_of
 from bench.report.recording.writer import identity_of, recording_to
 
 

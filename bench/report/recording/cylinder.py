@@ -6,7 +6,6 @@ import mujoco
 import numpy as np
 
 from bench.report.recording.poses import Poses
-from bench.report.recording.shapes import Rgba
 from bench.report.recording.writer import RecordingWriter
 from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot
@@ -45,9 +44,7 @@ def anchors_of(compiled: CompiledRobot, poses: Poses) -> tuple[Array, Array]:
     return poses.site_position[:, sites[0]], poses.site_position[:, sites[-1]]
 
 
-def log_cylinder(
-    writer: RecordingWriter, root: str, compiled: CompiledRobot, poses: Poses, tint: Rgba | None = None
-) -> None:
+def log_cylinder(writer: RecordingWriter, root: str, compiled: CompiledRobot, poses: Poses) -> None:
     """Log housing and rod under the entity `root`; nothing for a robot without one. Arguments as in `log_arm`."""
     import rerun as rr
 
@@ -65,7 +62,7 @@ def log_cylinder(
             lengths=[reach],
             radii=[radius],
             centers=[[0, 0, reach / 2]],
-            colors=[colour if tint is None else tint],
+            colors=[colour],
             fill_mode="solid",
         )
         writer.fixed(f"{root}/{name}", shape)

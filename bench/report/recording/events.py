@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from bench.report.recording.writer import TIMELINE, RecordingWriter
 
 
-def log_events(writer: RecordingWriter, events: Sequence[tuple[float, str]], path: str = "events") -> None:
+def log_events(writer: RecordingWriter, events: Sequence[tuple[float, str]]) -> None:
     """Log events, each (time [s], words)."""
     import rerun as rr
 
@@ -13,5 +13,5 @@ def log_events(writer: RecordingWriter, events: Sequence[tuple[float, str]], pat
         times = [time for time, _ in events]
         lines = [f"{time:8.1f} s   {text}" for time, text in events]
         writer.stream.send_columns(
-            path, indexes=[rr.TimeColumn(TIMELINE, duration=times)], columns=rr.TextLog.columns(text=lines)
+            "events", indexes=[rr.TimeColumn(TIMELINE, duration=times)], columns=rr.TextLog.columns(text=lines)
         )

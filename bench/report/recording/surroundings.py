@@ -45,14 +45,12 @@ def log_load(writer: RecordingWriter, path: str, point: Array, force: Array, rat
     writer.moving(path, arrows.partition(loaded.astype(int)))
 
 
-def log_point(
-    writer: RecordingWriter, path: str, position: Array, colour: Colour, radius: float, label: str | None = None
-) -> None:
+def log_point(writer: RecordingWriter, path: str, position: Array, colour: Colour, radius: float) -> None:
     """Log a point, shape (T, 3) [m]; it is left out where it is nan."""
     import rerun as rr
 
     seen = np.all(np.isfinite(position), axis=1)
-    writer.fixed(path, rr.Points3D.from_fields(colors=[colour], radii=[radius], labels=label and [label]))
+    writer.fixed(path, rr.Points3D.from_fields(colors=[colour], radii=[radius]))
     writer.moving(path, rr.Points3D.columns(positions=position[seen]).partition(seen.astype(int)))
 
 

@@ -20,6 +20,7 @@ from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.session import Film
 
+MAGNIFICATION = 100.0  # of the wind-up of the elastic elements
 RIGID = np.array([150, 190, 230, 70], dtype=np.uint8)
 RIGID_POINT: Colour = (150, 190, 230)
 ELASTIC_POINT: Colour = (255, 90, 90)
@@ -28,16 +29,13 @@ POINT_RADIUS = 0.02  # [m]
 RIGID_PATH, ELASTIC_PATH = "robot/rigid/path", "robot/elastic/path"
 
 
-def write_recording(
-    path: Path, compiled: CompiledRobot, film: Film, name: str | None = None, magnification: float = 100.0
-) -> None:
+def write_recording(path: Path, compiled: CompiledRobot, film: Film, magnification: float = MAGNIFICATION) -> None:
     """Write a film as a Rerun file (.rrd), laid out for looking at it with `bench view`.
 
     Args:
         path: File to write; an existing one is replaced. After an error nothing is left behind.
         compiled: The robot that was filmed.
         film: The experiment, T instants.
-        name: What the viewer calls the recording; None takes the title of the robot.
         magnification: Of the wind-up of the elastic elements in the 3D view: theta = q + magnification (theta - q).
 
     Raises:
@@ -58,9 +56,7 @@ def write_recording(
         trails=(RIGID_PATH, ELASTIC_PATH),
         with_events=bool(film.events),
     )
-    with recording_to(
-        path, film.trace.time, _identity(film), name or compiled.robot.figures.title, blueprint
-    ) as writer:
+    with recording_to(path, film.trace.time, _identity(film), compiled.robot.figures.title, blueprint) as writer:
         log_standing_bodies(writer, "scene", scene)
         log_arm(writer, "robot/elastic", compiled, elastic)
         log_cylinder(writer, "robot/elastic/counterbalance", compiled, elastic)

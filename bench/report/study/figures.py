@@ -1,6 +1,5 @@
 """The picture of a study: what verdicts said of their probability, and how many were right."""
 
-from io import BytesIO
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,13 +23,3 @@ def calibration_figure(bins: tuple[Bin, ...]) -> "Figure":
     axes.set(xlim=(0, 1.06), ylim=(-0.02, 1.04), xlabel="probability that the verdict gives", ylabel="share right")
     axes.set_xticks(np.linspace(0, 1, 6))
     return figure
-
-
-def svg_of(figure: "Figure") -> bytes:
-    """Return a figure as SVG, the same bytes for the same figure."""
-    import matplotlib
-
-    stream = BytesIO()
-    with matplotlib.rc_context({"svg.hashsalt": "study"}):
-        figure.savefig(stream, format="svg", metadata={"Date": None})
-    return stream.getvalue()

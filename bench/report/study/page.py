@@ -3,7 +3,8 @@
 from base64 import b64encode
 from importlib.resources import files
 
-from bench.report.study.figures import calibration_figure, svg_of
+from bench.report.figures.style import svg_of
+from bench.report.study.figures import calibration_figure
 from bench.report.study.words import margin_words, measured_words, met_words, share_words
 from bench.study.scores import Scores
 from bench.study.study import Settings
@@ -26,7 +27,7 @@ def page_of(scores: Scores, settings: Settings, n_campaigns: int, session: str) 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"measured": measured_words, "met": met_words, "share": share_words, "margin": margin_words}
     source = files("bench.report.study").joinpath(TEMPLATE).read_text(encoding="utf-8")
-    picture = b64encode(svg_of(calibration_figure(scores.bins))).decode() if scores.bins else ""
+    picture = b64encode(svg_of(calibration_figure(scores.bins), "study").encode()).decode() if scores.bins else ""
     return environment.from_string(source).render(
         scores=scores,
         settings=settings,

@@ -30,14 +30,9 @@ def busiest_joint(report: LineReport) -> int:
     return int(np.argmax(np.ptp(report.model.passes.of("loaded", "out").q_cmd, axis=0)))
 
 
-def figure_15(report: LineReport, joint: int | None = None) -> "Figure":
-    """Return joint angles along the line, motor torque of one joint both ways, and the friction by Eq. (48).
-
-    Args:
-        report: The experiment.
-        joint: Index of the joint; None takes the one that turns most.
-    """
-    j = busiest_joint(report) if joint is None else joint
+def figure_15(report: LineReport) -> "Figure":
+    """Return joint angles along the line, and of the busiest joint torque both ways and friction by Eq. (48)."""
+    j = busiest_joint(report)
     name, place, friction = report.joint_names[j], MM * report.place, report.friction
     figure, ((left, middle, right),) = new_figure("Friction along the line, under load", 1, 3, 4.6)
     out, back = report.model.passes.of("loaded", "out"), report.model.passes.of("loaded", "back")
@@ -69,10 +64,10 @@ def figure_15(report: LineReport, joint: int | None = None) -> "Figure":
     return figure
 
 
-def figure_16(report: LineReport, way: str = "out") -> "Figure":
+def figure_16(report: LineReport) -> "Figure":
     """Return the deflection by the load: tracker against every method, with 95 % bands, and the differences below."""
-    measured, _ = measured_deflection(report.model.passes, way)
-    title = f"Deflection by {report.scenario.force_n:g} N along the line, {way}"
+    measured, _ = measured_deflection(report.model.passes, "out")
+    title = f"Deflection by {report.scenario.force_n:g} N along the line, out"
     figure, axes = new_figure(title, 2, 2, 7.4, sharex="all", height_ratios=[1.6, 1])
     for column, axis in enumerate(SHOWN):
         a = AXES.index(axis)
@@ -81,7 +76,7 @@ def figure_16(report: LineReport, way: str = "out") -> "Figure":
         top.plot(place, MM * measured[:, a], ".", color=GREY, markersize=2, label="tracker" if column == 0 else None)
         bottom.axhline(0, color=GREY, linewidth=0.8)
         for k, (name, found) in enumerate(report.methods.items()):
-            predicted = found.deflection[way]
+            predicted = found.deflection["out"]
             values, error = MM * predicted.displacement[:, a], MM * predicted.standard_error[:, a]
             smooth, smooth_error = (_smoothed(part) for part in (values, error))
             label = f"{name} method" if column == 0 else None
