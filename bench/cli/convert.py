@@ -72,7 +72,6 @@ class Convert:
         return 0
 
     def _convert(self, source: Path, out: Path) -> int:
-        from bench.errors import CampaignError
         from bench.record.check import check_campaign
         from bench.record.convert import convert
         from bench.record.finding import counted
@@ -80,7 +79,7 @@ class Convert:
         from bench.record.logs.cuts import in_window
         from bench.record.logs.likewise import at_a_glance
         from bench.record.write import write_campaign
-        from bench.report.campaigns import plain_arm, unknown_constants, unknown_to_robot
+        from bench.report.campaigns import plain_arm, unknown_constants
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
         from bench.robot.logs import campaign_name, log_format_of
@@ -91,8 +90,6 @@ class Convert:
             layout = layout.model_copy(update={"runs": in_window(layout.runs, self.window_s)})
         compiled = compile_robot(robot)
         converted = convert(source, layout, campaign_name(robot), plain_arm(compiled))
-        if faults := tuple(unknown_to_robot(converted.campaign, compiled)):
-            raise CampaignError(map(str, faults))
         write_campaign(converted.campaign, out, "parquet" if self.parquet else "csv")
         unused: dict[tuple[str, ...], list[str]] = {}
         for file, names in converted.unused.items():

@@ -58,8 +58,7 @@ def check_campaign(folder: Path, arm: Arm | None = None) -> Report:
         arm: The robot, if it is known; then joints and their limits are checked too.
     """
     content = _content(folder)
-    gear_ratios = arm.gear_ratios if arm else ()
-    return content.report([_examine(replace(sheet, arm=arm, gear_ratios=gear_ratios)) for sheet in content.sheets])
+    return content.report([_examine(replace(sheet, arm=arm)) for sheet in content.sheets])
 
 
 def check_with_robot(folder: Path, arm_of: Callable[[str], Arm]) -> Report:
@@ -78,7 +77,7 @@ def check_with_robot(folder: Path, arm_of: Callable[[str], Arm]) -> Report:
     if report.campaign is None:
         return report
     arm = arm_of(report.campaign.robot)
-    sheets = [replace(sheet, arm=arm, gear_ratios=arm.gear_ratios) for sheet in content.sheets]
+    sheets = [replace(sheet, arm=arm) for sheet in content.sheets]
     return content.report(
         [before if suits_arm(sheet) else _examine(sheet) for sheet, before in zip(sheets, found, strict=True)]
     )

@@ -140,8 +140,7 @@ def _faults_of(
     """Return what keeps a run from being used, in the words of the log it was made of, whose row `first` is its own."""
     run = Run("log", layout.kind, 0.0, columns)
     factors = {name: origin.factor for name, origin in layout.columns.items()}
-    gear_ratios = arm.gear_ratios if arm else ()
-    found = examine_all([Sheet(run, file.name, tuple(columns), arm, gear_ratios, factors)])
+    found = examine_all([Sheet(run, file.name, tuple(columns), arm, factors)])
     return [_in_words(in_log(finding, log), layout, first) for finding in found if finding.level == "error"]
 
 

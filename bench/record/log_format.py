@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from bench.errors import InputError, unknown_name
 from bench.record.campaign import RunKind
@@ -17,6 +17,7 @@ from bench.record.logs.dialect import PLAIN, Dialect
 from bench.record.logs.resample import Fill, Resampling
 from bench.record.possible import noise_faults
 from bench.record.schema_words import words_of
+from bench.record.strict import Strict
 from bench.record.units import right_name
 from bench.record.yaml_text import YamlFault, load_yaml
 
@@ -24,11 +25,7 @@ LOG_FORMAT = "log.yaml"
 LONGEST_NUMBER = 6  # digits of the number of a column; tables have a thousand columns at most
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Origin(_Strict):
+class Origin(Strict):
     """Where a column of a campaign comes from: value = factor * logged + offset, in the unit of the column's name."""
 
     source: str = Field("", alias="from", description="name of the column in the log, or else its number from 1")
@@ -63,7 +60,7 @@ class Origin(_Strict):
         return (f"column {self.source}" if self._is_number else self.source) + where
 
 
-class Beside(_Strict):
+class Beside(Strict):
     """Another table of the same moment with a clock of its own: a file beside the log, or a topic of a recording."""
 
     file: str = Field("", description="name of the file; * stands for the name of the log without its ending")
@@ -80,7 +77,7 @@ class Beside(_Strict):
         return self
 
 
-class LogFormat(_Strict):
+class LogFormat(Strict):
     """What stands in a `log.yaml`.
 
     Attributes:
@@ -98,11 +95,11 @@ class LogFormat(_Strict):
     kind: RunKind = "motion"
     table: Dialect = PLAIN
     topic: str = ""
-    tables: dict[str, Beside] = {}
+    tables: dict[str, Beside] = Field({})
     runs: Cuts = Cuts.model_validate({})
     resample: Resampling | None = None
     columns: dict[str, Origin] = Field(min_length=1)
-    noise: dict[str, Annotated[float, Field(gt=0)]] = {}
+    noise: dict[str, Annotated[float, Field(gt=0)]] = Field({})
     notes: str = ""
 
     @property

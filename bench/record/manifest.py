@@ -7,7 +7,7 @@ from datetime import date, datetime, time
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BeforeValidator, Field, ValidationError
 
 from bench.errors import unknown_name
 from bench.record.campaign import Campaign, RunKind
@@ -18,6 +18,7 @@ from bench.record.limits import CAMPAIGN_RUNS
 from bench.record.possible import noise_faults
 from bench.record.rules.values import IMPOSSIBLE
 from bench.record.schema_words import ONE_LINE, words_of
+from bench.record.strict import Strict
 from bench.record.yaml_text import YamlFault, dump_yaml, is_odd, load_yaml
 
 MANIFEST = "campaign.yaml"
@@ -53,11 +54,7 @@ Deviation = Annotated[
 ]  # of a reading
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class RunEntry(_Strict):
+class RunEntry(Strict):
     """One run of the list."""
 
     name: str = Field(pattern=RUN_NAME, max_length=100, description="letters, digits, '_', '-' and '.'")
@@ -77,7 +74,7 @@ class RunEntry(_Strict):
         return self.file or f"runs/{self.name}.csv"
 
 
-class KnownEntry(_Strict):
+class KnownEntry(Strict):
     """One thing that the lab knows besides."""
 
     quantity: KnownQuantity = Field(description=f"one of {', '.join(get_args(KnownQuantity))}")
@@ -93,7 +90,7 @@ class KnownEntry(_Strict):
     note: str = ""
 
 
-class Head(_Strict):
+class Head(Strict):
     """Everything but the runs."""
 
     format: Literal["1"] = Field(description="write 1")
@@ -185,7 +182,7 @@ def _text_of(known: Known) -> dict[str, object]:
     return {key: value for key, value in every.items() if value or key in ("value", "sigma")}
 
 
-_Model = TypeVar("_Model", bound=_Strict)
+_Model = TypeVar("_Model", bound=Strict)
 
 
 def _validated(model: type[_Model], content: object, where: str, findings: list[Finding]) -> _Model | None:
@@ -196,7 +193,7 @@ def _validated(model: type[_Model], content: object, where: str, findings: list[
         return None
 
 
-def _finding(model: type[_Strict], detail: Mapping[str, Any], where: str) -> Finding:
+def _finding(model: type[Strict], detail: Mapping[str, Any], where: str) -> Finding:
     key = ".".join([where, *map(str, detail["loc"])]).lstrip(".")
     field = model.model_fields.get(str(detail["loc"][0])) if detail["loc"] else None
     expected = (field.description if field else None) or "correct it"

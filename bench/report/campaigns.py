@@ -48,11 +48,6 @@ def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot 
 def faults_with_robot(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
     """Yield an error for what a robot's figures do not say or cannot have, and a campaign needs."""
     yield from unknown_constants(campaign, compiled)
-    yield from unknown_to_robot(campaign, compiled)
-
-
-def unknown_to_robot(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
-    """Yield an error for each thing known besides that the robot cannot have."""
     for key, words in known_faults(campaign, compiled):
         yield Finding("error", MANIFEST, None, key, words, "correct it, or leave it out")
 

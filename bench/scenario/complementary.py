@@ -7,7 +7,8 @@ from pydantic import Field
 from bench.errors import ScenarioError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import Positive, Strict
+from bench.robot.strict import Strict
+from bench.scenario.types import Positive
 
 
 class Complementary(Strict):

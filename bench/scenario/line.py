@@ -13,8 +13,9 @@ from bench.robot.folder import Robot
 from bench.robot.kinematics import place, turn_onto
 from bench.robot.line_path import JointPath, line_path
 from bench.robot.links import rigid_bodies
+from bench.robot.strict import Strict
 from bench.scenario.rotation import CONTROL_PERIOD_S
-from bench.scenario.types import DAY_S, Pause, Positive, ScenarioBase, Seconds, Strict
+from bench.scenario.types import DAY_S, Pause, Positive, ScenarioBase, Seconds
 
 Triple = tuple[float, float, float]
 Coordinate = Annotated[float, Field(ge=-MAX_LENGTH, le=MAX_LENGTH)]

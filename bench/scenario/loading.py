@@ -8,7 +8,8 @@ from pydantic import Field
 from bench.errors import ScenarioError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import MOST_REPEATS, Pause, Positive, ScenarioBase, Seconds, Strict
+from bench.robot.strict import Strict
+from bench.scenario.types import MOST_REPEATS, Pause, Positive, ScenarioBase, Seconds
 
 ApproachDirection = Literal[-1, 1]
 

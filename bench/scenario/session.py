@@ -8,11 +8,12 @@ from pydantic import Field, model_validator
 from bench.errors import InputError, ScenarioError
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
+from bench.robot.strict import Strict
 from bench.scenario.dwell import DwellPart
 from bench.scenario.line import LinePart
 from bench.scenario.loading import LoadingPart
 from bench.scenario.rotation import RotationPart
-from bench.scenario.types import Pause, ScenarioBase, Strict
+from bench.scenario.types import Pause, ScenarioBase
 
 Part = DwellPart | LinePart | LoadingPart | RotationPart
 

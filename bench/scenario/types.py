@@ -2,7 +2,9 @@
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from bench.robot.strict import Strict
 
 Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
@@ -11,12 +13,6 @@ Seconds = Annotated[float, Field(gt=0, le=DAY_S)]
 Pause = Annotated[float, Field(ge=0, le=DAY_S)]
 MOST_REPEATS = 10_000  # assumed: a thousand times what a laboratory reads at one pose; more never ends
 FrictionSide = Literal["as-model", "motor", "link", "none"]
-
-
-class Strict(BaseModel):
-    """Unknown keys are errors, values do not change after construction."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class ScenarioBase(Strict):

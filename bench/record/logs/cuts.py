@@ -4,21 +4,20 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from bench.errors import InputError
 from bench.record.campaign import Array
 from bench.record.channels import columns_of
 from bench.record.rules.sheet import TRAVEL
+from bench.record.strict import Strict
 
 STILL = 0.1  # of what counts as a movement at all (`TRAVEL`: 0.01 rad, 2 mm): 1 mrad or 0.2 mm while it stands; assumed
 FEWEST = 2  # rows of a run
 
 
-class Cuts(BaseModel):
+class Cuts(Strict):
     """Times are seconds after the first row of a log, as a `time_s` that begins with zero shows them."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     windows_s: tuple[tuple[float, float], ...] = Field((), description="only this, [from, to]; each a run of its own")
     split_at_s: tuple[float, ...] = Field((), description="a run ends and another begins there")

@@ -6,13 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from bench.record import csv_table, parquet_table
 from bench.record.finding import Finding
 from bench.record.limits import TABLE_BYTES
 from bench.record.logs.dates import in_seconds
 from bench.record.plain_file import FileFault, read_plain
+from bench.record.strict import Strict
 from bench.record.table import Table
 from bench.record.units import FOREIGN
 
@@ -24,10 +25,8 @@ UNITS = {*FOREIGN, *(foreign.si for foreign in FOREIGN.values()), "a", "n", "k",
 _NUMBER = re.compile(r"[+-]?([0-9]+([.,][0-9]*)?|[.,][0-9]+)([eE][+-]?[0-9]+)?|[+-]?(nan|inf)", re.IGNORECASE)
 
 
-class Dialect(BaseModel):
+class Dialect(Strict):
     """How the text of a log is written; of a Parquet file nothing of it matters."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     separator: Separator = ","
     decimal: Literal[".", ","] = "."
@@ -83,7 +82,7 @@ def read_log_table(file: Path, dialect: Dialect) -> Table:
     content = csv_table.parse(_as_csv(data, dialect), file.name, findings)
     before = dialect.lines_before
     names, columns = content or ((), {})
-    return Table(names, columns, tuple(_at_lines(finding, before) for finding in findings))
+    return Table(names, columns, tuple(replace(finding, lines_before=before) for finding in findings))
 
 
 def guess_dialect(data: bytes) -> Dialect | None:
@@ -194,7 +193,3 @@ def _as_csv(data: bytes, dialect: Dialect) -> bytes:
     end = data.find(b"\n")
     count = data.count(b",", 0, end if end >= 0 else len(data)) + 1
     return ",".join(str(number) for number in range(1, count + 1)).encode() + b"\n" + data
-
-
-def _at_lines(finding: Finding, before: int) -> Finding:
-    return replace(finding, lines_before=before)

@@ -4,10 +4,11 @@ from collections.abc import Iterator, Mapping
 from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from bench.record.campaign import Array
 from bench.record.limits import TABLE_CELLS
+from bench.record.strict import Strict
 
 ORDER = 4  # of the Butterworth low-pass; forth and back it is of order 8 and delays nothing
 SHARE = 0.4  # of the new rate, where the low-pass has lost half of the amplitude; half of the rate is Nyquist's limit
@@ -16,10 +17,8 @@ FASTER = 1.2  # times as many readings as are wanted, from which a low-pass come
 Fill = Literal["hold", "line"]
 
 
-class Resampling(BaseModel):
+class Resampling(Strict):
     """A new clock for a log: even, of a stated rate."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     rate_hz: float = Field(gt=0, description="samples per second")
     cutoff_hz: float | None = Field(None, gt=0, description="of the low-pass before a lower rate; 0.4 times rate_hz")

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.record.campaign import Array
 from bench.record.finding import Finding
-from bench.record.rules.sheet import Sheet
+from bench.record.rules.sheet import LOAD_N, Sheet
 from bench.record.units import STANDARD_GRAVITY
 
 MANY = 10  # rows; fewer may agree by chance
@@ -15,7 +15,6 @@ CLEAR = 0.1  # another explanation must leave a tenth of the difference that the
 WRONG = 0.3  # part of the movement that the column's own explanation must miss; real servos miss up to 0.2
 CORRELATED = 0.95
 NEAR = 0.05  # of a factor between two units; gain errors of sensors are smaller, no two factors are closer
-LOAD_N = 10.0  # [N] change of a load that a force sensor cannot miss
 
 ANGLES: Mapping[str, Mapping[float, str]] = {
     "rad": {180 / pi: "degrees?", pi / 180: "degrees in the other?"},

@@ -39,15 +39,13 @@ def angles(sheet: Sheet) -> Iterator[Finding]:
         if sheet.arm:
             bound = FAR * max(abs(lower), abs(upper))
         beside = BESIDE[column.unit]
-        if sheet.within(column.name, max(lower, -bound), min(upper, bound)):
-            continue
-        if rows := rows_where(np.abs(values) > bound):
+        if rows := sheet.rows_outside(column.name, -bound, bound):
             guess = "millimetres? multiply by 0.001"
             if not column.is_slide:
                 guess = _what_an_angle_may_be(sheet, column, float(np.max(np.abs(values))), bound)
             message = f"{values[rows[0] - 1]:g} {column.unit} is no position of this joint"
             yield sheet.error(column.name, message, guess, rows)
-        elif rows := rows_where((values < lower - beside) | (values > upper + beside)):
+        elif rows := sheet.rows_outside(column.name, lower - beside, upper + beside):
             message = f"leaves the joint's limits, {lower:g} to {upper:g} {column.unit}"
             yield sheet.doubt(column.name, message, "look at zero position, sign and order of the joints", rows)
 
@@ -56,7 +54,8 @@ def _what_an_angle_may_be(sheet: Sheet, column: Column, largest: float, bound: f
     """Return advice for an angle that reaches too far: each way of reading it that brings it into range."""
     factor = abs(sheet.factors.get(column.name, 1.0))
     was_degrees = factor <= DEGREE * (1 + ROUNDED)
-    stated = sheet.gear_ratios[column.index - 1] if column.index <= len(sheet.gear_ratios) else None
+    gear_ratios = sheet.arm.gear_ratios if sheet.arm else ()
+    stated = gear_ratios[column.index - 1] if column.index <= len(gear_ratios) else None
     of_figures = f"the gear ratio of the robot's figures, {stated:g}" if stated else ""
     ways = []
     if not was_degrees and largest * DEGREE <= bound:
@@ -73,33 +72,31 @@ def _what_an_angle_may_be(sheet: Sheet, column: Column, largest: float, bound: f
 
 def magnitudes(sheet: Sheet) -> Iterator[Finding]:
     """Positions, currents, loads, temperatures and pressures have a size that occurs in a laboratory."""
-    for column, values in sheet.columns("reflector"):
-        if not sheet.within(column.name, -MAX_LENGTH, MAX_LENGTH) and (rows := rows_where(np.abs(values) > MAX_LENGTH)):
+    for column, _ in sheet.columns("reflector"):
+        if rows := sheet.rows_outside(column.name, -MAX_LENGTH, MAX_LENGTH):
             yield sheet.error(column.name, f"over {MAX_LENGTH:g} m", "millimetres? multiply by 0.001", rows)
-    for column, values in sheet.columns("current"):
-        if not sheet.within(column.name, -MAX_CURRENT, MAX_CURRENT) and (
-            rows := rows_where(np.abs(values) > MAX_CURRENT)
-        ):
+    for column, _ in sheet.columns("current"):
+        if rows := sheet.rows_outside(column.name, -MAX_CURRENT, MAX_CURRENT):
             yield sheet.error(column.name, f"over {MAX_CURRENT:g} A", "milliamperes? multiply by 0.001", rows)
-    for column, values in sheet.columns("load", "force", "moment"):
-        if not sheet.within(column.name, -MAX_FORCE, MAX_FORCE) and (rows := rows_where(np.abs(values) > MAX_FORCE)):
+    for column, _ in sheet.columns("load", "force", "moment"):
+        if rows := sheet.rows_outside(column.name, -MAX_FORCE, MAX_FORCE):
             yield sheet.error(column.name, f"over {MAX_FORCE:g} {column.unit.capitalize()}", "look at its unit", rows)
     for column, values in sheet.columns("load_mass"):
-        if not sheet.within(column.name, 0.0, MAX_MASS) and (rows := rows_where((values < 0) | (values > MAX_MASS))):
+        if rows := sheet.rows_outside(column.name, 0.0, MAX_MASS):
             message = f"{values[rows[0] - 1]:g} kg is no mass that hangs on an arm"
             yield sheet.error(column.name, message, "correct it; a weight has its sign in load_z_n", rows)
     for column, values in sheet.columns(*TEMPERATURES):
         least, most = TEMPERATURES[column.channel.quantity]
-        if not sheet.within(column.name, least, inf) and (rows := rows_where(values < least)):
+        if rows := sheet.rows_outside(column.name, least, inf):
             guess = what_a_temperature_may_be(values[rows[0] - 1], (least, most))
             yield sheet.error(column.name, f"under {least:g} K", guess, rows)
-        if not sheet.within(column.name, -inf, most) and (rows := rows_where(values > most)):
+        if rows := sheet.rows_outside(column.name, -inf, most):
             guess = what_a_temperature_may_be(values[rows[0] - 1], (least, most))
             yield sheet.error(column.name, f"over {most:g} K", guess, rows)
     for column, values in sheet.columns("gas_pressure"):
-        if not sheet.within(column.name, -inf, MAX_PRESSURE) and (rows := rows_where(values > MAX_PRESSURE)):
+        if rows := sheet.rows_outside(column.name, -inf, MAX_PRESSURE):
             yield sheet.error(column.name, f"over {MAX_PRESSURE:g} Pa", "look at its unit", rows)
-        if not sheet.within(column.name, BELOW_ZERO, inf) and (rows := rows_where(values < BELOW_ZERO)):
+        if rows := sheet.rows_outside(column.name, BELOW_ZERO, inf):
             message = f"under {BELOW_ZERO:g} Pa, further below zero than a gauge errs"
             yield sheet.error(column.name, message, "give pascals above ambient pressure", rows)
         elif np.max(values, initial=0.0) > FILLED and (rows := rows_where(values < MIN_PRESSURE)):

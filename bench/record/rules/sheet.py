@@ -12,6 +12,7 @@ from bench.record.finding import Finding, Level, spell_rows
 
 # Movement that no noise, backlash or deflection of an arm makes: half a degree, 2 mm on a slide.
 TRAVEL = {"rad": 0.01, "m": 0.002}
+LOAD_N = 10.0  # [N] change of a load that a force sensor cannot miss
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,6 @@ class Sheet:
         file: Path of the table relative to the campaign folder.
         names: All column names in the order of the file, with repetitions.
         arm: The robot, or None.
-        gear_ratios: As its figures state them, one for each drive or none at all; advice names them.
         factors: Column -> what its values were multiplied by when they were made of a log.
     """
 
@@ -31,7 +31,6 @@ class Sheet:
     file: str
     names: tuple[str, ...]
     arm: Arm | None = None
-    gear_ratios: tuple[float | None, ...] = ()
     factors: Mapping[str, float] = field(default_factory=dict)
 
     def without(self, names: Set[str]) -> "Sheet":
@@ -79,6 +78,13 @@ class Sheet:
         """Whether all values of a column lie from `lower` to `upper`; none does that is nan."""
         low, high = self.run.extremes.get(name, (lower, upper))
         return lower <= low and high <= upper
+
+    def rows_outside(self, name: str, lower: float, upper: float) -> list[int]:
+        """Return the rows, counted from 1, in which a column lies below `lower` or above `upper`; nan does neither."""
+        if self.within(name, lower, upper):
+            return []
+        values = self.run.columns[name]
+        return rows_where((values < lower) | (values > upper))
 
     def _finding(self, level: Level, column: str, message: str, remedy: str, rows: Sequence[int]) -> Finding:
         if not rows:

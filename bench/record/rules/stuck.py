@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 from bench.record.campaign import Array
 from bench.record.channels import CHANNELS, Column
 from bench.record.finding import Finding
-from bench.record.rules.sheet import TRAVEL, Sheet
+from bench.record.rules.sheet import LOAD_N, TRAVEL, Sheet
 
 EFFORT = ("current", "tau_motor")
 NOISY = (*EFFORT, "force", "moment", "reflector", "gas_pressure")  # no instrument repeats itself to the last digit
 MEASURED = tuple(channel.quantity for channel in CHANNELS if channel.role == "measured")
-LOAD_N = 10.0  # [N] change of a load that a force sensor cannot miss
 AT_EXTREME = 5  # equal samples in a row at the largest or smallest value, which noise rarely reaches even once
 ANYWHERE = 15  # equal samples in a row at another value: 0.2^14 of 1e5 samples is 2e-5 by chance (see EQUAL)
 ROUNDED = 10  # steps; nine, and rounding

@@ -25,5 +25,5 @@ def finite(sheet: Sheet) -> Iterator[Finding]:
 def plausible(sheet: Sheet) -> Iterator[Finding]:
     """No value is astronomically large."""
     for name, values in sheet.run.columns.items():
-        if not sheet.within(name, -IMPOSSIBLE, IMPOSSIBLE) and (rows := rows_where(np.abs(values) > IMPOSSIBLE)):
+        if rows := sheet.rows_outside(name, -IMPOSSIBLE, IMPOSSIBLE):
             yield sheet.error(name, f"{values[rows[0] - 1]:g} is no reading", "remove these rows", rows)

@@ -6,8 +6,8 @@ import numpy as np
 
 from bench.record.carried import load_with_weight
 from bench.record.finding import Finding
-from bench.record.rules.pairing import CORRELATED, FORCES, LOAD_N, MANY, NEAR
-from bench.record.rules.sheet import Sheet, rows_where
+from bench.record.rules.pairing import CORRELATED, FORCES, MANY, NEAR
+from bench.record.rules.sheet import LOAD_N, Sheet, rows_where
 from bench.record.rules.stuck import AT_EXTREME
 from bench.record.units import STANDARD_GRAVITY
 

@@ -35,7 +35,7 @@ def refusals(file: Path, proposed: str, nominal: NominalDynamics | None) -> Iter
         return
     arm = _arm(nominal)
     for run in converted.campaign.runs:
-        for finding in angles(Sheet(run, file.name, tuple(run.columns), arm, arm.gear_ratios)):
+        for finding in angles(Sheet(run, file.name, tuple(run.columns), arm)):
             yield f"bench check will doubt this as it stands: {finding}"
 
 
