@@ -6,6 +6,8 @@ from typing import Annotated
 
 import tyro
 
+from bench.cli.command_line import command_line
+
 CHANGED = 9  # exit code
 
 
@@ -40,7 +42,6 @@ class Compare:
     def run(self) -> int:
         """Compare, print and write; return the exit code: 0 where nothing changed, 9 where something did."""
         from contextlib import nullcontext
-        from dataclasses import replace
         from tempfile import TemporaryDirectory
 
         from bench.cli.doubts import heed
@@ -53,42 +54,26 @@ class Compare:
         from bench.errors import InputError
         from bench.executor.local import on_cores
         from bench.executor.watched import Watched
-        from bench.record.finding import Finding
         from bench.record.folder import new_folder
-        from bench.record.joined import names_of
-        from bench.record.known import PAYLOAD
-        from bench.record.manifest import MANIFEST
-        from bench.record.rules.repeated_runs import no_campaign_twice
+        from bench.report.comparison.recordings import open_compared
         from bench.report.comparison.words import words_of
         from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
-        from bench.report.joint_campaign import open_doubted
         from bench.store.place import open_store
 
         if not self.after:
             raise InputError("give the campaign of the machine as it was, and at least one made later.")
         known = catalogue()
         effects = catalogue(self.file)
-        folders = (self.before, *self.after)
-        names = names_of(folders)
-        opened = [open_doubted(folder, self.robot) for folder in folders]
-        read = list(zip(folders, opened, strict=True))
-        warnings = [(place, finding) for place, one in read for finding in one.warnings]
-        doubts = [(place, finding) for place, one in read for finding in one.doubts]
-        named = {name: one.campaign for name, one in zip(names, opened, strict=True)}
-        doubts += [(folders[names.index(name)], finding) for name, finding in no_campaign_twice(named)]
-        for place, one in read:
-            unused = sorted({known.quantity for known in one.campaign.known} - {PAYLOAD})
-            words = "is not used in a comparison", "look at the sizes that are named beside it"
-            warnings += [(place, Finding("warning", MANIFEST, None, f"known: {name}", *words)) for name in unused]
-        heed(warnings, doubts, despite_doubts=self.despite_doubts)
-        compiled = opened[0].compiled
+        opened = open_compared((self.before, *self.after), self.robot)
+        heed(opened.warnings, opened.doubts, despite_doubts=self.despite_doubts)
+        compiled = opened.robots[0]
         try_out([effect for name, effect in effects.items() if name not in known], compiled)
-        campaigns = [replace(one.campaign, robot=self.robot or one.campaign.robot) for one in opened]
-        recordings = recordings_of({names[0]: campaigns[0]}, dict(zip(names[1:], campaigns[1:], strict=True)))
+        (name, before), *later = opened.campaigns.items()
+        recordings = recordings_of({name: before}, dict(later))
         out = new_folder(self.out, COMPARISON, replace=False) if self.out else nullcontext()
         with out as folder, phases() as shown, TemporaryDirectory() as files:
             shown.phase("the robot as it was")
-            fitted = as_it_was(campaigns[0], compiled, Path(files))
+            fitted = as_it_was(before, compiled, Path(files))
             executor = Watched(on_cores(self.cores), shows=shown.share)
             store = open_store() if self.store else None
             found = compare(recordings, fitted, effects, progress=shown.phase, executor=executor, store=store)
@@ -104,12 +89,4 @@ class Compare:
     @property
     def command(self) -> str:
         """What to type to do it again."""
-        import shlex
-
-        words = ["bench", "compare", str(self.before), *map(str, self.after)]
-        words += ["-o", str(self.out)] if self.out else []
-        words += ["--robot", self.robot] if self.robot else []
-        words += [word for file in self.file for word in ("--file", str(file))]
-        words += ["--despite-doubts"] * self.despite_doubts
-        words += ["--no-store"] * (not self.store)
-        return shlex.join(words)
+        return command_line("compare", self)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from bench.cli.command_line import command_line
+
 if TYPE_CHECKING:
     from bench.diagnose.replay.given import Posterior
 
@@ -140,12 +142,4 @@ class Diagnose:
     @property
     def command(self) -> str:
         """What to type to do it again."""
-        import shlex
-
-        files = ["--robot", self.robot] if self.robot else []
-        files += ["--given", str(self.given)] if self.given else []
-        files += [word for file in self.file for word in ("--file", str(file))]
-        files += ["--at-most", self.at_most] if self.at_most is not None else []
-        files += ["--despite-doubts"] * self.despite_doubts
-        files += ["--no-store"] * (not self.store)
-        return shlex.join(["bench", "diagnose", *map(str, self.campaigns), "-o", str(self.out), *files])
+        return command_line("diagnose", self)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from bench.cli.command_line import command_line
+
 if TYPE_CHECKING:
     from bench.predict.prediction import Prediction
     from bench.record.campaign import Campaign
@@ -90,10 +92,4 @@ class Predict:
     @property
     def command(self) -> str:
         """What to type to do it again."""
-        import shlex
-
-        options = ["-o", str(self.out)] if self.out else []
-        options += [word for name in self.free for word in ("--free", name)]
-        options += ["--nominal", self.nominal] if self.nominal else []
-        options += ["--despite-doubts"] * self.despite_doubts
-        return shlex.join(["bench", "predict", self.model, *map(str, self.campaign), *options])
+        return command_line("predict", self)

@@ -1,4 +1,4 @@
-"""Several campaign folders of one machine, read, checked and joined."""
+"""Campaign folders of one machine, read, checked against their robot, and joined."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,14 +15,14 @@ from bench.robot.compiled import CompiledRobot
 
 
 @dataclass(frozen=True, eq=False)
-class DoubtedCampaign:
-    """A campaign folder, read and held against its robot.
+class CheckedCampaign:
+    """A campaign folder, read and checked against its robot.
 
     Attributes:
         campaign: Of it.
         compiled: Its robot.
         warnings: What to look at.
-        doubts: Channels that are hardly what their names say.
+        doubts: Failed plausibility checks: channels that are hardly what their names say.
     """
 
     campaign: Campaign
@@ -31,8 +31,41 @@ class DoubtedCampaign:
     doubts: tuple[Finding, ...]
 
 
-def open_doubted(folder: Path, robot: str = "") -> DoubtedCampaign:
-    """Read a campaign folder and hold its channels against its robot.
+@dataclass(frozen=True, eq=False)
+class CheckedCampaigns:
+    """Several of them.
+
+    Attributes:
+        campaigns: Name -> campaign, in the order in which the folders were given.
+        robots: One for each.
+        warnings: What to look at: folder, and finding.
+        doubts: Failed plausibility checks likewise, also where a campaign repeats another.
+    """
+
+    campaigns: dict[str, Campaign]
+    robots: tuple[CompiledRobot, ...]
+    warnings: tuple[tuple[Path, Finding], ...]
+    doubts: tuple[tuple[Path, Finding], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class JointCampaign:
+    """Campaign folders as one campaign.
+
+    Attributes:
+        campaign: Each folder is a recording of it, by the folder's name, where there are several.
+        compiled: Its robot.
+        warnings, doubts: As in `CheckedCampaigns`.
+    """
+
+    campaign: Campaign
+    compiled: CompiledRobot
+    warnings: tuple[tuple[Path, Finding], ...]
+    doubts: tuple[tuple[Path, Finding], ...]
+
+
+def open_checked(folder: Path, robot: str) -> CheckedCampaign:
+    """Read a campaign folder and check its channels against its robot.
 
     Args:
         folder: Of the campaign.
@@ -46,56 +79,40 @@ def open_doubted(folder: Path, robot: str = "") -> DoubtedCampaign:
     campaign = report.usable()
     assert compiled  # a usable campaign comes with its robot
     doubts = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
-    return DoubtedCampaign(campaign, compiled, report.warnings, doubts)
+    return CheckedCampaign(campaign, compiled, report.warnings, doubts)
 
 
-@dataclass(frozen=True, eq=False)
-class JointCampaign:
-    """Campaign folders as one campaign.
-
-    Attributes:
-        campaign: Each folder is a recording of it, by the folder's name, where there are several.
-        compiled: Its robot.
-        warnings: What to look at: folder, and finding.
-        doubts: Channels that are hardly what their names say, likewise.
-    """
-
-    campaign: Campaign
-    compiled: CompiledRobot
-    warnings: tuple[tuple[Path, Finding], ...]
-    doubts: tuple[tuple[Path, Finding], ...]
-
-
-def open_joint(folders: Sequence[Path], robot: str = "") -> JointCampaign:
-    """Read campaign folders in the order in which they were recorded.
-
-    Args:
-        folders: At least one.
-        robot: Name or folder of the robot to take; "": the one that the campaigns name.
+def open_all(folders: Sequence[Path], robot: str) -> CheckedCampaigns:
+    """Read and check several campaign folders; arguments and errors as in `open_checked`.
 
     Raises:
-        CampaignError: A folder is given twice or cannot be used, or they are not of one robot.
-        RobotError: The robot is unknown or broken.
+        InputError: No folder is given, or one twice.
     """
     names = names_of(folders)
-    campaigns: dict[str, Campaign] = {}
-    warnings: list[tuple[Path, Finding]] = []
-    doubts: list[tuple[Path, Finding]] = []
-    first: CompiledRobot | None = None
-    for name, folder in zip(names, folders, strict=True):
-        one = open_doubted(folder, robot)
-        campaign, compiled = one.campaign, one.compiled
-        first = first or compiled
-        if compiled.robot.folder.resolve() != first.robot.folder.resolve():
+    opened = [open_checked(folder, robot) for folder in folders]
+    campaigns = {name: one.campaign for name, one in zip(names, opened, strict=True)}
+    warnings = [(folder, found) for folder, one in zip(folders, opened, strict=True) for found in one.warnings]
+    doubts = [(folder, found) for folder, one in zip(folders, opened, strict=True) for found in one.doubts]
+    doubts += [(folders[names.index(name)], found) for name, found in no_campaign_twice(campaigns)]
+    return CheckedCampaigns(campaigns, tuple(one.compiled for one in opened), tuple(warnings), tuple(doubts))
+
+
+def open_joint(folders: Sequence[Path], robot: str) -> JointCampaign:
+    """Read campaign folders in the order in which they were recorded, and join them; arguments as in `open_checked`.
+
+    Raises:
+        CampaignError: A folder cannot be used, or they are not of one robot.
+        InputError: No folder is given, or one twice.
+        RobotError: The robot is unknown or broken.
+    """
+    opened = open_all(folders, robot)
+    first, *others = opened.robots
+    for folder, other in zip(folders[1:], others, strict=True):
+        if other.robot.folder.resolve() != first.robot.folder.resolve():
             raise CampaignError(
-                f"{folder} names the robot {compiled.robot.folder}, {folders[0]} {first.robot.folder}: give campaigns "
+                f"{folder} names the robot {other.robot.folder}, {folders[0]} {first.robot.folder}: give campaigns "
                 "of one machine, or the robot to take with --robot"
             )
-        # the same folder may be named in several ways
-        campaigns[name] = replace(campaign, robot=next(iter(campaigns.values()), campaign).robot)
-        warnings += [(folder, warning) for warning in one.warnings]
-        doubts += [(folder, doubt) for doubt in one.doubts]
-    folder_of = dict(zip(names, folders, strict=True))
-    doubts += [(folder_of[name], doubt) for name, doubt in no_campaign_twice(campaigns)]
-    assert first
-    return JointCampaign(joined(campaigns), first, tuple(warnings), tuple(doubts))
+    named = next(iter(opened.campaigns.values())).robot  # the same folder may be named in several ways
+    campaigns = {name: replace(campaign, robot=named) for name, campaign in opened.campaigns.items()}
+    return JointCampaign(joined(campaigns), first, opened.warnings, opened.doubts)

@@ -14,7 +14,7 @@ from bench.record.campaign import Campaign
 from bench.record.finding import Finding
 from bench.record.joined import joined, names_of
 from bench.record.rules.repeated_runs import no_campaign_twice
-from bench.report.joint_campaign import open_doubted
+from bench.report.joint_campaign import open_checked
 from bench.robot.compiled import CompiledRobot
 from bench.robot.nominal_dynamics import nominal_dynamics
 
@@ -72,7 +72,7 @@ def open_recordings(folders: Sequence[Path], held_out: Sequence[Path] = (), robo
         InputError: A folder is given twice.
     """
     names = names_of(folders)
-    opened = {folder: open_doubted(folder, robot) for folder in (*folders, *held_out)}
+    opened = {folder: open_checked(folder, robot) for folder in (*folders, *held_out)}
     named = {name: opened[folder].campaign for name, folder in zip(names, folders, strict=True)}
     others = {folder: opened[folder].campaign for folder in held_out}
     for name, doubt in no_campaign_twice(named | {str(folder): campaign for folder, campaign in others.items()}):

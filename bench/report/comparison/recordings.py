@@ -1,0 +1,26 @@
+"""The campaign folders of a comparison."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from bench.record.finding import Finding
+from bench.record.known import PAYLOAD
+from bench.record.manifest import MANIFEST
+from bench.report.joint_campaign import CheckedCampaigns, open_all
+
+
+def open_compared(folders: Sequence[Path], robot: str) -> CheckedCampaigns:
+    """Read campaign folders as `open_all` does, and warn of what the lab knows besides that a comparison does not use.
+
+    With `robot`, all campaigns are of that one, whatever they name.
+    """
+    opened = open_all(folders, robot)
+    words = "is not used in a comparison", "look at the sizes that are named beside it"
+    unused = [
+        (folder, Finding("warning", MANIFEST, None, f"known: {quantity}", *words))
+        for folder, campaign in zip(folders, opened.campaigns.values(), strict=True)
+        for quantity in sorted({known.quantity for known in campaign.known} - {PAYLOAD})
+    ]
+    campaigns = {name: replace(one, robot=robot or one.robot) for name, one in opened.campaigns.items()}
+    return replace(opened, campaigns=campaigns, warnings=(*opened.warnings, *unused))
