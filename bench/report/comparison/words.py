@@ -1,6 +1,6 @@
 """A comparison in words for the terminal."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,10 +15,9 @@ from bench.report.comparison.names import (
     title_of,
     unlisted_words,
 )
-from bench.report.diagnosis.names import capital, listed, percent
+from bench.report.diagnosis.headline import MOST, UNDECIDED
+from bench.report.diagnosis.names import capital, fitting, in_short, listed, percent
 
-UNDECIDED = ", which these data cannot tell apart"
-MOST = 120  # characters of two lines of the page's title, as in `report.diagnosis.headline`
 BEST_LIMITS = 8
 LEAST = 1e-12  # of a probability that is said: none is nothing
 NONLINEAR = 0.12  # of a signature; beyond, its size is not to be taken at its word (diagnose/linearise/README.md: 12 %)
@@ -49,22 +48,14 @@ def _findings(comparison: Comparison, room: int) -> str:
     is_open = comparison.has_other_explanations
     undecided = ", or another explanation" * is_open + UNDECIDED * (is_open or any(len(own) > 1 for own in names))
     whole = [f"either {listed(own, 'or')}" if len(own) > 1 else own[0] for own in names]
-    in_short = [[_in_short(own, count) for own in names] for count in range(max(map(len, names)) - 1, 0, -1)]
-    for text in (listed(whole, ", and"), *(listed(short, "and") for short in in_short)):
+    shorter = [[in_short(own, count) for own in names] for count in range(max(map(len, names)) - 1, 0, -1)]
+    for text in (listed(whole, ", and"), *(listed(short, "and") for short in shorter)):
         if len(text + undecided) <= room:
             return text + undecided
-    short = [_in_short(own, 1) for own in names]
-    for count in range(len(short) - 1, 0, -1):
-        text = listed([*short[:count], "others"], "and") + undecided
-        if len(text) <= room:
-            return text
+    short = [in_short(own) for own in names]
+    if text := fitting(short, "and", room - len(undecided)):
+        return text + undecided
     return short[0] if len(short) == 1 else f"{short[0]} and others"
-
-
-def _in_short(names: Sequence[str], count: int) -> str:
-    """Return the first names, and how many others there are."""
-    others = len(names) - count
-    return listed(names, "or") if others < 1 else f"{', '.join(names[:count])} or {others} other{'s' * (others > 1)}"
 
 
 def words_of(comparison: Comparison) -> Iterator[str]:

@@ -6,23 +6,15 @@ import numpy as np
 
 from bench.diagnose.baseline.first_look import FirstLook
 from bench.diagnose.verdict import DriveErrors, Verdict
-from bench.identify.dynamics.first_pass import FirstPass
 from bench.report.diagnosis.names import listed, percent
-from bench.report.dynamics.folds_words import folds_words
+from bench.report.dynamics import words
 
-# Fields of `DriveErrors` -> what they are called; the same models have other names in a first pass
-MODELS = {
-    "measured": "torque itself",
-    "nominal": "nominal model",
-    "plain_least_squares": "plain least squares",
-    "first_pass": "first pass",
+MODELS = {  # fields of `DriveErrors` -> what they are called
+    "measured": words.MODELS["measured"],
+    "nominal": words.MODELS["nominal"],
+    "plain_least_squares": words.MODELS["rival"],
+    "first_pass": words.MODELS["first_pass"],
     "diagnosed": "diagnosed model",
-}
-OF_FIRST_PASS = {
-    "measured": "measured",
-    "nominal": "nominal",
-    "plain_least_squares": "rival",
-    "first_pass": "first_pass",
 }
 NOTABLE = 1.05  # declared: ratio of errors, from where it is said
 DIGITS = 3
@@ -37,14 +29,12 @@ def first_lines(look: FirstLook) -> Iterator[str]:
         return
     seconds = sum(len(part.samples) / part.samples.rate for part in found.stretches)
     part = f" (the first {look.share:.0%} of each run)" if look.share < 1 else ""
-    held_out = f"{folds_words(found)}, each predicted without it"
+    held_out = f"{words.folds_words(found)}, each predicted without it"
     yield (
         f"First pass: least squares of the rigid dynamics over {seconds:.0f} s of motion{part}. Torque, root mean "
-        f"square of the error [{_unit(found)}] on {held_out}:"
+        f"square of the error [{words.torque_unit(found)}] on {held_out}:"
     )
-    rows = {
-        words: found.held_out.rms(OF_FIRST_PASS[name]).tolist() for name, words in MODELS.items() if name != "diagnosed"
-    }
+    rows = {name: found.held_out.rms(model).tolist() for model, name in words.MODELS.items()}
     yield from table_lines([f"drive {j + 1}" for j in range(len(found.joints))], rows)
     worse = np.flatnonzero(np.array(rows[MODELS["plain_least_squares"]]) > np.array(rows[MODELS["measured"]])) + 1
     if len(worse):
@@ -62,12 +52,9 @@ def baseline_lines(verdict: Verdict) -> Iterator[str]:
         return
     unit = " or ".join(dict.fromkeys(drive.unit for drive in baseline.drives))
     yield f"Torque in motion beside least squares, root mean square [{unit}], {baseline_words(verdict)}"
-    rows = {words: [getattr(drive, name) for drive in baseline.drives] for name, words in MODELS.items()}
+    rows = {title: [getattr(drive, name) for drive in baseline.drives] for name, title in MODELS.items()}
     yield from table_lines([f"drive {drive.drive}" for drive in baseline.drives], rows)
-    if words := missed_sentence(verdict) or behind_sentence(verdict):
-        yield words
-    if words := links_sentence(verdict):
-        yield words
+    yield from filter(None, (missed_sentence(verdict) or behind_sentence(verdict), links_sentence(verdict)))
 
 
 def baseline_words(verdict: Verdict) -> str:
@@ -137,8 +124,3 @@ def drive_rows(verdict: Verdict) -> tuple[tuple[DriveErrors, tuple[str, ...]], .
     """Return each drive with its errors as they are shown, in the order of `MODELS`."""
     drives = verdict.baseline.drives if verdict.baseline else ()
     return tuple((drive, tuple(number(getattr(drive, name)) for name in MODELS)) for drive in drives)
-
-
-def _unit(found: FirstPass) -> str:
-    hinge = found.nominal.bodies.is_hinge
-    return "Nm" if hinge.all() else "Nm or N" if hinge.any() else "N"

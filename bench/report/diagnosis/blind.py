@@ -1,7 +1,9 @@
 """What a campaign could not show, in sentences: the missing instruments with what each would show."""
 
+from collections.abc import Iterator
+
 from bench.diagnose.verdict import UndetectableEffect, Verdict
-from bench.report.diagnosis.names import listed, places_text
+from bench.report.diagnosis.names import effect_at, effect_name, listed
 
 INSTRUMENTS = {
     "current": "motor currents or torques (current_i_a, tau_motor_i_nm; of a slide tau_motor_i_n)",
@@ -16,33 +18,38 @@ INSTRUMENTS = {
 MOST = 10  # effects in a sentence; verdict.json has all
 
 
-def blind_sentences(verdict: Verdict) -> list[str]:
-    """Return what this campaign could not have shown even at the largest plausible size, and what would have."""
-    found = []
-    needed: dict[tuple[str, ...], list[str]] = {}
+def not_looked_for(verdict: Verdict) -> dict[tuple[str, ...], list[str]]:
+    """Return the channels that a campaign has not -> titles of the effects that were not looked for without them."""
+    found: dict[tuple[str, ...], list[str]] = {}
     for effect, channels in verdict.missing.items():
-        needed.setdefault(tuple(channels), []).append(effect.replace("_", " "))
-    for channels, effects in needed.items():
-        found.append(f"Not looked for without {_instruments(channels, 'and')}: {', '.join(effects)}.")
-    for kind in dict.fromkeys(kind for spot in verdict.blind for kind in spot.shown_by):
-        shown = [spot for spot in verdict.blind if kind in spot.shown_by]
-        found.append(
-            f"Not to be seen here; these runs with {_instruments((kind,), 'and')} would show: {_named(shown)}."
-        )
-    if other := [spot for spot in verdict.blind if not spot.shown_by]:
-        found.append(f"Not to be seen here; other joints, speeds, loads or hours may show: {_named(other)}.")
+        found.setdefault(tuple(channels), []).append(effect_name(effect))
     return found
 
 
-def _instruments(kinds: tuple[str, ...], last: str) -> str:
-    return listed([INSTRUMENTS.get(kind, kind.replace("_", " ")) for kind in kinds], last)
+def missing_sentences(verdict: Verdict) -> Iterator[str]:
+    """Yield which instruments are missing, and what was not looked for without them."""
+    for channels, effects in not_looked_for(verdict).items():
+        yield f"Not looked for without {_instruments(channels)}: {', '.join(effects)}."
+
+
+def blind_sentences(verdict: Verdict) -> Iterator[str]:
+    """Yield what this campaign could not have shown even at the largest plausible size, and what would have."""
+    for kind in dict.fromkeys(kind for spot in verdict.blind for kind in spot.shown_by):
+        shown = [spot for spot in verdict.blind if kind in spot.shown_by]
+        yield f"Not to be seen here; these runs with {_instruments((kind,))} would show: {_named(shown)}."
+    if other := [spot for spot in verdict.blind if not spot.shown_by]:
+        yield f"Not to be seen here; other joints, speeds, loads or hours may show: {_named(other)}."
+
+
+def _instruments(kinds: tuple[str, ...]) -> str:
+    return listed([INSTRUMENTS.get(kind, kind.replace("_", " ")) for kind in kinds], "and")
 
 
 def _named(spots: list[UndetectableEffect]) -> str:
-    """Return "Coulomb level (joints 1, 3), gas loss", each effect once."""
+    """Return "Coulomb level (joints 1, 3), loss of gas", each effect once."""
     places: dict[str, list[str]] = {}
     for spot in spots:
-        places.setdefault(spot.effect.replace("_", " "), []).extend(spot.places)
-    named = [f"{effect} ({where})" if (where := places_text(some)) else effect for effect, some in places.items()]
+        places.setdefault(spot.effect, []).extend(spot.places)
+    named = [effect_at(effect, some) for effect, some in places.items()]
     more = [f"{len(named) - MOST} more (blind in verdict.json)"] if len(named) > MOST else []
     return ", ".join([*named[:MOST], *more])

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from bench.record.campaign import Array
-from bench.report.diagnosis.names import WORKSHOP, capital, channel_name
+from bench.report.diagnosis.names import capital, channel_name, workshop
 from bench.report.diagnosis.readings import Readings
 from bench.report.diagnosis.recording_clock import RecordingClock
 from bench.report.recording.curves import Colour, Curve, Plot
@@ -31,7 +31,7 @@ def plots_of(readings: Readings, time: RecordingClock) -> tuple[Plot, ...]:
 
 def _channel(tab: str, readings: Readings, column: int, time: RecordingClock) -> Plot:
     quantity = readings.quantities[column]
-    unit, scale = WORKSHOP.get(quantity.unit, (quantity.unit, 1.0))
+    unit, scale = workshop(quantity.unit)
 
     def curve(name: str, values: Array, colour: Colour, width: float = SIMULATED_WIDTH) -> Curve:
         return Curve(name, scale * time.curve(values[:, column]), colour, width)

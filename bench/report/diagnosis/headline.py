@@ -9,6 +9,8 @@ from bench.report.diagnosis.names import (
     cause_name,
     cause_names,
     channel_name,
+    fitting,
+    in_short,
     interval_of,
     listed,
     unit_name,
@@ -57,11 +59,11 @@ def _headline(verdict: Verdict, room: int) -> str:
         words = _large(verdict, room - len(rest) - 1) or _counted(_of_headline(verdict), room - len(rest) - 1)
         return capital(f"{words}{rest}.")
     if verdict.findings:
-        names = [_in_short(group) for group in verdict.findings]
+        names = [in_short(_causes(group)) for group in verdict.findings]
         unsure = [_is_unconfirmed(group) for group in verdict.findings]
         kind = "that are not confirmed" if all(unsure) else "that are small or not confirmed"
         start = f"Only findings {kind}: " if any(unsure) else "Only small findings: "
-        return f"{start}{_fitting(names, 'and', room - len(start) - 1) or 'listed below'}."
+        return f"{start}{fitting(names, 'and', room - len(start) - 1) or 'listed below'}."
     if verdict.unlisted:
         return "Nothing listed was found, but something is left that is too small to give a shape."
     if verdict.noisy:
@@ -76,7 +78,7 @@ def _headline(verdict: Verdict, room: int) -> str:
 
 def _counted(groups: Sequence[AmbiguityGroup], room: int) -> str:
     """Return how many findings there are, and the first of them, where there is no room for all."""
-    words = f"{len(groups)} findings, listed below; first {_in_short(groups[0])}"
+    words = f"{len(groups)} findings, listed below; first {in_short(_causes(groups[0]))}"
     return words if len(words) <= room else "Several causes, listed below"
 
 
@@ -112,24 +114,23 @@ def _large(verdict: Verdict, room: int) -> str:
         kind = "large causes" if any(group.is_small for group in verdict.findings) else "causes"
         return _together([group.names[0].cause for group in large], room, kind)
     words = UNDECIDED if not others else f", or another explanation{UNDECIDED}"
-    names = [[_names(group) for group in large], [_in_short(group) for group in large]]
+    names = [[_names(group) for group in large], [in_short(_causes(group)) for group in large]]
     for found in names:
         if len(text := listed(found, "and") + words) <= room:
             return text
-    if fitting := _fitting(names[1], "and", room):
-        return fitting
+    if some := fitting(names[1], "and", room):
+        return some
     rest = f"{len(large)} findings" if len(large) > 1 else f"one of {len(large[0].names)} causes"
     return rest + words if len(rest + words) <= room else ""
 
 
 def _names(group: AmbiguityGroup) -> str:
-    names = [cause_name(one.cause) for one in group.names]
+    names = _causes(group)
     return names[0] if len(names) == 1 else f"either {listed(names, 'or')}"
 
 
-def _in_short(group: AmbiguityGroup) -> str:
-    first, others = cause_name(group.names[0].cause), len(group.names) - 1
-    return first if not others else f"{first} or {others} other{'s' * (others > 1)}"
+def _causes(group: AmbiguityGroup) -> list[str]:
+    return [cause_name(one.cause) for one in group.names]
 
 
 def _together(causes: Sequence[NamedCause], room: int, kind: str) -> str:
@@ -138,19 +139,10 @@ def _together(causes: Sequence[NamedCause], room: int, kind: str) -> str:
         (cause,) = causes
         first = cause.parameters[0]
         value, low, high = interval_of(first)
-        size = f"{first.name} {value} {unit_name(first.unit)}".rstrip()
+        size = f"{first.name.replace('_', ' ')} {value} {unit_name(first.unit)}".rstrip()
         words = f"{cause_name(cause)}: {size} (95 % interval {low} to {high})"
-        return words if len(words) <= room else _fitting([cause_name(cause)], "and", room)
+        return words if len(words) <= room else fitting([cause_name(cause)], "and", room)
     for start in (f"{len(causes)} {kind} act together: ", f"{len(causes)} {kind}: ", ""):
-        if names := _fitting(cause_names(causes), "and", room - len(start)):
+        if names := fitting(cause_names(causes), "and", room - len(start)):
             return start + names
-    return ""
-
-
-def _fitting(names: Sequence[str], last: str, room: int) -> str:
-    """Return names in a row, as many as there is room for and "others"; "" where there is room for none."""
-    for count in range(len(names), 0, -1):
-        some = listed([*names[:count], *["others"] * (count < len(names))], last)
-        if len(some) <= room:
-            return some
     return ""

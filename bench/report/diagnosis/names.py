@@ -1,6 +1,7 @@
 """How channels, causes and values are called on the page and on the terminal."""
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from bench.diagnose.verdict import (
     PredictedError,
     Unlisted,
 )
+from bench.effects.catalogue import catalogue
 from bench.effects.effect import IN_RECORDING
 
 KINDS = {
@@ -70,6 +72,16 @@ def unlisted_name(unlisted: Unlisted) -> str:
     words = f"{acts} that depends on {unlisted.depends_on}"
     slides = unlisted.kind != "reading" and any(p.unit in ("N", "m") for p in unlisted.parameters)
     return (of_slide(words) if slides else words).format(place=unlisted.place)
+
+
+def effect_name(effect: str) -> str:
+    """Return what people call an effect: its title in the catalogue; of one of their own, its name in words."""
+    return _titles().get(effect, effect.replace("_", " "))
+
+
+@cache
+def _titles() -> dict[str, str]:
+    return {name: effect.title for name, effect in catalogue().items()}
 
 
 def cause_name(cause: NamedCause) -> str:
@@ -140,6 +152,21 @@ def listed(names: Sequence[str], last: str) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
 
 
+def in_short(names: Sequence[str], count: int = 1) -> str:
+    """Return the first names, and how many others there are: "a or 2 others"."""
+    others = len(names) - count
+    return listed(names, "or") if others < 1 else f"{', '.join(names[:count])} or {others} other{'s' * (others > 1)}"
+
+
+def fitting(names: Sequence[str], last: str, room: int) -> str:
+    """Return names in a row, as many as there is room for and "others"; "" where there is room for none."""
+    for count in range(len(names), 0, -1):
+        some = listed([*names[:count], *["others"] * (count < len(names))], last)
+        if len(some) <= room:
+            return some
+    return ""
+
+
 def places_text(places: Sequence[str]) -> str:
     """Return places in words: "joints 1, 3, upper arm"; "" for the robot as a whole."""
     joints = sorted((p.removeprefix("joint ") for p in places if p.startswith("joint ")), key=int)
@@ -149,10 +176,10 @@ def places_text(places: Sequence[str]) -> str:
     return ", ".join(([f"joint{'s' * (len(joints) > 1)} {', '.join(joints)}"] if joints else []) + others)
 
 
-def at_places(words: str, places: Sequence[str]) -> str:
-    """Return what acts, and where: "link length of joints 1, 3", "tracker frame in recordings may and june"."""
+def effect_at(effect: str, places: Sequence[str]) -> str:
+    """Return what acts, and where: "Coulomb level (joints 1, 3)", "gain of the force sensor (in recording may)"."""
     where = places_text(places)
-    return f"{words} {'' if where.startswith(IN_RECORDING.strip()) else 'of '}{where}" if where else words
+    return f"{effect_name(effect)} ({where})" if where else effect_name(effect)
 
 
 def capital(words: str) -> str:
@@ -160,9 +187,14 @@ def capital(words: str) -> str:
     return words[:1].upper() + words[1:]
 
 
+def workshop(unit: str) -> tuple[str, float]:
+    """Return the unit in which a workshop reads a quantity of an SI unit, and how many of it make one."""
+    return WORKSHOP.get(unit, (unit, 1.0))
+
+
 def unit_name(unit: str) -> str:
     """Return the unit in which a quantity is shown; "" for a pure number."""
-    return "" if unit == "1" else WORKSHOP.get(unit, (unit, 1.0))[0]
+    return "" if unit == "1" else workshop(unit)[0]
 
 
 def shown(values: Sequence[float], unit: str, resolution: float) -> tuple[str, ...]:
@@ -173,7 +205,7 @@ def shown(values: Sequence[float], unit: str, resolution: float) -> tuple[str, .
         unit: SI.
         resolution: What two digits should be left of, in `unit`; where it is 0 or unknown, a hundredth of the largest.
     """
-    scale = WORKSHOP.get(unit, (unit, 1.0))[1]
+    scale = workshop(unit)[1]
     largest = max((abs(value * scale) for value in values if np.isfinite(value)), default=0.0)
     step = abs(resolution * scale)
     step = step if np.isfinite(step) and step > 0 else largest / 100
@@ -205,8 +237,9 @@ def interval_of(parameter: ParameterValue) -> tuple[str, str, str]:
 
 def parameter_text(parameter: ParameterValue) -> str:
     """Return a parameter in a line: "offset -38 K (-44 to -33)"."""
+    name = parameter.name.replace("_", " ")
     value, low, high = interval_of(parameter)
-    return " ".join(filter(None, (parameter.name, value, unit_name(parameter.unit), f"({low} to {high})")))
+    return " ".join(filter(None, (name, value, unit_name(parameter.unit), f"({low} to {high})")))
 
 
 def meaning_of(parameter: ParameterValue) -> str:
@@ -224,7 +257,7 @@ def limit_of(limit: DetectionLimit) -> str:
 def limit_text(limit: DetectionLimit) -> str:
     """Return it with its parameter and unit: "offset 0.012 deg", "sin 0.02 to 0.05 Nm, by its shape"."""
     size, comma, by_shape = limit_of(limit).partition(",")
-    return f"{limit.parameter} {size} {unit_name(limit.unit)}".rstrip() + comma + by_shape
+    return f"{limit.parameter.replace('_', ' ')} {size} {unit_name(limit.unit)}".rstrip() + comma + by_shape
 
 
 def error_of(error: PredictedError) -> tuple[str, str, str]:

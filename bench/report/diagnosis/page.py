@@ -1,7 +1,7 @@
 """The report of a diagnosis as one self-contained HTML page."""
 
 from base64 import b64encode
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 
@@ -10,7 +10,7 @@ import numpy as np
 from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.diagnose.verdict import ChannelGain, Verdict
 from bench.report.diagnosis.baseline import MODELS, baseline_words, behind_sentence, drive_rows, links_sentence
-from bench.report.diagnosis.blind import blind_sentences
+from bench.report.diagnosis.blind import blind_sentences, not_looked_for
 from bench.report.diagnosis.facts import Facts
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
@@ -18,6 +18,7 @@ from bench.report.diagnosis.names import (
     capital,
     cause_name,
     channel_name,
+    effect_name,
     error_of,
     gain_percent,
     interval_of,
@@ -26,6 +27,7 @@ from bench.report.diagnosis.names import (
     name_beside,
     parameter_text,
     percent,
+    place_name,
     remark_text,
     shown,
     unit_name,
@@ -132,6 +134,8 @@ def page_of(
         "html": as_html,
         "cause_name": cause_name,
         "channel": channel_name,
+        "effect": effect_name,
+        "place": place_name,
         "name_beside": name_beside,
         "interval": interval_of,
         "parameter": parameter_text,
@@ -171,8 +175,8 @@ def page_of(
         detectable=[limit for limit in verdict.detectable if limit.is_plausible],
         cause_title=_cause_title(verdict),
         held_out_words=HELD_OUT.get(verdict.held_out_by, ""),
-        missing=_by_channels(verdict.missing),
-        blind=blind_sentences(replace(verdict, missing={})),
+        missing={", ".join(channels).replace("_", " "): names for channels, names in not_looked_for(verdict).items()},
+        blind=list(blind_sentences(verdict)),
         has_shape=has_shape,
         has_after=any(channel.after is not None for channel in facts.channels),
         channels=_channels(facts.channels),
@@ -195,14 +199,6 @@ def _cause_title(verdict: Verdict) -> str:
     if len(verdict.findings) == 1:
         return "The cause" if len(verdict.findings[0].names) == 1 else "The cause is one of these"
     return "The causes, finding by finding"
-
-
-def _by_channels(missing: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
-    """Return missing channels -> effects that were not looked for."""
-    found: dict[str, list[str]] = {}
-    for effect, channels in missing.items():
-        found.setdefault(", ".join(channels).replace("_", " "), []).append(effect.replace("_", " "))
-    return found
 
 
 def _channels(channels: tuple[Channel, ...]) -> list[tuple[Channel, Bars]]:

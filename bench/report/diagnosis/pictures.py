@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.record.campaign import Array
-from bench.report.diagnosis.names import WORKSHOP, channel_name, of_slide, shown, unit_name
+from bench.report.diagnosis.names import channel_name, of_slide, shown, unit_name, workshop
 from bench.report.diagnosis.readings import Readings
 from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure, svg_of
 
@@ -82,7 +82,7 @@ def telling_joint(readings: Readings, column: int) -> int | None:
 def learned_picture(curve: LearnedCurve, what: str) -> Picture:
     """Return a learned shape as a curve with its 95 % band; `what` is learned, such as "motor torque"."""
     figure, ((panel,),) = small_figure(1, 1, *SIZE)
-    (over, over_scale), (unit, scale) = (WORKSHOP.get(u, (u, 1.0)) for u in (curve.over_unit, curve.unit))
+    (over, over_scale), (unit, scale) = map(workshop, (curve.over_unit, curve.unit))
     at = over_scale * np.array(curve.at)
     low, high, value = (scale * np.array(part) for part in (curve.low, curve.high, curve.value))
     panel.fill_between(at, low, high, color=COLOURS[0], alpha=0.2, linewidth=0, label="95 % interval")
@@ -113,7 +113,7 @@ def _over_angle(readings: Readings, column: int, joint: int, name: str) -> Pictu
     at = _measured(readings, column)
     way = readings.direction[at, joint]
     slides = bool(readings.is_slide[joint])
-    unit, scale = WORKSHOP["m" if slides else "rad"]
+    unit, scale = workshop("m" if slides else "rad")
     over = f"{'position' if slides else 'angle'} of joint {joint + 1}"
     figure, panels = _panels(readings, column, at)
     for panel, stage in panels:
@@ -158,7 +158,7 @@ def _stages(readings: Readings, column: int, at: NDArray[np.intp]) -> list[_Stag
     for words, left in (("nominal model", readings.nominal), (fitted, readings.left)):
         size = float(np.sqrt(np.mean(left[at, column] ** 2)))
         (text,) = shown((size,), unit, size / 10)  # three digits
-        scale = WORKSHOP.get(unit, (unit, 1.0))[1]
+        scale = workshop(unit)[1]
         found.append(_Stage(f"{words}: RMS {text} {unit_name(unit)}", scale * left[at, column]))
     return found
 
@@ -167,7 +167,7 @@ def _panels(readings: Readings, column: int, at: NDArray[np.intp]) -> tuple["Fig
     """Return a figure with one panel for each model, each with a scale of its own and the same band of noise."""
     stages = _stages(readings, column, at)
     unit = readings.quantities[column].unit
-    noise = WORKSHOP.get(unit, (unit, 1.0))[1] * float(np.median(readings.noise[at, column]))
+    noise = workshop(unit)[1] * float(np.median(readings.noise[at, column]))
     figure, rows = small_figure(len(stages), 1, *SIZE, sharex=True)
     panels = [(row[0], stage) for row, stage in zip(rows, stages, strict=True)]
     for panel, stage in panels:

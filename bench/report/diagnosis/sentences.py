@@ -9,9 +9,9 @@ from bench.diagnose.cross_validation.held_out import NOTICEABLE
 from bench.diagnose.experiment_design.propose import NONE
 from bench.diagnose.verdict import ChannelGain, Proposal, Step, UndetectableEffect, Verdict
 from bench.report.diagnosis.names import (
-    at_places,
     cause_name,
     channel_name,
+    effect_at,
     gain_percent,
     listed,
     percent,
@@ -152,10 +152,10 @@ def undetectable_sentence(verdict: Verdict, but: Sequence[UndetectableEffect] = 
         if not limit.is_plausible and (limit.effect, limit.place) not in said:
             shapes = " of some shapes" if limit.limit <= limit.plausible else ""
             sizes.setdefault((limit.effect, limit.place), []).append(limit.parameter.replace("_", " ") + shapes)
-    places: dict[str, list[str]] = {}
+    places: dict[tuple[str, str], list[str]] = {}
     for (effect, place), names in sizes.items():
-        places.setdefault(f"{effect.replace('_', ' ')} ({', '.join(names)})", []).append(place)
-    named = [at_places(words, some) for words, some in places.items()]
+        places.setdefault((effect, ", ".join(names)), []).append(place)
+    named = [f"{effect_at(effect, some)}: {names}" for (effect, names), some in places.items()]
     return f"Not detectable at a plausible size: {'; '.join(named)}." if named else ""
 
 

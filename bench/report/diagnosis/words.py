@@ -5,12 +5,13 @@ from pathlib import Path
 
 from bench.diagnose.verdict import AmbiguityGroup, Verdict
 from bench.report.diagnosis.baseline import baseline_lines
-from bench.report.diagnosis.blind import blind_sentences
+from bench.report.diagnosis.blind import blind_sentences, missing_sentences
 from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, RECORDING, REPORT, ROBOT, VERDICT
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
     PART_OF_UNLISTED,
     cause_name,
+    effect_name,
     error_text,
     limit_text,
     meaning_of,
@@ -75,9 +76,10 @@ def words_of(verdict: Verdict) -> Iterator[str]:
         yield f"      {proposal_text(proposal)}"
     if scatter := scatter_sentence(verdict):
         yield scatter
+    yield from missing_sentences(verdict)
     yield from blind_sentences(verdict)
     for effect in verdict.not_simulated:
-        yield f"Not looked for: {effect}, whose model found no balance."
+        yield f"Not looked for: {effect_name(effect)}, whose model found no balance."
 
 
 def _finding(group: AmbiguityGroup) -> Iterator[str]:
@@ -131,7 +133,7 @@ def _limits(verdict: Verdict) -> Iterator[str]:
         best = sorted(shown, key=lambda limit: (bool(limit.unit), limit.worst))
         for limit in best[:BEST_LIMITS]:
             where = place_name(limit.place)
-            yield f"  {limit.effect.replace('_', ' ')}{f', {where}' if where else ''}: {limit_text(limit)}"
+            yield f"  {effect_name(limit.effect)}{f', {where}' if where else ''}: {limit_text(limit)}"
     if unseen := undetectable_sentence(verdict, but=verdict.blind):
         yield unseen
 

@@ -7,9 +7,8 @@ from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.regressor import N_INERTIAL, NAMES
 from bench.report.dynamics.identify import Dynamics
 from bench.report.dynamics.notes import notes_of
+from bench.report.dynamics.words import MODELS
 from bench.report.jsonable import to_jsonable
-
-MODELS = ("measured", "nominal", "rival", "first_pass")
 
 
 def as_json(result: Dynamics, level: float) -> dict[str, object]:

@@ -10,22 +10,16 @@ from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.prior import AS_STATED
 from bench.identify.dynamics.quantities import RELATIVE, Quantity
 from bench.record.campaign import Array
+from bench.record.finding import counted
 from bench.report.diagnosis.names import shown, unit_name
-from bench.report.dynamics.as_json import MODELS
-from bench.report.dynamics.folds_words import folds_words
 from bench.report.dynamics.identify import Dynamics
 from bench.report.dynamics.notes import notes_of
+from bench.report.dynamics.words import MODELS, folds_words, torque_unit
 from bench.report.tables import print_wide, terminal
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-WORDS = {
-    "measured": "torque itself",
-    "nominal": "nominal model",
-    "rival": "plain least squares",
-    "first_pass": "first pass",
-}
 TITLES = {
     "payload": "payload and counterbalance",
     "gas": "payload and counterbalance",
@@ -65,7 +59,7 @@ def _head(found: FirstPass) -> Iterator[str]:
     band = found.band
     origin = "as stated" if np.isnan(band.bandwidth_hz) else f"ten times the {band.bandwidth_hz:.2g} Hz of the motion"
     yield (
-        f"{runs} {'run' if runs == 1 else 'runs'}, {seconds:.0f} s at {', '.join(map(str, rates))} Hz; model and data "
+        f"{counted(runs, 'run')}, {seconds:.0f} s at {', '.join(map(str, rates))} Hz; model and data "
         f"through one zero-phase low-pass of {band.cutoff_hz:.3g} Hz, {origin}."
     )
     if found.solution.delay_sigma > 0:
@@ -81,17 +75,17 @@ def _head(found: FirstPass) -> Iterator[str]:
 
 
 def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> "Table":
-    hinge = found.nominal.bodies.is_hinge
-    unit = "Nm" if hinge.all() else "Nm or N" if hinge.any() else "N"
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    table = Table(box=SIMPLE_HEAD, title_justify="left", title=f"error of the torque, RMS [{unit}]; {title}")
+    table = Table(
+        box=SIMPLE_HEAD, title_justify="left", title=f"error of the torque, RMS [{torque_unit(found)}]; {title}"
+    )
     table.add_column("", no_wrap=True)
     for joint in found.joints:
         table.add_column(joint, justify="right")
-    for model in MODELS:
-        table.add_row(WORDS[model], *("-" if np.isnan(value) else f"{value:.4g}" for value in errors[model]))
+    for model, words in MODELS.items():
+        table.add_row(words, *("-" if np.isnan(value) else f"{value:.4g}" for value in errors[model]))
     return table
 
 

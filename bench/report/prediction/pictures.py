@@ -3,7 +3,7 @@
 import numpy as np
 
 from bench.predict.prediction import PredictedRecording
-from bench.report.diagnosis.names import WORKSHOP, channel_name, shown, unit_name
+from bench.report.diagnosis.names import channel_name, shown, unit_name, workshop
 from bench.report.diagnosis.pictures import BAND, SALT, Picture
 from bench.report.diagnosis.recording_clock import recording_clock_of
 from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure, svg_of
@@ -22,7 +22,7 @@ def pictures_of(recording: PredictedRecording) -> tuple[tuple[str, Picture], ...
 
 def _picture(recording: PredictedRecording, column: int) -> Picture:
     quantity = recording.linear.quantities[column]
-    unit, scale = WORKSHOP.get(quantity.unit, (quantity.unit, 1.0))
+    unit, scale = workshop(quantity.unit)
     clock = recording_clock_of(recording.linear)
     runs = list(dict.fromkeys(segment.run for segment in recording.linear.segments))
     several = len(runs) > 1

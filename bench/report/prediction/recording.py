@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.predict.prediction import PredictedRecording
 from bench.report.diagnosis.curves import MEASURED, MEASURED_WIDTH, SIMULATED_WIDTH, WITH, WITHOUT
-from bench.report.diagnosis.names import WORKSHOP, capital, channel_name
+from bench.report.diagnosis.names import capital, channel_name, workshop
 from bench.report.diagnosis.recording_clock import RecordingClock, recording_clock_of
 from bench.report.recording.compared import log_compared
 from bench.report.recording.curves import JOINT_COLOURS, Curve, Plot, log_plots
@@ -52,7 +52,7 @@ def _plots(recording: PredictedRecording, clock: RecordingClock) -> list[Plot]:
     for c, quantity in enumerate(recording.linear.quantities):
         if not np.any(np.isfinite(recording.error[:, c])):
             continue
-        unit, scale = WORKSHOP.get(quantity.unit, (quantity.unit, 1.0))
+        unit, scale = workshop(quantity.unit)
         measured, error = recording.measured[:, c], recording.error[:, c]
         curves = [Curve("measured", scale * clock.curve(measured), MEASURED, MEASURED_WIDTH)]
         if np.any(np.isfinite(recording.nominal_error[:, c])):

@@ -191,7 +191,7 @@ def test_a_set_is_called_one() -> None:
 
 def test_missing_channels_are_said_once_each() -> None:
     text = Page(html_of_kind("nothing")).text
-    assert "Missing: gear temperature so these were not looked for: friction temperature" in text
+    assert "Missing: gear temperature so these were not looked for: friction falls with gear temperature" in text
     assert "backlash: the model found no balance" in text
 
 
@@ -209,8 +209,8 @@ def test_no_limit_is_beyond_what_is_plausible() -> None:
     text = Page(html_of_kind("nothing")).text
     assert "18391" not in text
     assert (
-        "Not detectable at a plausible size: link length (length) of upper arm; stribeck (rise of some shapes) of "
-        "joints 1, 2." in text
+        "Not detectable at a plausible size: length of a link (upper arm): length; Stribeck effect (joints 1, 2): "
+        "rise of some shapes." in text
     )
 
 

@@ -40,7 +40,8 @@ def test_what_is_undetectable_in_some_recordings_is_a_sentence() -> None:
     limit = DetectionLimit("tracker_frame", "robot in recording may", "tx", 2.0, "m", 2.0, 1e-3, 1)
     both = (limit, replace(limit, place="robot in recording june"), replace(limit, effect="zero", place="joint 2"))
     assert undetectable_sentence(replace(NOTHING, detectable=both)) == (
-        "Not detectable at a plausible size: tracker frame (tx) in recordings may and june; zero (tx) of joint 2."
+        "Not detectable at a plausible size: frame of the laser tracker (in recordings may and june): tx; "
+        "zero (joint 2): tx."
     )
 
 
@@ -67,7 +68,7 @@ def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
         "Refused: mass of a link (upper arm): held-out runs do not become more probable.",
         "Next: the sweeps again, slower",
         "variance is 1.7 times",
-        "Not looked for without gear temperatures (gear_temperature_i_k): friction temperature.",
+        "Not looked for without gear temperatures (gear_temperature_i_k): friction falls with gear temperature.",
     ):
         assert words in text
 
@@ -149,12 +150,12 @@ def test_columns_of_a_proposal_are_called_as_people_call_them() -> None:
 def test_nothing_found_says_what_would_have_been() -> None:
     text = "\n".join(words_of(VERDICTS["nothing"]))
     assert "chance would still find something in 1 % of such campaigns" in text
-    assert "joint zero, joint 2: offset 0.012 deg" in text
-    assert "transmission error, joint 2: sin 0.0018 to 0.0054 deg, by its shape" in text
+    assert "zero of a joint, joint 2: offset 0.012 deg" in text
+    assert "transmission error of the gear, joint 2: sin 0.0018 to 0.0054 deg, by its shape" in text
     assert "18391" not in text
-    assert "Not detectable at a plausible size: link length (length) of upper arm; stribeck" in text
+    assert "Not detectable at a plausible size: length of a link (upper arm): length; Stribeck effect" in text
     blind = replace(VERDICTS["nothing"], blind=(UndetectableEffect("link_length", ("upper_arm",), ()),))
-    assert "Not detectable at a plausible size: stribeck (rise of some shapes) of joints 1, 2." in words_of(blind)
+    assert "Not detectable at a plausible size: Stribeck effect (joints 1, 2): rise of some shapes." in words_of(blind)
 
 
 def test_a_remainder_without_a_shape_is_said() -> None:

@@ -1,8 +1,20 @@
-"""What a first pass holds out at a time, in words."""
+"""What a first pass is compared with, in which unit, and what it holds out at a time, in words."""
 
 from bench.identify.dynamics.first_pass import FirstPass
 
+MODELS = {  # of `Torques` -> what they are called
+    "measured": "torque itself",
+    "nominal": "nominal model",
+    "rival": "plain least squares",
+    "first_pass": "first pass",
+}
 UNITS = {"recording": "recordings", "run": "whole runs", "block": "blocks of time"}
+
+
+def torque_unit(found: FirstPass) -> str:
+    """Return the unit of the torques of all drives; slides have forces."""
+    hinge = found.nominal.bodies.is_hinge
+    return "Nm" if hinge.all() else "Nm or N" if hinge.any() else "N"
 
 
 def folds_words(found: FirstPass) -> str:

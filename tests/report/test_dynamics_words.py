@@ -5,7 +5,7 @@ from typing import Literal
 
 import pytest
 
-from bench.report.dynamics.folds_words import folds_words
+from bench.report.dynamics.words import folds_words
 
 
 @pytest.mark.parametrize(
