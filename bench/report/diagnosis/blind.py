@@ -32,6 +32,12 @@ def missing_sentences(verdict: Verdict) -> Iterator[str]:
         yield f"Not looked for without {_instruments(channels)}: {', '.join(effects)}."
 
 
+def without_balance(verdict: Verdict) -> list[str]:
+    """Return the causes that were not looked for, as their model found no balance: "Stribeck effect (joint 1)"."""
+    keys = (key.partition(" ") for key in verdict.not_simulated)  # effect, and place
+    return [effect_at(effect, [place]) for effect, _, place in keys]
+
+
 def blind_sentences(verdict: Verdict) -> Iterator[str]:
     """Yield what this campaign could not have shown even at the largest plausible size, and what would have."""
     for kind in dict.fromkeys(kind for spot in verdict.blind for kind in spot.shown_by):

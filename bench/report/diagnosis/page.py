@@ -10,7 +10,7 @@ import numpy as np
 from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.diagnose.verdict import ChannelGain, Verdict
 from bench.report.diagnosis.baseline import MODELS, baseline_words, behind_sentence, drive_rows, links_sentence
-from bench.report.diagnosis.blind import blind_sentences, not_looked_for
+from bench.report.diagnosis.blind import blind_sentences, not_looked_for, without_balance
 from bench.report.diagnosis.facts import Facts
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
@@ -175,6 +175,7 @@ def page_of(
         detectable=[limit for limit in verdict.detectable if limit.is_plausible],
         cause_title=_cause_title(verdict),
         held_out_words=HELD_OUT.get(verdict.held_out_by, ""),
+        without_balance=without_balance(verdict),
         missing={", ".join(channels).replace("_", " "): names for channels, names in not_looked_for(verdict).items()},
         blind=list(blind_sentences(verdict)),
         has_shape=has_shape,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from bench.diagnose.verdict import AmbiguityGroup, Verdict
 from bench.report.diagnosis.baseline import baseline_lines
-from bench.report.diagnosis.blind import blind_sentences, missing_sentences
+from bench.report.diagnosis.blind import blind_sentences, missing_sentences, without_balance
 from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, RECORDING, REPORT, ROBOT, VERDICT
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
@@ -78,8 +78,8 @@ def words_of(verdict: Verdict) -> Iterator[str]:
         yield scatter
     yield from missing_sentences(verdict)
     yield from blind_sentences(verdict)
-    for effect in verdict.not_simulated:
-        yield f"Not looked for: {effect_name(effect)}, whose model found no balance."
+    for cause in without_balance(verdict):
+        yield f"Not looked for: {cause}, whose model found no balance."
 
 
 def _finding(group: AmbiguityGroup) -> Iterator[str]:

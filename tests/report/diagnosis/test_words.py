@@ -147,6 +147,15 @@ def test_columns_of_a_proposal_are_called_as_people_call_them() -> None:
     assert proposal_text(alone).startswith("It would decide whether there is drift (motor force 1): it is expected")
 
 
+def test_causes_without_a_balance_are_called_as_people_call_them() -> None:
+    keys = ("stribeck joint 2", "gas_step robot from run line on", "backlash")
+    words = list(words_of(replace(NOTHING, not_simulated=keys)))
+    assert words[-3:] == [
+        f"Not looked for: {cause}, whose model found no balance."
+        for cause in ("Stribeck effect (joint 2)", "gas lost or filled in (from run line on)", "backlash")
+    ]
+
+
 def test_nothing_found_says_what_would_have_been() -> None:
     text = "\n".join(words_of(VERDICTS["nothing"]))
     assert "chance would still find something in 1 % of such campaigns" in text
