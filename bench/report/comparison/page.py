@@ -1,7 +1,6 @@
 """A comparison as one self-contained HTML page: what changed, and every component over the recordings."""
 
 from dataclasses import dataclass
-from importlib.resources import files
 
 import numpy as np
 
@@ -19,9 +18,16 @@ from bench.report.comparison.names import (
 )
 from bench.report.comparison.words import NONLINEAR, basis_sentence, findings_sentences, headline
 from bench.report.diagnosis.names import capital, channel_name, percent
-from bench.report.html import as_html
+from bench.report.html import Filters, render
 
-TEMPLATE = "page.html.j2"
+TEMPLATE = "comparison/page.html.j2"
+FILTERS: Filters = {
+    "capital": capital,
+    "percent": percent,
+    "channel": channel_name,
+    "change_name": change_name,
+    "size_text": size_text,
+}
 WIDTH, HEIGHT, EDGE = 160.0, 34.0, 4.0  # [px], of the small charts
 
 
@@ -69,20 +75,10 @@ def page_of(comparison: Comparison, robot: str, command: str) -> str:
         robot: Title of the robot.
         command: That made it.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {
-        "capital": capital,
-        "html": as_html,
-        "percent": percent,
-        "channel": channel_name,
-        "change_name": change_name,
-        "size_text": size_text,
-    }
-    template = environment.from_string(files("bench.report.comparison").joinpath(TEMPLATE).read_text(encoding="utf-8"))
     lines = lines_of(comparison)
-    return template.render(
+    return render(
+        TEMPLATE,
+        FILTERS,
         c=comparison,
         robot=robot,
         command=command,

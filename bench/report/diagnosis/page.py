@@ -1,9 +1,7 @@
 """The report of a diagnosis as one self-contained HTML page."""
 
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib.resources import files
 
 import numpy as np
 
@@ -50,9 +48,9 @@ from bench.report.diagnosis.sentences import (
     undetectable_sentence,
     unfinished_sentence,
 )
-from bench.report.html import as_html
+from bench.report.html import Filters, render
 
-TEMPLATE = "page.html.j2"
+TEMPLATE = "diagnosis/page.html.j2"
 MANY = 3  # findings; more are listed in a table before each is told
 MOST_LINES = 300  # of a difference, on the page
 HELD_OUT = {
@@ -62,6 +60,28 @@ HELD_OUT = {
     ),
     "run": "Each run in turn was left out whole, and predicted by the models fitted to all others.",
     "block": "One run shows nearly all of it, so stretches of it were left out in turn; that proves less than runs.",
+}
+FILTERS: Filters = {
+    "capital": capital,
+    "cause_name": cause_name,
+    "channel": channel_name,
+    "effect": effect_name,
+    "place": place_name,
+    "name_beside": name_beside,
+    "interval": interval_of,
+    "parameter": parameter_text,
+    "meaning": meaning_of,
+    "limit": limit_of,
+    "error": error_of,
+    "over": over_name,
+    "remark": remark_text,
+    "percent": percent,
+    "gain_percent": gain_percent,
+    "proposal": proposal_text,
+    "step_left": step_left,
+    "confirmed_text": confirmed_text,
+    "spaced": lambda name: name.replace("_", " "),
+    "unit": unit_name,
 }
 
 
@@ -124,37 +144,13 @@ def page_of(
         difference: Unified difference of the model as fitted, "" without one.
         moved: Stated figures that were found further away than their uncertainty explains, a sentence for each.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.globals |= {"part_of_unlisted": PART_OF_UNLISTED, "floor_words": FLOOR, "many": MANY}
-    environment.filters |= {
-        "base64": lambda text: b64encode(text.encode()).decode(),
-        "capital": capital,
-        "html": as_html,
-        "cause_name": cause_name,
-        "channel": channel_name,
-        "effect": effect_name,
-        "place": place_name,
-        "name_beside": name_beside,
-        "interval": interval_of,
-        "parameter": parameter_text,
-        "meaning": meaning_of,
-        "limit": limit_of,
-        "error": error_of,
-        "over": over_name,
-        "remark": remark_text,
-        "percent": percent,
-        "gain_percent": gain_percent,
-        "proposal": proposal_text,
-        "step_left": step_left,
-        "confirmed_text": confirmed_text,
-        "spaced": lambda name: name.replace("_", " "),
-        "unit": unit_name,
-    }
     has_shape = verdict.unlisted is not None and verdict.unlisted.stands_out
-    template = environment.from_string(files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8"))
-    return template.render(
+    return render(
+        TEMPLATE,
+        FILTERS,
+        part_of_unlisted=PART_OF_UNLISTED,
+        floor_words=FLOOR,
+        many=MANY,
         v=verdict,
         facts=facts,
         pictures=pictures.worst,

@@ -1,16 +1,14 @@
 """The report of a prediction as one self-contained HTML page."""
 
-from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 
 from bench.predict.prediction import PredictedRecording, Prediction
 from bench.report.diagnosis.facts import versions
 from bench.report.diagnosis.names import capital
 from bench.report.diagnosis.pictures import Picture
 from bench.report.diagnosis.sentences import FLOOR
-from bench.report.html import as_html
+from bench.report.html import render
 from bench.report.prediction.pictures import pictures_of
 from bench.report.prediction.sentences import (
     ChannelRow,
@@ -24,7 +22,7 @@ from bench.report.prediction.sentences import (
     stretch_text,
 )
 
-TEMPLATE = "page.html.j2"
+TEMPLATE = "prediction/page.html.j2"
 
 
 @dataclass(frozen=True)
@@ -47,16 +45,9 @@ def page_of(prediction: Prediction, made: Sequence[str], command: str = "") -> s
         made: Files that stand beside it.
         command: That made it; "" if none did.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {
-        "base64": lambda text: b64encode(text.encode()).decode(),
-        "capital": capital,
-        "html": as_html,
-    }
-    template = environment.from_string(files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8"))
-    return template.render(
+    return render(
+        TEMPLATE,
+        {"capital": capital},
         prediction=prediction,
         headline=headline(prediction),
         floor_words=FLOOR,
