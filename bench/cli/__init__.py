@@ -4,7 +4,6 @@ import errno
 import io
 import os
 import sys
-from typing import Annotated
 
 import tyro
 
@@ -32,26 +31,26 @@ from bench.cli.study import Study
 from bench.cli.view import View
 from bench.errors import BenchError, InputError
 
-Command = (
-    Annotated[Paper, tyro.conf.subcommand("paper")]
-    | Annotated[Run, tyro.conf.subcommand("run")]
-    | Annotated[View, tyro.conf.subcommand("view")]
-    | Annotated[Identify, tyro.conf.subcommand("identify")]
-    | Annotated[Poses, tyro.conf.subcommand("poses")]
-    | Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
-    | Annotated[Compare, tyro.conf.subcommand("compare")]
-    | Annotated[Predict, tyro.conf.subcommand("predict")]
-    | Annotated[Apply, tyro.conf.subcommand("apply")]
-    | Annotated[Demo, tyro.conf.subcommand("demo")]
-    | Annotated[Study, tyro.conf.subcommand("study")]
-    | Annotated[Store, tyro.conf.subcommand("store")]
-    | Annotated[Effects, tyro.conf.subcommand("effects")]
-    | Annotated[Hide, tyro.conf.subcommand("hide")]
-    | Annotated[Check, tyro.conf.subcommand("check")]
-    | Annotated[Convert, tyro.conf.subcommand("convert")]
-    | Annotated[Robots, tyro.conf.subcommand("robots")]
-    | Annotated[NewRobot, tyro.conf.subcommand("new-robot")]
-    | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
+Command = (  # in the order of the help; each goes by the name of its class
+    Paper
+    | Run
+    | View
+    | Identify
+    | Poses
+    | Diagnose
+    | Compare
+    | Predict
+    | Apply
+    | Demo
+    | Study
+    | Store
+    | Effects
+    | Hide
+    | Check
+    | Convert
+    | Robots
+    | NewRobot
+    | Benchmark
 )
 
 INTERRUPTED = 130

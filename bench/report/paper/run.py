@@ -10,7 +10,7 @@ from bench.identify.table5 import read_table6
 from bench.report.jsonable import to_jsonable
 from bench.report.paper.chapter import Chapter, print_chapter
 from bench.report.paper.complementary.run import run_complementary
-from bench.report.paper.line.picture import left_over, picture
+from bench.report.paper.line.fig17 import fig17_sentences, left_over
 from bench.report.paper.line.published import published_rows as line_rows
 from bench.report.paper.line.results import line_as_json, line_conclusions, write_line
 from bench.report.paper.line.run import run_line
@@ -128,6 +128,6 @@ def _line(
         name="line",
         title="UV trajectory, Table 8, Figs. 14 to 17",
         rows=line_rows(report),
-        sentences=(BOUNDS, *line_conclusions(report), *picture(left, here)),
+        sentences=(BOUNDS, *line_conclusions(report), *fig17_sentences(left, here)),
         data=line_as_json(report) | {"fig_17_by_friction_and_protocol": to_jsonable([asdict(each) for each in left])},
     )

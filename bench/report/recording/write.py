@@ -6,27 +6,26 @@ from pathlib import Path
 import numpy as np
 
 from bench.errors import InputError
-from bench.report.recording.arm import log_arm, log_standing_bodies
+from bench.report.recording.compared import ROBOT, log_compared
 from bench.report.recording.curves import log_plots, plots_of
-from bench.report.recording.cylinder import log_cylinder
 from bench.report.recording.deflection import deflection_of, is_standing
 from bench.report.recording.events import log_events
 from bench.report.recording.layout import layout
 from bench.report.recording.poses import Poses, elastic_poses, rigid_poses
 from bench.report.recording.scene import floor_height, scene_of
-from bench.report.recording.surroundings import Colour, log_load, log_path, log_point, log_tracker
+from bench.report.recording.surroundings import Colour, log_path, log_point, log_tracker
 from bench.report.recording.writer import RecordingWriter, identity_of, recording_to
 from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.session import Film
 
 MAGNIFICATION = 100.0  # of the wind-up of the elastic elements
-RIGID = np.array([150, 190, 230, 70], dtype=np.uint8)
 RIGID_POINT: Colour = (150, 190, 230)
 ELASTIC_POINT: Colour = (255, 90, 90)
 MEASURED_POINT: Colour = (240, 228, 66)
 POINT_RADIUS = 0.02  # [m]
-RIGID_PATH, ELASTIC_PATH = "robot/rigid/path", "robot/elastic/path"
+RIGID = "robot/rigid"
+RIGID_PATH, ELASTIC_PATH = f"{RIGID}/path", f"{ROBOT}/path"
 
 
 def write_recording(path: Path, compiled: CompiledRobot, film: Film, magnification: float = MAGNIFICATION) -> None:
@@ -57,10 +56,7 @@ def write_recording(path: Path, compiled: CompiledRobot, film: Film, magnificati
         with_events=bool(film.events),
     )
     with recording_to(path, film.trace.time, _identity(film), compiled.robot.figures.title, blueprint) as writer:
-        log_standing_bodies(writer, "scene", scene)
-        log_arm(writer, "robot/elastic", compiled, elastic)
-        log_cylinder(writer, "robot/elastic/counterbalance", compiled, elastic)
-        log_arm(writer, "robot/rigid", compiled, rigid, RIGID)
+        log_compared(writer, scene, compiled, film.trace, elastic, rigid, RIGID)
         _log_points(writer, compiled, film, rigid, elastic, magnification, floor)
         log_plots(writer, plots)
         log_events(writer, film.events)
@@ -75,16 +71,14 @@ def _log_points(
     magnification: float,
     floor: float,
 ) -> None:
-    """Log what hangs on the points of the two robots: load, reference points, and the tracker with what it measured."""
+    """Log what hangs on the points of the two robots: reference points, and the tracker with what it measured."""
     at, figures = compiled.at, compiled.robot.figures
     site = at.reflectors[0] if len(at.reflectors) else at.load_point
     rigid_reference, reference = (poses.site_position[:, site] for poses in (rigid, elastic))
-    log_point(writer, "robot/rigid/reference_point", rigid_reference, RIGID_POINT, POINT_RADIUS)
-    log_point(writer, "robot/elastic/reference_point", reference, ELASTIC_POINT, POINT_RADIUS)
+    log_point(writer, f"{RIGID}/reference_point", rigid_reference, RIGID_POINT, POINT_RADIUS)
+    log_point(writer, f"{ROBOT}/reference_point", reference, ELASTIC_POINT, POINT_RADIUS)
     log_path(writer, RIGID_PATH, rigid_reference, np.full(len(film.trace), True), RIGID_POINT)
     log_path(writer, ELASTIC_PATH, reference, is_standing(film), ELASTIC_POINT)  # links ring while it moves
-    load_point = elastic.site_position[:, at.load_point]
-    log_load(writer, "robot/load", load_point, film.trace.wrench[:, :3], figures.rating.force_n)
     tracker = figures.instruments.tracker
     if tracker is not None:
         # The error of the deflection, not of the position: what is wrong with the tracker's frame cancels in it.

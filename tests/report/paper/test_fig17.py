@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench.executor.serial import SERIAL
-from bench.report.paper.line.picture import Left, left_over, picture
+from bench.report.paper.line.fig17 import Left, fig17_sentences, left_over
 from bench.report.paper.methods.protocols import PROTOCOLS
 from bench.report.paper.methods.study import AS_THE_PAPER, METHODS, Condition, study_methods
 from bench.scenario.files import read_as
@@ -28,11 +28,13 @@ def test_a_shared_error_hides_a_difference() -> None:
 
 def test_conditions_that_give_the_picture_are_named() -> None:
     here = {"x": 0.73, "z": 0.86}
-    text = "\n".join(picture([left((0.5, 0.48), (1.0, 0.3), "friction A"), left((1, 0.1), (1, 0.1), "B")], here))
+    text = "\n".join(
+        fig17_sentences([left((0.5, 0.48), (1.0, 0.3), "friction A"), left((1, 0.1), (1, 0.1), "B")], here)
+    )
     assert "0.86 in z and 0.73 in x" in text
     assert "friction A with 0 mm" in text
     assert "B with" not in text
-    none = "\n".join(picture([left((0.5, 0.5), (1.0, 0.9), "C"), left((1, 0.1), (1, 0.1), "B")], here))
+    none = "\n".join(fig17_sentences([left((0.5, 0.5), (1.0, 0.9), "C"), left((1, 0.1), (1, 0.1), "B")], here))
     assert "0 give the paper's picture" in none
     assert "(B;" in none
 

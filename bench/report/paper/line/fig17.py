@@ -105,7 +105,7 @@ def left_over(scenario: Line, results: Sequence[ConditionResult]) -> list[Left]:
     return found
 
 
-def picture(found: Sequence[Left], here: Mapping[str, float]) -> list[str]:
+def fig17_sentences(found: Sequence[Left], here: Mapping[str, float]) -> list[str]:
     """Return which of the conditions give the paper's picture, in sentences.
 
     Args:
