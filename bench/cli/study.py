@@ -1,10 +1,16 @@
 """`bench study`: the diagnosis held to its goals, over hundreds of campaigns with hidden effects."""
 
+import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
+
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from bench.executor.contract import Executor
 
 
 @dataclass(frozen=True)
@@ -62,23 +68,15 @@ class Study:
 
     def run(self) -> int:
         """Run, print the table and name the folder; return the exit code."""
-        import sys
-        from contextlib import nullcontext
-
         from bench.cli.progress import progress_bar
         from bench.cli.seeds import checked_seed
         from bench.errors import InputError
-        from bench.executor.cluster import Cluster
-        from bench.executor.local import on_cores
         from bench.report.study.words import measured_words, met_words
         from bench.report.study.write import PAGE, write_study
         from bench.study.labs import Lab
         from bench.study.plan import SMALL, Counts
         from bench.study.scores import scores_of
         from bench.study.study import Settings, run_study
-
-        def warn(words: str) -> None:
-            print(f"bench: {words}", file=sys.stderr)
 
         if self.recordings and self.recordings < 2:
             raise InputError(
@@ -89,7 +87,6 @@ class Study:
         if self.small:
             counts = replace(SMALL, worlds=worlds)
         settings = Settings(checked_seed(self.seed), counts=counts)
-        where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -98,8 +95,8 @@ class Study:
             return self._vary(self.vary)
         if self.recordings:
             return self._several()
-        with where as executor, progress_bar("campaigns") as progress:
-            outcomes = run_study(settings, self.out, executor, progress, warn)
+        with self._workers() as executor, progress_bar("campaigns") as progress:
+            outcomes = run_study(settings, self.out, executor, progress, _warn)
         scores = scores_of(outcomes)
         write_study(outcomes, scores, settings, Lab(settings.session).words(), self.out)
         for goal in scores.goals:
@@ -107,14 +104,18 @@ class Study:
         print(f"\nStudy: {self.out.resolve() / PAGE}")
         return 0
 
-    def _several(self) -> int:
-        """Run the study of several recordings, print its numbers and write them down."""
-        import sys
+    def _workers(self) -> "AbstractContextManager[Executor]":
+        """Return what does the work: a cluster, or this machine."""
         from contextlib import nullcontext
 
-        from bench.cli.progress import progress_bar
         from bench.executor.cluster import Cluster
         from bench.executor.local import on_cores
+
+        return Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
+
+    def _several(self) -> int:
+        """Run the study of several recordings, print its numbers and write them down."""
+        from bench.cli.progress import progress_bar
         from bench.report.study.several import lines_of, write_several
         from bench.study.several import SeveralSettings, run_several
         from bench.study.several_scores import several_goals
@@ -130,11 +131,8 @@ class Study:
             kinds=self.kinds,
             world=world_of_machines(self.world),
         )
-        where = Cluster(self.scheduler) if self.scheduler else nullcontext(on_cores(self.cores))
-        with where as executor, progress_bar("machines") as progress:
-            outcomes = run_several(
-                settings, self.out, executor, progress, lambda words: print(f"bench: {words}", file=sys.stderr)
-            )
+        with self._workers() as executor, progress_bar("machines") as progress:
+            outcomes = run_several(settings, self.out, executor, progress, _warn)
         goals = several_goals(outcomes)
         for line in lines_of(goals):
             print(line)
@@ -158,3 +156,7 @@ class Study:
         rows = [asdict(variation) | {"moved": [asdict(one) for one in moved]} for variation, moved in found]
         (self.out / "vary.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
         return 0
+
+
+def _warn(words: str) -> None:
+    print(f"bench: {words}", file=sys.stderr)

@@ -45,6 +45,19 @@ def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot 
     return report, found[0]
 
 
+def open_usable(folder: Path, robot: str = "") -> tuple[Campaign, CompiledRobot]:
+    """Return a campaign without errors, and its robot; arguments as in `open_campaign`.
+
+    Raises:
+        CampaignError: The folder is not a usable campaign; every fault is listed.
+        RobotError: The campaign's robot is unknown or broken.
+    """
+    report, compiled = open_campaign(folder, robot)
+    campaign = report.usable()
+    assert compiled is not None  # a usable campaign comes with its robot
+    return campaign, compiled
+
+
 def faults_with_robot(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
     """Yield an error for what a robot's figures do not say or cannot have, and a campaign needs."""
     yield from unknown_constants(campaign, compiled)

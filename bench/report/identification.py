@@ -14,7 +14,7 @@ from bench.identify.estimate import JointEstimate, StiffnessEstimate
 from bench.identify.from_campaign import static_readings
 from bench.identify.methods import METHODS
 from bench.identify.options import Options
-from bench.report.campaigns import open_campaign
+from bench.report.campaigns import open_usable
 from bench.report.jsonable import to_jsonable
 from bench.report.tables import print_wide, terminal
 from bench.robot.links import rigid_bodies
@@ -58,9 +58,7 @@ def identify_campaign(
         CampaignError: The folder is not a usable campaign; every fault is listed.
         InputError: A method that was asked for by name lacks a channel, or no pose was read under two loads.
     """
-    report, compiled = open_campaign(folder, robot)
-    campaign = report.usable()
-    assert compiled is not None  # a usable campaign comes with its robot
+    campaign, compiled = open_usable(folder, robot)
     arm = Arm(rigid_bodies(compiled))
     readings = static_readings(campaign, compiled.robot.figures)
     if among_loaded:

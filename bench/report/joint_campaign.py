@@ -16,50 +16,34 @@ from bench.robot.compiled import CompiledRobot
 
 @dataclass(frozen=True, eq=False)
 class CheckedCampaign:
-    """A campaign folder, read and checked against its robot.
+    """A campaign folder, or several joined, read and checked against the robot.
 
     Attributes:
-        campaign: Of it.
+        campaign: Of several folders each is a recording of it, by the folder's name.
         compiled: Its robot.
-        warnings: What to look at.
-        doubts: Failed plausibility checks: channels that are hardly what their names say.
+        warnings: What to look at: folder, and finding.
+        doubts: Failed plausibility checks likewise: channels that are hardly what their names say.
     """
 
     campaign: Campaign
     compiled: CompiledRobot
-    warnings: tuple[Finding, ...]
-    doubts: tuple[Finding, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class CheckedCampaigns:
-    """Several of them.
-
-    Attributes:
-        campaigns: Name -> campaign, in the order in which the folders were given.
-        robots: One for each.
-        warnings: What to look at: folder, and finding.
-        doubts: Failed plausibility checks likewise, also where a campaign repeats another.
-    """
-
-    campaigns: dict[str, Campaign]
-    robots: tuple[CompiledRobot, ...]
     warnings: tuple[tuple[Path, Finding], ...]
     doubts: tuple[tuple[Path, Finding], ...]
 
 
 @dataclass(frozen=True, eq=False)
-class JointCampaign:
-    """Campaign folders as one campaign.
+class CheckedCampaigns:
+    """Campaign folders side by side.
 
     Attributes:
-        campaign: Each folder is a recording of it, by the folder's name, where there are several.
-        compiled: Its robot.
-        warnings, doubts: As in `CheckedCampaigns`.
+        campaigns: Name -> campaign, in the order in which the folders were given.
+        robots: One for each.
+        warnings: As of a `CheckedCampaign`.
+        doubts: Likewise, also where a campaign repeats another.
     """
 
-    campaign: Campaign
-    compiled: CompiledRobot
+    campaigns: dict[str, Campaign]
+    robots: tuple[CompiledRobot, ...]
     warnings: tuple[tuple[Path, Finding], ...]
     doubts: tuple[tuple[Path, Finding], ...]
 
@@ -79,7 +63,9 @@ def open_checked(folder: Path, robot: str) -> CheckedCampaign:
     campaign = report.usable()
     assert compiled  # a usable campaign comes with its robot
     doubts = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
-    return CheckedCampaign(campaign, compiled, report.warnings, doubts)
+    return CheckedCampaign(
+        campaign, compiled, tuple((folder, one) for one in report.warnings), tuple((folder, one) for one in doubts)
+    )
 
 
 def open_all(folders: Sequence[Path], robot: str) -> CheckedCampaigns:
@@ -91,13 +77,13 @@ def open_all(folders: Sequence[Path], robot: str) -> CheckedCampaigns:
     names = names_of(folders)
     opened = [open_checked(folder, robot) for folder in folders]
     campaigns = {name: one.campaign for name, one in zip(names, opened, strict=True)}
-    warnings = [(folder, found) for folder, one in zip(folders, opened, strict=True) for found in one.warnings]
-    doubts = [(folder, found) for folder, one in zip(folders, opened, strict=True) for found in one.doubts]
+    warnings = tuple(warning for one in opened for warning in one.warnings)
+    doubts = [doubt for one in opened for doubt in one.doubts]
     doubts += [(folders[names.index(name)], found) for name, found in no_campaign_twice(campaigns)]
-    return CheckedCampaigns(campaigns, tuple(one.compiled for one in opened), tuple(warnings), tuple(doubts))
+    return CheckedCampaigns(campaigns, tuple(one.compiled for one in opened), warnings, tuple(doubts))
 
 
-def open_joint(folders: Sequence[Path], robot: str) -> JointCampaign:
+def open_joint(folders: Sequence[Path], robot: str) -> CheckedCampaign:
     """Read campaign folders in the order in which they were recorded, and join them; arguments as in `open_checked`.
 
     Raises:
@@ -115,4 +101,4 @@ def open_joint(folders: Sequence[Path], robot: str) -> JointCampaign:
             )
     named = next(iter(opened.campaigns.values())).robot  # the same folder may be named in several ways
     campaigns = {name: replace(campaign, robot=named) for name, campaign in opened.campaigns.items()}
-    return JointCampaign(joined(campaigns), first, opened.warnings, opened.doubts)
+    return CheckedCampaign(joined(campaigns), first, opened.warnings, opened.doubts)

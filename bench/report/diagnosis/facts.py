@@ -3,12 +3,14 @@
 `verdict.json` holds it under the names of the fields of `Facts`, so that a page shows no number that is not there.
 """
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from typing import Any
 
 import bench
 from bench.diagnose.diagnose import Diagnosis
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name.learned_shape import LearnedCurve, learned_of
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.readings import Channel, Readings
@@ -90,9 +92,11 @@ def facts_of(diagnosis: Diagnosis, readings: Readings, campaign: Campaign | None
         campaign: That was diagnosed, if it is at hand.
         command: That made it.
     """
+    linear = diagnosis.linear
     learned = learned_of(diagnosis.naming, diagnosis.discrepancy)
+    title = linear.replay.compiled.robot.figures.title
     return Facts(
-        data=_data(diagnosis, campaign, len(readings.before)),
+        data=_data(title, campaign, _compared(linear), len(readings.before)),
         channels=readings.channels,
         learned=learned.curves if learned and learned.stands_out else (),
         versions=versions(),
@@ -108,10 +112,7 @@ def facts_without(campaign: Campaign, robot: str, command: str) -> Facts:
         robot: Title of its robot.
         command: That was to do it.
     """
-    runs = tuple(RunFacts(i + 1, run.name, run.kind, len(run), 0) for i, run in enumerate(campaign.runs))
-    started = campaign.started.isoformat(" ") if campaign.started else ""
-    data = Data(robot, started, campaign.notes, runs, sum(run.rows for run in runs), 0, 0)
-    return Facts(data, (), (), versions(), command)
+    return Facts(_data(robot, campaign, {}, 0), (), (), versions(), command)
 
 
 def versions() -> dict[str, str]:
@@ -119,24 +120,29 @@ def versions() -> dict[str, str]:
     return {"bench": bench.__version__} | {name: version(name) for name in TOOLS}
 
 
-def _data(diagnosis: Diagnosis, campaign: Campaign | None, readings: int) -> Data:
-    linear = diagnosis.linear
-    rows = {run.name: len(run) for run in campaign.runs} if campaign else {}
-    runs: list[RunFacts] = []
-    for name in linear.runs:
-        mine = [segment for segment in linear.segments if segment.run == name]
-        kind = "static" if mine[0].is_static else "motion"
-        runs.append(RunFacts(len(runs) + 1, name, kind, rows.get(name, 0), sum(len(segment) for segment in mine)))
-    for run in campaign.runs if campaign else ():
-        if run.name not in linear.runs:
-            runs.append(RunFacts(len(runs) + 1, run.name, run.kind, len(run), 0))
-    started = campaign.started.isoformat(" ") if campaign and campaign.started else ""
+def _data(robot: str, campaign: Campaign | None, compared: Mapping[str, tuple[str, int]], readings: int) -> Data:
+    """Return the facts of a campaign, given what was compared of it: run -> its kind, and how many instants."""
+    own = {run.name: run for run in campaign.runs} if campaign else {}
+    unused = {name: (run.kind, 0) for name, run in own.items() if name not in compared}
+    runs = tuple(
+        RunFacts(number, name, kind, len(own[name]) if name in own else 0, instants)
+        for number, (name, (kind, instants)) in enumerate({**compared, **unused}.items(), 1)
+    )
     return Data(
-        robot=linear.replay.compiled.robot.figures.title,
-        started=started,
+        robot=robot,
+        started=campaign.started.isoformat(" ") if campaign and campaign.started else "",
         notes=campaign.notes if campaign else "",
-        runs=tuple(runs),
-        rows=sum(rows.values()),
+        runs=runs,
+        rows=sum(map(len, own.values())),
         compared=sum(run.compared for run in runs),
         readings=readings,
     )
+
+
+def _compared(linear: LinearisedModel) -> dict[str, tuple[str, int]]:
+    """Return the kind of each run that was compared, and how many instants of it."""
+    found = {}
+    for name in linear.runs:
+        mine = [segment for segment in linear.segments if segment.run == name]
+        found[name] = "static" if mine[0].is_static else "motion", sum(map(len, mine))
+    return found

@@ -82,8 +82,8 @@ def open_recordings(folders: Sequence[Path], held_out: Sequence[Path] = (), robo
         tuple(folders),
         others,
         opened[folders[-1]].compiled,
-        tuple((folder, warning) for folder, one in opened.items() for warning in one.warnings),
-        tuple((folder, doubt) for folder, one in opened.items() for doubt in one.doubts),
+        tuple(warning for one in opened.values() for warning in one.warnings),
+        tuple(doubt for one in opened.values() for doubt in one.doubts),
     )
 
 

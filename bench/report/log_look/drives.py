@@ -60,7 +60,7 @@ def drives(
             remarks.append(f"{', '.join(unknown)}: move with the robot; currents or torques? --robot DIR tells")
         if len(unknown) < len(families):
             remarks.append("torques and currents are as logged: --robot DIR tells gear ratio, sign and delay")
-        return _unscaled(families, columns)
+        return _unscaled(families)
     slow = slow_motion(lines, families, time, columns, nominal.n_joints)
     if slow is None:
         if families:
@@ -68,7 +68,7 @@ def drives(
         return Drives(())
     if any(line.side == "motor" and not line.was_estimated for line in slow.angles):
         remarks.append("torques and currents are as logged: nothing tells factors and signs before angles are known")
-        return _unscaled(families, columns)
+        return _unscaled(families)
     scales = [(family, _scale(family, slow, nominal, angle_sigma, remarks)) for family in families]
     scales = [(f if s is None else named_by_constants(f, s, nominal, remarks), s) for f, s in scales]
     found: list[Line] = []
@@ -82,10 +82,10 @@ def drives(
     return Drives(tuple(found), frozenset(turned))
 
 
-def _unscaled(families: Sequence[Family], columns: Mapping[str, Array]) -> Drives:
+def _unscaled(families: Sequence[Family]) -> Drives:
     """Return the first family of each quantity as it is logged."""
     first = {family.kind: family for family in reversed(families) if family.kind != "unknown"}
-    return Drives(tuple(line for family in first.values() for line in as_logged(family, columns)))
+    return Drives(tuple(line for family in first.values() for line in as_logged(family)))
 
 
 def _scale(

@@ -120,7 +120,7 @@ def si_factor(family: Family) -> float:
     return foreign.factor if foreign and foreign.si in wanted else 1.0
 
 
-def as_logged(family: Family, columns: Mapping[str, Array]) -> Iterator[Line]:
+def as_logged(family: Family) -> Iterator[Line]:
     """Yield the lines of torques or currents as they stand in the log."""
     unit, factor = "a" if family.kind == "current" else "nm", si_factor(family)
     for number, source in zip(family.numbers, family.sources, strict=True):

@@ -42,7 +42,7 @@ def line_as_json(report: LineReport) -> dict[str, object]:
         "methods": {
             name: {
                 "deflection": {way: [to_jsonable(asdict(axis)) for axis in found.comparison[way]] for way in WAYS},
-                "lost_motion": [to_jsonable(asdict(axis)) for axis in found.lost_motion_comparison],
+                "lost_motion": [to_jsonable(asdict(axis)) for axis in found.lost_motion],
                 "link_side_share_of_friction": to_jsonable(
                     asdict(found.link_share)
                     | {"sigma": found.link_share.sigma, "interval": found.link_share.interval()}

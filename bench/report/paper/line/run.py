@@ -44,10 +44,8 @@ class MethodOnLine:
     Attributes:
         deflection: Way -> predicted deflection by the load.
         comparison: Way -> measured less predicted, per axis.
-        lost_motion: Predicted place on the way out less that on the way back, under load.
-        lost_motion_comparison: Measured less predicted, per axis.
+        lost_motion: Place on the way out less that on the way back, under load: measured less predicted, per axis.
         link_share: Share of friction on the link side that the lost motion shows, with this stiffness.
-        compensation: Corrections that it asked for.
         after: Way -> error of the trajectory with them.
         expected_error: Way -> shape (T, 3) [m], standard deviation of that error as covariance of the estimate and
             figures of the tracker let one expect it beforehand.
@@ -55,10 +53,8 @@ class MethodOnLine:
 
     deflection: Mapping[str, Prediction]
     comparison: Mapping[str, tuple[AxisComparison, ...]]
-    lost_motion: Prediction
-    lost_motion_comparison: tuple[AxisComparison, ...]
+    lost_motion: tuple[AxisComparison, ...]
     link_share: LinkShare
-    compensation: Compensation
     after: Mapping[str, TrajectoryError]
     expected_error: Mapping[str, Array]
 
@@ -179,15 +175,14 @@ def _on_line(
     rng: np.random.Generator,
 ) -> MethodOnLine:
     deflection = {way: predicted_deflection(model, estimate, way) for way in WAYS}
-    lost_motion = predicted_lost_motion(model, estimate, "loaded")
     nominal = model.passes.of("loaded", "out")
     return MethodOnLine(
         deflection=deflection,
         comparison={way: compare(*measured_deflection(model.passes, way), deflection[way], rng) for way in WAYS},
-        lost_motion=lost_motion,
-        lost_motion_comparison=compare(*measured_lost_motion(model.passes, "loaded"), lost_motion, rng),
+        lost_motion=compare(
+            *measured_lost_motion(model.passes, "loaded"), predicted_lost_motion(model, estimate, "loaded"), rng
+        ),
         link_share=link_share(model, estimate),
-        compensation=given,
         after={way: trajectory_error(model.arm, session, nominal, way, given) for way in WAYS},
         expected_error={way: np.hypot(given.ways[way].removed.standard_error, sigma) for way in WAYS},
     )

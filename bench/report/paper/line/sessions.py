@@ -10,7 +10,7 @@ from bench.executor.contract import Executor, Progress, in_order
 from bench.identify.compensation import Compensation
 from bench.identify.line_passes import AXES, STATES, WAYS, LinePasses, line_passes
 from bench.record.campaign import Run
-from bench.report.campaigns import open_campaign
+from bench.report.campaigns import open_usable
 from bench.report.results import CAMPAIGN, run_and_write
 from bench.robot.bodies import Array
 from bench.scenario.line import Line
@@ -65,9 +65,9 @@ def run_line_session(job: tuple[Line, Path], progress: Progress) -> LineSession:
     """Run one scenario into its folder; arguments and errors as in `run_line_sessions`."""
     _, folder = job
     session = run_and_write(job, progress)
-    report, _ = open_campaign(folder / CAMPAIGN)
+    campaign, _ = open_usable(folder / CAMPAIGN)
     return LineSession(
-        passes=line_passes(report.usable(), session.compiled.robot.figures),
+        passes=line_passes(campaign, session.compiled.robot.figures),
         truth={key: _true_pass(run, session.compiled.n_joints) for run in session.ideal for key in _keys(run)},
         stiffness=session.compiled.stiffness,
     )

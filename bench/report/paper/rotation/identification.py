@@ -16,7 +16,7 @@ from bench.identify.counterbalance_check import Prediction, Spread, predict, spr
 from bench.identify.counterbalance_fit import CounterbalanceFit, fit_counterbalance
 from bench.identify.traverse_friction import FrictionOverSpeed, friction_over_speed
 from bench.identify.traverses import Traverse, traverses
-from bench.report.campaigns import open_campaign
+from bench.report.campaigns import open_usable
 from bench.robot.bodies import Array, RigidBodies
 from bench.robot.drives import Drives, drives_of
 from bench.robot.links import rigid_bodies
@@ -103,9 +103,7 @@ def identify_rotation(folder: Path, validation: Path) -> RotationIdentification:
 
 
 def _open(folder: Path) -> _Campaign:
-    report, compiled = open_campaign(folder)
-    campaign = report.usable()
-    assert compiled is not None  # a usable campaign comes with its robot
+    campaign, compiled = open_usable(folder)
     if compiled.counterbalance is None:
         raise InputError(f"{folder}: {campaign.robot} has no counterbalance; there is nothing to identify.")
     bodies, drives = rigid_bodies(compiled), drives_of(compiled)

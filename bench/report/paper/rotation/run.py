@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from bench.executor.contract import Executor, Progress, ignore, in_order
-from bench.executor.serial import SERIAL
+from bench.executor.contract import Executor, Progress, in_order
 from bench.report.paper.rotation.identification import identify_rotation
 from bench.report.paper.rotation.results import RotationReport, write_rotation
 from bench.report.results import CAMPAIGN, TRUTH, run_and_forget
@@ -14,7 +13,7 @@ from bench.scenario.rotation import Rotation
 SCENARIO, VALIDATION = "rotation", "rotation-validation"  # also the folders of their results
 
 
-def run_rotation(folder: Path, progress: Progress = ignore, executor: Executor = SERIAL) -> RotationReport:
+def run_rotation(folder: Path, progress: Progress, executor: Executor) -> RotationReport:
     """Run both scenarios, identify the counterbalance from the first, predict the second, and write what came out.
 
     Args:
