@@ -87,6 +87,7 @@ class Study:
         if self.small:
             counts = replace(SMALL, worlds=worlds)
         settings = Settings(checked_seed(self.seed), counts=counts)
+        workers = self._workers()
         try:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -95,7 +96,7 @@ class Study:
             return self._vary(self.vary)
         if self.recordings:
             return self._several()
-        with self._workers() as executor, progress_bar("campaigns") as progress:
+        with workers as executor, progress_bar("campaigns") as progress:
             outcomes = run_study(settings, self.out, executor, progress, _warn)
         scores = scores_of(outcomes)
         write_study(outcomes, scores, settings, Lab(settings.session).words(), self.out)
