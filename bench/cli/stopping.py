@@ -4,7 +4,7 @@ import os
 import re
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -36,9 +36,6 @@ def ending_on_interrupt(stop: Stop) -> Iterator[None]:
     Raises:
         KeyboardInterrupt: At the second one.
     """
-    if threading.current_thread() is not threading.main_thread():  # signals are those of the main thread
-        yield
-        return
 
     def heard(number: int, frame: FrameType | None) -> None:
         if stop.is_asked:
@@ -46,7 +43,17 @@ def ending_on_interrupt(stop: Stop) -> Iterator[None]:
         stop.ask("interrupted")
         os.write(2, HEARD)  # print may be in the middle of a line of its own
 
-    before = {number: signal.signal(number, heard) for number in (signal.SIGINT, signal.SIGTERM)}
+    with _hearing(heard, signal.SIGINT, signal.SIGTERM):
+        yield
+
+
+@contextmanager
+def _hearing(heard: Callable[[int, FrameType | None], None], *numbers: int) -> Iterator[None]:
+    """Call a function at signals within the block; in another thread than the main one there are none."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.signal(number, heard) for number in numbers}
     try:
         yield
     finally:
@@ -75,15 +82,9 @@ def ending_on_terminate() -> Iterator[None]:
     Raises:
         TerminatedError: At the signal.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
 
     def heard(number: int, frame: FrameType | None) -> None:
         raise TerminatedError
 
-    before = signal.signal(signal.SIGTERM, heard)
-    try:
+    with _hearing(heard, signal.SIGTERM):
         yield
-    finally:
-        signal.signal(signal.SIGTERM, before)

@@ -1,6 +1,5 @@
 """From the geoms of a compiled MJCF to Rerun's shapes, each in the frame of its geom."""
 
-from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -13,7 +12,16 @@ if TYPE_CHECKING:
     from rerun import AsComponents
 
 Rgba = NDArray[np.uint8]
-Shape = Callable[[mujoco.MjModel, int, Rgba], "AsComponents"]
+DRAWN = {  # all but height fields
+    mujoco.mjtGeom.mjGEOM_PLANE,
+    mujoco.mjtGeom.mjGEOM_SPHERE,
+    mujoco.mjtGeom.mjGEOM_CAPSULE,
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+    mujoco.mjtGeom.mjGEOM_CYLINDER,
+    mujoco.mjtGeom.mjGEOM_BOX,
+    mujoco.mjtGeom.mjGEOM_MESH,
+    mujoco.mjtGeom.mjGEOM_SDF,
+}
 
 _UNSET_RGBA = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default geom colour; a geom that has it takes its material's colour
 SHARP = 0.5  # cosine of the angle from the normal of a face at which an edge counts as sharp
@@ -42,7 +50,25 @@ def shape_of(model: mujoco.MjModel, geom: int, rgba: Rgba) -> "AsComponents":
         geom: Geom id, one of `visible_geoms`.
         rgba: Shape (4,), the colour to give it.
     """
-    return _SHAPES[mujoco.mjtGeom(model.geom_type[geom])](model, geom, rgba)
+    import rerun as rr
+
+    size = model.geom_size[geom]
+    look: dict[str, Any] = {"colors": [rgba], "fill_mode": "solid"}
+    match mujoco.mjtGeom(model.geom_type[geom]):
+        case mujoco.mjtGeom.mjGEOM_PLANE:
+            return rr.Boxes3D(half_sizes=[[size[0], size[1], _PLANE_THICKNESS / 2]], **look)
+        case mujoco.mjtGeom.mjGEOM_BOX:
+            return rr.Boxes3D(half_sizes=[size], **look)
+        case mujoco.mjtGeom.mjGEOM_SPHERE:
+            return rr.Ellipsoids3D(half_sizes=[np.repeat(size[0], 3)], **look)
+        case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+            return rr.Ellipsoids3D(half_sizes=[size], **look)
+        case mujoco.mjtGeom.mjGEOM_CYLINDER:
+            return rr.Cylinders3D(radii=[size[0]], lengths=[2 * size[1]], **look)
+        case mujoco.mjtGeom.mjGEOM_CAPSULE:  # Rerun's begins at its origin, MuJoCo's is centred on it
+            return rr.Capsules3D(radii=[size[0]], lengths=[2 * size[1]], translations=[[0, 0, -size[1]]], **look)
+        case _:
+            return _mesh(model, model.geom_dataid[geom], rgba)
 
 
 def colour_of(model: mujoco.MjModel, geom: int) -> Rgba:
@@ -55,35 +81,7 @@ def colour_of(model: mujoco.MjModel, geom: int) -> Rgba:
 def _is_drawable(model: mujoco.MjModel, geom: int) -> bool:
     kind = mujoco.mjtGeom(model.geom_type[geom])
     endless = kind == mujoco.mjtGeom.mjGEOM_PLANE and np.any(model.geom_size[geom, :2] == 0)
-    return kind in _SHAPES and not endless
-
-
-def _box(half_sizes: Array, rgba: Rgba) -> "AsComponents":
-    import rerun as rr
-
-    return rr.Boxes3D(half_sizes=[half_sizes], colors=[rgba], fill_mode="solid")
-
-
-def _ellipsoid(half_sizes: Array, rgba: Rgba) -> "AsComponents":
-    import rerun as rr
-
-    return rr.Ellipsoids3D(half_sizes=[half_sizes], colors=[rgba], fill_mode="solid")
-
-
-def _cylinder(size: Array, rgba: Rgba) -> "AsComponents":
-    import rerun as rr
-
-    radius, half = size[:2]
-    return rr.Cylinders3D(radii=[radius], lengths=[2 * half], colors=[rgba], fill_mode="solid")
-
-
-def _capsule(size: Array, rgba: Rgba) -> "AsComponents":
-    import rerun as rr
-
-    radius, half = size[:2]  # Rerun's capsule begins at its origin, MuJoCo's is centred on it
-    return rr.Capsules3D(
-        radii=[radius], lengths=[2 * half], translations=[[0, 0, -half]], colors=[rgba], fill_mode="solid"
-    )
+    return kind in DRAWN and not endless
 
 
 def _mesh(model: mujoco.MjModel, mesh: int, rgba: Rgba) -> "AsComponents":
@@ -112,19 +110,3 @@ def _shading(corners: Array, normals: Array) -> Array:
     planes = np.repeat((planes / np.where(area > 0, area, 1.0))[:, None], 3, axis=1)
     is_smooth = np.einsum("fci,fci->fc", planes, normals) > SHARP
     return np.where(is_smooth[..., None], normals, planes)
-
-
-def _sized(build: Callable[[Array, Rgba], Any], size: Callable[[Array], Array] = lambda size: size) -> Shape:
-    return lambda model, geom, rgba: build(size(model.geom_size[geom]), rgba)
-
-
-_SHAPES: Mapping[mujoco.mjtGeom, Shape] = {
-    mujoco.mjtGeom.mjGEOM_PLANE: _sized(_box, lambda size: np.array([size[0], size[1], _PLANE_THICKNESS / 2])),
-    mujoco.mjtGeom.mjGEOM_SPHERE: _sized(_ellipsoid, lambda size: np.repeat(size[0], 3)),
-    mujoco.mjtGeom.mjGEOM_CAPSULE: _sized(_capsule),
-    mujoco.mjtGeom.mjGEOM_ELLIPSOID: _sized(_ellipsoid),
-    mujoco.mjtGeom.mjGEOM_CYLINDER: _sized(_cylinder),
-    mujoco.mjtGeom.mjGEOM_BOX: _sized(_box),
-    mujoco.mjtGeom.mjGEOM_MESH: lambda model, geom, rgba: _mesh(model, model.geom_dataid[geom], rgba),
-    mujoco.mjtGeom.mjGEOM_SDF: lambda model, geom, rgba: _mesh(model, model.geom_dataid[geom], rgba),
-}
