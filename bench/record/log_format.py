@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from bench.errors import InputError, unknown_name
 from bench.record.campaign import RunKind
@@ -16,10 +16,8 @@ from bench.record.logs.cuts import Cuts
 from bench.record.logs.dialect import PLAIN, Dialect
 from bench.record.logs.resample import Fill, Resampling
 from bench.record.possible import noise_faults
-from bench.record.schema_words import words_of
-from bench.record.strict import Strict
+from bench.record.strict import Strict, read_as
 from bench.record.units import right_name
-from bench.record.yaml_text import YamlFault, load_yaml
 
 LOG_FORMAT = "log.yaml"
 LONGEST_NUMBER = 6  # digits of the number of a column; tables have a thousand columns at most
@@ -135,13 +133,4 @@ def read_log_format(path: Path) -> LogFormat:
     Raises:
         InputError: It cannot be read or breaks the schema; every fault is listed with its place.
     """
-    try:
-        return LogFormat.model_validate(load_yaml(path))
-    except YamlFault as fault:
-        raise InputError(f"{path}: {fault}; {fault.remedy}") from fault
-    except ValidationError as error:
-        faults = []
-        for detail in error.errors():
-            place = ".".join(str(part) for part in detail["loc"]) or "top level"
-            faults.append(f"{path}: {place}: {words_of(detail, LogFormat)}")
-        raise InputError(faults) from error
+    return read_as(LogFormat, path, InputError)

@@ -10,15 +10,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 
 from bench.errors import CampaignError, InputError
 from bench.record.campaign import Array, Run
 from bench.record.folder import new_folder
 from bench.record.manifest import MANIFEST
-from bench.record.schema_words import words_of
+from bench.record.strict import read_as
 from bench.record.table import FORMATS, read_table
-from bench.record.yaml_text import YamlFault, dump_yaml, load_yaml
+from bench.record.yaml_text import dump_yaml
 
 TRUTH = "truth.yaml"
 
@@ -86,13 +86,7 @@ def read_truth(folder: Path) -> Truth:
     Raises:
         CampaignError: The folder holds no truth, or a damaged one.
     """
-    try:
-        content = _File.model_validate(load_yaml(folder / TRUTH))
-    except YamlFault as fault:
-        raise CampaignError(f"{folder / TRUTH}: {fault}; {fault.remedy}") from fault
-    except ValidationError as error:
-        places = (f"{'.'.join(map(str, detail['loc']))}: {words_of(detail, _File)}" for detail in error.errors())
-        raise CampaignError(f"{folder / TRUTH}: {place}" for place in places) from error
+    content = read_as(_File, folder / TRUTH, CampaignError)
     tables = {name: read_table(folder, _file(name)) for name in content.runs}
     if faults := [f"{folder}/{finding}" for table in tables.values() for finding in table.findings]:
         raise CampaignError(faults)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.name.learned_shape import LearnedCurve
+from bench.predict.errors import rms
 from bench.record.campaign import Array
 from bench.report.diagnosis.names import channel_name, of_slide, shown, unit_name, workshop
 from bench.report.diagnosis.readings import Readings
@@ -156,7 +157,7 @@ def _stages(readings: Readings, column: int, at: NDArray[np.intp]) -> list[_Stag
     fitted = "with its figures fitted" if readings.after is None else "with what was found"
     found = []
     for words, left in (("nominal model", readings.nominal), (fitted, readings.left)):
-        size = float(np.sqrt(np.mean(left[at, column] ** 2)))
+        size = rms(left[at, column])
         (text,) = shown((size,), unit, size / 10)  # three digits
         scale = workshop(unit)[1]
         found.append(_Stage(f"{words}: RMS {text} {unit_name(unit)}", scale * left[at, column]))

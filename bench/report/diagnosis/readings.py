@@ -16,6 +16,7 @@ from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import World
+from bench.predict.errors import rms
 from bench.record.campaign import Array
 from bench.report.diagnosis.recording_clock import recording_clock_of
 
@@ -187,8 +188,3 @@ def _nuisances(linear: LinearisedModel, white: Array) -> Array:
     """Return the nuisances that explain a whitened residual best under their priors, shape (p,)."""
     normal = linear.jacobian.T @ linear.jacobian + np.eye(linear.jacobian.shape[1])
     return np.asarray(np.linalg.solve(normal, linear.jacobian.T @ white), dtype=np.float64)
-
-
-def rms(values: Array) -> float:
-    """Return the root mean square."""
-    return float(np.sqrt(np.mean(values**2)))

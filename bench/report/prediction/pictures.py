@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from bench.predict.errors import rms
 from bench.predict.prediction import PredictedRecording
 from bench.report.diagnosis.names import channel_name, shown, unit_name, workshop
 from bench.report.diagnosis.pictures import BAND, SALT, Picture
@@ -43,8 +44,7 @@ def _picture(recording: PredictedRecording, column: int) -> Picture:
     below.fill_between(seconds, -noise, noise, color=PALE, linewidth=0, label="floor, 95 %")
     below.axhline(0.0, color=INK, linewidth=0.6)
     below.plot(seconds, clock.curve(error), color=COLOURS[0], linewidth=0.9, label="left")
-    seen = error[np.isfinite(error)] / scale
-    size = float(np.sqrt(np.mean(seen**2)))
+    size = rms(error[np.isfinite(error)] / scale)
     below.set_title(f"left: RMS {shown((size,), quantity.unit, size / 10)[0]} {unit}", loc="left")
     for panel in (above, below):
         panel.set_ylabel(f"[{unit_name(quantity.unit)}]")
