@@ -71,7 +71,8 @@ def test_what_is_there_is_enough_and_what_is_not_is_said(
     verdict = verdict_on(made(SWEEPS, seed=3, hidden=HIDDEN, without=without), robot)
     assert "coulomb_level" in named(verdict)
     assert effect in verdict.missing or effect in {spot.effect for spot in verdict.blind}
-    assert any(effect.replace("_", " ") in line for line in words_of(verdict) if line.startswith("Not "))
+    title = catalogue()[effect].title
+    assert any(title in line for line in words_of(verdict) if line.startswith("Not "))
 
 
 def test_without_currents_friction_is_not_to_be_seen_and_currents_would_show_it(
