@@ -7,11 +7,11 @@ from pydantic import Field, ValidationError
 
 from bench.errors import InputError
 from bench.identify.denavit_hartenberg import Row
+from bench.record.strict import Strict
 from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.bodies import Array, read_only
 from bench.robot.figures import NonNegative, Positive
 from bench.robot.folder import problems_of
-from bench.robot.strict import Strict
 
 FILE = "experiment.yaml"
 

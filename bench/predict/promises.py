@@ -13,8 +13,8 @@ from pydantic import ValidationError
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.errors import RobotError
 from bench.record.json_text import expect_sealed, load_json, sealed
+from bench.record.strict import Strict
 from bench.robot.folder import problems_of
-from bench.robot.strict import Strict
 
 PROMISES = "promises.json"
 ENDS = ("low", "high", "fitted_low", "fitted_high")

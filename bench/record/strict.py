@@ -1,4 +1,4 @@
-"""What the files that a laboratory writes have in common."""
+"""What all validated configuration has in common, and how a file of it is read."""
 
 from pathlib import Path
 from typing import TypeVar

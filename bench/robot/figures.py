@@ -8,10 +8,10 @@ from pydantic import Field, model_validator
 from bench.errors import unknown_name
 from bench.record.possible import MAX_NOISE, MIN_NOISE
 from bench.record.schema_words import ONE_LINE
+from bench.record.strict import Strict
 from bench.robot.drive_uncertainty import DriveUncertainty
 from bench.robot.fitted import NOTHING, Fitted
 from bench.robot.one_or_each import OneOrEach, of_each, wrong_lengths
-from bench.robot.strict import Strict
 
 Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]

@@ -10,7 +10,7 @@ from typing import Annotated
 from pydantic import Field
 
 from bench.errors import unknown_name
-from bench.robot.strict import Strict
+from bench.record.strict import Strict
 
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)

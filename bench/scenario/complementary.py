@@ -5,9 +5,9 @@ from typing import Literal
 from pydantic import Field
 
 from bench.errors import ScenarioError
+from bench.record.strict import Strict
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.robot.strict import Strict
 from bench.scenario.types import Positive
 
 

@@ -7,13 +7,13 @@ from pydantic import Field, model_validator
 
 from bench.errors import InputError, ScenarioError, unknown_name
 from bench.record.rules.scale import MAX_LENGTH
+from bench.record.strict import Strict
 from bench.robot.bodies import Array, Point, RigidBodies, read_only
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import Robot
 from bench.robot.kinematics import place, turn_onto
 from bench.robot.line_path import JointPath, line_path
 from bench.robot.links import rigid_bodies
-from bench.robot.strict import Strict
 from bench.scenario.rotation import CONTROL_PERIOD_S
 from bench.scenario.types import DAY_S, Pause, Positive, ScenarioBase, Seconds
 

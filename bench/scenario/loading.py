@@ -6,9 +6,9 @@ import numpy as np
 from pydantic import Field
 
 from bench.errors import ScenarioError
+from bench.record.strict import Strict
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.robot.strict import Strict
 from bench.scenario.types import MOST_REPEATS, Pause, Positive, ScenarioBase, Seconds
 
 ApproachDirection = Literal[-1, 1]

@@ -6,9 +6,9 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from bench.errors import InputError, ScenarioError
+from bench.record.strict import Strict
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.robot.strict import Strict
 from bench.scenario.dwell import DwellPart
 from bench.scenario.line import LinePart
 from bench.scenario.loading import LoadingPart

@@ -15,8 +15,8 @@ from bench.errors import RobotError
 from bench.record.json_text import DIGEST_BYTES, expect_sealed, load_json, sealed
 from bench.record.limits import MODEL_BYTES, YAML_BYTES
 from bench.record.plain_file import FileFault, read_plain
+from bench.record.strict import Strict
 from bench.robot.folder import FIGURES_FILE, load_robot, problems_of
-from bench.robot.strict import Strict
 
 POSTERIOR = "posterior.json"
 
