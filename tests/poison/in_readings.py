@@ -48,7 +48,7 @@ def spoilt_single_rows(rng: np.random.Generator) -> Iterator[Variant]:
     yield Variant("spoilt single rows", "a load of one repeat", load, "harmless", words)
     cells: dict[str, tuple[float, bool, Answer, tuple[str, ...]]] = {
         "a reflector at 0": (0.0, True, "harmless", ("reflector_1_x_m", "the median of its repeats")),
-        "a reflector at 99.9": (99.9, True, "doubt", ("reflector_1_z_m", "the median of its repeats")),
+        "a reflector at 99.9": (99.9, True, "harmless", ("reflector_1_z_m", "the median of its repeats")),
         "a current of 500 A at rest": (500.0, True, "harmless", ("current_1_a", "the median of its repeats")),
         "an angle that jumps": (0.15, False, "doubt", ("q_motor_1_rad", f"row {row}", "there and back so fast")),
     }
