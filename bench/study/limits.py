@@ -116,7 +116,7 @@ def _finer(segment: Segment) -> Segment:
         wrench=motion.wrench[row],
         read=motion.read[row],
     )
-    return replace(segment, motion=finer, path=None, averaged_rest=None)  # which have the bins as they were
+    return replace(segment, motion=finer, path=None, average_excess=None)  # which have the bins as they were
 
 
 def detection_limit(

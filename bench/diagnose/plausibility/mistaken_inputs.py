@@ -131,7 +131,7 @@ def _again(recording: Recording, change: Change) -> DrivePicture | None:
             if other is not None:
                 readings[:, c] = change.torque[quantities[c].index] * segment.observed[:, other]
         found.append(
-            replace(segment, motion=motion, observed=readings, standing=segment.standing[order], averaged_rest=None)
+            replace(segment, motion=motion, observed=readings, standing=segment.standing[order], average_excess=None)
         )
     try:
         return drive_picture(Replay(recording.compiled, tuple(found), quantities))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from bench.diagnose.replay.averaged_rest import averaged_rest
+from bench.diagnose.replay.average_excess import average_excess
 from bench.diagnose.replay.resolution import LEAST_WINDOW, angle_noise, finest_window, missed_by_average
 from bench.diagnose.replay.segment_input import Path, SegmentInput, angles_of, centre_weights, wrench_of
 from bench.diagnose.replay.smooth_derivative import averaging_kernel
@@ -122,8 +122,8 @@ def stretches_of(
     after = time - np.maximum.accumulate(np.where(jerky, time, time[0]))  # a run may begin right after a ramp
     rings = np.array([np.any(after[group] < settling_periods() * period) for group in kept])
     felt = _drive_error(path, worst, swinging, np.where(still, 0.0, np.median(unresolved, axis=0)), period)
-    rest = averaged_rest(compiled, path, motion.q[motion.read])
-    yield SegmentInput(run.name, kept, motion, worst, turning, rings, path, felt, rest)
+    excess = average_excess(compiled, path, motion)
+    yield SegmentInput(run.name, kept, motion, worst, turning, rings, path, felt, excess)
 
 
 def _drive_error(path: Path, worst: Array, swinging: Array, usual: Array, period: float) -> Array:

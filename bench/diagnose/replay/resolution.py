@@ -4,7 +4,7 @@ Angles are read with noise and in steps. Differentiated twice over a window of m
 torque it should be less than what the torques of the drives scatter over the same window, or a replay errs by what it
 makes of the encoders alone. But a torque that is averaged over a window has the gravity of the whole window, and a
 replay that of its middle: that difference, gravity's stiffness times the curvature of the motion, grows as m^2 and acts
-as inertia does. A replay adds what the nominal model makes of it (`averaged_rest.py`), which is as good as its masses;
+as inertia does. A replay adds what the nominal model makes of it (`average_excess.py`), which is as good as its masses;
 here all of it counts. Where encoders are too coarse for both to be small, the window with the least of both is taken.
 """
 

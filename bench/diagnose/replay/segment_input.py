@@ -106,10 +106,10 @@ class Path:
         """
         rows = len(self.time)
         angles, accelerations = (
-            _matrix([(group, centre_weights(len(group))) for group in groups], rows)
+            matrix_of([(group, centre_weights(len(group))) for group in groups], rows)
             for groups in (self.groups, [self.inner(group) for group in self.groups])
         )
-        return angles, _matrix(self.of_torque, rows), accelerations
+        return angles, matrix_of(self.of_torque, rows), accelerations
 
     @cached_property
     def speeds(self) -> Array:
@@ -139,16 +139,20 @@ class Path:
 
 
 @dataclass(frozen=True, eq=False)
-class AveragedRest:
-    """What averaged torques have more than those in the middle of the bins (`averaged_rest.py`).
+class AverageExcess:
+    """What averaged torques have more than those of the averaged motion (`average_excess.py`); T instants, n drives.
 
     Attributes:
-        arm: Shape (T, n) [Nm] or [N], of links and counterbalance.
-        per_kg: Shape (T, n), of each kilogram that is bolted on.
+        regressor: Shape (T, n, 10 n), of links by their inertial parameters (`standard_parameters`).
+        balance: Shape (T, n) [Nm] or [N], of the nominal counterbalance.
     """
 
-    arm: Array
-    per_kg: Array
+    regressor: Array
+    balance: Array
+
+    def torque(self, parameters: Array) -> Array:
+        """Return it for inertial parameters, shape (10 n,); shape (T, n) [Nm] or [N]."""
+        return np.asarray(self.balance + self.regressor @ parameters)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +169,7 @@ class SegmentInput:
         turning: Shape (T, n) bool, drives that start, stop or turn round: their friction is between its levels.
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest.
-        averaged_rest: What torques have more for being averaged; None at rest.
+        average_excess: What torques have more for being averaged; None at rest.
     """
 
     label: str
@@ -176,7 +180,7 @@ class SegmentInput:
     rings: NDArray[np.bool_]
     path: Path | None = None
     drive_error: Array | None = None
-    averaged_rest: AveragedRest | None = None
+    average_excess: AverageExcess | None = None
 
     @property
     def rows(self) -> NDArray[np.int64]:
@@ -210,7 +214,7 @@ def wrench_of(run: Run, compiled: CompiledRobot) -> Array:
     return wrench
 
 
-def _matrix(sums: Sequence[tuple[NDArray[np.int64], Array]], rows: int) -> csr_array:
+def matrix_of(sums: Sequence[tuple[NDArray[np.int64], Array]], rows: int) -> csr_array:
     """Return weighted sums of rows as a matrix, shape (len(sums), rows); rows that stand twice count twice."""
     lengths = [len(weights) for _, weights in sums]
     where = np.repeat(np.arange(len(sums)), lengths), np.concatenate([which for which, _ in sums])

@@ -15,7 +15,7 @@ from scipy.special import chdtri
 from bench.diagnose.replay.motion_segments import stretches_of
 from bench.diagnose.replay.noise import UNIFORM, Noise
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.segment_input import AveragedRest, Path, SegmentInput, centre_weights
+from bench.diagnose.replay.segment_input import AverageExcess, Path, SegmentInput, centre_weights
 from bench.diagnose.replay.static_segments import visits_of
 from bench.effects.effect import REFERENCE_K, Conditions
 from bench.record.campaign import Array, Campaign, Run
@@ -52,7 +52,7 @@ class Segment:
         rings: Shape (T,) bool, instants so soon after a jerk that the arm may still ring.
         path: Every sample of the motors; None at rest, and for a motion that nobody measured.
         recording: Name of the recording that the run belongs to.
-        averaged_rest: What the drives' averaged torques have more than those in the middle of the bins, by the nominal
+        average_excess: What the drives' averaged torques have more than those of the averaged motion, by the nominal
             model; None: nothing.
         counted_once: Shape (T, c), by what the variance of readings was raised that were rounded to the same number, so
             that together they count as one; None: by nothing.
@@ -72,7 +72,7 @@ class Segment:
     recording: str = ""
     drive_error: Array | None = None
     counted_once: Array | None = None
-    averaged_rest: AveragedRest | None = None
+    average_excess: AverageExcess | None = None
 
     def __len__(self) -> int:
         return len(self.observed)
@@ -162,7 +162,7 @@ def segments_of(
                     segment_input.path,
                     run.recording,
                     segment_input.drive_error,
-                    averaged_rest=segment_input.averaged_rest,
+                    average_excess=segment_input.average_excess,
                 )
             )
     runs = {run.name: run for run in campaign.runs}

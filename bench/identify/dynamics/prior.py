@@ -168,7 +168,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     u, drives, n = nominal.uncertainty, nominal.drive_uncertainty, layout.n
     mean = np.zeros(layout.size)
     figures, friction, scale, free = (np.zeros((layout.size, layout.size)) for _ in range(4))
-    mean[layout.links] = standard_parameters(arm)
+    mean[layout.links] = standard_parameters(arm.bodies)
     for i in range(n):
         own = slice(N_INERTIAL * i, N_INERTIAL * (i + 1))
         figures[own, own] = _root(_link_covariance(arm, i, u.links * u.mass, u.links * u.centre_of_mass_m))

@@ -15,10 +15,10 @@ TINY = 1e-12  # rounding: [kg m^2]; constraints let bodies be thinner than that
 UNITS = ("kg", "kg m", "kg m", "kg m", *("kg m^2",) * 6)
 
 
-def standard_parameters(arm: Arm) -> Array:
+def standard_parameters(bodies: RigidBodies) -> Array:
     """Return the inertial parameters of all links in Pinocchio's order, shape (10 n,); `NAMES` and `UNITS`."""
-    bodies = arm.bodies
-    inertias = (pin.Inertia(float(m), np.array(c), np.array(i)) for m, c, i in _links(arm))
+    links = zip(bodies.mass, bodies.com, bodies.inertia, strict=True)
+    inertias = (pin.Inertia(float(m), np.array(c), np.array(i)) for m, c, i in links)
     return np.concatenate([inertia.toDynamicParameters() for inertia in inertias]).reshape(N_INERTIAL * bodies.n_joints)
 
 
@@ -69,8 +69,3 @@ def _moved(parameters: Array, offset: Array) -> Array:
     inertia = inertia + np.trace(cross) * np.eye(3) - cross
     moved = first + mass * offset
     return np.array([mass, *moved, *inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]])
-
-
-def _links(arm: Arm) -> list[tuple[float, Array, Array]]:
-    bodies = arm.bodies
-    return list(zip(bodies.mass, bodies.com, bodies.inertia, strict=True))

@@ -6,7 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.diagnose.replay.motion_segments import lowest_period
 from bench.diagnose.replay.perfect_instruments import ideal_reading
+from bench.diagnose.replay.resolution import LEAST_WINDOW
+from bench.diagnose.replay.uneven_derivative import derivative_over
 from bench.diagnose.replay.world import moved
 from bench.errors import InputError
 from bench.identify.arm import Arm
@@ -105,7 +108,8 @@ def read_motion(file: Path, compiled: CompiledRobot) -> Motion:
 def feed_forward(applied: Applied, motion: Motion) -> FeedForward:
     """Return the torques that a motion takes: those of the bench's own model, as a replay has them.
 
-    Friction elements begin unstressed and remember the way; what rings is left out.
+    Friction elements begin unstressed and remember the way; what rings is left out. Gears wind up meanwhile, averaged
+    over a period of the lowest mode: links do not follow what a command does faster than that.
 
     Args:
         applied: The robot.
@@ -116,7 +120,10 @@ def feed_forward(applied: Applied, motion: Motion) -> FeedForward:
     """
     compiled, at = applied.compiled, applied.compiled.at
     motion, _ = moved(motion, applied.world)
-    trace, *_ = Prescribed(compiled).follow(motion)
+    robot = Prescribed(compiled)
+    trace, found, load = robot.follow(motion)
+    speed, bend = _winding(compiled, motion, load / compiled.stiffness)
+    trace, *_ = robot.follow(motion, found, (motion.velocity - speed, motion.acceleration - bend))
     arm = Arm(applied.bodies)
     rows = zip(motion.q, motion.velocity, motion.acceleration, strict=True)
     parts = {
@@ -143,6 +150,15 @@ def feed_forward(applied: Applied, motion: Motion) -> FeedForward:
         if compiled.robot.figures.instruments.torque:
             shown[f"tau_motor_{j + 1}_{'n' if slide else 'nm'}"] = reading.torque[:, j]
     return FeedForward(motion.time, trace.motor_torque, parts, shown)
+
+
+def _winding(compiled: CompiledRobot, motion: Motion, wound: Array) -> tuple[Array, Array]:
+    """Return first and second derivatives of how far gears are wound up, shape (T, n) each; none of short motions."""
+    period = lowest_period(compiled, motion.q.mean(axis=0))
+    window = max(LEAST_WINDOW, 2 * round(period / np.median(np.diff(motion.time)) / 2) + 1)
+    if window > len(motion):
+        return np.zeros_like(wound), np.zeros_like(wound)
+    return derivative_over(wound, motion.time, window, 1), derivative_over(wound, motion.time, window, 2)
 
 
 def _faults(file: Path, time: Array, q: Array, compiled: CompiledRobot, names: list[str]) -> Iterator[str]:

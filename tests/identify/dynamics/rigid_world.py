@@ -7,7 +7,6 @@ import mujoco
 import numpy as np
 from scipy import signal
 
-from bench.identify.arm import Arm
 from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Array, Campaign, Run
@@ -176,7 +175,7 @@ def truth_of(found: FirstPass, true: NominalDynamics, friction: Friction, payloa
     """Return the true parameters of a first pass, shape (p,)."""
     layout = found.layout
     truth = np.zeros(layout.size)
-    truth[layout.links] = standard_parameters(Arm(true.bodies))
+    truth[layout.links] = standard_parameters(true.bodies)
     if layout.has_payload:
         truth[layout.payload.start] = payload
     for column, values in (

@@ -11,7 +11,7 @@ from tests.identify.dynamics.rigid_world import N, arm, robot
 
 
 def test_pseudo_inertia_there_and_back(rng: np.random.Generator) -> None:
-    for link in standard_parameters(Arm(arm())).reshape(N, 10):
+    for link in standard_parameters(arm()).reshape(N, 10):
         np.testing.assert_allclose(inertial_parameters(pseudo_inertia(link)), link, rtol=1e-12, atol=1e-12)
         assert np.linalg.eigvalsh(pseudo_inertia(link))[0] > 0
 

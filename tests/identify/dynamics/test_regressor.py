@@ -30,7 +30,7 @@ def test_regressor_times_parameters_is_inverse_dynamics(rng: np.random.Generator
         model = Arm(bodies)
         q, v, a = states(rng, bodies.n_joints)
         expected = np.array([model.inverse_dynamics(*state) for state in zip(q, v, a, strict=True)])
-        found = link_regressor(model, q, v, a) @ standard_parameters(model)
+        found = link_regressor(model, q, v, a) @ standard_parameters(model.bodies)
         np.testing.assert_allclose(found, expected, rtol=0, atol=EXACT * np.abs(expected).max())
 
 
@@ -39,7 +39,7 @@ def test_it_is_that_of_another_engine(rng: np.random.Generator) -> None:
     q, v, a = states(rng, N)
     expected = torque_of(nominal, q, v, a)
     model = Arm(nominal.bodies)
-    found = link_regressor(model, q, v, a) @ standard_parameters(model) + nominal.rotor_inertia * a
+    found = link_regressor(model, q, v, a) @ standard_parameters(model.bodies) + nominal.rotor_inertia * a
     np.testing.assert_allclose(found, expected, rtol=0, atol=EXACT * np.abs(expected).max())
 
 
@@ -48,7 +48,7 @@ def test_payload_is_a_point_mass_at_the_load_point(rng: np.random.Generator) -> 
     body, columns = payload_columns(model, "hook")
     q, v, a = states(rng, N)
     links = link_regressor(model, q, v, a)
-    found = links @ standard_parameters(model) + links[:, :, 10 * body : 10 * body + 10] @ columns[:, 0] * 7.5
+    found = links @ standard_parameters(model.bodies) + links[:, :, 10 * body : 10 * body + 10] @ columns[:, 0] * 7.5
     loaded = Arm(with_payload(arm(), 7.5, "hook"))
     expected = np.array([loaded.inverse_dynamics(*state) for state in zip(q, v, a, strict=True)])
     np.testing.assert_allclose(found, expected, rtol=0, atol=EXACT * np.abs(expected).max())
@@ -73,9 +73,9 @@ def test_base_parameters_are_all_that_torque_depends_on(rng: np.random.Generator
 def test_links_take_other_parameters_and_thin_bodies_too() -> None:
     """Bodies that the constraints let be thinner than a plate ended in Pinocchio's RuntimeError."""
     bodies = arm()
-    own = standard_parameters(Arm(bodies)).reshape(-1, N_INERTIAL)
+    own = standard_parameters(bodies).reshape(-1, N_INERTIAL)
     again = links_with(bodies, own)
-    np.testing.assert_allclose(standard_parameters(Arm(again)).reshape(-1, N_INERTIAL), own, atol=1e-9)
+    np.testing.assert_allclose(standard_parameters(again).reshape(-1, N_INERTIAL), own, atol=1e-9)
     thin = own.copy()
     thin[:, 4:] *= 1 - 1e-4  # a point's inertia about its joint, and less
     thin[0] = 0.0

@@ -13,6 +13,7 @@ from bench.report.handover.feed_forward import PARTS, feed_forward, read_motion
 from bench.report.handover.motion_faults import gaps
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
+from tests.elastic_arm import elastic
 from tests.small_robot import FRICTION, LINK, MASS, ROTOR
 
 G = 9.81
@@ -50,6 +51,18 @@ def test_the_weight_of_a_link_and_its_payload(small_robot: Path, compiled: Compi
         held = table.parts["friction"][:, 1]
         assert np.all(np.abs(held) <= FRICTION[1]), "the link hangs on its friction, too"
         np.testing.assert_allclose((table.torque - table.parts["friction"])[:, 1], weight, rtol=GIVE)
+
+
+def test_a_soft_arm_takes_what_its_links_do(tmp_path: Path) -> None:
+    """With links that accelerate as their motors do drives 1 and 2 were given 12 Nm too much."""
+    folder = load_robot("kr300")
+    run = elastic(compile_robot(folder), 10.0).columns
+    given = {key.replace("motor", "cmd"): values for key, values in run.items() if not key.startswith("tau")}
+    motion = read_motion(written(tmp_path / "m.csv", given), compile_robot(folder))
+    expected = np.stack([run[f"tau_motor_{j + 1}_nm"] for j in range(6)], axis=1)
+    missed = np.sqrt(np.mean((feed_forward(applied_robot(folder), motion).torque - expected)[20:-20] ** 2, axis=0))
+    print("missed [Nm]:", missed.round(2))
+    assert np.all(missed < 2.5)
 
 
 def test_rows_that_are_missing_are_told() -> None:

@@ -1,4 +1,4 @@
-"""Torques averaged along a motion have the gravity and the pull of the average, not of the middle."""
+"""Torques averaged along a motion have more than those of the averaged motion: gravity, pull and inertia change."""
 
 from dataclasses import replace
 
@@ -7,10 +7,14 @@ import numpy as np
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, segments_of
+from bench.diagnose.replay.uneven_derivative import derivative_over
 from bench.diagnose.replay.world import NOMINAL
 from bench.identify.arm import Arm
+from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Array
+from bench.robot.compiled import compile_robot
 from bench.robot.links import rigid_bodies
+from bench.simulate.payload import bolt_on
 from tests.diagnose.sweeps import SWEEP, made, nominal
 
 FAST = SWEEP.model_copy(
@@ -19,10 +23,16 @@ FAST = SWEEP.model_copy(
 JOINT = 1
 
 
+def arm_of(segment: Segment) -> Arm:
+    """Return the nominal links with what is bolted on."""
+    mass = segment.conditions.payload_kg
+    return Arm(rigid_bodies(compile_robot(nominal().robot, [bolt_on(mass)] if mass else [])))
+
+
 def excess_of(segment: Segment) -> Array:
     """Return what averaged torques have more, with what is bolted on, shape (T, n) [Nm]."""
-    assert segment.averaged_rest
-    return segment.averaged_rest.arm + segment.conditions.payload_kg * segment.averaged_rest.per_kg
+    assert segment.average_excess
+    return segment.average_excess.torque(standard_parameters(arm_of(segment).bodies))
 
 
 def test_ramps_leave_less_of_the_simulation_in_time() -> None:
@@ -43,7 +53,7 @@ def test_ramps_leave_less_of_the_simulation_in_time() -> None:
 
     def missed(*, averaged: bool) -> float:
         """Return how much of the excess is missed, beside all else."""
-        used = segments if averaged else tuple(replace(segment, averaged_rest=None) for segment in segments)
+        used = segments if averaged else tuple(replace(segment, average_excess=None) for segment in segments)
         left = (observed - Replay(compiled, used, every).predict(NOMINAL)[:, column]) * compiled.torque_constant[JOINT]
         there = np.isfinite(left)
         columns = np.stack([excess, *beside], axis=1)[there]
@@ -55,20 +65,25 @@ def test_ramps_leave_less_of_the_simulation_in_time() -> None:
     assert abs(missed(averaged=True)) < 0.3
 
 
-def test_it_is_the_average_of_what_holds_the_arm_at_every_sample() -> None:
+def test_it_is_the_average_of_what_moves_the_arm_at_every_sample() -> None:
     """Interpolation between some samples costs less than a thousandth of the largest excess."""
     campaign, compiled = made(FAST, seed=2), nominal()
-    arm = Arm(rigid_bodies(compiled))
     for segment in segments_of(campaign, compiled, quantities_of(campaign.runs, compiled)):
-        assert segment.path
-        mass, middle = segment.conditions.payload_kg, segment.motion.q[segment.motion.read]
-        lifts = [arm.jacobian(q, compiled.robot.figures.load_point)[..., 2, :] for q in (segment.path.angles, middle)]
-        every, there = (
-            arm.gravity(q) + mass * 9.81 * lift for q, lift in zip((segment.path.angles, middle), lifts, strict=True)
+        path, motion = segment.path, segment.motion
+        assert path
+        arm = arm_of(segment)
+        rates = [derivative_over(path.angles, path.time, path.window, order) for order in (1, 2)]
+        states = [path.angles, *rates]
+        averaged = [path.averaged(rate, path.groups) for rate in rates]
+        for values, still in ((states[0], motion.q[0]), (states[1], 0.0), (states[2], 0.0), (averaged[1], 0.0)):
+            values[:, segment.standing] = np.broadcast_to(still, 6)[segment.standing]
+        there = [motion.q[motion.read], motion.velocity[motion.read], averaged[1]]
+        balance = compiled.counterbalance
+        assert balance
+        every, middle = (
+            np.array([arm.inverse_dynamics(*row) for row in zip(*x, strict=True)]) for x in (states, there)
         )
-        assert compiled.counterbalance
-        every[:, JOINT] += compiled.counterbalance.torque(segment.path.angles[:, JOINT])
-        there[:, JOINT] += compiled.counterbalance.torque(middle[:, JOINT])
-        expected = np.stack([weights @ every[rows] for rows, weights in segment.path.of_torque]) - there
-        largest = np.max(np.abs(expected))
-        np.testing.assert_allclose(excess_of(segment), expected, atol=1e-3 * largest)
+        for torque, (q, *_) in ((every, states), (middle, there)):
+            torque[:, JOINT] += balance.torque(q[:, JOINT])
+        expected = np.stack([weights @ every[rows] for rows, weights in path.of_torque]) - middle
+        np.testing.assert_allclose(excess_of(segment), expected, atol=1e-3 * np.max(np.abs(expected)))
