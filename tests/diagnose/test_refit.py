@@ -148,7 +148,7 @@ def test_steps_correct_derivatives_of_nuisances_that_are_wrong(share: float) -> 
 
 
 # less seem to tell of fewer nuisances; 4 is not settled in 16 steps and says so, -1 ends in another optimum of friction
-@pytest.mark.parametrize("share", [2.0, 3.0])
+@pytest.mark.parametrize("share", [3.0, 3.5])
 def test_what_steps_have_corrected_does_not_tell_whether_the_optimum_is_reached(share: float) -> None:
     """On recording A of the KR300 fits without a cause ended 80 of chi-square too early, and the cause paid for it."""
     linear, causes = _design(), (_whole("gas_loss"), _whole("payload_mass"))
