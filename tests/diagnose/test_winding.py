@@ -15,7 +15,7 @@ from tests.elastic_arm import elastic
 
 
 def test_a_soft_arm_is_repeated_as_it_moves(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Drives 1 and 2 were missed by 11.5 and 12.4 Nm of 3.3 kNm, a delay that no drive has among that."""
+    """Drives 1 to 3 were missed by 8.0, 5.5 and 1.2 Nm of 3 kNm, with products of inertia and acceleration besides."""
     compiled = compile_robot(load_robot("kr300"))
     run = elastic(compiled, 10.0)
     quantities = quantities_of((run,), compiled)
@@ -30,6 +30,7 @@ def test_a_soft_arm_is_repeated_as_it_moves(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(MotionSpline, "rates", lambda _, winding: np.zeros((2, *winding.shape)))
     stiff = left()
     print("missed [Nm]:", stiff.round(2), "with links as their motors,", wound.round(2), "with gears that wind up")
-    assert np.all(stiff[:2] > 10)
+    assert np.all(stiff[:2] > 5)
     assert np.all(wound[:2] < stiff[:2] / 5)
+    assert np.all(wound[:3] < (1.5, 0.5, 0.2))
     assert np.all(wound < 1.02 * stiff)

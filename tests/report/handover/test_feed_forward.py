@@ -54,7 +54,7 @@ def test_the_weight_of_a_link_and_its_payload(small_robot: Path, compiled: Compi
 
 
 def test_a_soft_arm_takes_what_its_links_do(tmp_path: Path) -> None:
-    """With links that accelerate as their motors do drives 1 and 2 were given 12 Nm too much."""
+    """With links that accelerate as their motors do drives 1 and 2 were missed by 9.1 and 6.4 Nm."""
     folder = load_robot("kr300")
     run = elastic(compile_robot(folder), 10.0).columns
     given = {key.replace("motor", "cmd"): values for key, values in run.items() if not key.startswith("tau")}
@@ -62,7 +62,7 @@ def test_a_soft_arm_takes_what_its_links_do(tmp_path: Path) -> None:
     expected = np.stack([run[f"tau_motor_{j + 1}_nm"] for j in range(6)], axis=1)
     missed = np.sqrt(np.mean((feed_forward(applied_robot(folder), motion).torque - expected)[20:-20] ** 2, axis=0))
     print("missed [Nm]:", missed.round(2))
-    assert np.all(missed < 2.5)
+    assert np.all(missed < 1.5)
 
 
 def test_rows_that_are_missing_are_told() -> None:
