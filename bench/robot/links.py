@@ -9,8 +9,12 @@ from bench.robot.bodies import Point, RigidBodies, read_only
 from bench.robot.compiled import CompiledRobot
 
 
-def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
+def rigid_bodies(compiled: CompiledRobot, holds_passive: bool = False) -> RigidBodies:
     """Return the links of the arm as plain numbers; a jointless body or a rotor counts to the link that carries it.
+
+    Args:
+        compiled: The robot.
+        holds_passive: Whether bodies on hinges that are not driven count likewise, held at zero.
 
     Raises:
         RobotError: A link moves by more than one joint or by one that is not driven, or a joint has a `ref`.
@@ -44,7 +48,7 @@ def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
             placement[i] = origin + turned @ pivot
             orientation[i] = turned
             carrier[body], position[body], rotation[body] = i, -pivot, np.eye(3)
-        elif model.body_jntnum[body] and body not in rotor_bodies:
+        elif model.body_jntnum[body] and body not in rotor_bodies and not holds_passive:
             name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body)
             raise RobotError(f"{compiled.robot.mjcf}: body {name!r} has a joint that no drive of figures.yaml names.")
         else:
