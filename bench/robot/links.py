@@ -9,15 +9,14 @@ from bench.robot.bodies import Point, RigidBodies, read_only
 from bench.robot.compiled import CompiledRobot
 
 
-def rigid_bodies(compiled: CompiledRobot, holds_passive: bool = False) -> RigidBodies:
+def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
     """Return the links of the arm as plain numbers; a jointless body or a rotor counts to the link that carries it.
 
-    Args:
-        compiled: The robot.
-        holds_passive: Whether bodies on hinges that are not driven count likewise, held at zero.
+    So does a body on a spring that nothing drives, such as a base that rocks: it stands where its spring is at rest.
 
     Raises:
-        RobotError: A link moves by more than one joint or by one that is not driven, or a joint has a `ref`.
+        RobotError: A link moves by more than one joint or by one that neither a drive nor a spring holds, or a joint
+            has a `ref`.
     """
     model, at = compiled.model, compiled.at
     joint_of_body = {int(model.jnt_bodyid[j]): i for i, j in enumerate(at.joint)}
@@ -48,7 +47,7 @@ def rigid_bodies(compiled: CompiledRobot, holds_passive: bool = False) -> RigidB
             placement[i] = origin + turned @ pivot
             orientation[i] = turned
             carrier[body], position[body], rotation[body] = i, -pivot, np.eye(3)
-        elif model.body_jntnum[body] and body not in rotor_bodies and not holds_passive:
+        elif model.body_jntnum[body] and body not in rotor_bodies and not _is_sprung(model, body):
             name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body)
             raise RobotError(f"{compiled.robot.mjcf}: body {name!r} has a joint that no drive of figures.yaml names.")
         else:
@@ -94,6 +93,12 @@ def rigid_bodies(compiled: CompiledRobot, holds_passive: bool = False) -> RigidB
         gravity=read_only(model.opt.gravity),
         points=points,
     )
+
+
+def _is_sprung(model: mujoco.MjModel, body: int) -> bool:
+    first = model.body_jntadr[body]
+    joints = range(first, first + model.body_jntnum[body])
+    return all(np.ravel(model.jnt_stiffness[joint])[0] > 0 for joint in joints)
 
 
 def _matrix(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 import yaml
 
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Conditions
 from bench.errors import RobotError
 from bench.identify.arm import Arm
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -187,3 +189,14 @@ def test_a_broken_folder_is_told_what_is_wrong(small_robot: Path, tmp_path: Path
     folder = broken(small_robot, tmp_path, edit)
     with pytest.raises(RobotError, match=said):
         rigid_bodies(compile_robot(load_robot(folder)))
+
+
+def test_a_base_that_rocks_on_springs_stands_for_the_links(hh150: CompiledRobot) -> None:
+    """`bench predict` refused a robot that was handed over with such a base, for a joint that no drive names."""
+    effect = catalogue()["base_compliance"]
+    (place,) = effect.places(hh150)
+    edit = effect.edit(place, {"compliance": 5e-8}, Conditions.reference(6))
+    assert edit
+    rocking, rigid = rigid_bodies(compile_robot(hh150.robot, [edit])), rigid_bodies(hh150)
+    for name in ("mass", "com", "inertia", "position"):
+        np.testing.assert_allclose(getattr(rocking, name), getattr(rigid, name), atol=1e-12)

@@ -104,7 +104,7 @@ class Replay(MotionReplay):
             if key in self._inertial:
                 self._inertial.move_to_end(key)
                 return self._inertial[key]
-        parameters = standard_parameters(rigid_bodies(compiled, holds_passive=True))
+        parameters = standard_parameters(rigid_bodies(compiled))
         with self._lock:
             self._inertial[key] = parameters
             if len(self._inertial) > MOST_LINKS:
