@@ -171,5 +171,5 @@ def signatures_of(
         nuisances = given_by(given, nuisances, compiled).nuisances
         quantities = (*quantities, EARLIER) if rows_of(nuisances) else quantities
     causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled), reach)
-    nuisances = with_known_payload(with_recordings(nuisances, compiled, campaign.recordings), campaign, compiled)
+    nuisances = with_known_payload(with_recordings(nuisances, compiled, campaign.recordings), campaign)
     return Signatures(compiled, quantities, nuisances, causes, store=store)

@@ -78,7 +78,7 @@ def _recording(
             "torques, a reflector, a link encoder, or the gas pressure, beside the motor angles."
         )
     linear = linearised_model_of(
-        Replay(model, segments, quantities), with_known_payload(nuisances_of(model, quantities), recording, model)
+        Replay(model, segments, quantities), with_known_payload(nuisances_of(model, quantities), recording)
     )
     there = measured(linear)
     noise = np.sqrt(floor_variance(linear))

@@ -55,7 +55,7 @@ def linear_of(campaign: Campaign, robot: CompiledRobot) -> LinearisedModel:
     campaign = with_payloads(campaign)
     quantities = (*quantities_of(campaign.runs, robot), *known_quantities(campaign, robot))
     segments = with_known_segments(segments_of(campaign, robot, quantities, BINS), campaign, robot, quantities)
-    nuisances = with_known_payload(nuisances_of(robot, quantities), campaign, robot)
+    nuisances = with_known_payload(nuisances_of(robot, quantities), campaign)
     return linearised_model_of(Replay(robot, segments, quantities), nuisances)
 
 

@@ -92,7 +92,7 @@ def test_figures_stay_within_reach(rng: np.random.Generator) -> None:
     linear = design_with(noise(rng, 4) + 10 * jacobian[:, 0], jacobian, 4)
     fit = fit_of(linear)
     assert abs(fit.nuisances[0]) > 8  # else the test says nothing
-    found = errors_of_folds(linear, fit, tangent_of(linear, fit), folds_of(linear), reach=4.0)
+    found = errors_of_folds(linear, fit, tangent_of(linear, fit), folds_of(linear))
     np.testing.assert_allclose(found[:, 0], linear.residual[:, 0] - 4 * jacobian[:, 0], atol=1e-9)
 
 

@@ -191,7 +191,7 @@ def test_comes_first(words: str, name: str, place: str, hide: Hide, compiled: Co
     recorded = recorded_by(campaign, compiled)
     around = Neighbourhood(compiled, everything, measured_by(campaign), RATE, recorded=recorded)
     _, screening = around.weighed(linear, signatures.causes, sensitivities)
-    first = screening.listed[0]
+    first = next(entry for entry in screening.entries if entry.cause)
     assert first.cause is not None
     assert first.cause.key == (name, place)
     assert first.log_evidence > screening.threshold

@@ -128,7 +128,6 @@ def errors_of_folds(
     fit: Fit,
     tangent: Tangent,
     folds: Folds,
-    reach: float = REACH,
     unknown: NDArray[np.bool_] | None = None,
 ) -> Array:
     """Return measured less predicted, shape (T, c), each reading while its fold was held out; nan where not measured.
@@ -136,17 +135,18 @@ def errors_of_folds(
     What belongs to one recording (the zero of an encoder, a payload) no other one knows. Where recordings are held out,
     it is fitted to the one that is predicted; what is the machine's is not.
 
+    Figures of the model stay within `REACH` standard deviations of what is stated. Without that, a robot that lost a
+    tenth of its gas would be predicted well by a nominal one with a gas constant ten sigmas off.
+
     Args:
         linear: The campaign.
         fit: To all of it.
         tangent: The same in the linearised model.
         folds: What is held out at a time.
-        reach: Figures of the model stay within so many standard deviations of what is stated. Without that, a robot
-            that lost a tenth of its gas would be predicted well by a nominal one with a gas constant ten sigmas off.
         unknown: Shape (p,), nuisances that are fitted, but of which a prediction has none; None: it has all.
     """
     p, away = len(fit.nuisances), _from_stated(fit) + tangent.step
-    clamp, free = _clamped(away[:p], tangent, reach)
+    clamp, free = _clamped(away[:p], tangent)
     white = tangent.white - tangent.jacobian @ clamp
     row_fold, row_gap = folds.of_rows(linear)
     error = np.where(measured(linear), fit.residual, np.nan)
@@ -207,19 +207,18 @@ def _fitted_to(
     return np.asarray(np.linalg.solve(own.T @ own + np.diag(prior[which]), pull), dtype=np.float64)
 
 
-def _clamped(figures: Array, tangent: Tangent, reach: float) -> tuple[Array, NDArray[np.int64]]:
-    """Return the step from the optimum to the best fit within reach, shape (p + k,), and what stays free of it.
+def _clamped(figures: Array, tangent: Tangent) -> tuple[Array, NDArray[np.int64]]:
+    """Return the step from the optimum to the best fit within `REACH`, shape (p + k,), and what stays free of it.
 
     Args:
         figures: Shape (p,), how far each is from what is stated at the optimum.
         tangent: The fit.
-        reach: As of the errors of folds.
     """
     p, step, free = len(figures), np.zeros(len(tangent.precision)), tangent.free
-    if np.all(np.abs(figures) <= reach):
+    if np.all(np.abs(figures) <= REACH):
         return step, free
     low, high = np.full(len(step), -np.inf), np.full(len(step), np.inf)
-    low[:p], high[:p] = -reach - figures, reach - figures
+    low[:p], high[:p] = -REACH - figures, REACH - figures
     root = np.linalg.cholesky(tangent.free_precision).T
     found = lsq_linear(root, np.zeros(len(free)), (low[free], high[free]), method="bvls")
     step[free] = found.x

@@ -23,7 +23,7 @@ from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, recordings_of
-from bench.diagnose.replay.simulations import simulate_all
+from bench.diagnose.replay.simulations import simulate_all, sound
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError
 from bench.executor.contract import Executor
@@ -128,8 +128,8 @@ class Preposterior:
         unknown_worlds, steps = _unknown_worlds(linear, fits)
         worlds = [NOMINAL, *(fit.world(linear) for fit in fits), *unknown_worlds]
         found = simulate_all(self._replay, worlds + [World({n: n.sigma}) for n in simulated], executor)
-        nominal, means = _sound(found[0]), [_sound(f) for f in found[1 : len(fits) + 1]]
-        columns = [_sound(f) for f in found[len(fits) + 1 : len(worlds)]]
+        nominal, means = sound(found[0]), [sound(f) for f in found[1 : len(fits) + 1]]
+        columns = [sound(f) for f in found[len(fits) + 1 : len(worlds)]]
         deviations = [
             np.zeros_like(nominal) if isinstance(f, BenchError) else f - nominal for f in found[len(worlds) :]
         ]
@@ -191,9 +191,3 @@ def _covariance(linear: LinearisedModel, fit: Fit, fresh: int) -> Array:
     old = np.concatenate([np.arange(p), p + fresh + np.arange(k)])
     covariance[np.ix_(old, old)] = today
     return covariance
-
-
-def _sound(found: Array | BenchError) -> Array:
-    if isinstance(found, BenchError):
-        raise found
-    return found

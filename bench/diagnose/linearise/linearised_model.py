@@ -24,9 +24,8 @@ from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
-from bench.diagnose.replay.simulations import simulate_all
+from bench.diagnose.replay.simulations import simulate_all, sound
 from bench.diagnose.replay.world import NOMINAL, World
-from bench.errors import BenchError
 from bench.record.campaign import Array
 
 SAME_PLAY = 0.1  # rounding: relative; a change of play that changes hardly any scatter
@@ -143,7 +142,7 @@ def linearised_model_of(
     nominal = replay.predict(NOMINAL)
     if sensitivities is None:
         worlds = [World({nuisance: nuisance.sigma}) for nuisance in nuisances]
-        sensitivities = np.stack([_sound(found) - nominal for found in simulate_all(replay, worlds)], axis=2)
+        sensitivities = np.stack([sound(found) - nominal for found in simulate_all(replay, worlds)], axis=2)
     observed = np.concatenate([segment.observed for segment in replay.segments])
     residual = observed - nominal
     traces = replay.traces(NOMINAL)
@@ -252,12 +251,6 @@ def fit(linear: LinearisedModel) -> Array:
     """Return the nuisances that explain the residuals best under their priors, shape (p,), in standard deviations."""
     normal = linear.jacobian.T @ linear.jacobian + np.eye(linear.jacobian.shape[1])
     return np.asarray(np.linalg.solve(normal, linear.jacobian.T @ linear.white), dtype=np.float64)
-
-
-def _sound(found: Array | BenchError) -> Array:
-    if isinstance(found, BenchError):
-        raise found
-    return found
 
 
 def _reassembled(linear: LinearisedModel, segments: tuple[Segment, ...], scatter: Scatter) -> LinearisedModel:

@@ -76,14 +76,12 @@ class Marginal:
         scores: Shape (q,), X^T M^-1 r.
         columns: X.
         reduced: Shape (p, q), R.
-        n: Number of readings.
     """
 
     misfit: float
     scores: Array
     columns: Columns
     reduced: Array
-    n: int
 
     @property
     def information(self) -> Array:
@@ -129,7 +127,7 @@ class Marginal:
         more = solve_triangular(root, np.column_stack([cross, self.scores[columns]]), lower=True)
         reduced, pull = more[:, :-1], more[:, -1]
         both = np.concatenate([self.reduced, reduced])
-        return Marginal(self.misfit - float(pull @ pull), self.scores - pull @ reduced, self.columns, both, self.n)
+        return Marginal(self.misfit - float(pull @ pull), self.scores - pull @ reduced, self.columns, both)
 
     def _blocks(self, columns: Array) -> Array:
         own = np.moveaxis(self.reduced[:, columns], 0, 1)
@@ -182,15 +180,11 @@ class Nuisances:
 
     Args:
         jacobian: Shape (m, p).
-        tangent: Shape (m, k), further slopes with a prior of one; None: there are none.
     """
 
-    def __init__(self, jacobian: Array, tangent: Array | None = None) -> None:
+    def __init__(self, jacobian: Array) -> None:
         self.jacobian = jacobian
-        self.tangent = tangent
-        every = jacobian if tangent is None else np.concatenate([jacobian, tangent], axis=1)
-        self._every = every
-        self._factor = np.linalg.cholesky(np.eye(every.shape[1]) + every.T @ every)
+        self._factor = np.linalg.cholesky(np.eye(jacobian.shape[1]) + jacobian.T @ jacobian)
 
     @property
     def log_determinant(self) -> float:
@@ -198,12 +192,12 @@ class Nuisances:
         return float(np.sum(np.log(np.diag(self._factor))))
 
     def most_probable(self, white: Array) -> Array:
-        """Return the most probable sizes of all nuisances, shape (p + k,), for whitened residuals of shape (m,)."""
-        return np.asarray(cho_solve((self._factor, True), self._every.T @ white), dtype=np.float64)
+        """Return the most probable sizes of all nuisances, shape (p,), for whitened residuals of shape (m,)."""
+        return np.asarray(cho_solve((self._factor, True), self.jacobian.T @ white), dtype=np.float64)
 
     def regression(self, known: Array, columns: Array) -> Array:
         """Return the coefficients of columns, shape (m, k), on known ones, shape (m, n): shape (n, k)."""
-        reduced = [solve_triangular(self._factor, self._every.T @ some, lower=True) for some in (known, columns)]
+        reduced = [solve_triangular(self._factor, self.jacobian.T @ some, lower=True) for some in (known, columns)]
         information = known.T @ known - reduced[0].T @ reduced[0]
         information[np.diag_indices_from(information)] += JITTER * np.maximum(np.diag(information), 1.0)
         cross = known.T @ columns - reduced[0].T @ reduced[1]
@@ -213,10 +207,7 @@ class Nuisances:
         """Return the inner products of a whitened residual, shape (m,), and columns, shape (m, q)."""
         if not isinstance(columns, Columns):
             columns = Columns(columns)
-        cross = columns.with_slopes(self.jacobian)
-        if self.tangent is not None:
-            cross = np.concatenate([cross, self.tangent.T @ columns.matrix])
-        reduced = solve_triangular(self._factor, cross, lower=True)
-        pull = solve_triangular(self._factor, self._every.T @ white, lower=True)
+        reduced = solve_triangular(self._factor, columns.with_slopes(self.jacobian), lower=True)
+        pull = solve_triangular(self._factor, self.jacobian.T @ white, lower=True)
         scores = columns.matrix.T @ white - pull @ reduced
-        return Marginal(float(white @ white - pull @ pull), scores, columns, reduced, len(white))
+        return Marginal(float(white @ white - pull @ pull), scores, columns, reduced)

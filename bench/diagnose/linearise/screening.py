@@ -94,20 +94,6 @@ class Screening:
     threshold: float
     tried: Tried
 
-    @property
-    def listed(self) -> tuple[Entry, ...]:
-        """The best shape of every cause, by falling evidence."""
-        best: dict[tuple[str, str], Entry] = {}
-        for entry in self.entries:
-            if entry.cause:
-                best.setdefault(entry.cause.key, entry)
-        return tuple(best.values())
-
-    @property
-    def free(self) -> tuple[Entry, ...]:
-        """Blocks by falling evidence."""
-        return tuple(entry for entry in self.entries if entry.cause is None)
-
 
 def tried_of(what: Sequence[Candidate | Block]) -> Tried:
     """Return things to try with the places of their columns among those of all, in the order given."""

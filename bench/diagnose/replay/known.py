@@ -81,9 +81,7 @@ def with_known_segments(
     return tuple(found)
 
 
-def with_known_payload(
-    nuisances: Iterable[Nuisance], campaign: Campaign, compiled: CompiledRobot
-) -> tuple[Nuisance, ...]:
+def with_known_payload(nuisances: Iterable[Nuisance], campaign: Campaign) -> tuple[Nuisance, ...]:
     """Return figures among which a payload that is known by a reading is known by nothing but that reading.
 
     Else it would be stated within what weights that are written down may be off.

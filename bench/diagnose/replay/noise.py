@@ -35,14 +35,12 @@ class Noise:
         self._given = campaign.noise
         self._instruments = figures.instruments
         self._constants = [drive.torque_constant_nm_per_a for drive in figures.drives]
-        self._area = figures.instruments.pressure.piston_area_m2 if figures.instruments.pressure else None
 
     def of(self, quantity: Quantity, values: Array, run: Run) -> Array:
         """Return the noise of one reading at each of some values of a run, same shape."""
         if quantity.kind in self._given:
             return np.full_like(values, self._given[quantity.kind])
         instruments = self._instruments
-        sigma = 0.0
         match quantity.kind:
             case "current":
                 sigma = (instruments.current or UNSTATED_CURRENT).sigma_a
@@ -63,8 +61,7 @@ class Noise:
                 sigma = (instruments.force or UNSTATED_FORCE).sigma_nm
             case _:
                 sigma = 0.0
-        full: Array = np.full_like(values, sigma)
-        return full
+        return np.full_like(values, sigma)
 
     def beside(self, quantity: Quantity, values: Array, run: Run, scatter: float) -> Array:
         """Return the noise of one reading at each of some values, same shape: as stated, or as its samples scatter.

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import World
 from bench.errors import BenchError
-from bench.executor.contract import Executor, Progress, ignore, in_order
+from bench.executor.contract import Executor, Progress, in_order
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 
@@ -13,16 +13,20 @@ from bench.record.campaign import Array
 PORTION = 20
 
 
-def simulate_all(
-    replay: Replay, worlds: Sequence[World], executor: Executor = SERIAL, progress: Progress = ignore
-) -> list[Array | BenchError]:
+def sound(found: Array | BenchError) -> Array:
+    """Return what was simulated; raises the error that stands in its place."""
+    if isinstance(found, BenchError):
+        raise found
+    return found
+
+
+def simulate_all(replay: Replay, worlds: Sequence[World], executor: Executor = SERIAL) -> list[Array | BenchError]:
     """Return what instruments show in every world, each shape (T, c), or why a world could not be simulated.
 
     Args:
         replay: The campaign.
         worlds: Hypotheses.
         executor: Where to simulate.
-        progress: Called with the share that is done.
     """
 
     def predict(world: World) -> Array | BenchError:
@@ -35,4 +39,4 @@ def simulate_all(
         return [predict(world) for world in some]
 
     portions = [worlds[start : start + PORTION] for start in range(0, len(worlds), PORTION)]
-    return [found for some in in_order(executor, predict_some, portions, progress) for found in some]
+    return [found for some in in_order(executor, predict_some, portions) for found in some]

@@ -66,7 +66,7 @@ def named(found: Diagnosis, kind: str) -> Diagnosis:
         changed: Naming = replace(naming, kind="nothing found", models=())
         return replace(found, naming=changed, verdict=empty)
     if kind == "unlisted cause":
-        shape = naming.screening.free[0].what
+        shape = next(entry.what for entry in naming.screening.entries if entry.cause is None)
         assert isinstance(shape, Block)
         block = anew(naming.linear, shape)
         own = with_shape(naming.linear, block)
