@@ -86,7 +86,7 @@ def _prior(fit: Fit) -> Array:
 
 def _from_stated(fit: Fit) -> Array:
     """Return how far each parameter is from what is stated, or from none, shape (p + k,)."""
-    return np.concatenate([fit.nuisances, fit.values - [unknown.parameter.null for unknown in fit.unknowns]])
+    return np.concatenate([fit.nuisances, fit.off])
 
 
 def log_probability_of_folds(linear: LinearisedModel, tangent: Tangent, folds: Folds) -> Array:

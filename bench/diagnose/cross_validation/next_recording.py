@@ -153,7 +153,7 @@ def errors_found(linear: LinearisedModel, fit: Fit, is_meant: Callable[[Effect],
         cause = unknown.cause
         is_of_last = cause.place.recording in (None, last)
         if is_meant(cause.effect) and is_of_last and not unknown.parameter.is_shape:
-            change = fit.jacobian[:, :, i] * (fit.values[i] - unknown.parameter.null)
+            change = fit.jacobian[:, :, i] * fit.off[i]
             name = " ".join(cause.key)
             found[name] = found.get(name, 0.0) + change
     return found

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.experiment_design.preposterior import Expectation
-from bench.diagnose.extend.fit import Fit, world_of
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.levels import world_in
 from bench.diagnose.replay.nuisances import THERMOMETER_K
@@ -93,13 +93,7 @@ def _expectations(
     found = []
     for fit in fits:
         mean = read(fit.world(linear))
-        own = []
-        for i, unknown in enumerate(fit.unknowns):
-            moved = fit.values.copy()
-            step = unknown.step_from(float(fit.values[i]))
-            moved[i] += step
-            world = world_of(linear, fit.causes, fit.unknowns, moved, fit.nuisances)
-            own.append((read(world) - mean) / step)
+        own = [(read(world) - mean) / step for world, step in fit.worlds_beside(linear)]
         jacobian = np.concatenate([sensitivities, own]) / sigma
         covariance = np.asarray(np.linalg.inv(tangent_of(linear, fit).precision), dtype=np.float64)
         found.append(Expectation(np.array([mean / sigma]), jacobian[None], covariance))

@@ -6,13 +6,14 @@ posterior covariance) and what a new instrument brings along is integrated out i
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
 from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.experiment_design.experiments import Experiment
-from bench.diagnose.extend.fit import Fit, world_of
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.each_weight import each_weight
 from bench.diagnose.linearise.held_friction import held_friction
 from bench.diagnose.linearise.linearised_model import LinearisedModel
@@ -125,11 +126,12 @@ class Preposterior:
             nuisances_of(self._replay.compiled, quantities), self._replay.compiled, recordings_of(linear.segments)
         )
         simulated = [n for n in nuisances if not (is_quick and n.moves_robot)]
-        unknown_worlds, steps = _unknown_worlds(linear, fits)
-        worlds = [NOMINAL, *(fit.world(linear) for fit in fits), *unknown_worlds]
+        beside = [one for fit in fits for one in fit.worlds_beside(linear)]
+        worlds = [NOMINAL, *(fit.world(linear) for fit in fits), *(world for world, _ in beside)]
         found = simulate_all(self._replay, worlds + [World({n: n.sigma}) for n in simulated], executor)
         nominal, means = sound(found[0]), [sound(f) for f in found[1 : len(fits) + 1]]
-        columns = [sound(f) for f in found[len(fits) + 1 : len(worlds)]]
+        there = [sound(f) for f in found[len(fits) + 1 : len(worlds)]]
+        moved = iter([(one, step) for one, (_, step) in zip(there, beside, strict=True)])
         deviations = [
             np.zeros_like(nominal) if isinstance(f, BenchError) else f - nominal for f in found[len(worlds) :]
         ]
@@ -147,8 +149,7 @@ class Preposterior:
         names = [str(n) for n in first_order]
         for fit, mean in zip(fits, means, strict=True):
             settled = sum((by_name[n] * fit.nuisances[today.index(n)] for n in names if n in today), nothing)
-            k = len(fit.unknowns)
-            own = [(columns.pop(0) - mean) / steps.pop(0) for _ in range(k)]
+            own = [(one - mean) / step for one, step in islice(moved, len(fit.unknowns))]
             self._means.append(np.split(mean + settled, self._split))
             jacobian = np.concatenate([sensitivities, np.stack(own, axis=2)], axis=2) if own else sensitivities
             self._slopes.append(np.split(jacobian, self._split))
@@ -168,19 +169,6 @@ class Preposterior:
             slope = np.concatenate([w(jacobian[i]) for w, i in zip(maps, where, strict=True)])
             found.append(Expectation(mean, slope, covariance))
         return found
-
-
-def _unknown_worlds(linear: LinearisedModel, fits: Sequence[Fit]) -> tuple[list[World], list[float]]:
-    """Return worlds with one unknown of one fit moved, in order, and by how much."""
-    worlds, steps = [], []
-    for fit in fits:
-        for i, unknown in enumerate(fit.unknowns):
-            step = unknown.step_from(float(fit.values[i]))
-            moved = fit.values.copy()
-            moved[i] += step
-            worlds.append(world_of(linear, fit.causes, fit.unknowns, moved, fit.nuisances))
-            steps.append(step)
-    return worlds, steps
 
 
 def _covariance(linear: LinearisedModel, fit: Fit, fresh: int) -> Array:

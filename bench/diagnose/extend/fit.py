@@ -1,6 +1,6 @@
 """A fitted extension: causes with values, what they leave, and how sure of them it is."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -30,6 +30,11 @@ class Unknown:
 
     cause: Cause
     parameter: Parameter
+
+    @property
+    def key(self) -> Key:
+        """What tells it from others."""
+        return (*self.cause.key, self.parameter.name)
 
     @property
     def sigma(self) -> float:
@@ -96,13 +101,28 @@ class Fit:
     @property
     def start(self) -> dict[Key, float]:
         """Its values, for another fit to start from."""
-        return {(*u.cause.key, u.parameter.name): float(v) for u, v in zip(self.unknowns, self.values, strict=True)}
+        return {unknown.key: float(value) for unknown, value in zip(self.unknowns, self.values, strict=True)}
+
+    @property
+    def off(self) -> Array:
+        """Shape (k,), how far each value is from none."""
+        return self.values - np.array([unknown.parameter.null for unknown in self.unknowns], dtype=np.float64)
+
+    def with_causes(self, causes: tuple[Cause, ...]) -> "Fit":
+        """Return the same numbers for other objects of the same causes; for none, so that it passes between processes.
+
+        Causes may come from a user's file, which another process cannot read.
+        """
+        return replace(self, causes=causes, unknowns=unknowns_of(causes))
+
+    def where(self, cause: Cause) -> list[int]:
+        """Return where the sizes of a cause stand among the unknowns."""
+        return [i for i, one in enumerate(self.unknowns) if one.cause is cause and not one.parameter.is_shape]
 
     def sizes_of(self, cause: Cause) -> tuple[list[int], Array]:
         """Return where the unknowns of a cause are, and how far each is from none, shape (k,); 0 for its shapes."""
         mine = [i for i, unknown in enumerate(self.unknowns) if unknown.cause is cause]
-        off = [0.0 if (p := self.unknowns[i].parameter).is_shape else self.values[i] - p.null for i in mine]
-        return mine, np.array(off)
+        return mine, np.where([self.unknowns[i].parameter.is_shape for i in mine], 0.0, self.off[mine])
 
     def design(self, linear: LinearisedModel) -> LinearisedModel:
         """Return a design with the derivatives of nuisances that this fit took anew."""
@@ -124,8 +144,8 @@ class Fit:
 
     def slopes_of(self, unknowns: tuple[Unknown, ...]) -> dict[int, Array]:
         """Return its derivatives with those of some unknowns that it has, each by its index, shape (T, c)."""
-        mine = {(*u.cause.key, u.parameter.name): i for i, u in enumerate(self.unknowns)}
-        places = {i: mine.get((*u.cause.key, u.parameter.name)) for i, u in enumerate(unknowns)}
+        mine = {unknown.key: i for i, unknown in enumerate(self.unknowns)}
+        places = {i: mine.get(unknown.key) for i, unknown in enumerate(unknowns)}
         return {i: self.jacobian[:, :, place] for i, place in places.items() if place is not None}
 
     def acts(self, cause: Cause) -> bool:
@@ -147,6 +167,13 @@ class Fit:
     def world(self, linear: LinearisedModel) -> World:
         """Return the world that was fitted."""
         return world_of(linear, self.causes, self.unknowns, self.values, self.nuisances)
+
+    def worlds_beside(self, linear: LinearisedModel) -> Iterator[tuple[World, float]]:
+        """Yield for each unknown a world in which it is a step further, and that step."""
+        for i, unknown in enumerate(self.unknowns):
+            moved, step = self.values.copy(), unknown.step_from(float(self.values[i]))
+            moved[i] += step
+            yield world_of(linear, self.causes, self.unknowns, moved, self.nuisances), step
 
 
 def world_of(

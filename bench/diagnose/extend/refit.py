@@ -79,7 +79,7 @@ def refit(
     """
     unknowns = unknowns_of(causes)
     low, high = bounds_of((), unknowns)
-    values = np.array([start.get((*u.cause.key, u.parameter.name), u.parameter.null) for u in unknowns])
+    values = np.array([start.get(unknown.key, unknown.parameter.null) for unknown in unknowns])
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
     slopes = (known.slopes_of(unknowns), known.renewed) if known else ()
     return _with_its_play(

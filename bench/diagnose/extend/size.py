@@ -32,11 +32,10 @@ def size_of(cause: Cause, fit: Fit) -> Size:
     interval leaves out none; where there is no such size, the first counts, by which people know the effect.
     """
     sizes = []
-    for unknown, value, sigma in zip(fit.unknowns, fit.values, fit.sigma, strict=True):
-        if unknown.cause is cause and not unknown.parameter.is_shape:
-            off = abs(float(value) - unknown.parameter.null)
-            plausible = unknown.parameter.high / cause.reach
-            sizes.append(Size(off / plausible, off / float(sigma) if sigma > 0 else float("inf")))
+    for i in fit.where(cause):
+        off, sigma = abs(float(fit.off[i])), float(fit.sigma[i])
+        plausible = fit.unknowns[i].parameter.high / cause.reach
+        sizes.append(Size(off / plausible, off / sigma if sigma > 0 else float("inf")))
     clear = [size for size in sizes if size.sigmas > NORMAL_95]
     if clear:
         return max(clear, key=lambda size: size.share)
@@ -59,8 +58,8 @@ def wald(cause: Cause, fit: Fit) -> tuple[float, int]:
     Where there is nothing it is chi-square with as many degrees of freedom; half of it is the log likelihood that a fit
     loses without the cause, as its derivatives have it. It is inf where a size without an error is off none.
     """
-    mine = [i for i, one in enumerate(fit.unknowns) if one.cause is cause and not one.parameter.is_shape]
-    off = np.array([fit.values[i] - fit.unknowns[i].parameter.null for i in mine])
+    mine = fit.where(cause)
+    off = fit.off[mine]
     covariance = fit.covariance[np.ix_(mine, mine)]
     known = fit.sigma[mine] > 0
     if np.any(off[~known] != 0):

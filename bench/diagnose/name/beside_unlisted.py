@@ -110,11 +110,11 @@ def log_odds_as_runs_say(fit: Fit, cause: Cause, threshold: float) -> float:
         cause: Listed.
         threshold: Less it, evidence is posterior odds.
     """
-    mine = [i for i, one in enumerate(fit.unknowns) if one.cause is cause and not one.parameter.is_shape]
+    mine = fit.where(cause)
     if not np.all(fit.sigma[mine] > 0):
         return float("inf")
     prior = np.array([fit.unknowns[i].sigma for i in mine])
-    sizes = np.array([fit.values[i] - fit.unknowns[i].parameter.null for i in mine]) / prior
+    sizes = fit.off[mine] / prior
     variance, axes = np.linalg.eigh(fit.covariance[np.ix_(mine, mine)] / np.outer(prior, prior))
     variance = np.minimum(variance, 1.0)  # nothing is known worse than by its prior
     evidence = 0.5 * np.sum((axes.T @ sizes) ** 2 / variance) + 0.5 * np.sum(np.log(variance))

@@ -187,7 +187,7 @@ def _start(
     }
     for unknown, before, shift in zip(beside.unknowns, beside.values, estimate.shift, strict=True):
         if not unknown.parameter.is_shape:
-            start[*unknown.cause.key, unknown.parameter.name] = float(before + shift)
+            start[unknown.key] = float(before + shift)
     # the nominal model's figures are bent by what is missing: no place to start from
     return (*beside.causes, cause), beside.start | start, beside.nuisances if beside.causes else None
 

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from bench.diagnose.extend.fit import Fit, Key, unknowns_of
+from bench.diagnose.extend.fit import Fit, Key
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, anew
@@ -166,7 +166,7 @@ class Fitter:
 
     def _model(self, candidate: CandidateModel, fit: Fit, kept: tuple[int, ...]) -> Model | None:
         causes = tuple(candidate.causes[i] for i in kept)
-        fit = replace(fit, causes=causes, unknowns=unknowns_of(causes))
+        fit = fit.with_causes(causes)
         if not all(fit.allows(cause) and fit.acts(cause) for cause in causes):
             return None
         if not causes and candidate.shape is None:
@@ -224,10 +224,7 @@ def without_shape(linear: LinearisedModel, count: int) -> LinearisedModel:
 def _fit(
     plain: LinearisedModel, known: Fit | None, candidate: CandidateModel, progress: Progress
 ) -> tuple[Fit, tuple[int, ...]] | None:
-    """Return the best fit, and which causes it needs and allows; None where nothing balances along the measured motion.
-
-    It has no causes of its own, for those come from a user's file and do not pass between processes.
-    """
+    """Return the best fit, and which causes it needs and allows; None where nothing balances along the motion."""
     linear, nuisances = plain, candidate.nuisances
     if candidate.shape:
         linear = with_shape(plain, candidate.shape)
@@ -247,7 +244,7 @@ def _fit(
     except NOT_SIMULATED:
         return None
     kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
-    return replace(found, causes=(), unknowns=()), kept
+    return found.with_causes(()), kept
 
 
 def _settled(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int, ...]], progress: Progress) -> Fit:
@@ -256,10 +253,10 @@ def _settled(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int,
     causes = tuple(candidate.causes[i] for i in kept)
     linear = with_shape(plain, candidate.shape) if candidate.shape else plain
     try:
-        found = refitted(linear, replace(fit, causes=causes, unknowns=unknowns_of(causes)), progress)
+        found = refitted(linear, fit.with_causes(causes), progress)
     except NOT_SIMULATED:
         return fit
-    return replace(found, causes=(), unknowns=())
+    return found.with_causes(())
 
 
 def needed_of(fit: Fit) -> tuple[Cause, ...]:

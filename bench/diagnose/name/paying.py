@@ -6,7 +6,7 @@ from functools import partial
 
 from bench.diagnose.cross_validation.held_out import held_out
 from bench.diagnose.cross_validation.jackknife import with_jackknife
-from bench.diagnose.extend.fit import Fit, unknowns_of
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.extend.size import is_clear_of_none, wald
 from bench.diagnose.linearise.candidates import Cause
@@ -52,8 +52,7 @@ def held_findings(
     for cause, fit in zip(causes, fits, strict=True):
         if fit is None:
             continue
-        others = _others(model, cause)
-        without = replace(fit, causes=others, unknowns=unknowns_of(others))
+        without = fit.with_causes(_others(model, cause))
         gain = held_out(model.linear(linear), without, model.fit)
         is_clear = is_clear_of_none(cause, as_stated)  # else runs disagree whether there is anything
         pays = gain.is_gain and is_clear and error.is_needed(without, threshold)
@@ -77,10 +76,7 @@ def shape_pays(linear: LinearisedModel, null: Fit, model: Model, threshold: floa
 
 
 def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: Progress) -> Fit | None:
-    """Return a model fitted without one of its causes, to its end where that may matter; None where nothing balances.
-
-    It has no causes of its own, for those come from a user's file and do not pass between processes.
-    """
+    """Return a model fitted without one of its causes, to its end where that may matter; None: nothing balances."""
     fit = model.fit
     start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
     design = model.linear(linear)
@@ -98,7 +94,7 @@ def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: 
             without = refitted(design, without, progress)
     except NOT_SIMULATED:
         return None
-    return replace(without, causes=(), unknowns=())
+    return without.with_causes(())
 
 
 def _others(model: Model, cause: Cause) -> tuple[Cause, ...]:

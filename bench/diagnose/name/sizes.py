@@ -20,8 +20,7 @@ def log_of_priors(fit: Fit) -> float:
 def log_of_signs(fit: Fit) -> float:
     """Return what sizes that have one sign only add to the logarithm of the evidence, which normal priors gave."""
     sizes = [i for i, one in enumerate(fit.unknowns) if not one.parameter.is_shape and not one.parameter.signed]
-    mean = np.array([fit.values[i] - fit.unknowns[i].parameter.null for i in sizes])
-    return float(np.sum(log_half_normal(mean, np.maximum(fit.sigma[sizes], TINY), np.ones(len(sizes)))))
+    return float(np.sum(log_half_normal(fit.off[sizes], np.maximum(fit.sigma[sizes], TINY), np.ones(len(sizes)))))
 
 
 def log_of_widths(fit: Fit, cause: Cause) -> Array:
@@ -33,9 +32,9 @@ def log_of_widths(fit: Fit, cause: Cause) -> Array:
     widths = widths_of(cause)
     if len(widths) == 1:
         return np.zeros(1)
-    mine = [i for i, one in enumerate(fit.unknowns) if one.cause.key == cause.key and not one.parameter.is_shape]
+    mine = fit.where(cause)
     prior = np.array([fit.unknowns[i].sigma for i in mine])
-    mean = (fit.values[mine] - [fit.unknowns[i].parameter.null for i in mine]) / prior
+    mean = fit.off[mine] / prior
     said = np.linalg.inv(fit.covariance[np.ix_(mine, mine)] / np.outer(prior, prior))
     information, pull = said - np.eye(len(mine)), said @ mean
     every = np.stack([np.eye(len(mine)) / width**2 for width in widths])
