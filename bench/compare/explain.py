@@ -15,7 +15,6 @@ from bench.compare.comparison import (
 from bench.compare.search_changes import Found, Possible
 from bench.compare.shared import undo_segments
 from bench.diagnose.linearise.candidates import Candidate
-from bench.diagnose.linearise.marginal import JITTER
 from bench.diagnose.name.groups import groups_of
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import NOT_SIMULATED
@@ -69,14 +68,9 @@ def findings_of(found: Found) -> tuple[ChangedFinding, ...]:
 
 def sizes_of(found: Found, terms: tuple[int, ...]) -> tuple[Array, Array]:
     """Return the most probable sizes of the columns of some terms, and their standard deviations, in steps."""
-    model = found.model
-    columns = np.concatenate([model.terms[i].columns for i in terms])
-    prior = np.concatenate([model.terms[i].prior for i in terms])
-    h = model.information[np.ix_(columns, columns)].copy()
-    h[np.diag_indices_from(h)] += 1 / prior**2 + JITTER * np.maximum(np.diag(h), 1.0)
+    h, scores = found.model.equations(terms)
     covariance = np.linalg.inv(h)
-    mean = covariance @ model.scores[columns]
-    return np.asarray(mean, dtype=np.float64), np.asarray(np.sqrt(np.diag(covariance)), dtype=np.float64)
+    return np.asarray(covariance @ scores, dtype=np.float64), np.asarray(np.sqrt(np.diag(covariance)), dtype=np.float64)
 
 
 def interval_of(value: float, sigma: float, step: float) -> Interval:

@@ -4,7 +4,6 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import logsumexp
 
 from bench.compare.background import Background
 from bench.compare.profiles import Profile
@@ -12,6 +11,7 @@ from bench.diagnose.linearise.marginal import Columns, Marginal
 from bench.diagnose.linearise.screening import Entry
 from bench.diagnose.linearise.threshold import LEAST, family_threshold
 from bench.diagnose.name.groups import IN_SET
+from bench.diagnose.name.naming import shares_of
 from bench.diagnose.name.search import Alternative, SubsetPosterior, Term, alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import GREATER_PART
 from bench.record.campaign import Array
@@ -194,12 +194,8 @@ def _term(possible: Possible, columns: Array) -> Term:
 
 def _probabilities(alternatives: Sequence[Alternative]) -> tuple[float, ...]:
     """Return the probability of each alternative; what has all causes of a likelier one and more counts for that."""
-    total = float(logsumexp([one.log_posterior for one in alternatives]))
-    mass = dict.fromkeys(range(len(alternatives)), 0.0)
-    for i, one in enumerate(alternatives):
-        better = (j for j in range(i) if alternatives[j].keys and alternatives[j].keys < one.keys)
-        mass[next(better, i)] += float(np.exp(one.log_posterior - total))
-    return tuple(mass.values())
+    shares = shares_of({one.keys: one.log_posterior for one in alternatives})
+    return tuple(shares.get(one.keys, 0.0) for one in alternatives)
 
 
 def _shape(model: SubsetPosterior, alternatives: Sequence[Alternative]) -> int | None:

@@ -17,11 +17,10 @@ from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.csgraph import connected_components
 
 from bench.compare.noise import Repeatability, row_facts
+from bench.diagnose.linearise.common_modes import modes_of, put_back, take_out
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import Whitening
 from bench.record.campaign import Array
-
-TINY = 1e-9  # of the largest mode; smaller ones are rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +50,7 @@ class SharedWhitening:
         found = np.asarray(self.cells @ values, dtype=np.float64)
         for mine, modes, back in self.tied:
             some = found[mine]
-            some -= modes @ (back[:, None] * (modes.T @ some))
+            take_out(some, modes, back)
             found[mine] = some
         return found
 
@@ -66,10 +65,8 @@ class SharedWhitening:
 def undo_segments(linear: LinearisedModel, white: Array) -> None:
     """Put what segments have in common back into whitened values, shape (m, k), in place."""
     for rows, whitening in _segments(linear):
-        if len(whitening.shrink):
-            stretch = whitening.shrink / (1 - whitening.shrink)
-            some = white[rows[0] : rows[-1] + 1]
-            some += whitening.modes @ (stretch[:, None] * (whitening.modes.T @ some))
+        if len(rows):
+            put_back(white[rows[0] : rows[-1] + 1], whitening.modes, whitening.shrink)
 
 
 def shared_whitening(linear: LinearisedModel, repeatability: Repeatability, cells: NDArray[np.intp]) -> SharedWhitening:
@@ -118,9 +115,7 @@ def _tied(
             start += len(size)
         if not start:
             continue
-        modes, size, _ = np.linalg.svd((settled @ common)[rows], full_matrices=False)
-        kept = size > TINY * size[0]
-        found.append((rows, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2)))
+        found.append((rows, *modes_of((settled @ common)[rows])))
     return found
 
 

@@ -3,15 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit, refitted
-from bench.diagnose.linearise.lack_of_fit import missed
+from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, raised
 from bench.predict.free import freed_causes, freed_figures
 
-ENOUGH = 1.2  # times; standard errors that have to be raised by less are settled, as in a diagnosis
 ROUNDS = 6  # as in a diagnosis
 
 
@@ -41,9 +38,8 @@ def fit_anew(linear: LinearisedModel, free: Sequence[str]) -> tuple[LinearisedMo
     )
     fit = refit(linear, freed_causes(free, linear.replay.compiled), {})
     for _ in range(ROUNDS):
-        wanted = np.maximum(missed(linear, linear.whiten(fit.residual), is_last=True) * linear.inflation, 1.0)
-        factors = wanted / linear.inflation
-        if np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)):
+        factors = factors_of(linear, linear.whiten(fit.residual), 1.0, is_last=True)
+        if are_settled(factors):
             break
         linear = raised(linear, factors)
         fit = refitted(linear, fit)

@@ -21,6 +21,7 @@ AT_A_TIME = 1024  # effort: readings whose leverage is found together: memory st
 # rounding: of a reading, that its own fit may take away; one that decides its own fit tells nothing of scatter
 MOST_LEVERAGE = 0.9
 FEW = 10  # declared: readings that say nothing of their own scatter
+SETTLED = 1.2  # effort: times; standard errors that change by less are settled
 
 
 def unexplained(linear: LinearisedModel, white: Array, columns: Columns, prior: Array) -> Array:
@@ -66,6 +67,23 @@ def missed(linear: LinearisedModel, left: Array, *, is_last: bool = False) -> Ar
     if is_last:
         return np.sqrt(_by_quantity(linear, left, np.ones(len(left))))
     return SHARE_OF_MISSES * np.sqrt(_by_quantity(linear, left, np.ones(len(left)), counts_alike=False))
+
+
+def factors_of(linear: LinearisedModel, left: Array, least: Array | float, *, is_last: bool = False) -> Array:
+    """Return by what standard errors change so that they count what a model leaves, shape (2, c).
+
+    Args:
+        linear: The campaign.
+        left: Shape (m,), whitened residual of the model.
+        least: Shape (2, c), standard errors that they have at least, in those of the instruments.
+        is_last: As of `missed`.
+    """
+    return np.maximum(missed(linear, left, is_last=is_last) * linear.inflation, least) / linear.inflation
+
+
+def are_settled(factors: Array) -> bool:
+    """Whether standard errors that change by these factors need not be changed."""
+    return bool(np.all((factors < SETTLED) & (factors > 1 / SETTLED)))
 
 
 def left_by_nuisances(linear: LinearisedModel, white: Array) -> Array:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from bench.diagnose.linearise.common_modes import modes_of, put_back, take_out
 from bench.diagnose.linearise.rattling import PLACED, rattling
 from bench.diagnose.linearise.torque_response import TorqueResponse
 from bench.diagnose.replay.play import is_loose
@@ -85,13 +86,12 @@ class Whitening:
 
     def settle(self, white: Array) -> None:
         """Take what is common to the segment out of values, shape (m, k), that were whitened instant by instant."""
-        if len(self.shrink):
-            white -= self.modes @ (self.shrink[:, None] * (self.modes.T @ white))
+        take_out(white, self.modes, self.shrink)
 
     def undone(self, whitened: Array) -> Array:
         """Return values, shape (T, c, k), of whitened ones, shape (m, k); 0 where not measured."""
-        stretch = self.shrink / (1 - self.shrink)
-        white = whitened + self.modes @ (stretch[:, None] * (self.modes.T @ whitened))
+        white = whitened.copy()
+        put_back(white, self.modes, self.shrink)
         length, c, _ = self.factors.shape
         flat = np.zeros((length * c, whitened.shape[1]))
         flat[self.rows] = white
@@ -157,12 +157,7 @@ def whitening_of(
         shared.append(PLACED * gap * (spell[:, None] == np.unique(spell[loose[:, j]]))[:, None])
         shared += [CREEPS * gap * slowly[:, m, None, None] for m in range(1, min(SLOWNESS, slowly.shape[1]))]
     common = np.concatenate([factors @ mode for mode in shared], axis=2)
-    common = common.reshape(length * c, -1)[rows]
-    if common.shape[1] == 0 or not np.any(common):
-        return Whitening(rows, factors, np.zeros((int(rows.sum()), 0)), np.zeros(0))
-    modes, size, _ = np.linalg.svd(common, full_matrices=False)
-    kept = size > 1e-9 * size[0]
-    return Whitening(rows, factors, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2))
+    return Whitening(rows, factors, *modes_of(common.reshape(length * c, -1)[rows]))
 
 
 def measured_in(segment: Segment, quantities: tuple[Quantity, ...]) -> NDArray[np.bool_]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from bench.diagnose.linearise.common_modes import modes_of, put_back, take_out
 from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, measured_in, rest_friction, whitening_of
 from bench.diagnose.linearise.standing_joints import FEW
 from bench.diagnose.linearise.torque_response import TorqueResponse
@@ -27,7 +28,6 @@ from bench.robot.compiled import CompiledRobot
 SHARES = np.linspace(0.0, 0.99, 34)  # effort: of the variance, that are tried
 ANYTHING = 0.5  # exact: the mean of a share that may be anything between none and all
 MOST_RESTS = 40  # effort: of a visit; one with more counts as new each time, for memory
-TINY = 1e-9  # rounding: of the largest mode; smaller ones are none
 RIDGE = 1e-12  # rounding: of the largest friction, for readings that are no noise's
 
 
@@ -50,12 +50,14 @@ class RepeatedRests:
     def settle(self, white: Array) -> None:
         """Take what is common out of values, shape (every m, k), that were whitened segment by segment, in place."""
         mine = white[self.rows]
-        white[self.rows] = mine - self.modes @ (self.shrink[:, None] * (self.modes.T @ mine))
+        take_out(mine, self.modes, self.shrink)
+        white[self.rows] = mine
 
     def undo(self, white: Array) -> None:
         """Put it back."""
-        mine, stretch = white[self.rows], self.shrink / (1 - self.shrink)
-        white[self.rows] = mine + self.modes @ (stretch[:, None] * (self.modes.T @ mine))
+        mine = white[self.rows]
+        put_back(mine, self.modes, self.shrink)
+        white[self.rows] = mine
 
 
 def repeating_visits(segments: Sequence[Segment]) -> tuple[tuple[int, ...], ...]:
@@ -149,11 +151,10 @@ def whitenings_of(
         for i in visits:
             part = np.sqrt(scatter.repeats) * _part(compiled, segments[i], responses[i], quantities, scatter)
             parts.append(whitenings[i](part))
-        modes, size, _ = np.linalg.svd(np.concatenate(parts), full_matrices=False)
-        kept = size > TINY * np.max(size, initial=0.0)
+        modes, shrink = modes_of(np.concatenate(parts))
         rows = np.concatenate([np.arange(edges[i], edges[i + 1]) for i in visits])
-        if np.any(kept):
-            found.append(RepeatedRests(visits, rows, modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2)))
+        if len(shrink):
+            found.append(RepeatedRests(visits, rows, modes, shrink))
     return whitenings, tuple(found)
 
 

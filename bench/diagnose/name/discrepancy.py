@@ -10,7 +10,7 @@ from bench.diagnose.extend.fit import Fit, Key, pseudo_residual
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, anew
-from bench.diagnose.linearise.lack_of_fit import left_by_nuisances, missed, unexplained
+from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of, left_by_nuisances, missed, unexplained
 from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, roughened, with_play
 from bench.diagnose.linearise.marginal import Columns, Nuisances
 from bench.diagnose.linearise.screening import WIDTHS
@@ -42,11 +42,8 @@ from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
 OVER = {"angle": "rad", "angle and direction": "rad", "speed": "rad/s", "load": "Nm"}
-
-
 ANGLE_NODES = (9, 17, 33)  # effort: tried over an angle; each has those of the one before
 ROUNDS = 3  # effort: fits in turn, each with the standard errors that the one before asks for
-SETTLED = 1.2  # effort: times; standard errors that change by less are settled
 NOT_THERE = "nothing in the simulator can act so: the shape is known, but no model runs with it"
 NO_BALANCE = "a model with it finds no balance along the measured motion"
 FALLS_SHORT = "a model with it runs, but cannot do what the data ask for (friction never drives), and is not written"
@@ -116,7 +113,7 @@ def learn(linear: LinearisedModel, block: Block, beside: Fit) -> Discrepancy:
         if gained < GREATER_PART * estimate.log_evidence:
             return Discrepancy(linear, fit, False, FALLS_SHORT)
         factors = _factors(linear, block, fit)
-        if not left or np.all((factors < SETTLED) & (factors > 1 / SETTLED)):
+        if not left or are_settled(factors):
             break
         linear = raised(linear, factors)
     gain = held_out(linear, without, fit)
@@ -135,7 +132,7 @@ def _factors(linear: LinearisedModel, block: Block, fit: Fit) -> Array:
     finest = anew(plain, block, ANGLE_NODES[-1])
     prior = np.full(finest.columns.shape[1], finest.prior)
     least = np.maximum(unexplained(plain, pseudo_residual(plain, fit), Columns(finest.columns), prior), 1.0)
-    return np.maximum(missed(linear, linear.whiten(fit.residual)) * linear.inflation, least) / linear.inflation
+    return factors_of(linear, linear.whiten(fit.residual), least)
 
 
 @dataclass(frozen=True, eq=False)

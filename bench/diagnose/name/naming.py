@@ -133,7 +133,7 @@ def with_probabilities(models: Sequence[Model], every: Mapping[frozenset[Hashabl
         models: Simulated, the most probable first.
         every: Logarithm of the posterior odds of every subset, from `posterior_of`.
     """
-    mass = _mass(every)
+    mass = shares_of(every)
     return tuple(replace(model, probability=mass.get(model.keys, 0.0)) for model in models)
 
 
@@ -146,13 +146,15 @@ def fitted_probabilities(models: Sequence[Model]) -> tuple[float, ...]:
     Args:
         models: With probabilities.
     """
-    mass = _mass({model.keys: model.log_posterior for model in models})
+    mass = shares_of({model.keys: model.log_posterior for model in models})
     total = sum(model.probability for model in models)
     return tuple(total * mass.get(model.keys, 0.0) for model in models)
 
 
-def _mass(every: Mapping[frozenset[Hashable], float]) -> dict[frozenset[Hashable], float]:
+def shares_of(every: Mapping[frozenset[Hashable], float]) -> dict[frozenset[Hashable], float]:
     """Return subset -> its share of all; what has all findings of a likelier one and more counts for that one.
+
+    Those that count for another one are not among them.
 
     Args:
         every: Logarithm of the posterior odds of every subset.

@@ -9,7 +9,7 @@ import numpy as np
 from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import blocks_of
-from bench.diagnose.linearise.lack_of_fit import left_by_nuisances, missed, unexplained
+from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of, left_by_nuisances, unexplained
 from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, relinearised, with_friction_of
 from bench.diagnose.linearise.screening import Screening, Tried, screen, tried_of
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
@@ -23,7 +23,6 @@ from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-ENOUGH = 1.2  # effort: times; standard errors that have to be raised by less are settled
 ROUNDS = 6  # effort: of weighing anew with other standard errors
 
 
@@ -84,8 +83,8 @@ class Neighbourhood:
         self._causes, self._changes = tuple(causes), sensitivities
         linear = self._looked_around(linear, lambda nominal: nominal.white)
         for _ in range(ROUNDS):
-            factors = _factors(linear, left_by_nuisances(linear, linear.white), is_last=False)
-            if np.all((factors < ENOUGH) & (factors > 1 / ENOUGH)):
+            factors = factors_of(linear, left_by_nuisances(linear, linear.white), linear.unexplained)
+            if are_settled(factors):
                 break
             linear = raised(linear, factors)
         return linear, screen(linear, linear.white, self._everything(linear), self.rate)
@@ -117,7 +116,7 @@ class Neighbourhood:
         if own.whitenings is not nominal.whitenings or self._changes is not before:
             own = self._looked_around(own, lambda other: pseudo_residual(other, fit))
         # of what the fit leaves, and once: with larger standard errors nuisances would be free to leave more, and so on
-        own = raised(own, _factors(own, own.whiten(fit.residual), is_last=is_last))
+        own = raised(own, factors_of(own, own.whiten(fit.residual), own.unexplained, is_last=is_last))
         linear = without_shape(own, count)
         return linear, replace(self._everything(linear), needs=self.needs(fit.causes, world, own.replay.robot))
 
@@ -170,8 +169,3 @@ class Neighbourhood:
             candidates = candidates_of(linear, self._causes, self._changes.causes)
             self._tried, self._tried_for = tried_of([*candidates, *blocks_of(linear)]), known
         return self._tried
-
-
-def _factors(linear: LinearisedModel, left: Array, *, is_last: bool) -> Array:
-    """Return by what the standard errors have to be raised beside what a model leaves, (m,); shape (2, c)."""
-    return np.maximum(missed(linear, left, is_last=is_last) * linear.inflation, linear.unexplained) / linear.inflation

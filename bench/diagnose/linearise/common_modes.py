@@ -1,0 +1,37 @@
+"""What readings have in common, taken out of values and put back.
+
+Whitened values whose covariance is I + C C' are white after I - U diag(s) U', with the left singular vectors U of C, its
+singular values c, and s = 1 - 1 / sqrt(1 + c^2).
+"""
+
+import numpy as np
+
+from bench.record.campaign import Array
+
+TINY = 1e-9  # rounding: of the largest mode; smaller ones are none
+
+
+def modes_of(common: Array) -> tuple[Array, Array]:
+    """Return orthonormal modes U, shape (m, r), and by how much each is taken back, s, shape (r,).
+
+    Args:
+        common: C, shape (m, k).
+    """
+    if not np.any(common):
+        return np.zeros((len(common), 0)), np.zeros(0)
+    modes, size, _ = np.linalg.svd(common, full_matrices=False)
+    kept = size > TINY * size[0]
+    return modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2)
+
+
+def take_out(white: Array, modes: Array, shrink: Array) -> None:
+    """Take what is common out of values, shape (m, k), in place."""
+    if len(shrink):
+        white -= modes @ (shrink[:, None] * (modes.T @ white))
+
+
+def put_back(white: Array, modes: Array, shrink: Array) -> None:
+    """Put what is common back into values, shape (m, k), in place."""
+    if len(shrink):
+        stretch = shrink / (1 - shrink)
+        white += modes @ (stretch[:, None] * (modes.T @ white))
