@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from bench.compare.coincidence import cells_of, is_one_program
 from bench.compare.joint import Joint
 from bench.compare.levels import by_level
-from bench.compare.noise import Repeatability, repeatability_of, row_facts
+from bench.compare.noise import Repeatability, repeatability_of
 from bench.compare.shared import SharedWhitening, shared_whitening, undo_segments
 from bench.diagnose.linearise.linearised_model import raised, with_scatter
 from bench.diagnose.linearise.marginal import Nuisances
@@ -122,14 +122,8 @@ def settled_background(background: Background, changes: Array) -> Background:
             break
         linear = raised(background.joint.linear, np.sqrt(factors))
         background = _assembled(replace(background.joint, linear=linear), after, background.cells)
-        changes = changes / np.sqrt(factors)[_places(background)][:, None]
+        changes = changes / np.sqrt(factors)[linear.kind_of, linear.column_of][:, None]
     return background
-
-
-def _places(background: Background) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the kind and the quantity of every row, shape (m,) each."""
-    linear = background.joint.linear
-    return row_facts(linear)[0], linear.column_of.astype(np.intp)
 
 
 def _left(background: Background, changes: Array) -> Array:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from bench.diagnose.replay.alike import ALIKE, passes_same
-from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.segments import Segment, at_each_instant, instants_of
 from bench.record.campaign import Array
 from bench.record.moving import TRAVELS
 
@@ -23,9 +23,8 @@ def cells_of(segments: Sequence[Segment], recording: NDArray[np.intp]) -> NDArra
         recording: Shape (S,), index of the recording of each segment.
     """
     states = _states(segments)
-    lengths = [len(segment) for segment in segments]
-    of_instant = np.repeat(recording, lengths)
-    is_static = np.repeat([segment.is_static for segment in segments], lengths)
+    of_instant = at_each_instant(segments, recording)
+    is_static = at_each_instant(segments, [segment.is_static for segment in segments])
     cells = np.arange(len(states))
     for kind in (is_static, ~is_static):
         first = np.flatnonzero(kind & (of_instant == 0))
@@ -49,7 +48,8 @@ def is_one_program(segments: Sequence[Segment], recording: NDArray[np.intp]) -> 
 
     What friction holds at rest depends on all that was done before; only then is that the same too.
     """
-    states = np.split(_states(segments), np.cumsum([len(segment) for segment in segments])[:-1])
+    every = _states(segments)
+    states = [every[rows] for rows in instants_of(segments)]
     first = np.flatnonzero(recording == 0)
     for k in range(1, int(np.max(recording)) + 1):
         mine = np.flatnonzero(recording == k)
@@ -67,7 +67,7 @@ def _states(segments: Sequence[Segment]) -> Array:
     q = np.concatenate([segment.motion.q[here] for segment, here in zip(segments, read, strict=True)])
     velocity = np.concatenate([segment.motion.velocity[here] for segment, here in zip(segments, read, strict=True)])
     wrench = np.concatenate([segment.motion.wrench[here] for segment, here in zip(segments, read, strict=True)])
-    payload = np.concatenate([np.full(len(segment), segment.conditions.payload_kg) for segment in segments])
+    payload = at_each_instant(segments, [segment.conditions.payload_kg for segment in segments])
     came = np.concatenate([_came(segment) for segment in segments])
     force, moment = (np.max(np.abs(part)) for part in (wrench[:, :3], wrench[:, 3:]))
     scaled = [

@@ -15,7 +15,7 @@ from bench.diagnose.linearise.signatures import Digits, Sensitivities, Signature
 from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import MOST_BINS, Segment, segments_of
+from bench.diagnose.replay.segments import MOST_BINS, Segment, at_each_instant, segments_of
 from bench.effects.effect import Effect
 from bench.effects.recorded import recorded_in
 from bench.errors import InputError
@@ -49,12 +49,12 @@ class Joint:
     @property
     def of_instant(self) -> NDArray[np.intp]:
         """Shape (T,), index of each instant's recording."""
-        return np.repeat(self.of_segment, [len(segment) for segment in self.linear.segments])
+        return at_each_instant(self.linear.segments, self.of_segment)
 
     @property
     def of_row(self) -> NDArray[np.intp]:
         """Shape (m,), index of each whitened reading's recording."""
-        return np.repeat(self.of_segment, [len(whitening.modes) for whitening in self.linear.whitenings])
+        return self.of_instant[self.linear.instant_of]
 
     def tried(self) -> tuple[Candidate | Block, ...]:
         """Return every visible cause and every free shape, as they act in all recordings alike."""

@@ -30,17 +30,6 @@ class Repeatability:
         return cls(np.ones((2, c)), np.zeros((2, c)), np.zeros((2, c), dtype=np.intp))
 
 
-def row_facts(linear: LinearisedModel) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the kind of every whitened reading (0 at rest, 1 in motion), and its instant, shape (m,) each."""
-    c = len(linear.quantities)
-    kinds, instants, start = [], [], 0
-    for segment, whitening in zip(linear.segments, linear.whitenings, strict=True):
-        instants.append(start + np.flatnonzero(whitening.rows) // c)
-        kinds.append(np.full(len(whitening.modes), 0 if segment.is_static else 1))
-        start += len(segment)
-    return np.concatenate(kinds).astype(np.intp), np.concatenate(instants).astype(np.intp)
-
-
 def repeatability_of(
     linear: LinearisedModel, left: Array, cells: NDArray[np.intp], counted: Repeatability
 ) -> Repeatability:
@@ -55,17 +44,16 @@ def repeatability_of(
         cells: Shape (T,), the state of every instant.
         counted: What the standard errors count so far.
     """
-    kind, instant = row_facts(linear)
-    cell = cells[instant]
+    cell = cells[linear.instant_of]
     own, shared, pairs = np.ones_like(counted.own), np.zeros_like(counted.own), np.zeros_like(counted.pairs)
-    for kind_of in (0, 1):
+    for kind in (0, 1):
         for c in range(own.shape[1]):
-            rows = (kind == kind_of) & (linear.column_of == c)
+            rows = (linear.kind_of == kind) & (linear.column_of == c)
             if np.count_nonzero(rows) < FEW:
                 continue
-            new, total, pairs[kind_of, c] = variances(left[rows], cell[rows], linear.run_of[rows])
-            own[kind_of, c] = max(counted.own[kind_of, c] * new, 1.0)
-            shared[kind_of, c] = max(counted.own[kind_of, c] * total - own[kind_of, c], 0.0)
+            new, total, pairs[kind, c] = variances(left[rows], cell[rows], linear.run_of[rows])
+            own[kind, c] = max(counted.own[kind, c] * new, 1.0)
+            shared[kind, c] = max(counted.own[kind, c] * total - own[kind, c], 0.0)
     return Repeatability(own, shared, pairs)
 
 

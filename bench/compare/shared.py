@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.csgraph import connected_components
 
-from bench.compare.noise import Repeatability, row_facts
+from bench.compare.noise import Repeatability
 from bench.diagnose.linearise.common_modes import modes_of, put_back, take_out
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import Whitening
+from bench.diagnose.replay.segments import at_each_instant
 from bench.record.campaign import Array
 
 
@@ -77,7 +78,7 @@ def shared_whitening(linear: LinearisedModel, repeatability: Repeatability, cell
         repeatability: What repeats, in units of the standard errors before that.
         cells: Shape (T,), the state of every instant.
     """
-    kind, instant = row_facts(linear)
+    kind, instant = linear.kind_of, linear.instant_of
     c = len(linear.quantities)
     sigma = np.concatenate([segment.sigma for segment in linear.weighed]).reshape(-1)[instant * c + linear.column_of]
     share = np.sqrt(repeatability.shared / repeatability.own)[kind, linear.column_of]
@@ -98,7 +99,7 @@ def _tied(
 ) -> list[tuple[NDArray[np.intp], Array, Array]]:
     """Return rows, modes and shrinkage of every set of segments that cells tie together."""
     segments = _segments(linear)
-    of_instant = np.repeat(np.arange(len(segments)), [len(segment) for segment in linear.segments])
+    of_instant = at_each_instant(linear.segments, np.arange(len(segments)))
     first = of_instant[cells]  # a cell is named by an instant of it
     count = len(segments)
     ties = csr_array((np.ones(len(cells)), (of_instant, first)), shape=(count, count))

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.segments import at_each_instant, instants_of
 from bench.predict.prediction import ChannelError, Stretch
 from bench.record.campaign import Array
 from bench.record.held_out import BLOCKS
@@ -35,7 +36,7 @@ def channel_errors(
         is_fitted: Whether what is set up anew was fitted to the recording.
     """
     promised = {(one.channel, one.kind): one for one in promises}
-    observed = np.concatenate([segment.observed for segment in linear.segments])
+    observed = linear.observed
     found = []
     for kind, chosen in _by_kind(linear):
         for c, quantity in enumerate(linear.quantities):
@@ -111,21 +112,21 @@ def rms(values: Array) -> float:
 
 
 def _by_kind(linear: LinearisedModel) -> Iterator[tuple[Literal["static", "motion"], NDArray[np.bool_]]]:
-    still = np.repeat([segment.is_static for segment in linear.segments], [len(one) for one in linear.segments])
+    still = at_each_instant(linear.segments, [segment.is_static for segment in linear.segments])
     yield "static", still
     yield "motion", ~still
 
 
 def _stretches(linear: LinearisedModel) -> Iterator[tuple[str, str, NDArray[np.int64]]]:
     """Yield run, label and instants of every visit and of the parts of every run in motion."""
-    first = np.cumsum([0, *(len(segment) for segment in linear.segments)])
     moving: dict[str, list[int]] = {}
-    for i, segment in enumerate(linear.segments):
-        rows = np.arange(first[i], first[i + 1])
+    every = np.arange(len(linear.residual))
+    for segment, mine in zip(linear.segments, instants_of(linear.segments), strict=True):
+        rows = every[mine]
         if segment.is_static:
             yield segment.run, segment.label, rows
         else:
             moving.setdefault(segment.run, []).extend(rows.tolist())
-    for run, every in moving.items():
-        for rows in np.array_split(np.array(every, dtype=np.int64), min(BLOCKS, len(every))):
+    for run, instants in moving.items():
+        for rows in np.array_split(np.array(instants, dtype=np.int64), min(BLOCKS, len(instants))):
             yield run, run, rows

@@ -106,8 +106,7 @@ def _recording(
 
 def _left_by(nominal: CompiledRobot, linear: LinearisedModel) -> Array:
     """Return measured less what the nominal robot predicts, shape (T, c); nan where it finds no balance."""
-    observed = np.concatenate([segment.observed for segment in linear.segments])
     try:
-        return observed - Replay(nominal, linear.segments, linear.quantities).predict(NOMINAL)
+        return linear.observed - Replay(nominal, linear.segments, linear.quantities).predict(NOMINAL)
     except NOT_SIMULATED:
-        return np.full_like(observed, np.nan)
+        return np.full_like(linear.residual, np.nan)

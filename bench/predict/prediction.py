@@ -109,7 +109,7 @@ class PredictedRecording:
     @property
     def measured(self) -> Array:
         """Shape (T, c); nan where not measured."""
-        return np.concatenate([segment.observed for segment in self.linear.segments])
+        return self.linear.observed
 
 
 @dataclass(frozen=True, eq=False)

@@ -252,8 +252,7 @@ def _answers(machine: Machine, setup: Setup) -> Iterable[str]:
     campaign, quantities = with_payloads(machine.recordings[last]), diagnosis.linear.quantities
     replay = Replay(setup.compiled, segments_of(campaign, setup.compiled, quantities), quantities)
     linear = linearised_model_of(replay, nuisances_of(setup.compiled, quantities))
-    observed = np.concatenate([segment.observed for segment in replay.segments])
-    error = np.where(measured(linear), observed - replay.predict(world), np.nan)
+    error = np.where(measured(linear), replay.observed - replay.predict(world), np.nan)
     found = channel_errors(linear, error, linear.residual, np.sqrt(floor_variance(linear)), promises)
     return [channel.answer for channel in found]
 

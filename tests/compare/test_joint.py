@@ -9,7 +9,7 @@ import pytest
 from bench.compare.coincidence import cells_of
 from bench.compare.joint import Joint, joint_of
 from bench.compare.levels import by_level, is_of_machine
-from bench.compare.noise import Repeatability, row_facts
+from bench.compare.noise import Repeatability
 from bench.compare.recordings import recordings_of
 from bench.compare.shared import shared_whitening
 from bench.effects.catalogue import catalogue
@@ -121,7 +121,7 @@ def test_what_repeats_has_the_covariance_that_is_said_of_it() -> None:
         whitening = shared_whitening(linear, known, found)
         m = len(linear.white)
         # in the space of the instants' own whitening: I + sum over cells of f f'; then what segments have in common
-        rest, instant = row_facts(linear)
+        rest, instant = linear.kind_of, linear.instant_of
         sigma = np.concatenate([segment.sigma for segment in linear.weighed])[instant, linear.column_of]
         _, cell = np.unique(found[instant] * c + linear.column_of, return_inverse=True)
         features = np.zeros((m, int(cell.max()) + 1))

@@ -106,8 +106,7 @@ def baseline_of(linear: LinearisedModel, fit: Fit, first: FirstPass, rate: float
     """
     folds = folds_of(linear)
     diagnosed = errors_of_folds(linear, fit, tangent_of(linear, fit), folds)
-    observed = np.concatenate([segment.observed for segment in linear.segments])
-    observed = np.where(measured(linear), observed, np.nan)
+    observed = np.where(measured(linear), linear.observed, np.nan)
     predicted = least_squares_at_bins(linear, first, folds)
     found: list[tuple[int, int, dict[str, Array]]] = []
     for c, quantity in enumerate(linear.quantities):

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.cross_validation.folds import Folds
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.segments import instants_of
 from bench.identify.dynamics import folds as dynamics
 from bench.identify.dynamics.averages import Averages, averages_of
 from bench.identify.dynamics.first_pass import FirstPass
@@ -42,13 +43,11 @@ def least_squares_at_bins(linear: LinearisedModel, first: FirstPass, folds: Fold
 
 def _bins(linear: LinearisedModel, first: FirstPass) -> Iterator[tuple[Index, Averages]]:
     """Yield instants of the campaign, and what predicts them, piece by piece."""
-    begin = 0
-    for segment in linear.segments:
-        instants = np.arange(begin, begin + len(segment))
-        begin += len(segment)
+    every = np.arange(len(linear.residual))
+    for segment, mine in zip(linear.segments, instants_of(linear.segments), strict=True):
         if segment.path is None or segment.is_static:
             continue
-        path = segment.path
+        path, instants = segment.path, every[mine]
         averaged = [(path.time[rows], weights) for rows, weights in path.of_torque]
         for averages in averages_of(first, segment.run, averaged):
             yield instants[averages.which], averages
@@ -61,13 +60,12 @@ def _alike(linear: LinearisedModel, first: FirstPass, folds: Folds) -> dynamics.
     """
     time: dict[str, list[Array]] = {}
     instants: dict[str, list[Index]] = {}
-    begin = 0
-    for segment in linear.segments:
+    every = np.arange(len(linear.residual))
+    for segment, mine in zip(linear.segments, instants_of(linear.segments), strict=True):
         if segment.path is not None and not segment.is_static:
             middle = [segment.path.time[group].mean() for group in segment.path.groups]
             time.setdefault(segment.run, []).append(np.array(middle))
-            instants.setdefault(segment.run, []).append(np.arange(begin, begin + len(segment)))
-        begin += len(segment)
+            instants.setdefault(segment.run, []).append(every[mine])
     of, near = [], []
     for part in first.stretches:
         if part.samples.run not in time:

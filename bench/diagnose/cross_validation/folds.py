@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.replay.segments import recordings_of
+from bench.diagnose.replay.segments import at_each_instant, recordings_of
 from bench.record.campaign import Array
 from bench.record.held_out import BLOCKS, GAP, MOST_FOLDS
 
@@ -38,18 +38,11 @@ class Folds:
 
     def of_rows(self, linear: LinearisedModel) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Return the fold, shape (m,), and the gaps, shape (m, K), of whitened readings."""
-        instant = instant_of(linear)
-        return self.of_instants[instant], self.gap[instant]
+        return self.of_instants[linear.instant_of], self.gap[linear.instant_of]
 
     def sums(self, values: Array) -> Array:
         """Return sums over the instants of each fold, shape (K,), of values of shape (T,)."""
         return np.bincount(self.of_instants, values, len(self)).astype(np.float64)
-
-
-def instant_of(linear: LinearisedModel) -> NDArray[np.int64]:
-    """Return the instant of every whitened reading, shape (m,)."""
-    rows = np.concatenate([whitening.rows for whitening in linear.whitenings])
-    return np.flatnonzero(rows) // len(linear.quantities)
 
 
 def folds_of(linear: LinearisedModel, changed: Array | None = None, only: str | None = None) -> Folds:
@@ -65,8 +58,7 @@ def folds_of(linear: LinearisedModel, changed: Array | None = None, only: str | 
         changed: Shape (m,), whitened change of the prediction by the extension; None: there is none.
         only: Name of the recording in which alone the extension acts; None: there is none.
     """
-    lengths = [len(segment) for segment in linear.segments]
-    run = np.repeat([linear.runs.index(segment.run) for segment in linear.segments], lengths)
+    run = at_each_instant(linear.segments, [linear.runs.index(segment.run) for segment in linear.segments])
     power = np.ones(len(linear.runs)) if changed is None else _sums(linear.run_of, changed**2, len(linear.runs))
     names = recordings_of(linear.segments)
     if len(names) == 1:

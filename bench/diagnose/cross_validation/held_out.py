@@ -183,7 +183,7 @@ def _channels(
         weights: Shape (draws, K), of the bootstrap.
     """
     variance = floor_variance(linear)
-    observed = np.concatenate([segment.observed for segment in linear.segments])
+    observed = linear.observed
     found = []
     for c, quantity in enumerate(linear.quantities):
         seen = np.isfinite(variance[:, c])

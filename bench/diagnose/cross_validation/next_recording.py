@@ -19,7 +19,7 @@ from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.alike import ALIKE, passes_same
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.segments import recordings_of
+from bench.diagnose.replay.segments import at_each_instant, recordings_of
 from bench.effects.effect import Effect
 from bench.record.campaign import Array
 
@@ -54,10 +54,10 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds, unknown=of_campaign)
     drifts = {**changes_of(linear, fit, "drifts"), **errors_found(linear, fit, _is_of_recording)}
     set_up = {**changes_of(linear, fit, "anew"), **errors_found(linear, fit, _is_set_up)}
-    lengths = [len(segment) for segment in linear.segments]
-    is_static = np.repeat([segment.is_static for segment in linear.segments], lengths)
-    last = recordings_of(linear.segments)[-1]
-    is_last = np.repeat([segment.recording == last for segment in linear.segments], lengths)
+    segments = linear.segments
+    is_static = at_each_instant(segments, [segment.is_static for segment in segments])
+    last = recordings_of(segments)[-1]
+    is_last = at_each_instant(segments, [segment.recording == last for segment in segments])
     kinds: tuple[tuple[Literal["static", "motion"], Array], ...] = (("static", is_static), ("motion", ~is_static))
     known = []
     for c, quantity in enumerate(linear.quantities):

@@ -83,7 +83,7 @@ class Objective:
         self.low, self.high = bounds_of(linear.nuisances, self.unknowns)
         self.units = np.concatenate([np.ones(len(linear.nuisances)), self.sigma])
         self._by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not nuisance.is_simulated]
-        self._observed = np.concatenate([segment.observed for segment in linear.segments])
+        self._observed = linear.observed
 
     def at(self, nuisances: Array, values: Array, residual: Array | None = None) -> State:
         """Return where these parameters lead.

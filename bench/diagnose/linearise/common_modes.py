@@ -1,6 +1,6 @@
 """What readings have in common, taken out of values and put back.
 
-Whitened values whose covariance is I + C C' are white after I - U diag(s) U', with the left singular vectors U of C, its
+Values whose covariance is I + C C' are white after I - U diag(s) U', with the left singular vectors U of C, its
 singular values c, and s = 1 - 1 / sqrt(1 + c^2).
 """
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.replay.alike import ALIKE
 from bench.diagnose.replay.nuisances import Nuisance
-from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.segments import Segment, at_each_instant
 from bench.record.campaign import Array
 
 MOST_WEIGHTS = 20  # effort: of more, loads are pulled by something that is no weight, with one gain
@@ -30,7 +30,7 @@ def each_weight(
     """
     forces = [np.linalg.norm(segment.motion.wrench[segment.motion.read, :3], axis=1) for segment in segments]
     hung = np.concatenate(forces)
-    bolted = np.concatenate([np.full(len(segment), segment.conditions.payload_kg) for segment in segments])
+    bolted = at_each_instant(segments, [segment.conditions.payload_kg for segment in segments])
     found, changes = [], []
     for nuisance, change in zip(nuisances, np.moveaxis(sensitivities, 2, 0), strict=True):
         if not (nuisance.scales_wrench or nuisance.scales_payload):

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bench.diagnose.linearise.linearised_model import WHITENED_TOGETHER, LinearisedModel
+from bench.diagnose.replay.segments import at_each_instant
 from bench.diagnose.replay.world import NOMINAL
 from bench.effects.gear_kinematics import TransmissionError
 from bench.effects.learned_readings import force_of, in_room, in_time, of_reading, under_force
@@ -150,8 +151,8 @@ def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, 
     link = np.concatenate([response.link for response in linear.responses])
     motor = np.concatenate([response.motor for response in linear.responses])
     stiffness = linear.replay.compiled.stiffness
-    is_static = np.concatenate([np.full(len(segment), segment.is_static) for segment in segments])
-    standing = np.concatenate([np.tile(segment.standing, (len(segment), 1)) for segment in segments])
+    is_static = at_each_instant(segments, [segment.is_static for segment in segments])
+    standing = at_each_instant(segments, [segment.standing for segment in segments])
     direction = np.where(standing | is_static[:, None], 0.0, np.sign(trace.q_velocity))
     idle = standing & ~is_static[:, None]  # whose friction is anywhere: it says nothing of the joint
     link, motor = np.where(idle[:, None], 0.0, link), np.where(idle[:, None], 0.0, motor)

@@ -107,11 +107,10 @@ def as_simulated(linear: LinearisedModel, explained: Array, share: float) -> Arr
 
 def _by_quantity(linear: LinearisedModel, left: Array, freedom: Array, *, counts_alike: bool = True) -> Array:
     """Return the variance of residuals, shape (m,), of every quantity at rest and in motion, shape (2, c)."""
-    still = np.array([segment.is_static for segment in linear.segments])
-    at_rest = np.concatenate([np.full(int(w.rows.sum()), one) for w, one in zip(linear.whitenings, still, strict=True)])
     found = np.ones((2, len(linear.quantities)))
     for c in range(len(linear.quantities)):
-        for kind, rows in enumerate((at_rest & (linear.column_of == c), ~at_rest & (linear.column_of == c))):
+        for kind in (0, 1):
+            rows = (linear.kind_of == kind) & (linear.column_of == c)
             if np.count_nonzero(rows) >= FEW:
                 together = 1.0
                 if kind == 1 and counts_alike:

@@ -23,7 +23,7 @@ from bench.diagnose.linearise.torque_response import TorqueResponse, torque_resp
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.segments import Segment, at_each_instant, instants_of
 from bench.diagnose.replay.simulations import simulate_all, sound
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.record.campaign import Array
@@ -83,6 +83,23 @@ class LinearisedModel:
         """What is replayed."""
         return self.replay.segments
 
+    @property
+    def observed(self) -> Array:
+        """Shape (T, c), what was measured; nan where nothing was."""
+        return self.replay.observed
+
+    @cached_property
+    def instant_of(self) -> NDArray[np.int64]:
+        """Shape (m,), index of the instant of every whitened reading."""
+        return self._stacked[1] // len(self.quantities)
+
+    @cached_property
+    def kind_of(self) -> NDArray[np.int64]:
+        """Shape (m,), 0 for every whitened reading at rest, 1 in motion."""
+        return at_each_instant(self.segments, [int(not segment.is_static) for segment in self.segments])[
+            self.instant_of
+        ]
+
     def whiten(self, values: Array) -> Array:
         """Return whitened values, shape (m, ...), of values of shape (T, c, ...); nan counts as not measured."""
         length, c, *more = values.shape
@@ -126,7 +143,7 @@ class LinearisedModel:
 
     def split(self, values: Array) -> list[Array]:
         """Return values of shape (T, ...) segment by segment."""
-        return np.split(values, np.cumsum([len(segment) for segment in self.segments])[:-1])
+        return [values[rows] for rows in instants_of(self.segments)]
 
 
 def linearised_model_of(
@@ -143,15 +160,14 @@ def linearised_model_of(
     if sensitivities is None:
         worlds = [World({nuisance: nuisance.sigma}) for nuisance in nuisances]
         sensitivities = np.stack([sound(found) - nominal for found in simulate_all(replay, worlds)], axis=2)
-    observed = np.concatenate([segment.observed for segment in replay.segments])
-    residual = observed - nominal
+    residual = replay.observed - nominal
     traces = replay.traces(NOMINAL)
     responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
     held, held_changes = held_friction(replay, traces, responses)
     weights, their_changes = each_weight(replay.segments, nuisances, sensitivities)
     nuisances = (*nuisances, *held, *weights)
     sensitivities = np.concatenate([sensitivities, held_changes, their_changes], axis=2)
-    parts = np.split(residual, np.cumsum([len(segment) for segment in replay.segments])[:-1])
+    parts = [residual[rows] for rows in instants_of(replay.segments)]
     shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
     scatter = Scatter(replay.compiled.play, levels_of(replay.compiled), shaken)
     plain = _assemble(replay, nuisances, responses, scatter, replay.segments, sensitivities, residual)

@@ -31,7 +31,7 @@ STEPS = 5.0  # of a gauge's resolution, that the pressure has to change by
 def displaced(replay: Replay) -> Iterator[Finding]:
     """Yield a doubt for each reflector and for the gauge that reads what the nominal model cannot make of it."""
     nominal = replay.predict(NOMINAL)
-    observed = np.concatenate([segment.observed for segment in replay.segments])
+    observed = replay.observed
     in_time = as_if_in_time(replay, observed, nominal)
     stopped = _stopped(replay, observed, nominal)
     for name, run in stopped.items():

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import at_each_instant
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.effect import Acting
 from bench.effects.gas import CounterbalanceGas
@@ -78,8 +79,8 @@ def drive_picture(replay: Replay) -> DrivePicture:
     rotors = _rotors(replay, nominal)
     missing, nominal = [*missing, *rotors], nominal - sum(rotors)
     shape = trace.q.shape
-    seen = np.concatenate([segment.observed for segment in replay.segments])
-    standing = np.repeat([s.standing for s in replay.segments], [len(s) for s in replay.segments], axis=0)
+    seen = replay.observed
+    standing = at_each_instant(replay.segments, [segment.standing for segment in replay.segments])
     observed, model = np.full(shape, np.nan), np.zeros(shape)
     extra, names, units = np.zeros((*shape, len(missing))), [""] * shape[1], np.ones(shape[1])
     for c, quantity in enumerate(replay.quantities):

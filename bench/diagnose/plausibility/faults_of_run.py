@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.listed_causes import ListedCauses
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.segments import Segment
 from bench.effects.gas import GasLoss
 from bench.effects.geometry import JointZero
 from bench.effects.recording_channel import ChannelDelay
@@ -38,7 +37,6 @@ LISTED: Mapping[tuple[str, str], float] = {
     ("current", "displaced"): CurrentOffset.parameters[0].high,
 }
 SOONEST = ChannelDelay.parameters[0].low  # derived: [s], of a delay of any channel
-LEAST = 3  # exact: readings that have a rate in their middle
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +81,7 @@ def faults_of(
         own: Shape (T,), its instants.
         quantities: Shape (c,).
         predicted: Shape (T, c), what the others make of it.
-        rates: Shape (T, c), how fast that changes.
+        rates: Shape (T, c), how fast that changes; nan where nobody can say.
         causes: What changes readings.
         angles: Index of a drive -> column of its angle.
     """
@@ -91,6 +89,7 @@ def faults_of(
         if run in changes and np.any(changes[run][own]):
             yield Fault(run, (LOADS, 0), column, "scaled", "", changes[run][own][:, :, None])
     seen = np.isfinite(causes.residual[own])
+    changing = np.nan_to_num(rates[own])
     for j, zero in causes.zeros.items():
         if j in angles and np.any(zero[own]):
             yield Fault(run, (ANGLES, 0), angles[j], "displaced", unit_of(angles[j]), zero[own][:, :, None])
@@ -105,7 +104,7 @@ def faults_of(
         for c, rows in zip(there, alone, strict=True):
             yield Fault(run, subject, quantities[c].column, "displaced", unit, 1.0 * rows[:, :, None])
         whole = name.rsplit("_", 2)[0] if len(there) > 1 else name
-        yield Fault(run, subject, whole, "late", "s", -(only * rates[own])[:, :, None])
+        yield Fault(run, subject, whole, "late", "s", -(only * changing)[:, :, None])
         for c, rows in zip(there, alone, strict=True):
             yield Fault(run, subject, quantities[c].column, "scaled", "", (rows * predicted[own])[:, :, None])
         if len(there) > 1:
@@ -120,30 +119,6 @@ def subjects_of(quantities: Sequence[Quantity]) -> dict[tuple[str, int], list[in
     for c, quantity in enumerate(quantities):
         found.setdefault((quantity.kind, quantity.index), []).append(c)
     return found
-
-
-def rates_of(segments: Sequence[Segment], values: Array, over: float = 0.0) -> Array:
-    """Return how fast values change, shape (T, c); 0 at rest and in motions of less than three readings.
-
-    Args:
-        segments: Of T instants.
-        values: Shape (T, c).
-        over: Time before each instant over which the change is taken [s]; 0: the rate at the instant.
-    """
-    rates = np.zeros_like(values)
-    first = 0
-    for segment in segments:
-        rows = slice(first, first + len(segment))
-        first += len(segment)
-        time = segment.motion.time[segment.motion.read]
-        if segment.is_static or len(segment) < LEAST:
-            continue
-        if over == 0.0:
-            rates[rows] = np.gradient(values[rows], time, axis=0)
-            continue
-        for c, column in enumerate(values[rows].T):
-            rates[rows, c] = (column - np.interp(time - over, time, column)) / over
-    return rates
 
 
 def unit_of(column: str) -> str:

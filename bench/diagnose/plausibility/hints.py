@@ -113,7 +113,7 @@ def _looks(factor: float) -> str:
 
 def _gauge(replay: Replay) -> Iterator[Finding]:
     """Yield a warning where a gauge reads more or less than gas that was lost or is warm accounts for."""
-    observed, nominal = np.concatenate([segment.observed for segment in replay.segments]), replay.predict(NOMINAL)
+    observed, nominal = replay.observed, replay.predict(NOMINAL)
     warm = GasTemperature.parameters[0].high / REFERENCE_K
     least, most = (1 - GasLoss.parameters[0].high) * (1 - warm), 1 + warm
     for c, quantity in enumerate(replay.quantities):

@@ -13,7 +13,9 @@ from scipy import stats
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.first_look import LEAST, TOLD, Factor, inflation
+from bench.diagnose.plausibility.rates import rates_of
 from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import at_each_instant
 from bench.diagnose.replay.world import NOMINAL
 from bench.record.campaign import Array
 
@@ -44,7 +46,7 @@ def as_if_in_time(replay: Replay, observed: Array, nominal: Array) -> Array:
         nominal: Shape (T, c), what the nominal model has instead.
     """
     result = observed.copy()
-    rates = np.nan_to_num(_rates(replay, replay.trace(NOMINAL).time, nominal))
+    rates = np.nan_to_num(rates_of(replay.segments, nominal))
     for late in late_reflectors(replay):
         if late.delay.value > SURE * late.delay.sigma:
             index = next(q.index for q in replay.quantities if q.column == late.column)
@@ -62,11 +64,11 @@ def late_reflectors(replay: Replay) -> Iterator[Late]:
     Args:
         replay: Of segments with readings of reflectors.
     """
-    time, nominal, observed, moving = _beside_nominal(replay)
+    nominal, observed, moving = _beside_nominal(replay)
     for k in sorted({q.index for q in replay.quantities if q.kind == "reflector"}):
         columns = [c for c, q in enumerate(replay.quantities) if q.kind == "reflector" and q.index == k]
         place = nominal[:, columns]
-        speed = _rates(replay, time, place)
+        speed = rates_of(replay.segments, place)
         missing = observed[:, columns] - place
         rows = moving & np.all(np.isfinite(missing) & np.isfinite(speed), axis=1)
         if rows.sum() < LEAST:
@@ -88,12 +90,12 @@ def late_gauges(replay: Replay) -> Iterator[Late]:
     Args:
         replay: Of segments with readings of gauges.
     """
-    time, nominal, observed, moving = _beside_nominal(replay)
+    nominal, observed, moving = _beside_nominal(replay)
     for c, quantity in enumerate(replay.quantities):
         if quantity.kind != "gas_pressure":
             continue
         pressure = nominal[:, c]
-        rate = _rates(replay, time, pressure[:, None])[:, 0]
+        rate = rates_of(replay.segments, pressure[:, None])[:, 0]
         rows = moving & np.isfinite(observed[:, c]) & np.isfinite(rate)
         if rows.sum() < LEAST or not np.any(rate[rows]):
             continue
@@ -114,7 +116,6 @@ def late_drives(replay: Replay, picture: DrivePicture, at_rest: Array) -> Iterat
         picture: What they did.
         at_rest: Shape (T, n) [Nm], what the model needs without motion: gravity and inertia have factors of their own.
     """
-    trace = replay.trace(NOMINAL)
     segment = _segments(replay)
     for j, name in enumerate(picture.names):
         rows = np.isfinite(picture.observed[:, j]) & ~picture.standing[:, j]
@@ -123,7 +124,7 @@ def late_drives(replay: Replay, picture: DrivePicture, at_rest: Array) -> Iterat
         columns, y = np.column_stack([picture.columns(j), at_rest[:, j]]), picture.observed[:, j]
         scale = np.maximum(np.linalg.norm(columns[rows], axis=0), 1e-12)
         fitted = columns / scale @ np.linalg.lstsq(columns[rows] / scale, y[rows])[0]
-        rate = _rates(replay, trace.time, fitted[:, None])[:, 0]
+        rate = rates_of(replay.segments, fitted[:, None])[:, 0]
         # across a turn the friction jumps: no rate is told there
         turned = np.sign(picture.velocity[:, j])
         inner = np.zeros(len(y), dtype=np.bool_)
@@ -141,11 +142,10 @@ def late_drives(replay: Replay, picture: DrivePicture, at_rest: Array) -> Iterat
             yield _late(name, rest, own)
 
 
-def _beside_nominal(replay: Replay) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """Return time (T,), what the nominal model has (T, c), what was observed (T, c), and where anything moves (T,)."""
+def _beside_nominal(replay: Replay) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Return what the nominal model has (T, c), what was observed (T, c), and where anything moves (T,)."""
     trace = replay.trace(NOMINAL)
-    observed = np.concatenate([segment.observed for segment in replay.segments])
-    return trace.time, replay.read(NOMINAL, trace), observed, np.any(trace.q_velocity != 0, axis=1)
+    return replay.read(NOMINAL, trace), replay.observed, np.any(trace.q_velocity != 0, axis=1)
 
 
 def _late(column: str, missing: Array, rate: Array) -> Late:
@@ -158,17 +158,6 @@ def _late(column: str, missing: Array, rate: Array) -> Late:
     return Late(column, Factor(delay, float(np.sqrt(np.mean(rest**2) * inflation(rest) / power))), explained)
 
 
-def _rates(replay: Replay, time: Array, values: Array) -> Array:
-    """Return rates of change, shape (T, c); nan in segments too short to have one."""
-    rates = np.full_like(values, np.nan)
-    first = 0
-    for segment in replay.segments:
-        rows = slice(first, first + len(segment))
-        first += len(segment)
-        if not segment.is_static and len(segment) > 2:
-            rates[rows] = np.gradient(values[rows], time[rows], axis=0)
-    return rates
-
-
-def _segments(replay: Replay) -> Array:
-    return np.repeat(np.arange(len(replay.segments)), [len(segment) for segment in replay.segments]).astype(float)
+def _segments(replay: Replay) -> NDArray[np.intp]:
+    """Return the index of the segment of each instant, shape (T,)."""
+    return at_each_instant(replay.segments, np.arange(len(replay.segments)))

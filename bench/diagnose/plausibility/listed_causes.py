@@ -61,7 +61,7 @@ def listed_causes(replay: Replay, recorded: Recorded) -> ListedCauses | None:
     if (len(nuisances) + len(effects)) * float(np.prod(replay.shape)) > MOST_NUMBERS:
         return None
     nominal = replay.predict(NOMINAL)
-    observed = np.concatenate([segment.observed for segment in replay.segments])
+    observed = replay.observed
     seen = np.isfinite(observed)
 
     def changes(worlds: list[World], times: list[float]) -> Iterator[Array | None]:

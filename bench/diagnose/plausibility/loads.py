@@ -11,6 +11,7 @@ import numpy as np
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.plausibility.mistaken_inputs import Recording, without_loads
+from bench.diagnose.replay.segments import instants_of
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.record.units import STANDARD_GRAVITY
@@ -34,10 +35,7 @@ def loads_too_small(picture: DrivePicture, recording: Recording) -> Iterator[Fin
     if bare is None:
         return
     paid, asked = [], []
-    first = 0
-    for segment in recording.segments:
-        rows = slice(first, first + len(segment))
-        first += len(segment)
+    for segment, rows in zip(recording.segments, instants_of(recording.segments), strict=True):
         if segment.is_static and len(segment) > 1:
             of_load = (picture.model - bare.model)[rows] / picture.slack
             seen = picture.observed[rows] / picture.slack

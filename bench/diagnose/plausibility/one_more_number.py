@@ -11,15 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.plausibility.faults_of_run import ANGLES, LOADS, Fault, faults_of, rates_of
+from bench.diagnose.plausibility.faults_of_run import ANGLES, LOADS, Fault, faults_of
 from bench.diagnose.plausibility.late_channels import SURE
 from bench.diagnose.plausibility.linear_fit import LinearFit, fitted
 from bench.diagnose.plausibility.listed_causes import ListedCauses, listed_causes
 from bench.diagnose.plausibility.loads import TOO_SMALL
 from bench.diagnose.plausibility.one_run import EXPLAINED, FAR, OTHERS
+from bench.diagnose.plausibility.rates import rates_of
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment, run_of_each, segments_of
+from bench.diagnose.replay.segments import Segment, at_each_instant, run_of_each, segments_of
 from bench.effects.recorded import recorded_in
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
@@ -63,7 +64,7 @@ class OneRunAmongOthers:
         self.replay, self.causes, self.angles = replay, causes, angles
         self.run_of = run_of_each(replay.segments)
         self.time = np.concatenate([one.motion.time[one.motion.read] for one in replay.segments])
-        is_static = np.repeat([one.is_static for one in replay.segments], [len(one) for one in replay.segments])
+        is_static = at_each_instant(replay.segments, [one.is_static for one in replay.segments])
         kinds = [np.where(is_static == kind, self.run_of, "") for kind in (True, False)]
         errors = np.concatenate([segment.sigma for segment in replay.segments])
         spread = np.sqrt(np.mean(np.nan_to_num(causes.residual) ** 2, axis=0))

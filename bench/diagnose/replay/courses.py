@@ -2,12 +2,11 @@
 
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.segments import Segment, slices_of
 from bench.diagnose.replay.winding import MotionSpline
 from bench.diagnose.replay.world import World, log_error_of
 from bench.effects.effect import Conditions
@@ -100,12 +99,6 @@ def _spread(segment: Segment) -> float:
     kernel = segment.path.kernel
     away = np.median(np.diff(segment.path.time)) * (np.arange(len(kernel)) - len(kernel) // 2)
     return float(kernel @ away**2)
-
-
-def slices_of(lengths: Iterable[int]) -> list[slice]:
-    """Return where parts of these lengths stand, one after the other."""
-    edges = np.cumsum([0, *lengths]).tolist()
-    return [slice(first, last) for first, last in pairwise(edges)]
 
 
 def _indices(parts: list[slice], chosen: Iterable[int]) -> NDArray[np.intp]:

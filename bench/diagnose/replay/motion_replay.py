@@ -13,12 +13,12 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.replay.courses import Course, count_of, courses_of, slices_of, true_conditions
+from bench.diagnose.replay.courses import Course, count_of, courses_of, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.jacobians import reflector_jacobians
 from bench.diagnose.replay.levels import world_in
 from bench.diagnose.replay.play import expected
-from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.segments import Segment, at_each_instant, slices_of
 from bench.diagnose.replay.world import (
     NOMINAL,
     World,
@@ -126,11 +126,16 @@ class MotionReplay:
                 trace=trace[course.rows],
                 acceleration=course.motion.acceleration[course.motion.read],
                 visit=np.repeat(visits, lengths),
-                gear_k=np.repeat([segment.conditions.gear_k for segment in segments], lengths, axis=0),
+                gear_k=at_each_instant(segments, [segment.conditions.gear_k for segment in segments]),
                 waves=partial(_waves, segments),
             )
             found.append((course, followed))
         return found
+
+    @property
+    def observed(self) -> Array:
+        """Shape (T, c), what was measured; nan where nothing was."""
+        return np.concatenate([segment.observed for segment in self.segments])
 
     @cached_property
     def jacobians(self) -> Array:

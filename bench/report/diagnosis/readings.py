@@ -8,13 +8,12 @@ from numpy.typing import NDArray
 
 from bench.diagnose.cross_validation.floor import floor_variance
 from bench.diagnose.cross_validation.floor import measured as measured_at
-from bench.diagnose.cross_validation.folds import instant_of
 from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.segments import Segment
+from bench.diagnose.replay.segments import Segment, at_each_instant
 from bench.diagnose.replay.world import World
 from bench.predict.errors import rms
 from bench.record.campaign import Array
@@ -125,7 +124,7 @@ def readings_of(diagnosis: Diagnosis) -> Readings:
     """Return the readings of a diagnosis; a few simulations."""
     linear = diagnosis.linear
     segments = linear.segments
-    measured = np.concatenate([segment.observed for segment in segments])
+    measured = linear.observed
     found = _comparison(diagnosis, measured)
     moved = [np.sign(s.motion.velocity[s.motion.read]) * _moves(s) for s in segments]
     there = measured_at(linear)
@@ -140,9 +139,9 @@ def readings_of(diagnosis: Diagnosis) -> Readings:
         measured=measured,
         simulated=found.simulated,
         extended=found.extended,
-        instant=instant_of(linear),
+        instant=linear.instant_of,
         column=linear.column_of.astype(np.int64),
-        run=np.concatenate([np.full(len(s), linear.runs.index(s.run)) for s in segments]),
+        run=at_each_instant(segments, [linear.runs.index(s.run) for s in segments]),
         seconds=clock.seconds[~clock.is_break],
         is_slide=np.array(linear.replay.compiled.is_slide, dtype=bool),
         angle=np.concatenate([s.motion.q[s.motion.read] for s in segments]),
