@@ -41,7 +41,7 @@ def test_many_small_refusals_open_a_search_as_one_large_one_does(
     selection.linear = selection.null = selection.executor = nothing
     selection.screening = SimpleNamespace(threshold=3.0)  # type: ignore[assignment]
     selection.progress = lambda words: None
-    selection.refused, selection.beside, selection.is_open = {}, {}, False
+    selection.refused, selection.refused_beside, selection.is_open = {}, {}, False
     selection.best = Model(fit_of(causes))
     assert selection._refuse()
     assert not selection.best.causes

@@ -3,11 +3,30 @@
 from collections.abc import Callable, Hashable, Sequence, Set
 
 from bench.diagnose.name.models import CandidateModel
-from bench.diagnose.name.search import WINDOW, Alternative, search
+from bench.diagnose.name.search import WINDOW, Alternative, Subset, alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import SearchSpace
 
 GROWING = 12  # effort: subsets that are expanded to find what is missing beside all of a model
 MOST_PLAYS = 12  # effort: models with a play that are tried; one of 20 findings would be tried for minutes
+
+
+def proposed(about: SearchSpace, found: Sequence[Alternative], count: int, *, adds: bool) -> list[tuple[int, ...]]:
+    """Return the terms of the models that are worth a simulation beside the one that is known.
+
+    Args:
+        about: The known model, and what may be wrong beside it.
+        found: By a search about it, the most probable first.
+        count: How many of the best.
+        adds: Whether models may have more findings than the known one.
+    """
+    leaders, best = leaders_of(found, count), found[0].best.terms
+    terms = [one.best.terms for one in leaders]
+    if adds:
+        terms.append(grown(about, leaders))
+    if about.shape:
+        terms += without(about, best, about.shape)
+    terms.append(about.instead(best))
+    return [some for some in terms if some and (adds or len(some) <= len(about.present))]
 
 
 def leaders_of(found: Sequence[Alternative], count: int) -> list[Alternative]:
@@ -20,6 +39,29 @@ def leaders_of(found: Sequence[Alternative], count: int) -> list[Alternative]:
     near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
     larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
     return [*[one for one in near if one not in larger][:count], *larger[:1]]
+
+
+def other_names(
+    about: SearchSpace,
+    subsets: dict[tuple[int, ...], Subset],
+    best: frozenset[Hashable],
+    known: Set[frozenset[Hashable]],
+    count: int,
+) -> list[tuple[int, ...]]:
+    """Return the terms of models in which a finding of a simulated model has another name, as of `rivals_of`.
+
+    Args:
+        about: The model that the campaign is linearised about.
+        subsets: That were visited, by their terms. Exchanges of each finding of the model come to them.
+        best: Keys of the model.
+        known: Keys of all models that were simulated.
+        count: For so many findings at most.
+    """
+    found = alternatives_of(about.model, subsets.values())
+    if mine := next((one.best for one in found if one.keys == best), None):
+        subsets |= {one.terms: one for one in exchanges(about.model, mine, about.shape)}
+        found = alternatives_of(about.model, subsets.values())
+    return [one.best.terms for one in rivals_of(found, best, known, count)]
 
 
 def rivals_of(

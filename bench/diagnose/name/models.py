@@ -164,6 +164,18 @@ class Fitter:
         self.models[candidate.keys] = self._model(candidate, model.fit, every) or Model(self.null)
         return candidate
 
+    def fell_short(self, best: Model) -> dict[frozenset[Hashable], frozenset[Hashable]]:
+        """Return what could not be fitted, or did not need all of its causes: its keys -> those that came to nothing.
+
+        Args:
+            best: The best model before; what it has can be fitted.
+        """
+        return {
+            keys: keys - (model or best).keys
+            for keys, model in self.models.items()
+            if model is None or model.keys != keys
+        }
+
     def _model(self, candidate: CandidateModel, fit: Fit, kept: tuple[int, ...]) -> Model | None:
         causes = tuple(candidate.causes[i] for i in kept)
         fit = fit.with_causes(causes)

@@ -38,10 +38,9 @@ def repeats(
     for other in models[1:]:
         for key in models[0].keys - other.keys:
             same[key] |= other.keys - models[0].keys
-    shape = about.present[-1:] if models[0].shape else ()
     found = []
     for model in _without_parts(linear, tried, about):
-        found.append(alternatives_of(model, search(model, [about.present], shape, EXPANDED))[0].keys)
+        found.append(alternatives_of(model, search(model, [about.present], about.shape, EXPANDED))[0].keys)
     parts = _parts_of(folds_of(linear))
     whose: Mapping[Hashable, int] = {
         cause.key: parts[cause.place.recording] for cause in models[0].causes if cause.place.recording in parts

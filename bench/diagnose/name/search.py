@@ -123,14 +123,14 @@ class SubsetPosterior:
         """Return H and s of the columns of some terms, one term after the other; their sizes x solve H x = s."""
         columns = np.concatenate([self.terms[i].columns for i in which])
         prior = np.concatenate([self.terms[i].prior for i in which])
-        h = self.information[np.ix_(columns, columns)].copy()
+        h: Array = self.information[np.ix_(columns, columns)].copy()
         h[np.diag_indices_from(h)] += 1 / prior**2 + JITTER * np.maximum(np.diag(h), 1.0)
         return h, self.scores[columns]
 
     def _root(self, which: Sequence[int]) -> tuple[Array, Array]:
         """Return the Cholesky factor L of H and L^-1 s of the columns of some terms."""
         h, scores = self.equations(which)
-        root = np.linalg.cholesky(h)
+        root = np.asarray(np.linalg.cholesky(h), dtype=np.float64)
         return root, np.asarray(solve_triangular(root, scores, lower=True), dtype=np.float64)
 
     @cached_property

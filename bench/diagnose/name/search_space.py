@@ -140,6 +140,11 @@ class SearchSpace:
         """The terms of the model that it is linearised about."""
         return tuple(range(len(self.what) - len(self.about.keys), len(self.what)))
 
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The term of that model's free shape; none where it has none."""
+        return self.present[-1:] if self.about.shape else ()
+
     def candidate_of(self, which: Sequence[int]) -> CandidateModel:
         """Return the model of some terms, to be fitted from what the linearised model says of their sizes."""
         start: dict[Key, float] = {}

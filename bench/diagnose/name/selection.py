@@ -21,7 +21,7 @@ from bench.diagnose.linearise.screening import Screening
 from bench.diagnose.name.beginning import with_what_drawings_leave_out
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
 from bench.diagnose.name.instead_of_play import is_needed_in_motion
-from bench.diagnose.name.leaders import grown, leaders_of, rivals_of, scattering, without
+from bench.diagnose.name.leaders import other_names, proposed, scattering
 from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.neighbourhood import Renew
@@ -70,7 +70,25 @@ def name_cause(
 
 @dataclass(eq=False)
 class _Selection:
-    """Where the selection of a model stands."""
+    """Where the selection of a model stands.
+
+    Attributes:
+        linear: The campaign about the best model, or about the one before that found a balance.
+        screening: Everything that was tried against the nominal model.
+        renew: Weighs everything anew about an extended model.
+        progress: Called with what is done next.
+        executor: Where to fit.
+        models: Those that the last search simulated, the most probable first.
+        findings: Of the best model, each held against what was held out.
+        refused: Findings that did not pay.
+        refused_beside: Key of each of these -> findings beside which it did not; empty: it never comes back.
+        refused_shapes: Free shapes that did not pay.
+        plays_behind: What acted at one joint with a play in models that fell behind.
+        promising: Listed causes of the subset that the last search found most probable.
+        causes: Everything listed that the last search might have taken, by key.
+        posterior: Of the last search, subset of keys -> logarithm of its posterior odds.
+        is_open: Whether what was refused explained much, so that something else may explain it.
+    """
 
     linear: LinearisedModel
     screening: Screening
@@ -80,13 +98,13 @@ class _Selection:
     models: tuple[Model, ...] = ()
     findings: dict[Hashable, Finding] = field(default_factory=dict)
     refused: dict[Hashable, Finding] = field(default_factory=dict)
-    beside: dict[Hashable, frozenset[Hashable]] = field(default_factory=dict)
+    refused_beside: dict[Hashable, frozenset[Hashable]] = field(default_factory=dict)
     refused_shapes: set[str] = field(default_factory=set)
-    plays: set[frozenset[Hashable]] = field(default_factory=set)
+    plays_behind: set[frozenset[Hashable]] = field(default_factory=set)
     promising: tuple[Cause, ...] = ()
     causes: dict[Hashable, Cause] = field(default_factory=dict)
     posterior: dict[frozenset[Hashable], float] = field(default_factory=dict)
-    is_open: bool = False  # what was refused explained much, and something else may explain it
+    is_open: bool = False
 
     def __post_init__(self) -> None:
         self.nominal, self.tried = self.linear, self.screening.tried
@@ -178,58 +196,44 @@ class _Selection:
                 nothing any more.
         """
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
-        threshold = self.screening.threshold
-        about = search_space(self.linear, self.tried, threshold, self.best, self._barred() | self.refused_shapes)
-        shape = about.present[-1:] if self.best.shape else ()
+        refused = self._barred() | self.refused_shapes
+        about = search_space(self.linear, self.tried, self.screening.threshold, self.best, refused)
         most = None if adds else len(about.present)
-        visited = search(about.model, [about.present], shape, most=most)
-        every = {one.terms: one for one in (*visited, *exchanges(about.model, visited[0], shape))}
-        found = alternatives_of(about.model, every.values())
+        visited = search(about.model, [about.present], about.shape, most=most)
+        subsets = {one.terms: one for one in (*visited, *exchanges(about.model, visited[0], about.shape))}
+        found = alternatives_of(about.model, subsets.values())
         causes = [about.cause(i) for i in found[0].best.terms]
         self.promising = tuple(cause for cause in causes if cause)
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
-        count = LEADERS if is_last else LEADERS // 2
-        leading = leaders_of(found, count)
-        leaders = [*(one.best.terms for one in leading), *([grown(about, leading)] if adds else [])]
+
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known, settles=is_last)
         present = fitter.knows(self.best, about.candidate_of(about.present))
-        alone = without(about, found[0].best.terms, shape) if shape else ()
-        others = [*leaders, *alone, about.instead(found[0].best.terms)]
-        others = [terms for terms in others if len(terms) > 0 and (adds or len(terms) <= len(about.present))]
-        candidates = [present, *map(about.candidate_of, others)]
+        others = proposed(about, found, LEADERS if is_last else LEADERS // 2, adds=adds)
         needed = partial(is_needed_in_motion, self.linear, about)
-        plays = scattering(about, found[0], self.plays, needed) if is_last else {}
-        candidates += plays.values()
+        plays = scattering(about, found[0], self.plays_behind, needed) if is_last else {}
+        candidates = [present, *map(about.candidate_of, others), *plays.values()]
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
-        first = max(models, key=lambda model: model.log_posterior)
+        first = _likeliest(models)
         if is_last and first.keys and not first.shape:
-            mine = next((one.best for one in found if one.keys == first.keys), None)
-            if mine and mine != visited[0]:
-                every |= {one.terms: one for one in exchanges(about.model, mine, shape)}
-                found = alternatives_of(about.model, every.values())
-            rivals = rivals_of(found, first.keys, {model.keys for model in models}, EXCHANGED)
-            models += fitter.fitted([about.candidate_of(one.best.terms) for one in rivals])
-            first = max(models, key=lambda model: model.log_posterior)
-        if adds and not shape and first.keys == self.best.keys:
-            models += self._beside(about, fitter, first.log_posterior, is_last=is_last)
-            found = [one for one in found if not one.keys & self.refused_shapes]
+            rivals = other_names(about, subsets, first.keys, {model.keys for model in models}, EXCHANGED)
+            models += fitter.fitted([*map(about.candidate_of, rivals)])
+            first = _likeliest(models)
+        if adds and not about.shape and first.keys == self.best.keys:
+            models += self._with_shape(about, fitter, first.log_posterior, is_last=is_last)
+
         kept = [one for one in (Model(self.null), *models) if adds or len(one.keys) <= len(self.best.keys)]
         models = sorted(kept, key=lambda one: -one.log_posterior)
         near = {model.keys for model in models if model.log_posterior > models[0].log_posterior - IN_SET}
-        self.plays |= {there for there, one in plays.items() if one.keys not in near}
-        # whatever was promised of those that could not be fitted, or did not need all of their causes
-        fell = {
-            keys: keys - (model or self.best).keys
-            for keys, model in fitter.models.items()
-            if model is None or model.keys != keys
-        }
-        self.posterior = posterior_of(models, found, fell, inf if adds else models[0].log_posterior)
+        self.plays_behind |= {there for there, play in plays.items() if play.keys not in near}
+        found = [one for one in alternatives_of(about.model, subsets.values()) if not one.keys & self.refused_shapes]
+        most_unseen = inf if adds else models[0].log_posterior
+        self.posterior = posterior_of(models, found, fitter.fell_short(self.best), most_unseen)
         self.models = with_probabilities(models, self.posterior)
         self.best = self.models[0]
 
-    def _beside(self, about: SearchSpace, fitter: Fitter, least: float, *, is_last: bool) -> list[Model]:
+    def _with_shape(self, about: SearchSpace, fitter: Fitter, least: float, *, is_last: bool) -> list[Model]:
         """Return the best model with the free shape that is needed most, if any; at last, with the first that pays.
 
         Args:
@@ -238,17 +242,16 @@ class _Selection:
             least: Logarithm of the posterior odds of the best model, which a shape has to surpass.
             is_last: As of a search.
         """
-        while beside := about.beside(self.refused_shapes):
-            models = fitter.fitted([beside])
-            if (
-                not is_last
-                or not models
-                or models[0].log_posterior <= least
-                or shape_pays(self.linear, self.null, models[0], self.screening.threshold)
-            ):
+        while candidate := about.beside(self.refused_shapes):
+            models = fitter.fitted([candidate])
+            surpasses = bool(models) and models[0].log_posterior > least
+            if not (is_last and surpasses) or self._shape_pays(models[0]):
                 return models
-            self.refused_shapes.add(str(beside.shape))
+            self.refused_shapes.add(str(candidate.shape))
         return []
+
+    def _shape_pays(self, model: Model) -> bool:
+        return shape_pays(self.linear, self.null, model, self.screening.threshold)
 
     def _relinearise(self, *, is_last: bool = False) -> None:
         """Take the campaign about the best model: derivatives, standard errors, and everything weighed against it."""
@@ -274,7 +277,7 @@ class _Selection:
         findings of which either will do, one stays.
         """
         self.progress("gain of each finding on what was held out")
-        if self.best.shape and not shape_pays(self.linear, self.null, self.best, self.screening.threshold):
+        if self.best.shape and not self._shape_pays(self.best):
             self.refused_shapes.add(str(self.best.shape))
             self.best = Model(fit_without_shape(self.linear, self.best), log_posterior=self.best.log_posterior)
             return True
@@ -285,7 +288,7 @@ class _Selection:
             worst = min(failed, key=lambda one: one.held_out.low)
             key = worst.cause.key
             self.best = replace(self.best, fit=worst.without)
-            self.beside[key] = frozenset() if key in self.refused else self.best.keys  # twice is for good
+            self.refused_beside[key] = frozenset() if key in self.refused else self.best.keys  # twice is for good
             self.refused[key] = held.pop(key)
             count += 1
             held |= self._held([one.cause for one in failed if one is not worst])
@@ -303,7 +306,7 @@ class _Selection:
         Of several findings that do without each other, the one that is refused first may be the one that is needed,
         once the others are refused as well. It gets one more chance.
         """
-        return frozenset(key for key, others in self.beside.items() if others <= self.best.keys)
+        return frozenset(key for key, others in self.refused_beside.items() if others <= self.best.keys)
 
     def _repeat(self) -> None:
         """Search again without each part of the runs, and note what is found again."""
@@ -311,3 +314,7 @@ class _Selection:
         about = search_space(self.linear, self.tried, self.screening.threshold, self.best, self._barred())
         shares = repeats(self.linear, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
+
+
+def _likeliest(models: Sequence[Model]) -> Model:
+    return max(models, key=lambda model: model.log_posterior)
