@@ -145,8 +145,11 @@ def told_apart(one: Fit, two: Fit, first: Expectation, second: Expectation) -> f
 def _own_change(fit: Fit, other: Fit, expectation: Expectation) -> Array:
     """Return what the causes that another explanation has not change in an experiment, shape (m,), to first order."""
     shared = {cause.key for cause in other.causes}
-    counts = np.array([unknown.cause.key not in shared and not unknown.parameter.is_shape for unknown in fit.unknowns])
-    own: Array = expectation.jacobian[:, expectation.jacobian.shape[1] - len(counts) :] @ np.where(counts, fit.off, 0.0)
+    sizes = [
+        0.0 if unknown.cause.key in shared or unknown.parameter.is_shape else value - unknown.parameter.null
+        for unknown, value in zip(fit.unknowns, fit.values, strict=True)
+    ]
+    own: Array = expectation.jacobian[:, expectation.jacobian.shape[1] - len(sizes) :] @ np.array(sizes)
     return own
 
 
