@@ -84,7 +84,7 @@ def _ended(arguments: list[str] | None) -> int:
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)
         return error.exit_code
-    except (KeyboardInterrupt, ImportError) as error:
+    except (KeyboardInterrupt, ImportError, RuntimeError) as error:
         interrupt = interrupt_behind(error)
         if interrupt is None:
             raise

@@ -68,7 +68,7 @@ class TerminatedError(KeyboardInterrupt):
 def interrupt_behind(error: BaseException | None) -> KeyboardInterrupt | None:
     """Return the interrupt that an error is, or that led to it; None where there is none.
 
-    An extension that is interrupted while it is loaded says that it could not be.
+    An extension that is interrupted while it is loaded says that it could not be, and so does a class while it is made.
     """
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__

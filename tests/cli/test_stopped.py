@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.cli import main
+from bench.cli import TERMINATED, main
 from bench.cli.stopping import UNFINISHED, TerminatedError, interrupt_behind, seconds_of
 from bench.report.diagnosis.file_names import REPORT, VERDICT
 
@@ -126,3 +126,21 @@ def test_an_extension_that_is_interrupted_while_it_is_loaded_is_no_error_of_the_
     loading.__cause__ = TerminatedError()
     assert interrupt_behind(loading) is loading.__cause__
     assert interrupt_behind(ImportError("no such module")) is None
+
+
+def test_a_class_that_is_interrupted_while_it_is_made_ends_a_command(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Python hides what `__set_name__` raises in a RuntimeError; a command that loaded its models ended in that."""
+
+    class Named:
+        def __set_name__(self, owner: type, name: str) -> None:
+            raise TerminatedError
+
+    def run(_: object) -> int:
+        type("Owner", (), {"named": Named()})
+        return 0
+
+    monkeypatch.setattr("bench.cli._run", run)
+    assert main([]) == TERMINATED
+    assert capsys.readouterr().err == "bench: terminated; nothing half-written was left behind.\n"

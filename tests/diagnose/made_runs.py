@@ -44,7 +44,9 @@ def design_with(
         common = np.zeros((n, 0)) if modes is None else modes / SIGMA
         found, size, _ = np.linalg.svd(common, full_matrices=False)
         whitenings.append(Whitening(np.ones(n, dtype=bool), factors, found, 1 - 1 / np.sqrt(1 + size**2)))
-    replay = SimpleNamespace(segments=tuple(segments), quantities=(Quantity("current_1_a", "current", "A"),))
+    observed = np.concatenate([segment.observed for segment in segments])
+    quantities = (Quantity("current_1_a", "current", "A"),)
+    replay = SimpleNamespace(segments=tuple(segments), quantities=quantities, observed=observed)
     empty = np.empty(0)
     draft = LinearisedModel(
         replay=replay,  # type: ignore[arg-type]
@@ -93,6 +95,7 @@ def sensitivities(rng: np.random.Generator, runs: int, p: int = 3) -> np.ndarray
 def in_recordings(linear: LinearisedModel, whose: tuple[str | None, ...]) -> LinearisedModel:
     """Return a campaign of which each run is a recording, with nuisances that belong to all or to one."""
     segments = tuple(replace(segment, recording=segment.run) for segment in linear.segments)
-    replay = SimpleNamespace(segments=segments, quantities=linear.quantities)
+    observed = np.concatenate([segment.observed for segment in segments])
+    replay = SimpleNamespace(segments=segments, quantities=linear.quantities, observed=observed)
     nuisances = tuple(Nuisance(f"n{i}", "", 1.0, recording=name) for i, name in enumerate(whose))
     return replace(linear, replay=replay, nuisances=nuisances)  # type: ignore[arg-type]
