@@ -1,13 +1,14 @@
 """An arm on soft gears that another program integrates in time: what its motors pay along a motion of theirs."""
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from bench.identify.arm import Arm
 from bench.record.campaign import Array, Run
 from bench.robot.compiled import CompiledRobot
 from bench.robot.links import rigid_bodies
 
-STEP, EVERY = 2e-3, 5  # [s] of the integration, and its steps to a reading
+FOLLOWS, SAMPLE = 2.0, 0.01  # [s] until what rang has faded, and from reading to reading
 FREQUENCY = 2 * np.pi * np.array([0.2, 0.24, 0.28, 0.32, 0.36, 0.4])  # [rad/s], with 2.3 times each beside it
 MIDDLE, SIZE = np.array([0.0, 0.3, -0.4, 0.0, 0.7, 0.0]), np.array([0.6, 0.3, 0.4, 0.6, 0.45, 0.75])  # [rad]
 
@@ -32,27 +33,18 @@ def elastic(compiled: CompiledRobot, seconds: float) -> Run:
 
     def pull(time: float, state: Array) -> Array:
         q, speed, _ = motors(time)
-        return np.array(k * (q - state[0]) + damping * (speed - state[1]))
+        return np.array(k * (q - state[:6]) + damping * (speed - state[6:]))
 
     def change(time: float, state: Array) -> Array:
-        left = pull(time, state) - arm.inverse_dynamics(*state, np.zeros(6))
-        return np.stack([state[1], np.linalg.solve(arm.mass_matrix(state[0]), left)])
+        left = pull(time, state) - arm.inverse_dynamics(state[:6], state[6:], np.zeros(6))
+        return np.concatenate([state[6:], np.linalg.solve(arm.mass_matrix(state[:6]), left)])
 
     q, speed, acceleration = motors(0.0)
-    state = np.stack([q - arm.inverse_dynamics(q, speed, acceleration) / k, speed])
-    torques = []
-    for step in range(round((seconds + 2) / STEP)):
-        time = step * STEP
-        if step % EVERY == 0:
-            torques.append(rotors * motors(time)[2] + pull(time, state))
-        one = change(time, state)
-        two = change(time + STEP / 2, state + STEP / 2 * one)
-        three = change(time + STEP / 2, state + STEP / 2 * two)
-        state = state + STEP / 6 * (one + 2 * two + 2 * three + change(time + STEP, state + STEP * three))
-    faded = round(2 / STEP / EVERY)
-    time = np.arange(len(torques)) * STEP * EVERY
-    angles = motors(time)[0][faded:]
-    columns = {"time_s": time[faded:] - time[faded]}
-    columns |= {f"q_motor_{j + 1}_rad": angles[:, j] for j in range(6)}
-    columns |= {f"tau_motor_{j + 1}_nm": np.stack(torques)[faded:, j] for j in range(6)}
+    begin = np.concatenate([q - arm.inverse_dynamics(q, speed, acceleration) / k, speed])
+    time = np.arange(FOLLOWS, FOLLOWS + seconds, SAMPLE)
+    states = solve_ivp(change, (0.0, time[-1]), begin, "DOP853", time, rtol=1e-9, atol=1e-11).y.T
+    torques = np.array([rotors * motors(at)[2] + pull(at, state) for at, state in zip(time, states, strict=True)])
+    columns = {"time_s": time - FOLLOWS}
+    columns |= {f"q_motor_{j + 1}_rad": motors(time)[0][:, j] for j in range(6)}
+    columns |= {f"tau_motor_{j + 1}_nm": torques[:, j] for j in range(6)}
     return Run("fourier", "motion", 0.0, columns)

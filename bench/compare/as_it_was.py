@@ -10,11 +10,12 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import causes_of
 from bench.diagnose.linearise.linearised_model import linearised_model_of
 from bench.diagnose.replay.fitted import figures_with
+from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.levels import as_of, with_recordings
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import recordings_of, segments_of
+from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import World, edits_in
 from bench.effects.catalogue import LEFT_OUT, catalogue
 from bench.effects.division import divided, payload_as_body

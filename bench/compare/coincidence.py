@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from bench.diagnose.replay.alike import ALIKE, passes_same
-from bench.diagnose.replay.segments import Segment, at_each_instant, instants_of
+from bench.diagnose.replay.instants import at_each_instant, instants_of
+from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 from bench.record.moving import TRAVELS
 

@@ -12,10 +12,11 @@ from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of,
 from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_scatter
 from bench.diagnose.linearise.signatures import Digits, Sensitivities, Signatures
+from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import MOST_BINS, Segment, at_each_instant, segments_of
+from bench.diagnose.replay.segments import MOST_BINS, Segment, segments_of
 from bench.effects.effect import Effect
 from bench.effects.recorded import recorded_in
 from bench.errors import InputError

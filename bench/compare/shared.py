@@ -20,7 +20,7 @@ from bench.compare.noise import Repeatability
 from bench.diagnose.linearise.common_modes import modes_of, put_back, take_out
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import Whitening
-from bench.diagnose.replay.segments import at_each_instant
+from bench.diagnose.replay.instants import at_each_instant
 from bench.record.campaign import Array
 
 

@@ -15,7 +15,7 @@ from bench.diagnose.name.discrepancy import Discrepancy
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Finding, Naming, fitted_probabilities
-from bench.diagnose.replay.segments import recordings_of
+from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.verdict import (
     CONFIRMED,
     NORMAL_95,

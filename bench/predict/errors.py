@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.replay.segments import at_each_instant, instants_of
+from bench.diagnose.replay.instants import at_each_instant, instants_of
 from bench.predict.prediction import ChannelError, Stretch
 from bench.record.campaign import Array
 from bench.record.held_out import BLOCKS

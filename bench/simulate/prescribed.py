@@ -2,9 +2,9 @@
 
 The direction in which measured motion is replayed: motor angles, velocities and accelerations in, motor torques out.
 The links follow quasi-statically: each sits on its elastic element where gravity, inertia, counterbalance, friction and
-load balance, and moves as its motor does, if nothing else is said. What rings is left out. Any other
-hinge of the model is a passive compliance and finds its balance in the same way. Friction elements and gas remember
-the path from one instant to the next.
+load balance, and moves as its motor does, if nothing else is said. What rings is left out. Any other hinge of the model
+is a passive compliance and finds its balance in the same way. Friction elements and gas remember the path from one
+instant to the next.
 
 The search itself is in C (`bench/actuators/plugin/replay.c`), one call for any number of motions, without the
 interpreter's lock; `reference_replay.py` is the same in NumPy, instant by instant, to read and to test against.

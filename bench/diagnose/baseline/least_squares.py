@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.cross_validation.folds import Folds
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.replay.segments import instants_of
+from bench.diagnose.replay.instants import instants_of
 from bench.identify.dynamics import folds as dynamics
 from bench.identify.dynamics.averages import Averages, averages_of
 from bench.identify.dynamics.first_pass import FirstPass

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.replay.segments import at_each_instant, recordings_of
+from bench.diagnose.replay.instants import at_each_instant, recordings_of
 from bench.record.campaign import Array
 from bench.record.held_out import BLOCKS, GAP, MOST_FOLDS
 

@@ -27,7 +27,7 @@ from bench.diagnose.cross_validation.leave_out import (
 )
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
-from bench.diagnose.replay.segments import recordings_of
+from bench.diagnose.replay.instants import recordings_of
 from bench.record.campaign import Array
 
 DRAWS = 2000  # effort: of the Bayesian bootstrap

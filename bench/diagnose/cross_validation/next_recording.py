@@ -18,8 +18,8 @@ from bench.diagnose.cross_validation.moderated import moderated
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.alike import ALIKE, passes_same
+from bench.diagnose.replay.instants import at_each_instant, recordings_of
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.segments import at_each_instant, recordings_of
 from bench.effects.effect import Effect
 from bench.record.campaign import Array
 

@@ -9,10 +9,10 @@ from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.experiment_design.preposterior import Expectation
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.levels import world_in
 from bench.diagnose.replay.nuisances import THERMOMETER_K
 from bench.diagnose.replay.perfect_instruments import ideal_reading
-from bench.diagnose.replay.segments import recordings_of
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
 from bench.effects.effect import REFERENCE_K, Conditions
 from bench.robot.compiled import compile_robot

@@ -19,11 +19,12 @@ from bench.diagnose.linearise.held_friction import held_friction
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import whitening_of
 from bench.diagnose.linearise.torque_response import torque_response
+from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment, recordings_of
+from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.simulations import simulate_all, sound
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.errors import BenchError

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.replay.alike import ALIKE
+from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.nuisances import Nuisance
-from bench.diagnose.replay.segments import Segment, at_each_instant
+from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 
 MOST_WEIGHTS = 20  # effort: of more, loads are pulled by something that is no weight, with one gain

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bench.diagnose.linearise.linearised_model import WHITENED_TOGETHER, LinearisedModel
-from bench.diagnose.replay.segments import at_each_instant
+from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.world import NOMINAL
 from bench.effects.gear_kinematics import TransmissionError
 from bench.effects.learned_readings import force_of, in_room, in_time, of_reading, under_force

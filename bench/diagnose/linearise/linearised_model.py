@@ -20,10 +20,11 @@ from bench.diagnose.linearise.repeated_rests import RepeatedRests, repeating_sha
 from bench.diagnose.linearise.roughness import with_roughness
 from bench.diagnose.linearise.standing_joints import shaken_share
 from bench.diagnose.linearise.torque_response import TorqueResponse, torque_response
+from bench.diagnose.replay.instants import at_each_instant, instants_of
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment, at_each_instant, instants_of
+from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.simulations import simulate_all, sound
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.record.campaign import Array

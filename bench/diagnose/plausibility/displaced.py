@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.late_channels import as_if_in_time
 from bench.diagnose.plausibility.mistaken import doubt
+from bench.diagnose.replay.instants import run_of_each
 from bench.diagnose.replay.quantities import AXES
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import run_of_each
 from bench.diagnose.replay.world import NOMINAL
 from bench.record.campaign import Array
 from bench.record.finding import Finding

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import at_each_instant
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.effect import Acting
 from bench.effects.gas import CounterbalanceGas

@@ -14,8 +14,8 @@ from scipy import stats
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.first_look import LEAST, TOLD, Factor, inflation
 from bench.diagnose.plausibility.rates import rates_of
+from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import at_each_instant
 from bench.diagnose.replay.world import NOMINAL
 from bench.record.campaign import Array
 

@@ -11,7 +11,7 @@ import numpy as np
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.plausibility.mistaken_inputs import Recording, without_loads
-from bench.diagnose.replay.segments import instants_of
+from bench.diagnose.replay.instants import instants_of
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.record.units import STANDARD_GRAVITY

@@ -18,9 +18,10 @@ from bench.diagnose.plausibility.listed_causes import ListedCauses, listed_cause
 from bench.diagnose.plausibility.loads import TOO_SMALL
 from bench.diagnose.plausibility.one_run import EXPLAINED, FAR, OTHERS
 from bench.diagnose.plausibility.rates import rates_of
+from bench.diagnose.replay.instants import at_each_instant, run_of_each
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment, at_each_instant, run_of_each, segments_of
+from bench.diagnose.replay.segments import Segment, segments_of
 from bench.effects.recorded import recorded_in
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding

@@ -21,7 +21,8 @@ from bench.diagnose.plausibility.first_look import inflation
 from bench.diagnose.plausibility.late_channels import SURE
 from bench.diagnose.plausibility.mistaken import mistakes_in
 from bench.diagnose.plausibility.physical_fit import beyond, completed
-from bench.diagnose.replay.segments import Segment, run_of_each
+from bench.diagnose.replay.instants import run_of_each
+from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 from bench.record.finding import Finding, counted
 

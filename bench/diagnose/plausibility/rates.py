@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.diagnose.replay.segments import Segment, instants_of
+from bench.diagnose.replay.instants import instants_of
+from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 
 LEAST = 3  # exact: readings that have a rate in their middle

@@ -9,7 +9,8 @@ import numpy as np
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.physical_fit import left_over
-from bench.diagnose.replay.segments import Segment, run_of_each
+from bench.diagnose.replay.instants import run_of_each
+from bench.diagnose.replay.segments import Segment
 from bench.record.finding import Finding
 
 HALF = 0.5  # of the mean square: what is left is more than what is explained; 71 % of the size

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.replay.segments import Segment, slices_of
+from bench.diagnose.replay.instants import slices_of
+from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.winding import MotionSpline
 from bench.diagnose.replay.world import World, log_error_of
 from bench.effects.effect import Conditions

@@ -12,8 +12,9 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from bench.diagnose.replay.courses import count_of
+from bench.diagnose.replay.instants import slices_of
 from bench.diagnose.replay.jacobians import reflector_places
-from bench.diagnose.replay.segments import Segment, slices_of
+from bench.diagnose.replay.segments import Segment
 from bench.effects.recorded import Lateness
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from bench.diagnose.replay.courses import Course, count_of, courses_of, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
+from bench.diagnose.replay.instants import at_each_instant, slices_of
 from bench.diagnose.replay.jacobians import reflector_jacobians
 from bench.diagnose.replay.levels import world_in
 from bench.diagnose.replay.play import expected
-from bench.diagnose.replay.segments import Segment, at_each_instant, slices_of
+from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import (
     NOMINAL,
     World,

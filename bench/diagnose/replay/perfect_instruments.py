@@ -5,7 +5,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from bench.diagnose.replay.courses import count_of
-from bench.diagnose.replay.segments import Segment, slices_of
+from bench.diagnose.replay.instants import slices_of
+from bench.diagnose.replay.segments import Segment
 from bench.effects.effect import REFERENCE_K, Acting, Effect
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading

@@ -4,14 +4,12 @@ A static run is read visit by visit: the pose is approached from its side, then 
 mean with its standard error. A motion is cut into bins of constant direction, short against everything that changes.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from bench.diagnose.replay.motion_segments import stretches_of
@@ -112,32 +110,6 @@ class Segment:
                 here = np.ix_(np.flatnonzero(self.motion.read), drives)
                 _, speeds[here], accelerations[here] = self.path.motion_of(wrong[:, drives])
         return speeds, accelerations
-
-
-def recordings_of(segments: Iterable[Segment]) -> tuple[str, ...]:
-    """Return the names of the recordings that segments belong to, in order."""
-    return tuple(dict.fromkeys(segment.recording for segment in segments))
-
-
-def slices_of(lengths: Iterable[int]) -> list[slice]:
-    """Return where parts of these lengths stand, one after the other."""
-    edges = np.cumsum([0, *lengths]).tolist()
-    return [slice(first, last) for first, last in pairwise(edges)]
-
-
-def instants_of(segments: Iterable[Segment]) -> list[slice]:
-    """Return where the instants of each segment stand among those of all."""
-    return slices_of(map(len, segments))
-
-
-def at_each_instant(segments: Iterable[Segment], values: ArrayLike) -> NDArray[Any]:
-    """Return what holds for each segment, shape (S, ...), at each of its instants, shape (T, ...)."""
-    return np.repeat(values, [len(segment) for segment in segments], axis=0)
-
-
-def run_of_each(segments: Sequence[Segment]) -> NDArray[np.str_]:
-    """Return the run of each instant of segments, shape (T,)."""
-    return at_each_instant(segments, [segment.run for segment in segments])
 
 
 def segments_of(

@@ -23,7 +23,8 @@ INTERRUPTED = 1.5  # rounding: times the usual step between bins; where it is lo
 class MotionSpline:
     """Cubic splines through the bins of motions, T instants in all, as far as each goes without interruption.
 
-    At both ends they have no second derivative. Rests, and the approach before the first bin, belong to none.
+    At both ends they have no second derivative. Rests, and the approach before the first bin, belong to none. All are
+    solved for at once: SciPy's, made motion by motion for each world, take longer than the simulation.
 
     Attributes:
         step: Shape (T,) [s], from each instant to the next of its spline; 0 where it has none.

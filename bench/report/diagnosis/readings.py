@@ -12,8 +12,9 @@ from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name.learned_shape import learned_of
+from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.segments import Segment, at_each_instant
+from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import World
 from bench.predict.errors import rms
 from bench.record.campaign import Array

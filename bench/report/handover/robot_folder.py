@@ -10,9 +10,9 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import figures_with
+from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.levels import as_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import recordings_of
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
 from bench.effects.division import divided, payload_as_body
 from bench.effects.effect import Acting, Conditions
