@@ -8,7 +8,7 @@ import numpy as np
 from bench.compare.background import Background
 from bench.compare.profiles import Profile
 from bench.diagnose.linearise.marginal import Columns, Marginal
-from bench.diagnose.linearise.screening import Entry
+from bench.diagnose.linearise.screening import NARROWER, Entry
 from bench.diagnose.linearise.threshold import LEAST, family_threshold
 from bench.diagnose.name.groups import IN_SET
 from bench.diagnose.name.naming import shares_of
@@ -17,9 +17,6 @@ from bench.diagnose.name.search_space import GREATER_PART
 from bench.record.campaign import Array
 
 MOST_TERMS = 1000  # that a search is given, the best by evidence: memory stays small with many recordings
-# effort: from one standard deviation of a change to the next that is tried. Between two of them evidence falls short by
-# at most 0.2 nats for each size.
-NARROWER = 10**-0.5
 INVISIBLE = 1e-6  # norm of a whitened column per standard deviation of its size; a course in which it never acts
 
 

@@ -13,6 +13,7 @@ from scipy.stats import multivariate_normal, norm
 from bench.diagnose.extend.fit import unknowns_of
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import hats
+from bench.diagnose.linearise.screening import widths_of
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.beside_unlisted import free_beside, group_beside, log_odds, log_odds_as_runs_say
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, Member
@@ -109,13 +110,17 @@ def test_names_of_a_finding_share_what_the_discrepancy_leaves_it() -> None:
 
 
 def test_evidence_by_standard_errors_of_runs_is_that_of_a_reading_so_exact() -> None:
-    """One reading x with a standard error e of a size with the prior P: N(x; 0, e^2 + P^2) / N(x; 0, e^2)."""
+    """One reading x with a standard error e of a size with the prior P: N(x; 0, e^2 + P^2) / N(x; 0, e^2).
+
+    P has several widths, which share the odds.
+    """
     cause = Cause(Shift(), WHOLE, (X,), ())
     (unknown,) = unknowns_of((cause,))
     reading, error = 3e-3, 1e-3
     weight = unknown.sigma**2 / (unknown.sigma**2 + error**2)
     fit = fit_alone(cause, [weight * reading], np.array([[weight * error**2]]))
-    evidence = norm(0, np.hypot(error, unknown.sigma)).logpdf(reading) - norm(0, error).logpdf(reading)
+    priors = unknown.sigma * np.array(widths_of(cause))
+    evidence = np.log(np.mean(norm(0, np.hypot(error, priors)).pdf(reading))) - norm(0, error).logpdf(reading)
     assert log_odds_as_runs_say(fit, cause, 5.0) == pytest.approx(evidence - 5.0)
     # where runs disagree as much as that, nothing is left
     wide = replace(fit, covariance=np.array([[(2 * reading) ** 2]]))

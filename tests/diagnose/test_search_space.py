@@ -10,9 +10,10 @@ from scipy.stats import multivariate_normal
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.extend.fit import BEYOND, Fit, fit_without, unknowns_of
 from bench.diagnose.extend.refit import refit
-from bench.diagnose.linearise.candidates import causes_of
+from bench.diagnose.linearise.candidates import Cause, causes_of
 from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.lack_of_fit import as_simulated
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry, tried_of, widths_of
 from bench.diagnose.name.models import CandidateModel, Fitter, needed_of
@@ -22,6 +23,7 @@ from bench.diagnose.name.sizes import log_of_widths
 from bench.effects.catalogue import catalogue
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
+from tests.diagnose.small_models import linear_of
 from tests.diagnose.sweeps import SWEEPS, made, nominal
 
 CHOICE = ("coulomb_level", "viscous_level", "gas_loss")
@@ -63,6 +65,33 @@ def test_what_a_model_does_not_need_is_left_out_of_it(found: Diagnosis) -> None:
     assert model.log_posterior == pytest.approx(model.log_evidence - 5.0)
 
 
+def test_shapes_are_looked_for_once_where_models_share_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Models with two ripples were started five times each: 701 s for a campaign, most of it the same searches."""
+    effects = catalogue()
+    campaign = made(SWEEPS, 7, {"friction_ripple": 0.3})  # of the null period
+    linear = linear_of(campaign)
+    names = ("friction_ripple", "viscous_level", "coulomb_level")
+    every = causes_of([effects[name] for name in names], nominal(), frozenset({"motor_torque"}))
+    ripple, viscous, coulomb = (next(one for one in every if one.key == (name, "joint 2")) for name in names)
+    (shape,) = ripple.shapes
+    off = shape.null * shape.ratio ** (1 / 3)  # where the linearised model, with a few periods, has it
+    start = {(*ripple.key, "period"): off, (*ripple.key, "sin"): 0.2}
+    counted: list[tuple[str, ...]] = []
+
+    def counting(linear: LinearisedModel, causes: tuple[Cause, ...], *rest: Any, **options: Any) -> Fit:
+        counted.append(tuple(cause.effect.name for cause in causes))
+        return refit(linear, causes, *rest, **options)
+
+    monkeypatch.setattr("bench.diagnose.name.models.refit", counting)
+    fitter = Fitter(linear, refit(linear, (), {}), SERIAL, settles=False)
+    trials = [CandidateModel((ripple, one), None, start, None, (-5.0, -5.0)) for one in (viscous, coulomb)]
+    models = fitter.fitted(trials)
+    assert counted.count(("friction_ripple", "viscous_level")) == 4  # three periods, and the best of them to its end
+    assert counted.count(("friction_ripple", "coulomb_level")) == 1
+    for model in models:
+        assert model.fit.start[*ripple.key, "period"] == pytest.approx(shape.null, rel=0.02)
+
+
 def test_a_cause_that_wants_more_than_is_plausible_is_not_allowed(found: Diagnosis) -> None:
     fit = found.naming.models[0].fit
     first, *others = fit.causes
@@ -100,9 +129,10 @@ def test_a_cause_of_several_sizes_is_weighed_with_priors_of_several_widths(rng: 
         spread = np.eye(12) + width**2 * slopes @ np.diag(prior**2) @ slopes.T
         return float(multivariate_normal.logpdf(readings, cov=spread))
 
-    expected = [marginal(width) - marginal(1.0) - np.log(3) for width in widths_of(cause)]
+    widths = widths_of(cause)
+    expected = [marginal(width) - marginal(1.0) - np.log(len(widths)) for width in widths]
     np.testing.assert_allclose(log_of_widths(fit, cause), expected, atol=1e-8)
-    assert np.argmax(expected) == 2  # small sizes are no reason to doubt a cause
+    assert np.argmax(expected) == len(widths) - 1  # small sizes are no reason to doubt a cause
 
 
 def test_a_model_is_as_probable_when_it_is_found_as_when_it_is_known(found: Diagnosis, about: SearchSpace) -> None:

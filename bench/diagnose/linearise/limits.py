@@ -60,9 +60,12 @@ def detection_limits(screening: Screening) -> tuple[DetectionLimit, ...]:
         what = entry.what
         if not isinstance(what, Candidate):
             continue
-        prior, share = entry.priors[0]
-        for size, column, sigma, step in zip(what.cause.sizes, entry.columns, prior, what.step, strict=True):
-            limit = smallest_found(float(known[column]), float(sigma), screening.threshold - share) * abs(float(step))
+        for i, (size, column, step) in enumerate(zip(what.cause.sizes, entry.columns, what.step, strict=True)):
+            smallest = (
+                smallest_found(float(known[column]), float(prior[i]), screening.threshold - share)
+                for prior, share in entry.priors
+            )
+            limit = min(smallest) * abs(float(step))
             found.setdefault((*what.cause.key, size.name), []).append(limit)
             sizes[*what.cause.key, size.name] = what.cause, size
     return tuple(_over_shapes(key, limits, *sizes[key]) for key, limits in found.items() if np.isfinite(np.min(limits)))

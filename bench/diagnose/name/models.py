@@ -1,6 +1,6 @@
 """Models that extend the nominal one by findings, fitted by simulation: listed causes, and at most one free shape."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -141,7 +141,7 @@ class Fitter:
         new = list(
             {candidate.keys: candidate for candidate in candidates if candidate.keys not in self.models}.values()
         )
-        fits = in_order(self.executor, partial(_fit, self.linear, self.known), new)
+        fits = self._fits(new)
         done = [(candidate, *fit) for candidate, fit in zip(new, fits, strict=True) if fit]
         # derivatives about a model take a simulation for each nuisance: only where they may decide
         known = [model.fit for model in self.models.values() if model]
@@ -175,6 +175,21 @@ class Fitter:
             for keys, model in self.models.items()
             if model is None or model.keys != keys
         }
+
+    def _fits(self, new: Sequence[CandidateModel]) -> list[tuple[Fit, tuple[int, ...]] | None]:
+        """Return what each candidate comes to; see `_fit`.
+
+        Where shapes have to be looked for, the first one does so for all that have the same causes.
+        """
+        if len(new) < 2 or new[0].shape or len(_starts(new[0], self.known)) == 1:
+            return in_order(self.executor, partial(_fit, self.linear, self.known), new)
+        (first,) = in_order(self.executor, partial(_fit, self.linear, self.known), new[:1])
+        known, others = self.known, list(new[1:])
+        if first:
+            fit, kept = first
+            known = fit.with_causes(tuple(new[0].causes[i] for i in kept))
+            others = [replace(one, start=one.start | known.start) for one in others]
+        return [first, *in_order(self.executor, partial(_fit, self.linear, known), others)]
 
     def _model(self, candidate: CandidateModel, fit: Fit, kept: tuple[int, ...]) -> Model | None:
         causes = tuple(candidate.causes[i] for i in kept)
@@ -242,12 +257,12 @@ def _fit(
         linear = with_shape(plain, candidate.shape)
         if nuisances is not None:
             nuisances = np.concatenate([nuisances, np.zeros(len(linear.nuisances) - len(nuisances))])
-    found: Fit | None = None
-    for start in _starts(candidate, known):
-        with suppress(*NOT_SIMULATED):
-            fit = refit(linear, candidate.causes, start, nuisances, known, settles=False, progress=progress)
-            if found is None or fit.log_evidence > found.log_evidence:
-                found = fit
+    fits = partial(refit, linear, candidate.causes, nuisances=nuisances, known=known, settles=False, progress=progress)
+    starts = _starts(candidate, known)
+    if len(starts) > 1:  # where derivatives are not worth a simulation, but which of them leads where is seen
+        found = _best_of(partial(fits, start=start, renews=False) for start in starts)
+        starts = [found.start] if found else starts
+    found = _best_of(partial(fits, start=start) for start in starts)
     if found is None:
         return None
     try:
@@ -257,6 +272,17 @@ def _fit(
         return None
     kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
     return found.with_causes(()), kept
+
+
+def _best_of(fits: Iterable[Callable[[], Fit]]) -> Fit | None:
+    """Return the most probable fit of those that can be simulated."""
+    best: Fit | None = None
+    for fit in fits:
+        with suppress(*NOT_SIMULATED):
+            found = fit()
+            if best is None or found.log_evidence > best.log_evidence:
+                best = found
+    return best
 
 
 def _settled(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int, ...]], progress: Progress) -> Fit:

@@ -29,15 +29,13 @@ def log_of_widths(fit: Fit, cause: Cause) -> Array:
     Exact where readings are linear in the sizes: with the covariance C and the mean m that a prior P^2 gave, data say
     H = C^-1 - P^-2 and b = C^-1 m, and log E(w) = b' (H + (w P)^-2)^-1 b / 2 - log det(1 + (w P) H (w P)) / 2.
     """
-    widths = widths_of(cause)
-    if len(widths) == 1:
-        return np.zeros(1)
     mine = fit.where(cause)
     prior = np.array([fit.unknowns[i].sigma for i in mine])
     mean = fit.off[mine] / prior
     said = np.linalg.inv(fit.covariance[np.ix_(mine, mine)] / np.outer(prior, prior))
     information, pull = said - np.eye(len(mine)), said @ mean
-    every = np.stack([np.eye(len(mine)) / width**2 for width in widths])
-    found = log_evidences_of(information + every, np.tile(pull, (len(widths), 1)), np.outer(widths, np.ones(len(mine))))
-    added: Array = found - found[widths.index(1.0)] - np.log(len(widths))
+    widths = np.outer(widths_of(cause), np.ones(len(mine)))
+    every = np.stack([np.diag(width**-2) for width in widths])
+    found = log_evidences_of(information + every, np.tile(pull, (len(widths), 1)), widths)
+    added: Array = found - found[0] - np.log(len(widths))
     return added
