@@ -16,7 +16,8 @@ from bench.diagnose.linearise.lack_of_fit import as_simulated
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry, tried_of, widths_of
-from bench.diagnose.name.models import CandidateModel, Fitter, needed_of
+from bench.diagnose.name.candidate_model import CandidateModel, needed_of
+from bench.diagnose.name.models import Fitter
 from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.diagnose.name.search_space import SearchSpace, search_space
 from bench.diagnose.name.sizes import log_of_widths
@@ -66,7 +67,7 @@ def test_what_a_model_does_not_need_is_left_out_of_it(found: Diagnosis) -> None:
 
 
 def test_shapes_are_looked_for_once_where_models_share_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Models with two ripples were started five times each: 701 s for a campaign, most of it the same searches."""
+    """Models with two ripples were started five times each: two minutes of such fits before a first answer."""
     effects = catalogue()
     campaign = made(SWEEPS, 7, {"friction_ripple": 0.3})  # of the null period
     linear = linear_of(campaign)
@@ -82,7 +83,7 @@ def test_shapes_are_looked_for_once_where_models_share_them(monkeypatch: pytest.
         counted.append(tuple(cause.effect.name for cause in causes))
         return refit(linear, causes, *rest, **options)
 
-    monkeypatch.setattr("bench.diagnose.name.models.refit", counting)
+    monkeypatch.setattr("bench.diagnose.name.candidate_model.refit", counting)
     fitter = Fitter(linear, refit(linear, (), {}), SERIAL, settles=False)
     trials = [CandidateModel((ripple, one), None, start, None, (-5.0, -5.0)) for one in (viscous, coulomb)]
     models = fitter.fitted(trials)

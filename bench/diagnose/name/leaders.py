@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Hashable, Sequence, Set
 
-from bench.diagnose.name.models import CandidateModel
+from bench.diagnose.name.candidate_model import CandidateModel
 from bench.diagnose.name.search import WINDOW, Alternative, Subset, alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import SearchSpace
 

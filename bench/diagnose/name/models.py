@@ -1,25 +1,21 @@
 """Models that extend the nominal one by findings, fitted by simulation: listed causes, and at most one free shape."""
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 
-from bench.diagnose.extend.fit import Fit, Key
-from bench.diagnose.extend.refit import refit, refitted
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.refit import refitted
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, anew
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.name.candidate_model import CandidateModel, fit_of, settled_of, starts_of, with_shape
 from bench.diagnose.name.sizes import log_of_priors
-from bench.diagnose.replay.nuisances import Nuisance
-from bench.errors import NOT_SIMULATED
-from bench.executor.contract import Executor, Progress, in_order
+from bench.executor.contract import Executor, in_order
 from bench.record.campaign import Array
 
-# effort: ratio of neighbouring shapes below which an effect is lost between two of them: more starts are tried
-NARROW = 1.5
 # effort: evidence that derivatives about a model may add: where they were missing about one with play, they lowered
 # chi-square by 21, which is 10.5 (tests/diagnose/test_refit.py)
 MOST_GAINED = 12.0
@@ -85,31 +81,6 @@ class Model:
         return added @ self.fit.nuisances[own], added @ covariance @ added.T
 
 
-@dataclass(frozen=True)
-class CandidateModel:
-    """A model that is to be fitted.
-
-    Attributes:
-        causes: Listed.
-        shape: Not listed, or None.
-        start: First values of the parameters.
-        nuisances: First values, shape (p,), without those of the shape; None: zeros.
-        log_odds: Logarithm of the prior odds of each cause, in their order, and of the shape, if there is one.
-    """
-
-    causes: tuple[Cause, ...]
-    shape: Block | None
-    start: dict[Key, float]
-    nuisances: Array | None
-    log_odds: tuple[float, ...]
-
-    @property
-    def keys(self) -> frozenset[Hashable]:
-        """As of the model."""
-        shape = {str(self.shape)} if self.shape else set()
-        return frozenset({cause.key for cause in self.causes} | shape)
-
-
 @dataclass(eq=False)
 class Fitter:
     """Fits models to a design, and remembers them.
@@ -149,7 +120,7 @@ class Fitter:
         open_ones = [
             one for one in done if self.settles and not one[1].is_settled and one[1].log_evidence > best - MOST_GAINED
         ]
-        settled = in_order(self.executor, partial(_settled, self.linear), open_ones)
+        settled = in_order(self.executor, partial(settled_of, self.linear), open_ones)
         better = {one[0].keys: fit for one, fit in zip(open_ones, settled, strict=True)}
         self.models |= dict.fromkeys((candidate.keys for candidate in new), None)
         for candidate, fit, kept in done:
@@ -177,19 +148,19 @@ class Fitter:
         }
 
     def _fits(self, new: Sequence[CandidateModel]) -> list[tuple[Fit, tuple[int, ...]] | None]:
-        """Return what each candidate comes to; see `_fit`.
+        """Return what each candidate comes to; see `fit_of`.
 
         Where shapes have to be looked for, the first one does so for all that have the same causes.
         """
-        if len(new) < 2 or new[0].shape or len(_starts(new[0], self.known)) == 1:
-            return in_order(self.executor, partial(_fit, self.linear, self.known), new)
-        (first,) = in_order(self.executor, partial(_fit, self.linear, self.known), new[:1])
+        if len(new) < 2 or new[0].shape or len(starts_of(new[0], self.known)) == 1:
+            return in_order(self.executor, partial(fit_of, self.linear, self.known), new)
+        (first,) = in_order(self.executor, partial(fit_of, self.linear, self.known), new[:1])
         known, others = self.known, list(new[1:])
         if first:
             fit, kept = first
             known = fit.with_causes(tuple(new[0].causes[i] for i in kept))
             others = [replace(one, start=one.start | known.start) for one in others]
-        return [first, *in_order(self.executor, partial(_fit, self.linear, known), others)]
+        return [first, *in_order(self.executor, partial(fit_of, self.linear, known), others)]
 
     def _model(self, candidate: CandidateModel, fit: Fit, kept: tuple[int, ...]) -> Model | None:
         causes = tuple(candidate.causes[i] for i in kept)
@@ -201,23 +172,6 @@ class Fitter:
         odds = sum(candidate.log_odds[i] for i in (*kept, *range(len(candidate.causes), len(candidate.log_odds))))
         evidence = fit.log_evidence - self.null.log_evidence + log_of_priors(fit)
         return Model(fit, candidate.shape, evidence, evidence + odds)
-
-
-def with_shape(linear: LinearisedModel, shape: Block) -> LinearisedModel:
-    """Return a design that has a free shape among its nuisances; it acts by its changes alone.
-
-    Args:
-        linear: The campaign.
-        shape: As this design whitens it.
-    """
-    jacobian = shape.columns * shape.prior
-    nuisances = tuple(Nuisance(f"{shape}, {i + 1}", shape.unit, shape.prior) for i in range(jacobian.shape[1]))
-    return replace(
-        linear,
-        nuisances=(*linear.nuisances, *nuisances),
-        sensitivities=np.concatenate([linear.sensitivities, linear.unwhiten(jacobian)], axis=2),
-        jacobian=np.concatenate([linear.jacobian, jacobian], axis=1),
-    )
 
 
 def reweighed(model: Model, before: LinearisedModel, linear: LinearisedModel) -> Model:
@@ -246,81 +200,3 @@ def without_shape(linear: LinearisedModel, count: int) -> LinearisedModel:
         sensitivities=linear.sensitivities[:, :, :count],
         jacobian=linear.jacobian[:, :count],
     )
-
-
-def _fit(
-    plain: LinearisedModel, known: Fit | None, candidate: CandidateModel, progress: Progress
-) -> tuple[Fit, tuple[int, ...]] | None:
-    """Return the best fit, and which causes it needs and allows; None where nothing balances along the motion."""
-    linear, nuisances = plain, candidate.nuisances
-    if candidate.shape:
-        linear = with_shape(plain, candidate.shape)
-        if nuisances is not None:
-            nuisances = np.concatenate([nuisances, np.zeros(len(linear.nuisances) - len(nuisances))])
-    fits = partial(refit, linear, candidate.causes, nuisances=nuisances, known=known, settles=False, progress=progress)
-    starts = _starts(candidate, known)
-    if len(starts) > 1:  # where derivatives are not worth a simulation, but which of them leads where is seen
-        found = _best_of(partial(fits, start=start, renews=False) for start in starts)
-        starts = [found.start] if found else starts
-    found = _best_of(partial(fits, start=start) for start in starts)
-    if found is None:
-        return None
-    try:
-        while len(needed := needed_of(found)) < len(found.causes):
-            found = refit(linear, needed, found.start, found.nuisances, found, settles=False, progress=progress)
-    except NOT_SIMULATED:
-        return None
-    kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
-    return found.with_causes(()), kept
-
-
-def _best_of(fits: Iterable[Callable[[], Fit]]) -> Fit | None:
-    """Return the most probable fit of those that can be simulated."""
-    best: Fit | None = None
-    for fit in fits:
-        with suppress(*NOT_SIMULATED):
-            found = fit()
-            if best is None or found.log_evidence > best.log_evidence:
-                best = found
-    return best
-
-
-def _settled(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int, ...]], progress: Progress) -> Fit:
-    """Return a fit brought to its end by derivatives of all nuisances about itself; see `_fit`."""
-    candidate, fit, kept = done
-    causes = tuple(candidate.causes[i] for i in kept)
-    linear = with_shape(plain, candidate.shape) if candidate.shape else plain
-    try:
-        found = refitted(linear, fit.with_causes(causes), progress)
-    except NOT_SIMULATED:
-        return fit
-    return found.with_causes(())
-
-
-def needed_of(fit: Fit) -> tuple[Cause, ...]:
-    """Return the causes of a fit without those that explain nothing, or that want to be larger than plausible.
-
-    One that is too large is no reason to do without twenty others that were tried with it.
-    """
-    return tuple(cause for cause in fit.causes if fit.acts(cause) and fit.allows(cause))
-
-
-def _starts(candidate: CandidateModel, known: Fit | None) -> list[dict[Key, float]]:
-    """Return where to start: as the linearised model says, and where that may be far off.
-
-    Between the shapes tried, where those lie far apart; and from the largest size of a play, for less of it explains
-    as well with more noise, so a fit may stay at the smaller of two sizes.
-    """
-    old = {cause.key for cause in known.causes} if known else set()
-    starts = [candidate.start]
-    for cause in candidate.causes:
-        if cause.key in old:
-            continue
-        for shape in cause.shapes:
-            if shape.ratio < NARROW:
-                key = (*cause.key, shape.name)
-                value = candidate.start.get(key, shape.null)
-                starts += [candidate.start | {key: value * shape.ratio ** (side / 3)} for side in (-1, 1)]
-        if cause.effect.scatters:
-            starts.append(candidate.start | {(*cause.key, size.name): size.high for size in cause.sizes})
-    return starts

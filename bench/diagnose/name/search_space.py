@@ -19,7 +19,8 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Columns, Nuisances
 from bench.diagnose.linearise.screening import WIDTHS, Entry, Tried, widths_of
 from bench.diagnose.linearise.threshold import LEAST
-from bench.diagnose.name.models import CandidateModel, Model
+from bench.diagnose.name.candidate_model import CandidateModel
+from bench.diagnose.name.models import Model
 from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.diagnose.name.sizes import log_of_widths
 from bench.errors import NOT_SIMULATED

@@ -11,7 +11,8 @@ from rerun.chunk import RrdReader
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.generic import Block, anew
-from bench.diagnose.name.models import Model, with_shape
+from bench.diagnose.name.candidate_model import with_shape
+from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.verdict import Unlisted
 from bench.effects.catalogue import catalogue

@@ -1,0 +1,141 @@
+"""One model that extends the nominal one by findings: where its fit starts, and what it comes to, by simulation."""
+
+from collections.abc import Callable, Hashable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from bench.diagnose.extend.fit import Fit, Key
+from bench.diagnose.extend.refit import refit, refitted
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.generic import Block
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.errors import NOT_SIMULATED
+from bench.executor.contract import Progress
+from bench.record.campaign import Array
+
+# effort: ratio of neighbouring shapes below which an effect is lost between two of them: more starts are tried
+NARROW = 1.5
+
+
+@dataclass(frozen=True)
+class CandidateModel:
+    """A model that is to be fitted.
+
+    Attributes:
+        causes: Listed.
+        shape: Not listed, or None.
+        start: First values of the parameters.
+        nuisances: First values, shape (p,), without those of the shape; None: zeros.
+        log_odds: Logarithm of the prior odds of each cause, in their order, and of the shape, if there is one.
+    """
+
+    causes: tuple[Cause, ...]
+    shape: Block | None
+    start: dict[Key, float]
+    nuisances: Array | None
+    log_odds: tuple[float, ...]
+
+    @property
+    def keys(self) -> frozenset[Hashable]:
+        """As of the model."""
+        shape = {str(self.shape)} if self.shape else set()
+        return frozenset({cause.key for cause in self.causes} | shape)
+
+
+def with_shape(linear: LinearisedModel, shape: Block) -> LinearisedModel:
+    """Return a design that has a free shape among its nuisances; it acts by its changes alone.
+
+    Args:
+        linear: The campaign.
+        shape: As this design whitens it.
+    """
+    jacobian = shape.columns * shape.prior
+    nuisances = tuple(Nuisance(f"{shape}, {i + 1}", shape.unit, shape.prior) for i in range(jacobian.shape[1]))
+    return replace(
+        linear,
+        nuisances=(*linear.nuisances, *nuisances),
+        sensitivities=np.concatenate([linear.sensitivities, linear.unwhiten(jacobian)], axis=2),
+        jacobian=np.concatenate([linear.jacobian, jacobian], axis=1),
+    )
+
+
+def fit_of(
+    plain: LinearisedModel, known: Fit | None, candidate: CandidateModel, progress: Progress
+) -> tuple[Fit, tuple[int, ...]] | None:
+    """Return the best fit, and which causes it needs and allows; None where nothing balances along the motion."""
+    linear, nuisances = plain, candidate.nuisances
+    if candidate.shape:
+        linear = with_shape(plain, candidate.shape)
+        if nuisances is not None:
+            nuisances = np.concatenate([nuisances, np.zeros(len(linear.nuisances) - len(nuisances))])
+    fits = partial(refit, linear, candidate.causes, nuisances=nuisances, known=known, settles=False, progress=progress)
+    starts = starts_of(candidate, known)
+    if len(starts) > 1:  # where derivatives are not worth a simulation, but which of them leads where is seen
+        found = _best_of(partial(fits, start=start, renews=False) for start in starts)
+        starts = [found.start] if found else starts
+    found = _best_of(partial(fits, start=start) for start in starts)
+    if found is None:
+        return None
+    try:
+        while len(needed := needed_of(found)) < len(found.causes):
+            found = refit(linear, needed, found.start, found.nuisances, found, settles=False, progress=progress)
+    except NOT_SIMULATED:
+        return None
+    kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
+    return found.with_causes(()), kept
+
+
+def _best_of(fits: Iterable[Callable[[], Fit]]) -> Fit | None:
+    """Return the most probable fit of those that can be simulated."""
+    best: Fit | None = None
+    for fit in fits:
+        with suppress(*NOT_SIMULATED):
+            found = fit()
+            if best is None or found.log_evidence > best.log_evidence:
+                best = found
+    return best
+
+
+def settled_of(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int, ...]], progress: Progress) -> Fit:
+    """Return a fit brought to its end by derivatives of all nuisances about itself; see `fit_of`."""
+    candidate, fit, kept = done
+    causes = tuple(candidate.causes[i] for i in kept)
+    linear = with_shape(plain, candidate.shape) if candidate.shape else plain
+    try:
+        found = refitted(linear, fit.with_causes(causes), progress)
+    except NOT_SIMULATED:
+        return fit
+    return found.with_causes(())
+
+
+def needed_of(fit: Fit) -> tuple[Cause, ...]:
+    """Return the causes of a fit without those that explain nothing, or that want to be larger than plausible.
+
+    One that is too large is no reason to do without twenty others that were tried with it.
+    """
+    return tuple(cause for cause in fit.causes if fit.acts(cause) and fit.allows(cause))
+
+
+def starts_of(candidate: CandidateModel, known: Fit | None) -> list[dict[Key, float]]:
+    """Return where to start: as the linearised model says, and where that may be far off.
+
+    Between the shapes tried, where those lie far apart; and from the largest size of a play, for less of it explains
+    as well with more noise, so a fit may stay at the smaller of two sizes.
+    """
+    old = {cause.key for cause in known.causes} if known else set()
+    starts = [candidate.start]
+    for cause in candidate.causes:
+        if cause.key in old:
+            continue
+        for shape in cause.shapes:
+            if shape.ratio < NARROW:
+                key = (*cause.key, shape.name)
+                value = candidate.start.get(key, shape.null)
+                starts += [candidate.start | {key: value * shape.ratio ** (side / 3)} for side in (-1, 1)]
+        if cause.effect.scatters:
+            starts.append(candidate.start | {(*cause.key, size.name): size.high for size in cause.sizes})
+    return starts
