@@ -16,7 +16,7 @@ from bench.simulate.plant import Trace
 
 # exact: root mean square of the part of its friction that a joint lets go of at rest: anything between none and all
 LET_GO = 3**-0.5
-# exact: the same of a link whose motor gave to a load and came back: between none of it and twice, the other way round
+# exact: the same of a joint whose motor gave to a load and came back: between none of it and twice, the other way round
 TURNED = 2 * LET_GO
 
 
@@ -27,7 +27,7 @@ def held_friction(
 
     Settling and shaking let go of part of it, on each side of the gear, and more in one joint than in another. A load
     that the motor's friction does not hold moves the motor until the servo brings it back, and the link with it: that
-    may turn the friction of the link round, from what the load alone would leave. A link may arrive with its friction
+    may turn the friction of both round, from what the load alone would leave. A link may arrive with its friction
     turned round as well, if it has a load; one whose friction holds it anywhere does rest anywhere (`LINK_VISIT`).
     """
     found, sensitivities = [], []
@@ -58,13 +58,14 @@ def held_friction(
             found.append(Nuisance(f"link-side friction held at rest by {drive.joint} as it arrived", "", LET_GO))
             sensitivities.append(LET_GO * np.concatenate(arrived))
         if any(np.any(moved[:, j]) for moved in gave):
-            turned = [
-                moved[:, [j]] * response.link[:, :, j] * trace.link_friction[:, [j]]
-                for trace, response, moved in zip(traces, responses, gave, strict=True)
-            ]
-            name = f"link-side friction held at rest by {drive.joint} after its motor gave"
-            found.append(Nuisance(name, "", TURNED))
-            sensitivities.append(TURNED * np.concatenate(turned))
+            for side in ("motor", "link"):
+                turned = [
+                    moved[:, [j]] * getattr(response, side)[:, :, j] * getattr(trace, f"{side}_friction")[:, [j]]
+                    for trace, response, moved in zip(traces, responses, gave, strict=True)
+                ]
+                name = f"{side}-side friction held at rest by {drive.joint} after its motor gave"
+                found.append(Nuisance(name, "", TURNED))
+                sensitivities.append(TURNED * np.concatenate(turned))
     return tuple(found), np.stack(sensitivities, axis=2)
 
 
