@@ -3,6 +3,7 @@
 import errno
 import io
 import os
+import shutil
 import sys
 
 import tyro
@@ -56,11 +57,18 @@ Command = (  # in the order of the help; each goes by the name of its class
 INTERRUPTED = 130
 TERMINATED = 143
 NOT_READ = 141
+GRAPHICS = "MUJOCO_GL"
+NARROWEST = 20  # columns; tables of help take for ever to be laid out in one to four
 UNPRINTED = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EIO)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return its exit code (README.md lists them)."""
+    if sys.stderr is None:  # closed, as a daemon starts: what is said goes nowhere
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    if sys.stdout is None:
+        print("bench: what it prints cannot be written: its output is closed; send it to /dev/null", file=sys.stderr)
+        return InputError.exit_code
     _print_anything()
     try:
         code = _ended(arguments)
@@ -86,6 +94,9 @@ def _ended(arguments: list[str] | None) -> int:
         return error.exit_code
     except (KeyboardInterrupt, ImportError, RuntimeError) as error:
         interrupt = interrupt_behind(error)
+        if interrupt is None and GRAPHICS in str(error):  # as MuJoCo refuses it
+            print(f"bench: {error}; egl, osmesa or glfw, or leave it out", file=sys.stderr)
+            return InputError.exit_code
         if interrupt is None:
             raise
         is_typed = not isinstance(interrupt, TerminatedError)
@@ -113,7 +124,9 @@ def _run(arguments: list[str] | None) -> int:
 
 
 def _print_anything() -> None:
-    """Let a terminal that does not know a character get it escaped, rather than end the command."""
+    """Let a terminal that does not know a character get it escaped, and one of no width lines of some."""
+    if shutil.get_terminal_size().columns < NARROWEST:
+        os.environ["COLUMNS"] = str(NARROWEST)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

@@ -90,6 +90,15 @@ def most_speed(compiled: CompiledRobot, index: int) -> float:
     return speed_limit(compiled, index) ** 2 / least_speed(compiled, index)
 
 
+def most_acceleration(compiled: CompiledRobot, index: int) -> float:
+    """Return what the torque limit of a drive gives its rotor alone [rad/s^2], [m/s^2]; inf where either is a guess."""
+    drive = compiled.robot.figures.drives[index]
+    if any(compiled.robot.figures.assumes(figure, drive.joint) for figure in ("torque limit", "rotor inertia")):
+        return np.inf
+    rotor = float(compiled.model.dof_armature[compiled.at.q_dof[index]])
+    return torque_limit(compiled, index) / rotor if rotor > 0 else np.inf
+
+
 def least_speed(compiled: CompiledRobot, index: int) -> float:
     """Return how low the speed limit of a drive may be [rad/s], [m/s]: as stated, or as far as a guess may be off."""
     figures = compiled.robot.figures

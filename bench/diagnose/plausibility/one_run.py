@@ -82,7 +82,8 @@ def _beside(
     left = np.nan_to_num(beyond(whole))
     here, *there = (np.sqrt(np.mean(left[run_of == one] ** 2, axis=0)) for one in (run, *others))
     most = np.max(there, axis=0)
-    return whole.of(run_of == run), np.divide(here, most, out=np.zeros_like(here), where=most > 0)
+    past = np.where(here > 0, np.inf, 0.0)  # of others that friction at rest explains altogether
+    return whole.of(run_of == run), np.divide(here, most, out=past, where=most > 0)
 
 
 @dataclass(frozen=True)

@@ -1,36 +1,70 @@
-"""Single rows that no drive can have made: angles that jump away and back, currents far beyond its torque limit."""
+"""Single rows that no drive can have made: angles that jump, currents far beyond its torque limit."""
 
 from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.effects.places import most_speed, most_torque, torque_limit
-from bench.record.campaign import Campaign, Run
+from bench.effects.places import most_acceleration, most_speed, most_torque, torque_limit
+from bench.record.campaign import Array, Campaign, Run
 from bench.record.channels import columns_of
 from bench.record.finding import Finding, Level, spell_rows
 from bench.record.rules.sheet import TRAVEL
 from bench.robot.compiled import CompiledRobot
 
 STEADY = 99.0  # declared: per cent of the readings that a limit has to hold for; single ones are something else
+SPOILT = "lost or spoilt? leave such rows out"
+LOST = "rows that were lost, and a clock that was made even? give each row the time that it was read at"
 BEYOND = 2.0  # declared: times the limit of a drive, as far as a guess of it may be off; servos peak by less
 
 
 def jumps(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
-    """Yield a doubt for each angle that jumps in one row, and back in the next, faster than its drive can go.
+    """Yield a doubt for each angle that jumps from one row to the next, faster than its drive can go.
+
+    Either it is back in the row after, or it goes on from there, as where rows are lost and the clock was made even.
 
     Args:
         campaign: A checked campaign.
         compiled: Its robot, nominal.
     """
     for run in campaign.of_kind("motion"):
+        told: set[int] = set()  # rows of this run; what jumps in all columns is told once
         for column in columns_of(run.columns, "q_motor", "q_link"):
-            step, limit = np.diff(run.columns[column.name]), BEYOND * most_speed(compiled, column.index - 1)
-            is_jump = np.abs(step) > np.maximum(limit * np.diff(run.columns["time_s"]), TRAVEL[column.unit])
-            alone = np.pad(is_jump[:-1] & is_jump[1:] & (step[:-1] * step[1:] < 0), 1)[: len(run)]
-            yield from _told(
-                "doubt", run, column.name, alone, f"no drive goes there and back so fast ({limit:.3g} per s)"
-            )
+            step, time = np.diff(run.columns[column.name]), np.diff(run.columns["time_s"])
+            fastest = BEYOND * most_speed(compiled, column.index - 1)
+            sharpest = BEYOND * most_acceleration(compiled, column.index - 1)
+            is_jump = np.abs(step) > np.maximum(fastest * time, TRAVEL[column.unit])
+            back = np.pad(is_jump[:-1] & is_jump[1:] & (step[:-1] * step[1:] < 0), 1)[: len(run)]
+            there_and_back = f"no drive goes there and back so fast ({fastest:.3g} per s)"
+            yield from _told("doubt", run, column.name, back, there_and_back, SPOILT)
+
+            onward = np.append(False, _is_onward(step, time, TRAVEL[column.unit], fastest, sharpest))
+            if rows := set(np.flatnonzero(onward).tolist()) - told:
+                told |= rows
+                size = float(np.max(np.abs(step[onward[1:]])))
+                why = f"{size:.3g} {column.unit} from the row before, and goes on from there; no drive goes so fast"
+                yield from _told("doubt", run, column.name, onward, why, LOST)
+
+
+def _is_onward(step: Array, time: Array, travel: float, fastest: float, sharpest: float) -> NDArray[np.bool_]:
+    """Return which steps of an angle no drive can make between the speeds before and after them, shape (T - 1,).
+
+    Of two speeds below v at both ends of a time t, an acceleration a leads no farther than v t + a t^2/4.
+
+    Args:
+        step: From row to row, shape (T - 1,).
+        time: The same way.
+        travel: Of steps that noise makes.
+        fastest: Speed of its drive at most.
+        sharpest: Its acceleration at most.
+    """
+    speed = np.pad(np.abs(step) / time, 1)
+    beside = np.maximum(speed[:-2], speed[2:])
+    farthest = np.minimum(fastest * time, beside * time + sharpest * time**2 / 4)
+    is_jump = np.abs(step) > np.maximum(farthest, travel)
+    near = np.pad(is_jump, 1)  # what goes on for longer is a joint that is too fast, which is told elsewhere
+    alone: NDArray[np.bool_] = is_jump & ~near[:-2] & ~near[2:]
+    return alone
 
 
 def overloads(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
@@ -47,7 +81,7 @@ def overloads(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
             size = np.abs(run.columns[column.name])
             far = size > BEYOND * limit
             if np.all(size[~far] <= limit):  # what goes on from within to beyond has another unit, or another limit
-                yield from _told("warning", run, column.name, far, f"the limit of its drive is {limit:.3g}")
+                yield from _told("warning", run, column.name, far, f"the limit of its drive is {limit:.3g}", SPOILT)
 
 
 def beyond_guessed_limits(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
@@ -73,9 +107,11 @@ def beyond_guessed_limits(campaign: Campaign, compiled: CompiledRobot) -> Iterat
         yield Finding("warning", "all runs", None, name, message, remedy)
 
 
-def _told(level: Level, run: Run, column: str, is_beyond: NDArray[np.bool_], why: str) -> Iterator[Finding]:
+def _told(
+    level: Level, run: Run, column: str, is_beyond: NDArray[np.bool_], why: str, remedy: str
+) -> Iterator[Finding]:
     rows = (np.flatnonzero(is_beyond) + 1).tolist()
     if rows and len(rows) < len(run):
         value = run.columns[column][rows[0] - 1]
         message = f"reads {value:.6g} in {spell_rows(rows)} of run {run.name!r}; {why}"
-        yield Finding(level, "all runs", None, column, message, "lost or spoilt? leave such rows out")
+        yield Finding(level, "all runs", None, column, message, remedy)

@@ -1,0 +1,46 @@
+"""What a command is started in: no output to print to, a terminal of no width, graphics that are none."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BENCH = Path(sys.executable).with_name("bench")
+
+
+def ended(command: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["sh", "-c", command],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def test_closed_output_is_told() -> None:
+    found = ended(f"{BENCH} robots >&-")
+    assert (found.returncode, "output is closed" in found.stderr) == (2, True)
+    assert "Traceback" not in found.stderr
+
+
+def test_what_is_said_may_go_nowhere() -> None:
+    found = ended(f"{BENCH} check /no/such/folder 2>&-")
+    assert found.returncode == 3
+    assert "put it there" in found.stdout
+
+
+@pytest.mark.parametrize("columns", ["1", "2", "4", "5"])
+def test_help_in_a_terminal_of_no_width(columns: str) -> None:
+    found = ended(f"{BENCH} check --help", COLUMNS=columns)
+    assert (found.returncode, "usage" in found.stdout) == (0, True)
+
+
+def test_graphics_that_are_none(tmp_path: Path) -> None:
+    (tmp_path / "campaign.yaml").write_text("robot: hh150\nruns: []\n")
+    found = ended(f"{BENCH} diagnose {tmp_path} -o {tmp_path / 'out'}", MUJOCO_GL="foo")
+    assert (found.returncode, "MUJOCO_GL: foo; egl" in found.stderr) == (2, True)
+    assert "Traceback" not in found.stderr
