@@ -20,7 +20,7 @@ from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
 
 LEAST_SHARE = -0.999  # rounding: by which a figure that cannot be negative is off at most; MuJoCo needs rotors to weigh
-E_FOLDS = 30.0  # rounding: a factor of 10^13; a search that goes far beyond stated uncertainty still meets numbers
+MOST_FACTOR = 1e3  # rounding: of a figure over what is stated of it; a gear a thousand times stiffer is rigid
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,9 @@ class NominalParameter:
 
 
 def factor_of(deviation: float, sigma: float) -> float:
-    """Return what a figure is times what is stated of it, (1 + sigma)^(deviation / sigma)."""
-    return float(np.exp(np.clip(np.log1p(sigma) * deviation / sigma, -E_FOLDS, E_FOLDS)))
+    """Return what a figure is times what is stated of it, (1 + sigma)^(deviation / sigma), `MOST_FACTOR` at most."""
+    most = np.log(MOST_FACTOR)
+    return float(np.exp(np.clip(np.log1p(sigma) * deviation / sigma, -most, most)))
 
 
 def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:

@@ -147,3 +147,5 @@ def places_of(folder: Path) -> Iterator[str]:
     if (folder / ROBOT).is_dir():
         yield f"robot      {folder / ROBOT}   (its change: {DIFFERENCE}; all that was fitted: {FIGURES})"
         yield f"apply      bench apply {folder} -o applied   (URDF, torques; more: bench/report/handover/README.md)"
+    elif (folder / FIGURES).is_file():
+        yield f"robot      none: what was fitted is no robot ({VERDICT}, handed_over: why); figures are in {FIGURES}"

@@ -1,14 +1,17 @@
 """The files of a diagnosis: verdict.json, report.html, diagnosis.rrd, and the robot as fitted with its difference."""
 
 import json
+import shutil
 from dataclasses import asdict
 from pathlib import Path
 
 from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.cross_validation.posterior import posterior_of
 from bench.diagnose.diagnose import Diagnosis
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.verdict import Verdict
+from bench.errors import RobotError
 from bench.predict.promises import write_promises
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.facts import facts_of, facts_without
@@ -28,7 +31,7 @@ from bench.report.diagnosis.readings import readings_of
 from bench.report.diagnosis.recording import write_diagnosis_recording
 from bench.report.handover.figures_table import csv_of, moved_sentences
 from bench.report.handover.posterior_file import write_posterior
-from bench.report.handover.robot_folder import hand_over
+from bench.report.handover.robot_folder import Handed, hand_over
 from bench.report.jsonable import to_jsonable
 
 
@@ -50,16 +53,12 @@ def write_diagnosis(
 
     Raises:
         InputError: The recording cannot be written.
-        RobotError: The scene that the robot's figures name does not compile, or a mesh of the robot is gone.
     """
     readings = readings_of(diagnosis)
     facts = facts_of(diagnosis, readings, campaign, command)
     fit = diagnosis.extension or diagnosis.naming.null
-    handed = hand_over(diagnosis.linear, fit, folder / ROBOT, folder / NOMINAL_MJCF)
-    write_posterior(folder / ROBOT, posterior_of(diagnosis.linear, fit))
-    write_promises(folder / ROBOT, diagnosis.verdict.predicted)
+    handed = _handed(diagnosis, fit, folder)
     figures = fitted_figures(diagnosis.linear, fit)
-    _write(folder / DIFFERENCE, handed.difference)
     _write(folder / FIGURES, csv_of(figures))
     handed_over = {"disagreement": handed.disagreement, "missing": handed.missing}
     content = diagnosis.verdict.as_json() | facts.as_json()
@@ -76,6 +75,19 @@ def write_diagnosis(
     moved = tuple(moved_sentences(figures))
     _write(folder / REPORT, page_of(diagnosis.verdict, facts, pictures, made, handed.difference, moved))
     return moved
+
+
+def _handed(diagnosis: Diagnosis, fit: Fit, folder: Path) -> Handed:
+    """Write the robot as fitted; where what was fitted is no robot, say so, for the verdict is worth having alone."""
+    try:
+        handed = hand_over(diagnosis.linear, fit, folder / ROBOT, folder / NOMINAL_MJCF)
+    except RobotError as error:
+        shutil.rmtree(folder / ROBOT, ignore_errors=True)
+        return Handed("", (f"everything: what was fitted is no robot: {error}",), float("nan"))
+    write_posterior(folder / ROBOT, posterior_of(diagnosis.linear, fit))
+    write_promises(folder / ROBOT, diagnosis.verdict.predicted)
+    _write(folder / DIFFERENCE, handed.difference)
+    return handed
 
 
 def write_unweighed(verdict: Verdict, folder: Path, campaign: Campaign, robot: str, command: str = "") -> None:

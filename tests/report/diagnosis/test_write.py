@@ -17,11 +17,13 @@ from bench.diagnose.name.naming import Naming
 from bench.diagnose.verdict import Unlisted
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
+from bench.errors import RobotError
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, NOMINAL_MJCF, RECORDING, REPORT, ROBOT, VERDICT
 from bench.report.diagnosis.readings import readings_of
 from bench.report.diagnosis.recording_clock import recording_clock_of
+from bench.report.diagnosis.words import places_of
 from bench.report.diagnosis.write import write_diagnosis
 from bench.report.handover.readme import AGREES
 from bench.report.recording.view import recordings_in
@@ -94,6 +96,23 @@ def test_the_files_are_there(folder: Path) -> None:
     assert content["handed_over"]["missing"] == []
     assert content["data"]["runs"][0]["name"]
     assert content["command"].startswith("bench diagnose")
+
+
+def test_what_is_no_robot_costs_nobody_the_verdict(
+    found: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A gear as stiff as 3.8e11 Nm/rad was refused by the robot folder, and eighteen minutes were lost."""
+
+    def refuses(*_: object) -> None:
+        (tmp_path / ROBOT).mkdir()
+        raise RobotError("a stiffness that no part has")
+
+    monkeypatch.setattr("bench.report.diagnosis.write.hand_over", refuses)
+    write_diagnosis(found, tmp_path)
+    assert not (tmp_path / ROBOT).exists()
+    said = json.loads((tmp_path / VERDICT).read_text())["handed_over"]["missing"]
+    assert said == ["everything: what was fitted is no robot: a stiffness that no part has"]
+    assert any(line.startswith("robot      none") for line in places_of(tmp_path))
 
 
 def test_the_page_shows_the_pictures_and_no_script(folder: Path) -> None:
