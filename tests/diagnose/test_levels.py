@@ -17,15 +17,18 @@ from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, MOST_READINGS, Segment, segments_of
-from bench.diagnose.replay.world import NOMINAL, World, model_of
+from bench.diagnose.replay.world import NOMINAL, World, edits_in, model_of
+from bench.effects.catalogue import catalogue
 from bench.effects.drifts import DAY_K, VISCOUS
-from bench.effects.effect import Acting
+from bench.effects.effect import Acting, Conditions, Place
+from bench.effects.friction import viscous
 from bench.effects.levels import places_of
 from bench.record.campaign import Campaign
 from bench.record.joined import joined
 from bench.report.diagnosis.words import words_of
 from bench.report.handover.readme import AGREES
 from bench.report.handover.robot_folder import hand_over
+from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.store.store import Store
 from tests.diagnose.recordings_small import BINS, CHOICE, EFFECTS, ZEROED, compiled, diagnosed, recording
@@ -103,6 +106,21 @@ def test_each_recording_has_a_prior_of_its_own(both: Campaign) -> None:
     stated_friction = compiled().robot.figures.uncertainty.friction
     day = VISCOUS * DAY_K  # on top of what is stated, which holds at one temperature
     assert list(friction.values()) == pytest.approx([stated_friction, day, day])
+
+
+def test_a_warm_day_changes_what_friction_was_found_as_well(both: Campaign) -> None:
+    """A robot from a drawing has none to begin with, and a day that was colder became an unlisted torque over speed."""
+    nuisances = with_recordings(nuisances_of(compiled(), quantities_of(both.runs, compiled())), compiled(), "AB")
+    (drift,) = (one for one in nuisances if (one.name, one.recording) == ("viscous friction of joint1", "B"))
+    effect = catalogue()["viscous_friction"]
+    found = Acting(effect, Place("joint", 0, "joint1"), effect.complete({"coefficient": 100.0}))
+    reference = Conditions.reference(compiled().n_joints)
+    damping = {
+        kind: viscous(compile_robot(compiled().robot, edits_in(as_of(World({drift: value}, acting), "B"), reference)))[0]
+        for kind, value, acting in (("stated", 0.0, ()), ("found", 0.0, (found,)), ("cold", 0.2, (found,)))
+    }
+    assert damping["found"] == pytest.approx(damping["stated"] + 100)
+    assert damping["cold"] == pytest.approx(1.2 * damping["found"])
 
 
 def test_what_belongs_to_a_recording_shows_there_alone_and_as_if_there_were_no_other(both: Campaign) -> None:

@@ -63,7 +63,7 @@ def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nu
         yield replace(nuisance, sigma=nuisance.lasting, between="same", own=0.0)
     if nuisance.own > 0:
         for name in recordings:
-            yield replace(nuisance, sigma=nuisance.own, recording=name)
+            yield replace(nuisance, sigma=nuisance.own, recording=name, after_effects=nuisance.between == "drifts")
 
 
 def _gas_of_the_day() -> Nuisance:

@@ -53,7 +53,7 @@ NOMINAL = World()
 
 
 def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
-    """Return the changes of the model in a world: deviations, payload, effects, in this order."""
+    """Return the changes of the model in a world: deviations, payload, effects, drifts of the day, in this order."""
     return [edit for step in steps_of(world, conditions) for edit in step.edits]
 
 
@@ -79,9 +79,8 @@ def steps_of(world: World, conditions: Conditions) -> list[Step]:
     """Return the same, as steps that another world may have in common with this one."""
     share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_payload)
     payload_kg = share * conditions.payload_kg
-    off = [(nuisance, value) for nuisance, value in world.deviations.items() if nuisance.edit and value]
     steps = [
-        Step(tuple(off), tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit)),
+        _deviating(world, after_effects=False),
         Step(payload_kg, (bolt_on(payload_kg),) if payload_kg else ()),
     ]
     during = conditions.key
@@ -89,7 +88,17 @@ def steps_of(world: World, conditions: Conditions) -> list[Step]:
         edit = acting.effect.edit(acting.place, acting.values, conditions)
         key = acting.effect, acting.place, tuple(acting.values.items()), during
         steps.append(Step(key, (edit,) if edit else ()))
-    return steps
+    drifts = _deviating(world, after_effects=True)
+    return [*steps, drifts] if drifts.edits else steps
+
+
+def _deviating(world: World, *, after_effects: bool) -> Step:
+    off = [
+        (nuisance, value)
+        for nuisance, value in world.deviations.items()
+        if nuisance.edit and value and nuisance.after_effects is after_effects
+    ]
+    return Step(tuple(off), tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit))
 
 
 def model_of(world: World, run: str, recording: str, conditions: Conditions) -> Hashable:
