@@ -66,7 +66,7 @@ UNPRINTED = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EIO)
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return its exit code (README.md lists them)."""
     if sys.stderr is None:  # closed, as a daemon starts: what is said goes nowhere
-        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 (to the end of the process)
     if sys.stdout is None:
         print("bench: what it prints cannot be written: its output is closed; send it to /dev/null", file=sys.stderr)
         return InputError.exit_code

@@ -49,7 +49,11 @@ class Known:
             recordings: Of the campaign.
         """
         if (self.quantity == "stiffness_nm_per_rad") != (self.joint > 0):
-            yield "joint", "a stiffness is of one joint, and nothing else is", "give joint: 2 with a stiffness alone"
+            yield (
+                "joint",
+                "a stiffness is of one joint (from 1), and nothing else is",
+                "give joint: 2 with a stiffness alone",
+            )
         if (self.quantity == "gas_pressure_pa") != bool(self.at):
             words = "a gas pressure is of one pose, and nothing else is"
             yield "at", words, "give at: [angle of every joint in rad] with a pressure alone"

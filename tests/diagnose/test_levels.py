@@ -116,7 +116,9 @@ def test_a_warm_day_changes_what_friction_was_found_as_well(both: Campaign) -> N
     found = Acting(effect, Place("joint", 0, "joint1"), effect.complete({"coefficient": 100.0}))
     reference = Conditions.reference(compiled().n_joints)
     damping = {
-        kind: viscous(compile_robot(compiled().robot, edits_in(as_of(World({drift: value}, acting), "B"), reference)))[0]
+        kind: viscous(compile_robot(compiled().robot, edits_in(as_of(World({drift: value}, acting), "B"), reference)))[
+            0
+        ]
         for kind, value, acting in (("stated", 0.0, ()), ("found", 0.0, (found,)), ("cold", 0.2, (found,)))
     }
     assert damping["found"] == pytest.approx(damping["stated"] + 100)

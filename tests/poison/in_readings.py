@@ -63,6 +63,23 @@ def spoilt_single_rows(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("spoilt single rows", name, spoil, answer, words)
 
 
+def rows_lost_under_an_even_clock(rng: np.random.Generator) -> Iterator[Variant]:
+    """Lose rows, and give those after them their times: no gap is left in the clock."""
+    first, left = int(rng.integers(12, 16)), int(rng.integers(10, 14))
+
+    def spoil(folder: Path) -> None:
+        sheet = Sheet(folder / "runs" / MOTION)
+        count = len(sheet.rows) - first - left
+        times = [row[sheet.names.index("time_s")] for row in sheet.rows]
+        sheet.rows = sheet.rows[:first] + sheet.rows[first + count :]
+        for number, time in zip(range(1, len(sheet.rows) + 1), times, strict=False):
+            sheet.set(number, "time_s", time)
+        sheet.write()
+
+    words = (f"row {first + 1}", "goes on from there", "clock that was made even?")
+    yield Variant("rows lost under an even clock", "those in the middle", spoil, "doubt", words)
+
+
 def one_run_unlike_the_others(rng: np.random.Generator) -> Iterator[Variant]:
     """Spoil the gauge in one run; a constant that gas might have shows nothing at rest."""
     for name, value in (("no pressure", 0.0), ("a pressure of 0.1 MPa", 1e5)):
@@ -171,6 +188,7 @@ def known_of_no_such_robot(rng: np.random.Generator) -> Iterator[Variant]:
         "a hot gas": ("{quantity: gas_temperature_k, value: 1.0e6, sigma: 1}", "known[0].value"),
         "bar": ("{quantity: gas_pressure_pa, at: [0.0, 0.0], value: 70, sigma: 1}", "bar? multiply by 100000"),
         "kNm/rad": ("{quantity: stiffness_nm_per_rad, joint: 1, value: 300, sigma: 1}", "kNm/rad or kN/m?"),
+        "Nm/deg": ("{quantity: stiffness_nm_per_rad, joint: 1, value: 5200, sigma: 50}", "Nm/deg?"),
         "0617": ("{quantity: payload_kg, value: 0617, sigma: 1}", "known[0].value"),
         "6_1": ("{quantity: payload_kg, value: 6_1, sigma: 1}", "known[0].value"),
         "a sigma of nothing": ("{quantity: payload_kg, value: 1, sigma: 1.0e-300}", "known[0].sigma"),
@@ -198,6 +216,7 @@ def known_of_no_such_robot(rng: np.random.Generator) -> Iterator[Variant]:
 FAMILIES = (
     spoilt_readings,
     spoilt_single_rows,
+    rows_lost_under_an_even_clock,
     one_run_unlike_the_others,
     copied_runs,
     impossible_readings,

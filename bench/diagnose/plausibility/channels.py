@@ -29,13 +29,15 @@ from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, readings_of, segments_of
 from bench.effects.places import speed_limit, torque_limit
-from bench.errors import ConvergenceError
+from bench.errors import ConvergenceError, InputError
+from bench.identify.dynamics.turned import turned_axis
 from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
 from bench.record.finding import Finding
 from bench.record.known import PAYLOAD
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import MOST_RATINGS
+from bench.robot.nominal_dynamics import nominal_dynamics
 
 BINS = 400  # of one run at most; enough to tell a sign
 BLOCKS = 6  # of the readings; what is said has to hold with any of them left out
@@ -83,8 +85,26 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     except ConvergenceError as error:
         return (doubt("", f"the nominal model cannot follow the motion ({error})", "look at angles and their units"),)
     kept = tuple(finding for finding in found if finding.column not in told)
+    kept = kept or tuple(_turned(campaign, compiled))
     told |= {finding.column for finding in found}
     return (*kept, *(finding for finding in smoothed(campaign, compiled, every) if finding.column not in told))
+
+
+def _turned(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+    """Yield the axis that is turned in angle and torque alike, whatever the links weigh."""
+    try:
+        turned = turned_axis(campaign, nominal_dynamics(compiled))
+    except InputError:  # nothing moves for long enough
+        return
+    if turned:
+        drives = [drive.joint for drive in compiled.robot.figures.drives]
+        unit = "N" if compiled.is_slide[turned.drive] else "Nm"
+        message = (
+            f"{' or '.join(drives[j] for j in turned.indices)} moves against the model's sense of turning, torque and "
+            f"angle alike: with both turned, a model that is linear in what links weigh leaves {turned.after:.3g} "
+            f"{unit} of {drives[turned.drive]} instead of {turned.before:.3g}"
+        )
+        yield doubt(f"q_motor_{turned.indices[0] + 1}", message, "turn the sign of both, or the axis in the MJCF")
 
 
 def _of_drives(

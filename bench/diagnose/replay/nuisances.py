@@ -44,7 +44,7 @@ class Nuisance:
         between: What becomes of it between two recordings, as of an effect (`effects/effect.py`).
         own: Standard deviation of the part that is another one in each recording, in its unit; 0 of what is the same.
         recording: Name of the only recording in which it acts; None: in all.
-        after_effects: It changes the model with everything that was found in it, such as friction; else the nominal one.
+        after_effects: It changes the model with all that was found in it, such as friction; else the nominal one.
         said_before: What each reading of an earlier diagnosis changes by with one unit of it (`given.py`).
     """
 
