@@ -23,6 +23,7 @@ from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
 from bench.record.json_text import sealed
 from bench.report.handover.posterior_file import POSTERIOR, read_posterior, write_posterior
+from bench.report.handover.readme import AGREES
 from bench.report.handover.robot_folder import hand_over
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
@@ -126,6 +127,8 @@ def test_what_was_found_before_is_not_found_again(robot: CompiledRobot, tmp_path
     handed, posterior = compile_robot(load_robot(tmp_path / "robot")), posterior_of(before.linear, extension)
     same = diagnose(made(robot, 2, LOST), handed, sought, most_bins=BINS, given=posterior)
     assert same.verdict.kind == "nothing found"
+    again_handed = hand_over(same.linear, same.naming.null, tmp_path / "again", tmp_path / "again.xml")
+    assert again_handed.disagreement < AGREES  # it was 1, by what the earlier diagnosis said, which no robot reads
     more = diagnose(made(robot, 2, LOST + 0.02), handed, sought, most_bins=BINS, proposes=False, given=posterior)
     (again,) = more.verdict.explanations[0].causes
     assert again.effect == "gas_loss"

@@ -10,6 +10,7 @@ import numpy as np
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import figures_with
+from bench.diagnose.replay.given import EARLIER
 from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.levels import as_of
 from bench.diagnose.replay.replay import Replay
@@ -126,7 +127,7 @@ def _means(entry: FittedEffect, acting: Acting, compiled: CompiledRobot) -> bool
 
 
 def _disagreement(linear: LinearisedModel, world: World, handed: CompiledRobot) -> float:
-    """Return `Handed.disagreement`, along the last recording.
+    """Return `Handed.disagreement`, along the last recording; what an earlier diagnosis said is no reading of a robot.
 
     Args:
         linear: The campaign.
@@ -144,5 +145,6 @@ def _disagreement(linear: LinearisedModel, world: World, handed: CompiledRobot) 
         except NOT_SIMULATED:
             continue
         scale = np.nanmax(np.fmax(np.abs(expected), sigma), axis=0)
-        return float(np.nanmax(np.abs(found - expected) / scale))
+        read = [quantity != EARLIER for quantity in linear.quantities]
+        return float(np.nanmax((np.abs(found - expected) / scale)[:, read]))
     return float("nan")
