@@ -276,7 +276,8 @@ def _in_words(fault: Fault, values: Array, lasts: float) -> str:
         return HARDLY
     if fault.how == "late":
         return f"is {abs(values[0]):.2g} s {'late' if values[0] > 0 else 'early'} by all else"
-    return f"is {1 + values[0]:.3g} times what all else makes of it"
+    times = f"{1 + values[0]:.3g}"
+    return HARDLY if times == "1" else f"is {times} times what all else makes of it"
 
 
 def _sliding(segments: Sequence[Segment], quantities: Sequence[Quantity]) -> tuple[Segment, ...]:

@@ -1,6 +1,7 @@
 """What must hold between the runs of one campaign."""
 
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Hashable, Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -10,12 +11,13 @@ from bench.record.finding import Finding
 from bench.record.rules.approach import approach_is_felt
 from bench.record.rules.clock import counts_by_one
 from bench.record.rules.repeated_runs import no_run_twice
-from bench.record.rules.sheet import Sheet
+from bench.record.rules.sheet import TRAVEL, Sheet
 from bench.record.rules.weights import weights_are_masses
 
 ROUNDING_S = 1.0  # dates of files come in whole seconds
 YEAR_S = 3.2e7
 OFTEN = 5.0  # times as often are other motions read, of which one that is read once a second stands out
+AIR_IN_FAHRENHEIT = (273.15 + 50, 273.15 + 95)  # exact: 10 to 35 degrees Celsius, as Fahrenheit taken for Celsius [K]
 SLOWER = 0.1  # of the speed of the others; it is no slow sweep, for it is read as slowly as it moves
 
 
@@ -28,6 +30,8 @@ def examine_session(sheets: Sequence[Sheet]) -> list[Finding]:
         *no_run_twice(sheets),
         *approach_is_felt(sheets),
         *weights_are_masses(sheets),
+        *one_pose_everywhere(sheets),
+        *gas_begins_cool(sheets),
     ]
 
 
@@ -96,3 +100,33 @@ def _speed(sheet: Sheet) -> float:
     step = np.diff(sheet.run.columns["time_s"])
     moved = (np.max(np.abs(np.diff(values)) / step, initial=0) for _, values in sheet.columns("q_cmd", "q_motor"))
     return float(max(moved, default=0.0))
+
+
+def one_pose_everywhere(sheets: Sequence[Sheet]) -> Iterator[Finding]:
+    """Joints are all the same in a pose that two runs number alike, or several are not: then each counts for itself."""
+    seen: dict[Hashable, list[tuple[Sheet, dict[str, float]]]] = defaultdict(list)
+    for sheet in sheets:
+        pose, angles = sheet.get("pose"), [*sheet.columns("q_motor")] or [*sheet.columns("q_cmd")]
+        if sheet.run.kind == "static" and pose is not None:
+            for number in np.unique(pose):
+                at = {column.name: float(np.median(values[pose == number])) for column, values in angles}
+                seen[sheet.run.recording, float(number)].append((sheet, at))
+    for visits in seen.values():
+        (first, there), *others = visits
+        for sheet, at in others:
+            apart = [name for name in at if abs(at[name] - there.get(name, np.inf)) > TRAVEL[name.rsplit("_", 1)[1]]]
+            if len(apart) == 1 < len(at):
+                (name,) = apart
+                message = f"is {at[name]:.4g} here and {there[name]:.4g} in run {first.run.name!r}, in one pose"
+                remedy = "all other joints are the same; was an angle written down wrong? else number poses by angles"
+                yield sheet.warning(name, message, remedy)
+
+
+def gas_begins_cool(sheets: Sequence[Sheet]) -> Iterator[Finding]:
+    """In the first run of a recording, gas is not as hot as air in degrees Fahrenheit that were taken for Celsius."""
+    for recording in dict.fromkeys(sheet.run.recording for sheet in sheets):
+        first = min((one for one in sheets if one.run.recording == recording), key=lambda one: one.run.start_s)
+        gas = first.get("gas_temperature_k")
+        if gas is not None and len(gas) and AIR_IN_FAHRENHEIT[0] < np.median(gas) < AIR_IN_FAHRENHEIT[1]:
+            message = f"is {np.median(gas):.4g} K, {np.median(gas) - 273.15:.3g} degrees Celsius, from the first run on"
+            yield first.warning("gas_temperature_k", message, "degrees Fahrenheit? (F - 32) 5/9 + 273.15 is K")
