@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.compare.background import Background
 from bench.compare.profiles import Profile
+from bench.diagnose.extend.fit import BEYOND
 from bench.diagnose.linearise.marginal import Columns, Marginal
 from bench.diagnose.linearise.screening import NARROWER, Entry
 from bench.diagnose.linearise.threshold import LEAST, family_threshold
@@ -184,9 +185,10 @@ def _model_of(marginal: Marginal, possible: Sequence[Possible]) -> SubsetPosteri
 
 
 def _term(possible: Possible, columns: Array) -> Term:
-    """Return a term of a search; a change may go either way, whatever the cause."""
+    """Return a term of a search; a change may go either way, whatever the cause, and no farther than is plausible."""
     listed = possible.entry.cause is not None
-    return Term(possible.key, columns, possible.prior, possible.log_odds, np.zeros(len(columns)), listed)
+    most = BEYOND * np.sqrt(3) * possible.entry.priors[0][0] if listed else None  # a prior is high/sqrt(3) wide
+    return Term(possible.key, columns, possible.prior, possible.log_odds, np.zeros(len(columns)), listed, most=most)
 
 
 def _probabilities(alternatives: Sequence[Alternative]) -> tuple[float, ...]:

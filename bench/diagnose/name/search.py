@@ -39,6 +39,7 @@ class Term:
         sign: Shape (k,), of the columns whose size can only be positive (1) or negative (-1); 0: either.
         is_listed: Whether a search may add it; other terms are in its subsets only where it is told so.
         needs: Keys of the terms without which it has no place: more friction needs friction that was found.
+        most: Shape (k,), sizes of the columns beyond which it is something else, either way; None: any will do.
     """
 
     key: Hashable
@@ -48,6 +49,7 @@ class Term:
     sign: Array
     is_listed: bool = True
     needs: frozenset[Hashable] = frozenset()
+    most: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ class SubsetPosterior:
         self.information, self.scores, self.terms = information, scores, tuple(terms)
 
     def log_posterior(self, which: Sequence[int]) -> float:
-        """Return the log posterior odds of some terms against none; -inf where one of them has no place."""
+        """Return the log posterior odds of some terms against none; -inf where one has no place, or is too large."""
         if not which:
             return 0.0
         terms = [self.terms[i] for i in which]
@@ -84,6 +86,10 @@ class SubsetPosterior:
             return -np.inf
         prior, sign = np.concatenate([t.prior for t in terms]), np.concatenate([t.sign for t in terms])
         root, pull = self._root(which)
+        if any(term.most is not None for term in terms):
+            most = np.concatenate([np.full(len(t.prior), np.inf) if t.most is None else t.most for t in terms])
+            if np.any(np.abs(self._sizes(root, pull)) > most):
+                return -np.inf
         total = 0.5 * float(pull @ pull) - float(np.sum(np.log(np.diag(root)))) - float(np.sum(np.log(prior)))
         if np.any(sign):
             inverse = solve_triangular(root, np.eye(len(root)), lower=True, check_finite=False)
@@ -93,7 +99,10 @@ class SubsetPosterior:
 
     def sizes(self, which: Sequence[int]) -> Array:
         """Return the most probable sizes of the columns of some terms, one term after the other."""
-        root, pull = self._root(which)
+        return self._sizes(*self._root(which))
+
+    @staticmethod
+    def _sizes(root: Array, pull: Array) -> Array:
         return np.asarray(solve_triangular(root, pull, lower=True, trans=1), dtype=np.float64)
 
     def additions(self, which: Sequence[int]) -> Array:
@@ -208,7 +217,7 @@ def search(
             visit(rest)
             for i in best_additions(rest, EXCHANGES):
                 visit((*rest, i))
-    found = [Subset(terms, value) for terms, value in visited.items()]
+    found = [Subset(terms, value) for terms, value in visited.items() if value > -np.inf]
     return sorted(found, key=lambda subset: -subset.log_posterior)
 
 
@@ -228,7 +237,7 @@ def exchanges(model: SubsetPosterior, subset: Subset, always: tuple[int, ...] = 
             if i != gone and model.terms[i].is_listed:
                 terms = tuple(sorted((*rest, int(i))))
                 found.append(Subset(terms, model.log_posterior(terms)))
-    return found
+    return [subset for subset in found if subset.log_posterior > -np.inf]
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,7 @@ def _findings(comparison: Comparison, room: int) -> str:
     undecided = ", or another explanation" * is_open + UNDECIDED * (is_open or any(len(own) > 1 for own in names))
     whole = [f"either {listed(own, 'or')}" if len(own) > 1 else own[0] for own in names]
     shorter = [[in_short(own, count) for own in names] for count in range(max(map(len, names)) - 1, 0, -1)]
-    for text in (listed(whole, ", and"), *(listed(short, "and") for short in shorter)):
+    for text in (listed(whole, "and"), *(listed(short, "and") for short in shorter)):
         if len(text + undecided) <= room:
             return text + undecided
     short = [in_short(own) for own in names]
@@ -66,8 +66,11 @@ def words_of(comparison: Comparison) -> Iterator[str]:
     for explanation in comparison.explanations:
         names = " with ".join(change_name(change) for change in explanation.changes)
         yield f"{capital(names)}: probability {percent(explanation.probability)}"
+        several = len(explanation.changes) > 1
         for change in explanation.changes:
-            yield from _change(change, comparison)
+            if several:
+                yield f"  {capital(change_name(change))}"
+            yield from (f"{'  ' * several}{line}" for line in _change(change, comparison))
     if comparison.has_changed:
         yield f"That nothing changed has a probability of {percent(max(comparison.probability_unchanged, LEAST))}."
     yield from limits_sentences(comparison)
