@@ -16,7 +16,6 @@ DRIVE = {  # column -> name, its unit for a hinge and for a slide
     "viscous_difference": ("viscous friction, half the difference of directions", "Nm s/rad", "N s/m"),
     "offset": ("torque offset", "Nm", "N"),
 }
-SHOWN = 3  # terms of a base parameter that are written out
 RELATIVE = "relative"  # unit of a quantity that is a share
 
 
@@ -34,7 +33,7 @@ class Quantity:
         prior_sigma: How well it was known beforehand, with the widths that the evidence chose, and any width of offsets
             and differences.
         combine: Shape (p,), its factors of the parameters.
-        meaning: What is lumped in it; "": nothing else.
+        meaning: What is lumped in it, term by term, the most uncertain first; empty: nothing else.
     """
 
     kind: Kind
@@ -45,7 +44,7 @@ class Quantity:
     sigma: float
     prior_sigma: float
     combine: Array
-    meaning: str = ""
+    meaning: tuple[str, ...] = ()
 
     @property
     def told(self) -> bool:
@@ -63,7 +62,7 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
     result: list[Quantity] = []
     beforehand = found.prior.covariance(found.solution.widths)
 
-    def add(kind: Kind, name: str, unit: str, combine: Array, meaning: str = "") -> None:
+    def add(kind: Kind, name: str, unit: str, combine: Array, meaning: tuple[str, ...] = ()) -> None:
         result.append(
             Quantity(
                 kind=kind,
@@ -100,7 +99,7 @@ def _slides(found: FirstPass, joint: int) -> bool:
     return not bool(found.nominal.bodies.is_hinge[joint])
 
 
-def _meaning(found: FirstPass, k: int) -> str:
+def _meaning(found: FirstPass, k: int) -> tuple[str, ...]:
     """Return what else a base parameter is made of, the most uncertain terms first."""
     base, layout = found.base, found.layout
     names = [f"{name} {link + 1}" for link in range(layout.n) for name in NAMES]
@@ -109,13 +108,10 @@ def _meaning(found: FirstPass, k: int) -> str:
     rotors = np.arange(layout.size)[layout.of_drives("rotor")]
     sigma = np.sqrt(np.sum(found.prior.factor(found.solution.widths) ** 2, axis=1))
     lead = int(base.lead[k])
-    others = [i for i in np.argsort(-np.abs(combine) * sigma) if combine[i] != 0 and i != lead]
-    if not others:
-        return ""
     words = []
-    for i in others[:SHOWN]:
-        name = f"rotor {int(np.flatnonzero(rotors == i)[0]) + 1}" if i in rotors else names[i]
-        factor = "" if abs(abs(combine[i]) - 1) < 1e-6 else f"{abs(combine[i]):.3g} "
-        words.append(f"{'-' if combine[i] < 0 else '+'} {factor}{name}")
-    more = f" and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
-    return " ".join(words) + more
+    for i in np.argsort(-np.abs(combine) * sigma):
+        if combine[i] != 0 and i != lead:
+            name = f"rotor {int(np.flatnonzero(rotors == i)[0]) + 1}" if i in rotors else names[i]
+            factor = "" if abs(abs(combine[i]) - 1) < 1e-6 else f"{abs(combine[i]):.3g} "
+            words.append(f"{'-' if combine[i] < 0 else '+'} {factor}{name}")
+    return tuple(words)

@@ -31,8 +31,13 @@ from bench.report.diagnosis.readings import readings_of
 from bench.report.diagnosis.recording import write_diagnosis_recording
 from bench.report.handover.figures_table import csv_of, moved_sentences
 from bench.report.handover.posterior_file import write_posterior
-from bench.report.handover.robot_folder import Handed, hand_over
+from bench.report.handover.robot_folder import README, Handed, hand_over
 from bench.report.jsonable import to_jsonable
+
+NOT_DONE = """
+**Its diagnosis ended before it was done.** What was not looked for yet may sit in the wrong figures: hold it against
+plain least squares (`bench identify --method dynamics`) before it is used. It promises nothing of a recording.
+"""
 
 
 def write_diagnosis(
@@ -84,6 +89,9 @@ def _handed(diagnosis: Diagnosis, fit: Fit, folder: Path) -> Handed:
     except RobotError as error:
         shutil.rmtree(folder / ROBOT, ignore_errors=True)
         return Handed("", (f"everything: what was fitted is no robot: {error}",), float("nan"))
+    if diagnosis.verdict.unfinished:
+        with (folder / ROBOT / README).open("a", encoding="utf-8") as file:
+            file.write(NOT_DONE)
     write_posterior(folder / ROBOT, posterior_of(diagnosis.linear, fit))
     write_promises(folder / ROBOT, diagnosis.verdict.predicted)
     _write(folder / DIFFERENCE, handed.difference)

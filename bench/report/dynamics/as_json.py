@@ -34,7 +34,7 @@ def as_json(result: Dynamics, level: float) -> dict[str, object]:
                 "sigma": to_jsonable(one.sigma),
                 "interval": to_jsonable(one.interval(quantile)),
                 "told_by_these_data": one.told,
-                "together_with": one.meaning,
+                "together_with": " ".join(one.meaning),
             }
             for one in result.quantities
         ],

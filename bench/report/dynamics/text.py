@@ -1,6 +1,6 @@
 """A first pass as text in the terminal."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +20,7 @@ from bench.report.tables import print_wide, terminal
 if TYPE_CHECKING:
     from rich.table import Table
 
+TERMS = 3  # of a base parameter, that the terminal has room for; dynamics.json has all of them
 TITLES = {
     "payload": "payload and counterbalance",
     "gas": "payload and counterbalance",
@@ -102,5 +103,12 @@ def _parameters(title: str, rows: list[Quantity], quantile: float) -> "Table":
         unit, scale = ("%", 100.0) if one.unit == RELATIVE else (one.unit, 1.0)
         numbers = tuple(scale * value for value in (one.nominal, one.value, low, high))
         nominal, found, *ends = shown(numbers, unit, (numbers[3] - numbers[2]) / 2)
-        table.add_row(one.name, nominal, found, " to ".join(ends), unit_name(unit), *([one.meaning] if lumped else []))
+        table.add_row(
+            one.name, nominal, found, " to ".join(ends), unit_name(unit), *([_in_short(one.meaning)] if lumped else [])
+        )
     return table
+
+
+def _in_short(terms: Sequence[str]) -> str:
+    more = len(terms) - TERMS
+    return " ".join(terms[:TERMS]) + (f" and {more} more" if more > 0 else "")

@@ -32,6 +32,7 @@ from bench.simulate.prescribed import TOLERANCE
 # them, so that rounding is not all that differs. Kinks of a torque table do not allow the closest.
 TOLERANCES = (1e-9, 1e-8, 1e-7, TOLERANCE)
 AS_FITTED = ", as fitted"
+README = "README.md"
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path) ->
     disagreement = _disagreement(linear, world, compile_robot(load_robot(folder)))
     recordings = recordings_of(linear.segments)
     readme = readme_of(robot, figures, missing, disagreement, last if len(recordings) > 1 else "")
-    (folder / "README.md").write_text(readme, encoding="utf-8")
+    (folder / README).write_text(readme, encoding="utf-8")
     name = f"{folder.name}/{figures.mjcf}"
     lines = difflib.unified_diff(text.splitlines(True), after.splitlines(True), nominal.name, name, n=2)
     return Handed("".join(lines), tuple(missing), disagreement)

@@ -36,7 +36,10 @@ def headline(prediction: Prediction) -> str:
     """
     answers = prediction.answers
     if not answers:
-        return "This model promises nothing of a recording; its errors stand below."
+        return (
+            "This model promises nothing of a recording: it comes from no diagnosis, or from one that was not done or "
+            "had a single run. Its errors stand below."
+        )
     kept, less, count = answers.count("kept"), answers.count("less"), len(answers)
     more = _broken(prediction)
     within = f"{kept} of {count} {'lie' if count > 1 else 'lies'} in the promised interval{'s' if count > 1 else ''}"

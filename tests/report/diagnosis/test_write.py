@@ -14,7 +14,7 @@ from bench.diagnose.linearise.generic import Block, anew
 from bench.diagnose.name.candidate_model import with_shape
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Naming
-from bench.diagnose.verdict import Unlisted
+from bench.diagnose.verdict import Unfinished, Unlisted
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
 from bench.errors import RobotError
@@ -113,6 +113,14 @@ def test_what_is_no_robot_costs_nobody_the_verdict(
     said = json.loads((tmp_path / VERDICT).read_text())["handed_over"]["missing"]
     assert said == ["everything: what was fitted is no robot: a stiffness that no part has"]
     assert any(line.startswith("robot      none") for line in places_of(tmp_path))
+
+
+def test_a_robot_of_a_diagnosis_that_was_not_done_says_so(found: Diagnosis, folder: Path, tmp_path: Path) -> None:
+    said = "Its diagnosis ended before it was done"
+    assert said not in (folder / ROBOT / "README.md").read_text()
+    stopped = replace(found, verdict=replace(found.verdict, unfinished=Unfinished("interrupted", "naming")))
+    write_diagnosis(stopped, tmp_path)
+    assert said in (tmp_path / ROBOT / "README.md").read_text()
 
 
 def test_the_page_shows_the_pictures_and_no_script(folder: Path) -> None:
