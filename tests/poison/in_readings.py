@@ -88,6 +88,19 @@ def one_run_unlike_the_others(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("one run unlike the others", name, spoil, "doubt", words)
 
 
+def a_gauge_that_never_moves(rng: np.random.Generator) -> Iterator[Variant]:
+    def spoil(folder: Path) -> None:
+        shown = None
+        for sheet in map(Sheet, tables(folder)):
+            if "gas_pressure_pa" in sheet.names:
+                shown = shown or sheet.rows[0][sheet.names.index("gas_pressure_pa")]
+                sheet.change("gas_pressure_pa", lambda v, shown=shown: 0 * v + float(shown))
+                sheet.write()
+
+    words = ("gas_pressure_pa", "does not change in")
+    yield Variant("a gauge that never moves", "its first reading", spoil, "doubt", words)
+
+
 def copied_runs(rng: np.random.Generator) -> Iterator[Variant]:
     def over(kind: str, link: bool) -> Spoil:
         def spoil(folder: Path) -> None:
@@ -218,6 +231,7 @@ FAMILIES = (
     spoilt_single_rows,
     rows_lost_under_an_even_clock,
     one_run_unlike_the_others,
+    a_gauge_that_never_moves,
     copied_runs,
     impossible_readings,
     known_of_no_such_robot,

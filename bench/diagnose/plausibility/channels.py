@@ -16,7 +16,7 @@ from bench.diagnose.plausibility.displaced import displaced
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
 from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
 from bench.diagnose.plausibility.known_pressure import known_pressures
-from bench.diagnose.plausibility.loads import loads_too_small
+from bench.diagnose.plausibility.loads import mistaken_at_rest
 from bench.diagnose.plausibility.mistaken import Mistake, doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads, mistaken_payload
 from bench.diagnose.plausibility.one_run import mistaken_in_one_run
@@ -126,7 +126,7 @@ def _of_drives(
     yield from dead
 
     recording = Recording(segments, quantities, compiled)
-    too_small = tuple(loads_too_small(picture, recording))
+    too_small = tuple(mistaken_at_rest(picture, recording))
     yield from too_small
     of_loads = chain(mistaken_loads(picture, recording), of_payload(picture))
     mistaken = [

@@ -26,6 +26,7 @@ PRESSURES: Mapping[float, str] = {1e-6: "MPa", 1e-5: "bar", 1e-3: "kPa"}
 LEAST, MOST = 0.3, 3.0  # of the nominal pressure; gas lost, warmed, or overfilled
 STANDS = 0.25  # of a run; a channel that is late may repeat its first reading for a while
 STEPS = 5.0  # of a gauge's resolution, that the pressure has to change by
+ROUNDED = 2.0  # exact: of it, that no rounding hides in readings that are all the same
 
 
 def displaced(replay: Replay) -> Iterator[Finding]:
@@ -34,8 +35,8 @@ def displaced(replay: Replay) -> Iterator[Finding]:
     observed = replay.observed
     in_time = as_if_in_time(replay, observed, nominal)
     stopped = _stopped(replay, observed, nominal)
-    for name, run in stopped.items():
-        yield doubt(name, f"does not change in run {run!r} while the model's does", "frozen? look at its recording")
+    for name, where in stopped.items():
+        yield doubt(name, f"does not change in {where} while the model's does", "frozen? look at its recording")
     for k in sorted({q.index for q in replay.quantities if q.kind == "reflector"}):
         columns = [c for c, q in enumerate(replay.quantities) if q.kind == "reflector" and q.index == k]
         names, axes = [replay.quantities[c].column for c in columns], [replay.quantities[c].axis for c in columns]
@@ -53,7 +54,7 @@ def displaced(replay: Replay) -> Iterator[Finding]:
 
 
 def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
-    """Return columns that repeat one number while the model's goes far -> the run."""
+    """Return columns that repeat one number while the model's goes far -> in which run, in words."""
     gauge = replay.compiled.robot.figures.instruments.pressure
     far = {"reflector": TRAVEL, "gas_pressure": STEPS * gauge.resolution_pa if gauge else np.inf}
     run_of = run_of_each(replay.segments)
@@ -64,7 +65,13 @@ def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
             edges = np.flatnonzero(np.diff(observed[rows, c])) + 1
             for still in np.split(nominal[rows, c], edges):
                 if len(still) > STANDS * rows.sum() and np.ptp(still) > far.get(quantity.kind, np.inf):
-                    found.setdefault(quantity.column, run)
+                    found.setdefault(quantity.column, f"run {run!r}")
+    for c, quantity in enumerate(replay.quantities):
+        rows = np.isfinite(observed[:, c])
+        if quantity.kind == "gas_pressure" and gauge and len(set(run_of[rows].tolist())) > 1:
+            span, moves = np.ptp(observed[rows, c]), np.ptp(nominal[rows, c])
+            if span == 0 and moves > ROUNDED * gauge.resolution_pa:
+                found.setdefault(quantity.column, "any run")
     return found
 
 

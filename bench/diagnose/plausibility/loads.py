@@ -1,4 +1,4 @@
-"""Loads that are too small for what drives paid: in another unit, though no force sensor says so.
+"""Loads that do not go with what drives paid, though no force sensor says so: of another unit, direction or step.
 
 Within a visit to a pose only the load changes. Friction takes part of it or adds to it at each step, up to twice its
 level; a load in kilonewtons is a thousand times too small.
@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.mistaken import doubt
-from bench.diagnose.plausibility.mistaken_inputs import Recording, without_loads
+from bench.diagnose.plausibility.mistaken_inputs import ELSEWHERE, Recording, with_loads
 from bench.diagnose.replay.instants import instants_of
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
@@ -20,37 +20,63 @@ TOO_SMALL = 3.0  # times; a load that is written down wrong (hung_load) is up to
 ROUNDED = 0.01  # rounding: of a weight; gravity taken as 9.8 or 9.81, or a mass as full kilograms
 OTHERS = 3  # declared: runs whose mass and weight agree, at least, beside the one where they do not
 ALIKE = 0.9  # correlation of what drives paid and what the loads ask for, over all drives and states
+UNLIKE = 0.1  # declared: share of what drives paid that loads as stated leave; friction that turns round leaves less
+FAR_BETTER = 0.2  # declared: part of it that other loads leave
 NEAR = 0.5  # of a factor's logarithm, by which friction may blur a unit
 UNITS = {1e3: "kilonewtons? multiply by 1000", STANDARD_GRAVITY: "kilograms? multiply by 9.80665"}
 
 
-def loads_too_small(picture: DrivePicture, recording: Recording) -> Iterator[Finding]:
-    """Yield a doubt where currents ask for loads that are several times as large.
+def mistaken_at_rest(picture: DrivePicture, recording: Recording) -> Iterator[Finding]:
+    """Yield a doubt where currents ask for loads that are several times as large, or hang otherwise.
 
     Args:
         picture: What drives did.
-        recording: The same, to be replayed without its loads.
+        recording: The same, to be replayed with other loads.
     """
-    bare = without_loads(recording)
+    bare = with_loads(recording)
     if bare is None:
         return
-    paid, asked = [], []
-    for segment, rows in zip(recording.segments, instants_of(recording.segments), strict=True):
-        if segment.is_static and len(segment) > 1:
-            of_load = (picture.model - bare.model)[rows] / picture.slack
-            seen = picture.observed[rows] / picture.slack
-            paid.append(seen[1:] - seen[0])
-            asked.append(of_load[1:] - of_load[0])
-    if not paid:
-        return
-    y, x = np.concatenate(paid).ravel(), np.concatenate(asked).ravel()
-    known = np.isfinite(y)
-    factor = _slope(y[known], x[known])
+    factor = _slope(*_changes(picture, picture, bare, recording))
     if factor > TOO_SMALL:
         guess = next(
             (words for unit, words in UNITS.items() if abs(np.log(factor / unit)) < NEAR), "look at their unit"
         )
         yield doubt("load_z_n", f"drives paid for loads about {factor:.2g} times as large", guess)
+        return
+    unlike = _unlike(*_changes(picture, picture, bare, recording, inner=True))
+    found = []
+    for column, message, remedy, loads in ELSEWHERE if unlike > UNLIKE else ():
+        if other := with_loads(recording, loads):
+            found.append((_unlike(*_changes(picture, other, bare, recording, inner=True)), column, message, remedy))
+    if found and min(found)[0] < FAR_BETTER * unlike:
+        _, column, message, remedy = min(found)
+        yield doubt(column, f"loads {message}", remedy)
+
+
+def _changes(
+    picture: DrivePicture, loaded: DrivePicture, bare: DrivePicture, recording: Recording, *, inner: bool = False
+) -> tuple[Array, Array]:
+    """Return what drives paid more than before, and what loads ask for, shape (m,) each.
+
+    Before is the first state of a visit; with `inner` the state before, without the first and the last change of a
+    visit: where rows slipped by a step, the load at one end of it stands nowhere.
+    """
+    paid, asked = [np.zeros(0)], [np.zeros(0)]
+    for segment, rows in zip(recording.segments, instants_of(recording.segments), strict=True):
+        if segment.is_static and len(segment) > 1:
+            of_load = (loaded.model - bare.model)[rows] / picture.slack
+            seen = picture.observed[rows] / picture.slack
+            for found, values in ((paid, seen), (asked, of_load)):
+                found.append((np.diff(values, axis=0)[1:-1] if inner else values[1:] - values[0]).ravel())
+    y, x = np.concatenate(paid), np.concatenate(asked)
+    known = np.isfinite(y)
+    return y[known], x[known]
+
+
+def _unlike(y: Array, x: Array) -> float:
+    """Return the share of the square of what drives paid that no multiple of the loads explains; 0 of nothing."""
+    total, power = float(y @ y), float(x @ x)
+    return 1 - float(x @ y) ** 2 / (power * total) if power * total > 0 else float(total > 0)
 
 
 def _slope(y: Array, x: Array) -> float:

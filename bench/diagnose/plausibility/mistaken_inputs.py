@@ -3,11 +3,12 @@
 What drives paid tells, through gravity and the inertia of other joints; friction takes energy either way.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
 from bench.diagnose.plausibility.mistaken import Mistake
@@ -19,11 +20,45 @@ from bench.record.campaign import Array
 from bench.record.units import STANDARD_GRAVITY
 from bench.robot.compiled import CompiledRobot
 
-LOADS: Mapping[float, tuple[str, str]] = {
-    -1.0: ("have the wrong sign", "a weight is negative in z"),
-    1e3: ("are about 1000 times too small", "kilonewtons? multiply by 1000"),
-    STANDARD_GRAVITY: ("are about 10 times too small", f"kilograms? multiply by {STANDARD_GRAVITY:g}"),
-}
+OfLoads = Callable[[Segment], Array]  # wrenches of a segment as they would be without a mistake, shape (T, 6)
+
+
+def _times(factor: float) -> OfLoads:
+    return lambda segment: factor * segment.motion.wrench
+
+
+def _turned(degrees: float) -> OfLoads:
+    turn = Rotation.from_euler("z", degrees, degrees=True).as_matrix()
+    return lambda segment: np.concatenate(
+        [part @ turn.T for part in np.split(segment.motion.wrench, 2, axis=1)], axis=1
+    )
+
+
+def _moved(steps: int) -> OfLoads:
+    def of(segment: Segment) -> Array:
+        wrench = segment.motion.wrench
+        rows = np.clip(np.arange(len(wrench)) + steps, 0, len(wrench) - 1)
+        return wrench[rows] if segment.is_static else wrench
+
+    return of
+
+
+NOTHING: OfLoads = _times(0.0)
+AXES = "look at the axes of the base frame"
+STEPS = "did rows of the log slip? give each step its own load"
+LOADS: Sequence[tuple[str, str, OfLoads]] = (
+    ("have the wrong sign", "a weight is negative in z", _times(-1.0)),
+    ("are about 1000 times too small", "kilonewtons? multiply by 1000", _times(1e3)),
+    ("are about 10 times too small", f"kilograms? multiply by {STANDARD_GRAVITY:g}", _times(STANDARD_GRAVITY)),
+)
+# friction at rest may hide them, and changes from step to step do not
+ELSEWHERE: Sequence[tuple[str, str, str, OfLoads]] = (
+    ("load_x_n", "are turned by +90 degrees about the vertical", AXES, _turned(-90.0)),
+    ("load_x_n", "are turned by -90 degrees about the vertical", AXES, _turned(90.0)),
+    ("load_x_n", "point the other way round in x and y", AXES, _turned(180.0)),
+    ("load_z_n", "stand one load step late", STEPS, _moved(1)),
+    ("load_z_n", "stand one load step early", STEPS, _moved(-1)),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,13 +68,13 @@ class Change:
     Attributes:
         order: Shape (n,), whose angle and torque joint i really has.
         angle, torque: Shape (n,), signs of both.
-        load: Factor of the loads.
+        loads: What they are.
     """
 
     order: Index
     angle: Array
     torque: Array
-    load: float = 1.0
+    loads: OfLoads = field(default=_times(1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +101,8 @@ class Recording:
 def mistaken_loads(picture: DrivePicture, recording: Recording) -> Iterator[Mistake]:
     """Yield loads misread, with what the model makes of the right ones; simulated."""
     if any(np.any(segment.motion.wrench) for segment in recording.segments):
-        for load, (message, remedy) in LOADS.items():
-            change = replace(recording.plain, load=load)
+        for message, remedy, loads in LOADS:
+            change = replace(recording.plain, loads=loads)
             yield from _mistake(picture, recording, "load_z_n", f"loads {message}", remedy, change)
 
 
@@ -124,7 +159,7 @@ def _again(recording: Recording, change: Change) -> DrivePicture | None:
             q=change.angle * segment.motion.q[:, order],
             velocity=change.angle * segment.motion.velocity[:, order],
             acceleration=change.angle * segment.motion.acceleration[:, order],
-            wrench=change.load * segment.motion.wrench,
+            wrench=change.loads(segment),
         )
         readings = np.full_like(segment.observed, np.nan)
         for c, other in enumerate(source):
@@ -144,8 +179,8 @@ def _index_of(quantities: tuple[Quantity, ...], like: Quantity, drive: int) -> i
     return next((c for c, q in enumerate(quantities) if q.kind == like.kind and q.index == drive), None)
 
 
-def without_loads(recording: Recording) -> DrivePicture | None:
-    """Return the picture without loads; None where there are none, or the model finds no balance."""
+def with_loads(recording: Recording, loads: OfLoads = NOTHING) -> DrivePicture | None:
+    """Return the picture with other loads; None where there are none, or the model finds no balance."""
     if not any(np.any(segment.motion.wrench) for segment in recording.segments):
         return None
-    return _again(recording, replace(recording.plain, load=0.0))
+    return _again(recording, replace(recording.plain, loads=loads))
