@@ -62,9 +62,8 @@ def _is_onward(step: Array, time: Array, travel: float, fastest: float, sharpest
     beside = np.maximum(speed[:-2], speed[2:])
     farthest = np.minimum(fastest * time, beside * time + sharpest * time**2 / 4)
     is_jump = np.abs(step) > np.maximum(farthest, travel)
-    near = np.pad(is_jump, 1)  # what goes on for longer is a joint that is too fast, which is told elsewhere
-    alone: NDArray[np.bool_] = is_jump & ~near[:-2] & ~near[2:]
-    return alone
+    # of a joint that is too fast for longer the angle has another unit, which is told elsewhere
+    return np.zeros_like(is_jump) if np.any(is_jump[:-1] & is_jump[1:]) else is_jump
 
 
 def overloads(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:

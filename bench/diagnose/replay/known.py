@@ -23,7 +23,7 @@ from bench.robot.compiled import CompiledRobot
 
 # to Nm/rad, or N/m of a slide: what data sheets have
 STIFFNESS_UNITS = {"Nm/arcmin": 180 * 60 / np.pi, "kNm/rad or kN/m": 1e3, "MNm/rad or kN/mm": 1e6}
-PER_DEGREE = 180 / np.pi
+PER_DEGREE = 180 / np.pi  # exact: from Nm/deg to Nm/rad
 CLOSE = 2.0  # declared: times; what is 29 to 115 times softer than the model is that by its unit, and not by its gear
 FAR = 100.0  # derived: times; joints of one size differ by less, and the smallest of these factors is ten times that
 STIFFER = 1e4  # derived: times; two orders above `FAR`, for the model's figure may be that of a soft one

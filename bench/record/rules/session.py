@@ -108,7 +108,7 @@ def one_pose_everywhere(sheets: Sequence[Sheet]) -> Iterator[Finding]:
     for sheet in sheets:
         pose, angles = sheet.get("pose"), [*sheet.columns("q_motor")] or [*sheet.columns("q_cmd")]
         if sheet.run.kind == "static" and pose is not None:
-            for number in np.unique(pose):
+            for number in np.unique(pose[np.isfinite(pose)]):
                 at = {column.name: float(np.median(values[pose == number])) for column, values in angles}
                 seen[sheet.run.recording, float(number)].append((sheet, at))
     for visits in seen.values():
