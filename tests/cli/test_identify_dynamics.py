@@ -35,6 +35,9 @@ def test_json_holds_errors_and_parameters(
         assert all(ours < nominal for ours, nominal in zip(errors["first_pass"], errors["nominal"], strict=True))
     payload = next(one for one in printed["quantities"] if one["kind"] == "payload")
     assert payload["interval"][0] < payload["value"] < payload["interval"][1]
+    lumped = [one["together_with"] for one in printed["quantities"]]
+    assert max(len(words.split(" + ")) + words.count(" - ") for words in lumped) > 4
+    assert not any(words.endswith(" more") for words in lumped)  # whoever computes with them needs every term
     assert len(printed["links"]) == 6
     assert printed["links"][5]["found"]["m"] > 0
 

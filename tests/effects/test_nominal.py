@@ -24,9 +24,11 @@ def test_one_standard_deviation_is_one_factor_up_or_down(sigma: float) -> None:
 
 @pytest.mark.parametrize("sigma", [0.02, 3.0])
 def test_a_hopeless_fit_still_meets_numbers(sigma: float) -> None:
-    """Four to the power of a thousand is none."""
+    """Four to the power of a thousand is none, and a gear of 3.8e11 Nm/rad none that a robot folder takes."""
     low, high = factor_of(-1e3 * sigma, sigma), factor_of(1e3 * sigma, sigma)
     assert 0 < low < 1 < high < np.inf
+    assert high == pytest.approx(1 / low)
+    assert high < 2e3
 
 
 def test_what_is_known_to_a_few_per_cent_is_off_by_a_share() -> None:

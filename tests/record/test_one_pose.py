@@ -34,6 +34,14 @@ def test_servos_that_stop_short_and_numbers_of_another_run_are_no_error(off: tup
     assert not list(one_pose_everywhere(sheets(run("below"), run("above", off))))
 
 
+def test_a_joint_that_one_run_did_not_log_is_not_compared() -> None:
+    """It ended a check in a KeyError."""
+    whole = run("above")
+    fewer = replace(whole, name="below", columns={k: v for k, v in whole.columns.items() if k != "q_motor_3_rad"})
+    assert not list(one_pose_everywhere(sheets(fewer, whole)))
+    assert not list(one_pose_everywhere(sheets(whole, fewer)))
+
+
 @pytest.mark.parametrize(("kelvin", "count"), [(293.0, 0), (318.0, 0), (341.15, 1)])
 def test_gas_in_fahrenheit(kelvin: float, count: int) -> None:
     assert len(list(gas_begins_cool(sheets(run("first", kelvin=kelvin))))) == count

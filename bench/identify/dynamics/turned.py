@@ -3,6 +3,9 @@
 The signs of an axis whose angle and torque are both turned agree with each other: friction still takes energy. What
 gives it away is how it turns the axes behind it and the load of those before it. Whatever the links weigh, a model
 linear in their inertial parameters (Khalil and Dombre 2002, ch. 12) then fits far worse than with the axis turned back.
+
+The first pass (`equations.py`) filters every column at full rate, which is right to the noise. Here an error of half is
+looked for, in as many models as there are axes: filtered motion and torque at some instants do.
 """
 
 from collections.abc import Sequence
@@ -108,7 +111,7 @@ def _left(parts: Sequence[_Instants], signs: Array, arm: Arm, nominal: NominalDy
         torque.append(signs * part.torque - known)
     y, drives, tau = np.concatenate(links), np.concatenate(own), np.concatenate(torque)
     speed = np.abs(drives[:, :, 2])
-    moves = np.isfinite(tau) & (speed > TURNING * np.max(speed, axis=0))
+    moves = np.isfinite(tau) & (speed > TURNING * np.max(speed, axis=0, initial=0.0))
     n = tau.shape[1]
     blocks, right = [], []
     for j in range(n):

@@ -114,8 +114,9 @@ def one_pose_everywhere(sheets: Sequence[Sheet]) -> Iterator[Finding]:
     for visits in seen.values():
         (first, there), *others = visits
         for sheet, at in others:
-            apart = [name for name in at if abs(at[name] - there.get(name, np.inf)) > TRAVEL[name.rsplit("_", 1)[1]]]
-            if len(apart) == 1 < len(at):
+            both = at.keys() & there.keys()
+            apart = [name for name in both if abs(at[name] - there[name]) > TRAVEL[name.rsplit("_", 1)[1]]]
+            if len(apart) == 1 < len(both):
                 (name,) = apart
                 message = f"is {at[name]:.4g} here and {there[name]:.4g} in run {first.run.name!r}, in one pose"
                 remedy = "all other joints are the same; was an angle written down wrong? else number poses by angles"

@@ -58,6 +58,7 @@ def write_diagnosis(
 
     Raises:
         InputError: The recording cannot be written.
+        RobotError: The scene that the robot's figures name does not compile, or a mesh of the robot is gone.
     """
     readings = readings_of(diagnosis)
     facts = facts_of(diagnosis, readings, campaign, command)

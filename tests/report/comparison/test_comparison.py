@@ -67,6 +67,10 @@ def test_several_changes_are_told_one_by_one() -> None:
     words = "\n".join(words_of(TWO))
     assert "Change 2: loss of gas (45 %) or gas warmer or colder than nominal (45 %)" in words
     assert "Change 1: friction of joint 0" in page_of(TWO, "HH-150", "")
+    lines = list(words_of(TWO))
+    sizes = [i for i, line in enumerate(lines) if line.startswith("    ") and "90 % interval" in line]
+    assert sizes, "of several changes each size stands under its own"
+    assert all(lines[i - 1].startswith("  ") for i in sizes)
     assert "Change 1:" not in page_of(SET, "HH-150", ""), "one change: its explanations say the same"
 
 
