@@ -89,6 +89,7 @@ def _handed(diagnosis: Diagnosis, fit: Fit, folder: Path) -> Handed:
         handed = hand_over(diagnosis.linear, fit, folder / ROBOT, folder / NOMINAL_MJCF)
     except RobotError as error:
         shutil.rmtree(folder / ROBOT, ignore_errors=True)
+        (folder / NOMINAL_MJCF).unlink(missing_ok=True)  # there for the difference alone
         return Handed("", (f"everything: what was fitted is no robot: {error}",), float("nan"))
     if diagnosis.verdict.unfinished:
         with (folder / ROBOT / README).open("a", encoding="utf-8") as file:

@@ -105,11 +105,12 @@ def test_what_is_no_robot_costs_nobody_the_verdict(
 
     def refuses(*_: object) -> None:
         (tmp_path / ROBOT).mkdir()
+        (tmp_path / NOMINAL_MJCF).touch()
         raise RobotError("a stiffness that no part has")
 
     monkeypatch.setattr("bench.report.diagnosis.write.hand_over", refuses)
     write_diagnosis(found, tmp_path)
-    assert not (tmp_path / ROBOT).exists()
+    assert not any((tmp_path / name).exists() for name in (ROBOT, NOMINAL_MJCF, DIFFERENCE))
     said = json.loads((tmp_path / VERDICT).read_text())["handed_over"]["missing"]
     assert said == ["everything: what was fitted is no robot: a stiffness that no part has"]
     assert any(line.startswith("robot      none") for line in places_of(tmp_path))
