@@ -99,8 +99,11 @@ class Arm:
         return coulomb + np.array(VISCOUS) * np.sign(velocity) * np.abs(velocity) ** self.exponent
 
 
-def as_filed(payload: float = 0.0) -> Arm:
-    """Return the arm of the file, with a point mass at the tool [kg]."""
+MIDDLE = (0.0, 0.0, 0.0)
+
+
+def as_filed(payload: float = 0.0, beside: tuple[float, float, float] = MIDDLE) -> Arm:
+    """Return the arm of the file, with a point mass [kg] beside the tool [m]."""
     links = pin.Model()
     for i in range(3):
         axis = np.array([float(x) for x in AXIS[i].split()])
@@ -109,7 +112,8 @@ def as_filed(payload: float = 0.0) -> Arm:
         inertia = pin.Inertia(MASS[i], np.array(COM[i]), np.diag(INERTIA[i]))
         links.appendBodyToJoint(number, inertia, pin.SE3.Identity())
     if payload:
-        links.appendBodyToJoint(3, pin.Inertia(payload, np.zeros(3), np.zeros((3, 3))), pin.SE3(np.eye(3), _tool()))
+        place = pin.SE3(np.eye(3), _tool() + beside)
+        links.appendBodyToJoint(3, pin.Inertia(payload, np.zeros(3), np.zeros((3, 3))), place)
     return Arm(links)
 
 

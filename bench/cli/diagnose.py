@@ -10,6 +10,7 @@ from bench.cli.command_line import command_line
 
 if TYPE_CHECKING:
     from bench.diagnose.replay.given import Posterior
+    from bench.robot.folder import Robot
 
 
 @dataclass(frozen=True)
@@ -122,22 +123,27 @@ class Diagnose:
             print(line)
         return UNFINISHED if verdict.unfinished else 0
 
-    def _start(self) -> "tuple[str, Posterior | None]":
+    def _start(self) -> "tuple[str | Robot, Posterior | None]":
         """Return the robot to take, "" for the one that the campaign names, and what an earlier diagnosis knew of it.
+
+        What the robot carried is left out: it was that recording's, and is looked for anew.
 
         Raises:
             InputError: Both a robot and an earlier diagnosis are given.
             RobotError: The folder holds no robot that a diagnosis handed over, or no posterior.
         """
+        from bench.effects.payloads import carrying_nothing
         from bench.errors import InputError
         from bench.report.diagnosis.file_names import ROBOT
         from bench.report.handover.posterior_file import read_posterior
+        from bench.robot.folder import load_robot
 
         if self.given is None:
             return self.robot, None
         if self.robot:
             raise InputError("--given and --robot: an earlier diagnosis brings its own robot; give one of the two.")
-        return str(self.given / ROBOT), read_posterior(self.given / ROBOT)
+        posterior = read_posterior(self.given / ROBOT)
+        return carrying_nothing(load_robot(self.given / ROBOT)), posterior
 
     @property
     def command(self) -> str:

@@ -83,7 +83,7 @@ class Predict:
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
 
-        joint = open_joint(self.campaign, str(load_robot(model_folder(self.model)).folder))
+        joint = open_joint(self.campaign, load_robot(model_folder(self.model)))
         heed(joint.warnings, joint.doubts, despite_doubts=self.despite_doubts)
         stated = joint.campaign.robot
         nominal = load_robot(self.nominal) if self.nominal else robot_of(self.campaign[0], stated)

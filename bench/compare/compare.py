@@ -1,6 +1,7 @@
 """From recordings to what changed between them."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -9,7 +10,9 @@ from bench.compare.background import Background, background_of
 from bench.compare.comparison import ChannelNoise, Compared, Comparison, UnlistedChange
 from bench.compare.components import components_of
 from bench.compare.explain import explanations_of, findings_of
+from bench.compare.fit_large import found_large
 from bench.compare.joint import Joint, joint_of
+from bench.compare.large import LargeChange
 from bench.compare.profiles import profiles_of
 from bench.compare.recordings import Recording, days_of
 from bench.compare.search_changes import Found
@@ -22,6 +25,8 @@ from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
+
+MOST_LARGE = 3  # effort: changes that are too large to be in proportion
 
 
 def compare(
@@ -51,23 +56,39 @@ def compare(
         ConvergenceError: The nominal model finds no balance along a measured motion.
     """
     with threadpool_limits(1, "blas"):
-        progress("signatures")
-        joint = joint_of(recordings, compiled, catalogue, most_bins, executor, store)
-        background, found = weighed(joint, rate, progress)
+        joined = partial(joint_of, recordings, compiled, catalogue, most_bins, executor, store)
+        background, found = weighed(joined, rate, progress)
         progress("values over the recordings")
         return comparison_of(background, found, rate)
 
 
 def weighed(
-    joint: Joint, rate: float = FALSE_ALARM_RATE, progress: Callable[[str], None] = lambda words: None
+    joined: Callable[[tuple[LargeChange, ...]], Joint],
+    rate: float = FALSE_ALARM_RATE,
+    progress: Callable[[str], None] = lambda words: None,
 ) -> tuple[Background, Found]:
     """Return what stayed as it was, with settled noise, and what changed.
 
     Args:
-        joint: All recordings.
+        joined: Returns all recordings in one model that is linear about a machine with some changes.
         rate: Share of unchanged machines of which anything at all may be said to have changed.
         progress: Called with what is done next.
     """
+    progress("signatures")
+    background, found = _settled(joined(()), rate, progress)
+    for _ in range(MOST_LARGE):
+        large = found_large(background, found)
+        if large is None:
+            break
+        progress(f"signatures beside {large.cause}")
+        again = _settled(joined((*background.joint.large, large)), rate, progress)
+        if large.cause.key not in again[1].alternatives[0].keys:  # what it does beyond proportion is not there
+            break
+        background, found = again
+    return background, found
+
+
+def _settled(joint: Joint, rate: float, progress: Callable[[str], None]) -> tuple[Background, Found]:
     progress("what stayed as it was")
     background = background_of(joint)
     progress("what changed")

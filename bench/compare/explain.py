@@ -12,12 +12,10 @@ from bench.compare.comparison import (
     Interval,
     PossibleName,
 )
-from bench.compare.search_changes import Found, Possible
-from bench.compare.shared import undo_segments
+from bench.compare.fit_large import departure, large_change
+from bench.compare.search_changes import Found, Possible, sizes_of
 from bench.diagnose.linearise.candidates import Candidate
 from bench.diagnose.name.groups import groups_of
-from bench.diagnose.replay.world import NOMINAL, World
-from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
 WEEK = 7.0  # [days]
@@ -66,13 +64,6 @@ def findings_of(found: Found) -> tuple[ChangedFinding, ...]:
     )
 
 
-def sizes_of(found: Found, terms: tuple[int, ...]) -> tuple[Array, Array]:
-    """Return the most probable sizes of the columns of some terms, and their standard deviations, in steps."""
-    h, scores = found.model.equations(terms)
-    covariance = np.linalg.inv(h)
-    return np.asarray(covariance @ scores, dtype=np.float64), np.asarray(np.sqrt(np.diag(covariance)), dtype=np.float64)
-
-
 def interval_of(value: float, sigma: float, step: float) -> Interval:
     """Return a size with its 90 % interval, of a value and a standard deviation in steps."""
     value, half = value * step, NORMAL_90 * sigma * abs(step)
@@ -102,27 +93,8 @@ def _change(background: Background, possible: Possible, mean: Array, sigma: Arra
 
 
 def _nonlinearity(background: Background, possible: Possible, mean: Array) -> float:
-    """Return the share of what a change does by simulation that its signature misses.
-
-    A size that can have one sign only is simulated with that sign: the signature is as long either way.
-    """
-    candidate = possible.entry.what
-    assert isinstance(candidate, Candidate)
-    signs = np.where([size.signed for size in candidate.cause.sizes], 1.0, np.sign(mean * candidate.step))
-    sizes = mean * signs
-    values = {
-        size.name: size.null + float(x) for size, x in zip(candidate.cause.sizes, sizes * candidate.step, strict=True)
-    }
-    linear, weights = background.joint.linear, possible.profile.weights
-    try:
-        world = World(acting=(candidate.cause.acting({**candidate.shape, **values}),))
-        change = linear.replay.predict(world) - linear.replay.predict(NOMINAL)
-    except NOT_SIMULATED:
-        return float("nan")
-    rows = weights[background.joint.of_row]
-    white = linear.whiten(change[:, :, None])
-    undo_segments(linear, white)
-    simulated = rows * white[:, 0]
-    expected = rows * (background.columns[:, possible.entry.columns] @ sizes)
-    length = float(np.linalg.norm(simulated))
-    return float(np.linalg.norm(simulated - expected)) / length if length > 0 else float("nan")
+    """Return the share of what a change does by simulation that its signature misses."""
+    missed, length = departure(
+        background, large_change(background.joint.linear.replay.compiled, possible, mean), possible
+    )
+    return missed / length if length > 0 else float("nan")

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.compare.large import LargeChange, beyond_proportion, in_recording, places_of
 from bench.compare.recordings import Recording
 from bench.diagnose.explain import measured_by
 from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of
@@ -22,6 +23,7 @@ from bench.effects.recorded import recorded_in
 from bench.errors import InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
+from bench.record.campaign import Array
 from bench.record.known import PAYLOAD
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
@@ -38,6 +40,8 @@ class Joint:
         causes: What is looked for.
         sensitivities: Of the readings to each of them, shape (T, c) each, in the order of `plan_of`.
         left_out: Columns that were read before or after alone.
+        large: Changes that are too large to be in proportion, about which it is linear.
+        beyond: Shape (T, c), what they change beyond proportion, which is taken off the readings.
     """
 
     recordings: tuple[Recording, ...]
@@ -46,6 +50,8 @@ class Joint:
     causes: tuple[Cause, ...]
     sensitivities: tuple[Digits | None, ...]
     left_out: tuple[str, ...]
+    large: tuple[LargeChange, ...]
+    beyond: Array
 
     @property
     def of_instant(self) -> NDArray[np.intp]:
@@ -69,6 +75,7 @@ def joint_of(
     most_bins: int = MOST_BINS,
     executor: Executor = SERIAL,
     store: Store | None = None,
+    large: tuple[LargeChange, ...] = (),
 ) -> Joint:
     """Return all recordings in one linearised model.
 
@@ -79,6 +86,7 @@ def joint_of(
         most_bins: How many bins the motion of each recording may have.
         executor: Where to simulate.
         store: Where signatures are kept between processes; None: nowhere.
+        large: Changes that are too large to be in proportion.
 
     Raises:
         InputError: A recording has nothing that a replay predicts, or no channel was read both before and after.
@@ -100,7 +108,7 @@ def joint_of(
     causes = tuple(cause for cause in causes if cause.place.since not in first)
     nuisances = _as_weighed(nuisances_of(compiled, quantities), recordings)
     known: list[tuple[tuple[Segment, ...], Sensitivities]] = []
-    for one in recordings:
+    for k, one in enumerate(recordings):
         segments = segments_of(one.campaign, compiled, quantities, most_bins)
         if not segments:
             raise InputError(
@@ -108,7 +116,8 @@ def joint_of(
                 "link encoder, or the gas pressure, beside the motor angles."
             )
         # each recording has its own: signatures depend on temperatures, which are other ones each day
-        found = Signatures(compiled, quantities, nuisances, causes, store=store).sensitivities(segments, executor)
+        about = compiled, quantities, nuisances, causes, in_recording(large, k), store
+        found = Signatures(*about).sensitivities(segments, executor)
         known.append((segments, found))
     joined = tuple(
         replace(segment, run=f"{one.name}.{segment.run}", label=f"{one.name}.{segment.label}", recording=one.name)
@@ -116,12 +125,20 @@ def joint_of(
         for segment in segments
     )
     changes = np.concatenate([found.nuisances for _, found in known])
-    linear = linearised_model_of(Replay(compiled, joined, quantities), nuisances, changes)
+    sensitivities = tuple(_stacked(parts) for parts in zip(*(found.causes for _, found in known), strict=True))
+    replay = Replay(compiled, joined, quantities)
+    own = [[sound for i in places_of(one, causes) if (sound := sensitivities[i]) is not None] for one in large]
+    beyond = beyond_proportion(replay, large, recordings, own)
+    if large:
+        read = zip(joined, np.split(beyond, np.cumsum([len(one) for one in joined])[:-1]), strict=True)
+        joined = tuple(replace(segment, observed=segment.observed - part) for segment, part in read)
+        replay = Replay(compiled, joined, quantities)
+    linear = linearised_model_of(replay, nuisances, changes)
     # how much of the friction at rest repeats is asked for here with all that recordings share (`background.py`)
     linear = with_scatter(linear, replace(linear.scatter, repeats=0.0))
     of_segment = np.repeat(np.arange(len(recordings)), [len(segments) for segments, _ in known])
-    sensitivities = tuple(_stacked(parts) for parts in zip(*(found.causes for _, found in known), strict=True))
-    return Joint(recordings, linear, of_segment, causes, sensitivities, tuple(one.column for one in left_out))
+    columns = tuple(one.column for one in left_out)
+    return Joint(recordings, linear, of_segment, causes, sensitivities, columns, large, beyond)
 
 
 def _compared(

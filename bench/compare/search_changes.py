@@ -137,6 +137,13 @@ def find_changes(background: Background, profiles: Sequence[Profile], rate: floa
     )
 
 
+def sizes_of(found: Found, terms: tuple[int, ...]) -> tuple[Array, Array]:
+    """Return the most probable sizes of the columns of some terms, and their standard deviations, in steps."""
+    h, scores = found.model.equations(terms)
+    covariance = np.linalg.inv(h)
+    return np.asarray(covariance @ scores, dtype=np.float64), np.asarray(np.sqrt(np.diag(covariance)), dtype=np.float64)
+
+
 def priors_of(entry: Entry, information: Array) -> tuple[tuple[Array, float], ...]:
     """Return standard deviations of a change, shape (k,) each, and the logarithm of the share of odds that each has.
 

@@ -187,6 +187,13 @@ class Effect(ABC):
         """
         return None
 
+    def there_already(self, compiled: CompiledRobot) -> Mapping[str, float]:
+        """Return how much of each of its sizes that have one sign a model has already and could lose; by default none.
+
+        With a size below none `edit` takes as much away.
+        """
+        return {}
+
     def phase(self, place: Place, conditions: Conditions) -> Hashable:
         """Return what decides, of the time at which it acts, what `edit` does; by default nothing.
 

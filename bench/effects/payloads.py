@@ -1,5 +1,6 @@
 """What is bolted to the load point: heavier or elsewhere than stated, or not stated at all."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import mujoco
@@ -8,11 +9,13 @@ import numpy as np
 from bench.effects.effect import WHOLE, Array, Conditions, Parameter, Place, Values
 from bench.effects.masses import LIGHTEST, SWEVERS, GeometryAndMass, scale_mass, vector_of
 from bench.effects.parameter import Quotient
+from bench.errors import RobotError
 from bench.record.units import STANDARD_GRAVITY
-from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.compiled import CompiledRobot, SpecEdit, read_spec
 from bench.robot.folder import Robot
-from bench.robot.plugins import unused_name
+from bench.robot.plugins import PREFIX, unused_name
 
+UNSTATED = "unstated payload"  # of the body that is bolted on
 COMPACT_M, BULKY_M = 0.05, 0.6  # assumed: [m], radii of gyration of a steel block and of a bulky workpiece
 LIGHT = 0.01  # assumed: of the largest payload; what is lighter is a part of a tool
 # derived: [m], centre of a uniform rod from its end, which is bolted on: L/2 with k = L/sqrt(12)
@@ -61,7 +64,7 @@ class UnstatedPayload(GeometryAndMass):
     physics = (
         "A body is bolted on beside what the campaign states: mass m, centre of mass s/m from the load point in the "
         f"axes of the load body (no farther than {FARTHEST_M:.2f} m), moment of inertia J about every axis through its "
-        "centre."
+        "centre. To one that the model has already, m, s and J are added."
     )
     source = (
         f"{SWEVERS} (payload identification by first moments); range: up to `uncertainty.payload_kg` of the robot's "
@@ -88,16 +91,35 @@ class UnstatedPayload(GeometryAndMass):
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         mass, inertia = values["mass"], values["inertia"]
-        centre = _centre(mass, np.array([values[f"moment_{axis}"] for axis in "xyz"]))
+        moment = np.array([values[f"moment_{axis}"] for axis in "xyz"])
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             load = spec.body(robot.figures.load_body)
-            # a body of its own: the load body's centre of mass has to stay in the load point, where wrenches act
-            carried = load.add_body(name=unused_name(spec, "payload"), pos=np.array(load.ipos) + centre)
-            carried.mass, carried.inertia, carried.explicitinertial = mass, np.full(3, inertia), True
-            carried.ipos, carried.iquat = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+            carried = _unstated_in(load)
+            if carried is None:
+                if mass < 0:
+                    raise RobotError(f"body {load.name!r}: carries nothing that nobody stated, of which to take away")
+                # a body of its own: the load body's centre of mass has to stay in the load point, where wrenches act
+                carried = load.add_body(name=unused_name(spec, UNSTATED), pos=np.array(load.ipos))
+                carried.mass, carried.inertia, carried.explicitinertial = 0.0, np.zeros(3), True
+                carried.ipos, carried.iquat = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+            before, at = float(carried.mass), np.array(load.ipos)
+            carried.mass = max(before + mass, 0.0)
+            carried.pos = at + _centre(carried.mass, before * (np.array(carried.pos) - at) + moment)
+            carried.inertia = np.maximum(np.array(carried.inertia) + inertia, 0.0)
 
         return change if mass or inertia else None
+
+    def there_already(self, compiled: CompiledRobot) -> Mapping[str, float]:
+        """Return mass and moment of inertia of what a model carries and nobody stated."""
+        load = read_spec(compiled.robot).body(compiled.robot.figures.load_body)
+        carried = _unstated_in(load)
+        return {"mass": float(carried.mass), "inertia": float(np.min(carried.inertia))} if carried else {}
+
+
+def _unstated_in(load: mujoco.MjsBody) -> mujoco.MjsBody | None:
+    """Return the body that is bolted on and nobody stated; None where there is none."""
+    return next((body for body in load.bodies if body.name.startswith(PREFIX + UNSTATED)), None)
 
 
 def _centre(mass: float, moment: Array) -> Array:
@@ -113,6 +135,16 @@ def rated_lever(compiled: CompiledRobot) -> float:
     """Return how far from the load point the rated load may have its centre [m]: rated moment by rated force."""
     rating = compiled.robot.figures.rating
     return rating.moment_nm / rating.force_n
+
+
+def carrying_nothing(robot: Robot) -> Robot:
+    """Return a robot without the payload that nobody stated and a diagnosis found in one recording of it.
+
+    What a machine carries is another thing in the next recording, heavier or lighter.
+    """
+    load = read_spec(robot).body(robot.figures.load_body)
+    carried = _unstated_in(load) if load else None
+    return replace(robot, not_carried=(*robot.not_carried, carried.name)) if carried else robot
 
 
 def _largest_payload(compiled: CompiledRobot) -> float:

@@ -18,12 +18,12 @@ from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import Robot, load_robot
 
 
-def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot | None]:
+def open_campaign(folder: Path, robot: str | Robot = "") -> tuple[Report, CompiledRobot | None]:
     """Check a campaign, with the joints and limits of its robot once the tables can be read.
 
     Args:
         folder: Of the campaign.
-        robot: Name or folder of the robot to take; "": the one that the campaign names.
+        robot: The robot to take, its name or its folder; "": the one that the campaign names.
 
     Returns:
         What the check found, and the robot; None where the campaign cannot be read.
@@ -34,7 +34,8 @@ def open_campaign(folder: Path, robot: str = "") -> tuple[Report, CompiledRobot 
     found: list[CompiledRobot] = []
 
     def arm_of(name: str) -> Arm:
-        found.append(compile_robot(load_robot(robot) if robot else robot_of(folder, name)))
+        taken = robot if isinstance(robot, Robot) else load_robot(robot) if robot else robot_of(folder, name)
+        found.append(compile_robot(taken))
         return plain_arm(found[0])
 
     report = check_with_robot(folder, arm_of)

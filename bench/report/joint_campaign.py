@@ -12,6 +12,7 @@ from bench.record.joined import joined, names_of
 from bench.record.rules.repeated_runs import no_campaign_twice
 from bench.report.campaigns import open_campaign
 from bench.robot.compiled import CompiledRobot
+from bench.robot.folder import Robot
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +49,12 @@ class CheckedCampaigns:
     doubts: tuple[tuple[Path, Finding], ...]
 
 
-def open_checked(folder: Path, robot: str) -> CheckedCampaign:
+def open_checked(folder: Path, robot: str | Robot) -> CheckedCampaign:
     """Read a campaign folder and check its channels against its robot.
 
     Args:
         folder: Of the campaign.
-        robot: Name or folder of the robot to take; "": the one that the campaign names.
+        robot: The robot to take, its name or its folder; "": the one that the campaign names.
 
     Raises:
         CampaignError: It cannot be used.
@@ -68,7 +69,7 @@ def open_checked(folder: Path, robot: str) -> CheckedCampaign:
     )
 
 
-def open_all(folders: Sequence[Path], robot: str) -> CheckedCampaigns:
+def open_all(folders: Sequence[Path], robot: str | Robot) -> CheckedCampaigns:
     """Read and check several campaign folders; arguments and errors as in `open_checked`.
 
     Raises:
@@ -83,7 +84,7 @@ def open_all(folders: Sequence[Path], robot: str) -> CheckedCampaigns:
     return CheckedCampaigns(campaigns, tuple(one.compiled for one in opened), warnings, tuple(doubts))
 
 
-def open_joint(folders: Sequence[Path], robot: str) -> CheckedCampaign:
+def open_joint(folders: Sequence[Path], robot: str | Robot) -> CheckedCampaign:
     """Read campaign folders in the order in which they were recorded, and join them; arguments as in `open_checked`.
 
     Raises:

@@ -98,16 +98,19 @@ class CompiledRobot:
 
 
 def read_spec(robot: Robot) -> mujoco.MjSpec:
-    """Return the MJCF of a robot as an editable `MjSpec`.
+    """Return the MJCF of a robot as an editable `MjSpec`, without what it does not carry.
 
     Raises:
         RobotError: The file is not valid MJCF, MuJoCo's own message is kept; or it does not pass `expect_harmless`.
     """
     expect_harmless(robot.mjcf)
     try:
-        return mujoco.MjSpec.from_file(str(robot.mjcf))
+        spec = mujoco.MjSpec.from_file(str(robot.mjcf))
     except ValueError as error:
         raise RobotError(f"{robot.mjcf}: {plain_words(error)}") from error
+    for name in robot.not_carried:
+        spec.delete(spec.body(name))
+    return spec
 
 
 def compile_robot(robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float | None = None) -> CompiledRobot:

@@ -28,11 +28,13 @@ class Robot:
         name: Folder name.
         folder: Where it stands.
         figures: Contents of `figures.yaml`.
+        not_carried: Bodies of the MJCF that are left out when it is read, with all that hangs on them.
     """
 
     name: str
     folder: Path
     figures: Figures
+    not_carried: tuple[str, ...] = ()
 
     @property
     def mjcf(self) -> Path:

@@ -124,7 +124,7 @@ def outcome_of(pair: Pair, setup: Setup, rate: float = FALSE_ALARM_RATE) -> Outc
     recordings = recordings_of({"before": pair.before}, {"after": pair.after})
     with threadpool_limits(1, "blas"), TemporaryDirectory() as files:
         fitted = as_it_was(pair.before, setup.compiled, Path(files))
-        background, what = weighed(joint_of(recordings, fitted, setup.catalogue), rate)
+        background, what = weighed(lambda large: joint_of(recordings, fitted, setup.catalogue, large=large), rate)
         found = comparison_of(background, what, rate)
     names = [{(one.effect, one.place) for one in explanation.changes} for explanation in found.explanations]
     said = " / ".join(" + ".join(one.title for one in explanation.changes) for explanation in found.explanations)

@@ -21,7 +21,11 @@ from tests.diagnose.noise_free import linearised
 from tests.stranger_started import started
 
 SECONDS = 15.0
+Load = tuple[float, tuple[float, float, float]]  # [kg], and where it is beside the tool [m]
 PAYLOAD = 3.0  # [kg], of which nothing is stated
+UNSTATED: Load = (PAYLOAD, stranger.MIDDLE)
+LIGHT: Load = (3.0, (0.1, 0.05, -0.05))
+HEAVY: Load = (9.0, (-0.15, 0.1, 0.1))
 
 
 @pytest.fixture(scope="module")
@@ -31,10 +35,10 @@ def arm(tmp_path_factory: pytest.TempPathFactory) -> CompiledRobot:
     return compile_robot(load_robot(folder / "arm"))
 
 
-def recorded(compiled: CompiledRobot, seed: int, more_friction: float = 0.0) -> Campaign:
+def recorded(compiled: CompiledRobot, seed: int, more_friction: float = 0.0, payload: Load = UNSTATED) -> Campaign:
     """Return two runs of the real arm, with the Coulomb friction of its second joint raised by a share."""
     rng = np.random.default_rng(seed)
-    real = stranger.as_filed(PAYLOAD)
+    real = stranger.as_filed(*payload)
     runs = []
     for number in range(2):
         motion = stranger.moved(rng, SECONDS, real)
@@ -75,3 +79,16 @@ def test_an_unchanged_arm_has_not_changed_and_a_change_is_named(arm: CompiledRob
     assert other.has_changed
     first = other.explanations[0].changes
     assert {(one.effect, one.place) for one in first} == {("coulomb_level", "joint 2")}
+
+
+@pytest.mark.parametrize("swapped", [False, True], ids=["heavier", "lighter"])
+def test_a_payload_that_was_swapped_is_all_that_changed(arm: CompiledRobot, tmp_path: Path, swapped: bool) -> None:
+    """Signatures are linear and a payload is not small: what they miss of it was named beside it."""
+    light, heavy = (recorded(arm, seed, payload=load) for seed, load in ((1, LIGHT), (4, HEAVY)))
+    found = compared(arm, heavy, light, tmp_path) if swapped else compared(arm, light, heavy, tmp_path)
+    (change,) = found.explanations[0].changes
+    assert change.effect == "unstated_payload"
+    mass = next(size for size in change.sizes if size.name == "mass").change
+    more = LIGHT[0] - HEAVY[0] if swapped else HEAVY[0] - LIGHT[0]
+    assert mass.low < more < mass.high
+    assert change.nonlinearity < 0.02

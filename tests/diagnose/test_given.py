@@ -10,7 +10,7 @@ import pytest
 from bench.diagnose.cross_validation.posterior import posterior_of
 from bench.diagnose.diagnose import diagnose
 from bench.diagnose.extend.refit import refit
-from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.candidates import Cause, causes_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, fit, linearised_model_of
 from bench.diagnose.replay.given import EARLIER, Posterior, given_by, with_earlier
 from bench.diagnose.replay.nuisances import nuisances_of
@@ -18,10 +18,12 @@ from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.effects.effect import WHOLE, Acting
+from bench.effects.payloads import carrying_nothing
 from bench.errors import RobotError
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
 from bench.record.json_text import sealed
+from bench.report.handover.given_words import given_sentence
 from bench.report.handover.posterior_file import POSTERIOR, read_posterior, write_posterior
 from bench.report.handover.readme import AGREES
 from bench.report.handover.robot_folder import hand_over
@@ -134,6 +136,24 @@ def test_what_was_found_before_is_not_found_again(robot: CompiledRobot, tmp_path
     assert again.effect == "gas_loss"
     lost = again.parameters[0]
     assert lost.low < 1 - (1 - LOST - 0.02) / (1 - LOST) < lost.high
+
+
+def test_a_payload_belongs_to_the_recording_in_which_it_was_found(robot: CompiledRobot, tmp_path: Path) -> None:
+    """The next one may carry less; with the earlier one bolted on, no payload was light enough."""
+    linear = linear_of(made(robot, 1), robot)
+    effect = EFFECTS["unstated_payload"]
+    (cause,) = causes_of([effect], robot, frozenset())
+    found = refit(linear, (cause,), {(*cause.key, "mass"): 3.0})
+    hand_over(linear, found, tmp_path / "robot", tmp_path / "nominal.xml")
+    posterior = posterior_of(linear, found)
+    handed = load_robot(tmp_path / "robot")
+    machine = compile_robot(carrying_nothing(handed))
+    assert np.sum(compile_robot(handed).model.body_mass) > np.sum(machine.model.body_mass)
+    assert not effect.there_already(machine)
+    given = given_by(posterior, nuisances_of(machine, linear.quantities), machine)
+    assert given.findings == given.held == ()
+    assert "payload that is not stated: mass, as found before" in given.anew
+    assert "mass" in given_sentence(posterior, given.nuisances).split("looked for anew: ")[1]
 
 
 @pytest.mark.parametrize(

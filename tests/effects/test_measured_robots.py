@@ -6,6 +6,7 @@ import pytest
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Conditions
 from bench.effects.payloads import FARTHEST_M
+from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.folder import load_robot
 from bench.robot.links import rigid_bodies
@@ -52,7 +53,7 @@ def test_unstated_payload_adds_its_mass_and_inertia(kr300: CompiledRobot) -> Non
 
 def test_a_first_moment_without_a_mass_is_of_no_body(kr300: CompiledRobot) -> None:
     light = compile_robot(load_robot("kr300"), [with_payload(mass=1.0, moment_x=30.0)])
-    payload = light.model.body("effect/payload")
+    payload = light.model.body("effect/unstated payload")
     assert np.linalg.norm(payload.pos - kr300.model.body_ipos[kr300.at.load_body]) == pytest.approx(FARTHEST_M)
     assert (
         EFFECTS["unstated_payload"].edit(
@@ -78,3 +79,20 @@ def test_late_link_encoders_follow_speed(kr300: CompiledRobot) -> None:
     gap = (reading.q_link - late.q_link)[:, joints]
     np.testing.assert_allclose(gap, 2e-3 * trace.theta_velocity[:, joints], atol=1e-15)
     assert effect.places(compile_robot(load_robot("emps"))) == ()
+
+
+def test_a_payload_is_added_to_what_the_model_carries_already(kr300: CompiledRobot) -> None:
+    """Two bodies would have another moment of inertia than one with both masses and first moments."""
+    light = with_payload(mass=20.0, moment_x=4.0, inertia=0.5)
+    heavier = compile_robot(load_robot("kr300"), [light, with_payload(mass=30.0, moment_x=-6.0, inertia=0.2)])
+    once = compile_robot(load_robot("kr300"), [with_payload(mass=50.0, moment_x=-2.0, inertia=0.7)])
+    np.testing.assert_allclose(rigid_bodies(heavier).inertia, rigid_bodies(once).inertia)
+    np.testing.assert_allclose(rigid_bodies(heavier).com, rigid_bodies(once).com)
+    back = compile_robot(load_robot("kr300"), [light, with_payload(mass=-20.0, moment_x=-4.0, inertia=-0.5)])
+    np.testing.assert_allclose(rigid_bodies(back).mass, rigid_bodies(kr300).mass)
+    np.testing.assert_allclose(rigid_bodies(back).inertia, rigid_bodies(kr300).inertia)
+
+
+def test_nothing_is_taken_away_of_a_payload_that_is_not_there() -> None:
+    with pytest.raises(RobotError, match="carries nothing that nobody stated"):
+        compile_robot(load_robot("kr300"), [with_payload(mass=-1.0)])

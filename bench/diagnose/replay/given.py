@@ -3,6 +3,8 @@
 Its robot is the nominal one. What its data said of figures and findings, all correlations included, are further
 readings: combinations of deviations that are 0 with a standard deviation of 1. Together with the stated uncertainty
 they are the posterior of the earlier diagnosis, so two diagnoses in a row know what one of both campaigns would know.
+
+What was found and is another one in each recording, as a payload is, is integrated out.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -74,12 +76,14 @@ class Given:
         figures: Names of figures that it knows.
         findings: Names of findings that may be off a little.
         held: Names of findings that are taken as they were found: nothing but their values is in the model.
+        anew: Names of findings that belonged to the earlier recording, of which nothing is known in this one.
     """
 
     nuisances: tuple[Nuisance, ...]
     figures: tuple[str, ...]
     findings: tuple[str, ...]
     held: tuple[str, ...]
+    anew: tuple[str, ...] = ()
 
 
 def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: CompiledRobot) -> Given:
@@ -91,12 +95,15 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         compiled: It.
     """
     own = {(one.name, one.unit): i for i, one in enumerate(nuisances) if one.lasting > 0}
-    found, which, at, held = list(nuisances), [], [], []
+    found, which, at, held, anew = list(nuisances), [], [], [], []
     for i, one in enumerate(posterior.parameters):
         if not one.effect:
             if (one.name, one.unit) in own:
                 which.append(i)
                 at.append(own[one.name, one.unit])
+            continue
+        if is_anew(one):
+            anew.append(one.name)
             continue
         nuisance = _of_finding(one, REACH * float(np.sqrt(posterior.covariance[i, i])) * one.sigma, compiled)
         if nuisance is None:
@@ -106,7 +113,7 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         at.append(len(found))
         found.append(nuisance)
     if not which:
-        return Given(tuple(nuisances), (), (), tuple(held))
+        return Given(tuple(nuisances), (), (), tuple(held), tuple(anew))
     kept = np.array([_kept(nuisances[i]) if i < len(nuisances) else 1.0 for i in at])
     rows = _rows(np.outer(kept, kept) * posterior.covariance[np.ix_(which, which)] + np.diag(1 - kept**2))
     for column, i in enumerate(at):
@@ -114,7 +121,13 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         found[i] = replace(found[i], sigma=sigma, said_before=tuple((rows[:, column] / sigma).tolist()))
     names = [found[i].name for i in at]
     n = sum(i < len(nuisances) for i in at)
-    return Given(tuple(found), tuple(names[:n]), tuple(names[n:]), tuple(held))
+    return Given(tuple(found), tuple(names[:n]), tuple(names[n:]), tuple(held), tuple(anew))
+
+
+def is_anew(one: PosteriorParameter) -> bool:
+    """Return whether a parameter belongs to a finding that is another one in each recording, as a payload is."""
+    effect = catalogue().get(one.effect)
+    return effect is not None and effect.between == "anew"
 
 
 def _kept(nuisance: Nuisance) -> float:
