@@ -33,7 +33,7 @@ def first_look(campaign: Campaign, compiled: CompiledRobot) -> FirstLook:
     """Return the first pass over the motion runs of a campaign; it takes seconds.
 
     Args:
-        campaign: A checked campaign; all of its recordings are taken to carry the same.
+        campaign: A checked campaign.
         compiled: Its robot, nominal.
     """
     moving = tuple(campaign.of_kind("motion"))

@@ -9,6 +9,7 @@ with the torques of a rigid arm that was found first, its counterbalance include
 where the filter's band lies (`band.py`). What a known load pulls is taken where the motors are.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,13 +33,13 @@ class Bending:
     """An arm that was found as if its gears were rigid.
 
     Attributes:
-        arm: Its links, with the payload that nobody stated.
+        arms: Its links, with the payload that nobody stated, by recording.
         nominal: The robot, for its counterbalance, known loads and stiffness.
         gas: Share of the gas that is in the counterbalance.
         winds: Shape (n,), gears that wind up; the others are rigid.
     """
 
-    arm: Arm
+    arms: Mapping[str, Arm]
     nominal: NominalDynamics
     gas: float
     winds: NDArray[np.bool_]
@@ -55,20 +56,20 @@ class Bending:
         rows = np.unique(np.append(np.arange(0, len(samples), every), len(samples) - 1))
         position, velocity, acceleration = (values[rows] for values in band.smooth(samples))
         time, state = samples.time[rows], (position, velocity, acceleration)
-        rigid = self._torque(*state)
-        wound = CubicSpline(
-            time, (rigid + known_torque(self.arm, self.nominal, samples, state, rows)) / self.nominal.stiffness
-        )
+        arm = self.arms[samples.recording] if samples.recording in self.arms else list(self.arms.values())[-1]
+        rigid = self._torque(arm, *state)
+        known = known_torque(arm, self.nominal, samples, state, rows)
+        wound = CubicSpline(time, (rigid + known) / self.nominal.stiffness)
         found = np.zeros((len(rows), n, n))
         for j in np.flatnonzero(self.winds):
             of_j = np.arange(n) == j
-            found[:, :, j] = self._torque(*(x - of_j * wound(time, k) for k, x in enumerate(state))) - rigid
+            found[:, :, j] = self._torque(arm, *(x - of_j * wound(time, k) for k, x in enumerate(state))) - rigid
         return band.filtered(CubicSpline(time, found)(samples.time), samples)
 
-    def _torque(self, position: Array, velocity: Array, acceleration: Array) -> Array:
+    def _torque(self, arm: Arm, position: Array, velocity: Array, acceleration: Array) -> Array:
         """Return the torque on the links, shape (T, n)."""
         states = zip(position, velocity, acceleration, strict=True)
-        torque = np.stack([self.arm.inverse_dynamics(*state) for state in states])
+        torque = np.stack([arm.inverse_dynamics(*state) for state in states])
         if full := self.nominal.counterbalance:
             torque[:, full.joint] += self.gas * full.torque(position[:, full.joint])
         return torque
@@ -83,12 +84,15 @@ def bending_of(nominal: NominalDynamics, arm: Arm, layout: Layout, parameters: A
         layout: Of the parameters.
         parameters: Shape (p,), of bodies that can exist.
     """
-    links = parameters[layout.links].reshape(layout.n, N_INERTIAL).copy()
-    if layout.has_payload:
-        body, payload = payload_columns(arm, nominal.load_point)
-        links[body] += payload @ parameters[layout.payload]
+    body, payload = payload_columns(arm, nominal.load_point)
+    arms = {}
+    for recording in layout.carried or ("",):
+        links = parameters[layout.links].reshape(layout.n, N_INERTIAL).copy()
+        if layout.has_payload:
+            links[body] += payload @ parameters[layout.payload_in(recording)]
+        arms[recording] = Arm(links_with(arm.bodies, links))
     gas = float(parameters[layout.gas][0]) if layout.has_gas else 0.0
-    return Bending(Arm(links_with(arm.bodies, links)), nominal, gas, np.isfinite(nominal.stiffness))
+    return Bending(arms, nominal, gas, np.isfinite(nominal.stiffness))
 
 
 def bent(equations: Equations, bending: Bending, band: Band) -> Equations:

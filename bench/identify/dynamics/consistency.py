@@ -80,13 +80,13 @@ def bodies_of(
         names.append(f"link of {joint}")
         shapes.append(shape)
         slack.append(max(THIN * size, -2 * worst, np.finfo(float).eps))
-    if layout.has_payload:
+    for where in layout.payloads:
         shape = np.zeros((layout.size, 4, 4))
-        shape[layout.payload] = PSEUDO
+        shape[where] = PSEUDO
         names.append("payload")
         shapes.append(shape)
         slack.append(THIN * payload_kg)
-        start[layout.payload] = inertial_parameters(SMALL * payload_kg * np.diag([*(0.1 * payload_side**2,) * 3, 1.0]))
+        start[where] = inertial_parameters(SMALL * payload_kg * np.diag([*(0.1 * payload_side**2,) * 3, 1.0]))
     every = np.arange(layout.size)
     for column, slots in (*((name, layout.of_drives(name)) for name in NOT_NEGATIVE), ("softness", layout.softness)):
         for joint, where in zip(joints, every[slots], strict=True):

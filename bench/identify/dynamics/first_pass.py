@@ -14,8 +14,8 @@ from bench.identify.dynamics.bending import Bending, bending_of, bent
 from bench.identify.dynamics.chosen import with_its_delay
 from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
 from bench.identify.dynamics.equations import Equations, equations_of
-from bench.identify.dynamics.folds import Folds, folds_of
-from bench.identify.dynamics.held_out import HeldOut, Problems, hold_out
+from bench.identify.dynamics.folds import Folds, blocks_of, folds_of
+from bench.identify.dynamics.held_out import HeldOut, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.prior import Prior, prior_of, weighed
@@ -175,13 +175,13 @@ def first_pass(
     """
     nominal = weighed(nominal, campaign)
     arm = Arm(nominal.bodies)
-    layout = Layout(nominal.n_joints, nominal.payload > 0, nominal.counterbalance is not None)
-    base = base_parameters(arm, layout, nominal.load_point)
     samples = motion_samples(campaign, nominal)
     band = band_of(samples, cutoff_hz)
     top = np.max([np.abs(band.smooth(part)[1]).max(axis=0) for part in samples], axis=0)
     every = (equations_of(part, band, arm, nominal, top) for part in samples)
     stretches = tuple(part for part in every if len(part))
+    layout = _layout_of(stretches, band, arm, nominal)
+    base = base_parameters(arm, layout, nominal.load_point)
     rows = _rows(stretches, layout, band, arm, nominal)
     if not any(len(one) for one in rows):
         raise InputError(
@@ -212,7 +212,7 @@ def first_pass(
     bodies = _bodies(layout, arm, prior, solution, nominal)
     rival = rival_of(layout, base)
     plain = _plain_weights(rows, rival, solution, prior)
-    problems = Problems(solution, plain, prior, bodies, rival)
+    problems = Problems(solution, plain, prior, bodies, rival, layout.payloads if layout.carried else ())
     return FirstPass(
         nominal=nominal,
         arm=arm,
@@ -228,6 +228,23 @@ def first_pass(
         held_out=hold_out(problems, folds),
         top_speed=top,
     )
+
+
+def _layout_of(stretches: Sequence[Equations], band: Band, arm: Arm, nominal: NominalDynamics) -> Layout:
+    """Return the parameters: a payload for each recording where that surely predicts better, else one in all."""
+    shared = Layout(nominal.n_joints, nominal.payload > 0, nominal.counterbalance is not None)
+    recordings = tuple(dict.fromkeys(part.samples.recording for part in stretches))
+    if not shared.has_payload or len(recordings) < 2:
+        return shared
+    each, folds = replace(shared, carried=recordings), blocks_of(stretches)
+    beside = []
+    for layout in (shared, each):
+        rows = _rows(stretches, layout, band, arm, nominal)
+        if not any(map(len, rows)):
+            return shared
+        prior = prior_of(layout, nominal, arm, *_sizes(rows, layout, nominal.speed_limit))
+        beside.append(missed(solve(rows, prior, band.cutoff_hz, np.ones(layout.n), find_delay=False), prior, folds))
+    return each if beside[1].surely_less_than(beside[0]) else shared
 
 
 def _rows(

@@ -53,20 +53,37 @@ def folds_of(stretches: Sequence[Equations]) -> Folds:
         near = [np.zeros((len(part), 0), dtype=np.bool_) for part in stretches]
         labels = [", ".join(names[k::MOST_FOLDS]) for k in range(min(len(names), MOST_FOLDS))]
         return _joined("run", labels, unit, near, stretches)
-    lengths = [len(part) for part in stretches]
+    block, near_all, count = _blocks([len(part) for part in stretches])
+    time, every = np.concatenate([part.time for part in stretches]), np.concatenate(block)
+    labels = [f"{time[every == k][0]:.1f} to {time[every == k][-1]:.1f} s" for k in range(count)]
+    return _joined("block", labels, block, near_all, stretches)
+
+
+def blocks_of(stretches: Sequence[Equations]) -> Folds:
+    """Return folds that hold out a block of each run at a time, so that something of each recording stays."""
+    of, near = [np.empty(0, dtype=np.int64)] * len(stretches), [np.empty((0, BLOCKS), dtype=np.bool_)] * len(stretches)
+    for run in dict.fromkeys(part.samples.run for part in stretches):
+        mine = [i for i, part in enumerate(stretches) if part.samples.run == run]
+        block, beside, count = _blocks([len(stretches[i]) for i in mine])
+        for i, own, close in zip(mine, block, beside, strict=True):
+            of[i], near[i] = own, np.pad(close, ((0, 0), (0, BLOCKS - count)))
+    names = tuple(f"block {k + 1} of each run" for k in range(BLOCKS))
+    return Folds("block", names, tuple(of), tuple(near), repeats=False)
+
+
+def _blocks(lengths: Sequence[int]) -> tuple[list[NDArray[np.int64]], list[NDArray[np.bool_]], int]:
+    """Return the block of each instant of a run's stretches, which blocks it is near to, and how many there are."""
     total = sum(lengths)
     count = min(BLOCKS, total)
     block = np.arange(total) * count // total
     margin = int(np.ceil(GAP * total / count))
     place = np.arange(total)
-    near_all = np.stack(
+    near = np.stack(
         [(np.abs(place[:, None] - place[block == k]).min(axis=1) <= margin) & (block != k) for k in range(count)],
         axis=1,
     )
-    time = np.concatenate([part.time for part in stretches])
-    labels = [f"{time[block == k][0]:.1f} to {time[block == k][-1]:.1f} s" for k in range(count)]
     cuts = np.cumsum(lengths)[:-1]
-    return _joined("block", labels, np.split(block, cuts), np.split(near_all, cuts), stretches)
+    return np.split(block, cuts), np.split(near, cuts), count
 
 
 def _joined(

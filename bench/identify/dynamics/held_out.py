@@ -16,6 +16,7 @@ from bench.identify.dynamics.solve import Solution
 from bench.record.campaign import Array
 
 SAME = 1.02  # errors that differ by less are the same (assumed)
+ROUNDING = 1e-9  # of what was subtracted
 SURE = 0.95  # declared: one-sided, by Student's t, for folds are few
 
 
@@ -114,6 +115,7 @@ class Problems:
         prior: Of the parameters.
         bodies: Constraints of the first pass.
         rival: Plain least squares.
+        payloads: Where the parameters of the payload of each recording stand.
     """
 
     solution: Solution
@@ -121,25 +123,41 @@ class Problems:
     prior: Prior
     bodies: Bodies
     rival: Rival
+    payloads: tuple[slice, ...] = ()
 
     def without(self, folds: Folds) -> Iterator[dict[str, Array]]:
         """Yield the parameters of each model, shape (p,), fitted without one fold after the other.
 
-        Delay, noise and linearisation are those of the whole campaign; the widths of the prior are found anew.
+        Delay, noise and linearisation are those of the whole campaign; the widths of the prior are found anew. A
+        payload that the fold alone carries is fitted to it, for nothing else could tell it.
         """
         size, late, solution, prior = len(self.prior.mean), self.solution.delay, self.solution, self.prior
         plain_normal = normal_of(self.plain, late, size)
         responses = [one.rows.response(late) for one in self.plain]
         for fold in range(len(folds)):
             out = [_rows_of(one, folds, fold, near=True) for one in self.plain]
-            without = solution.normal - _normal_of_rows(solution.drives, responses, out, size)
+            held = _normal_of_rows(solution.drives, responses, out, size)
+            plain_held = _normal_of_rows(self.plain, responses, out, size)
+            without = solution.normal - held
             widths = likeliest_widths(without, prior, solution.widths)
             free, factor = posterior(without, prior, widths)[0], prior.factor(widths)
+            found = nearest(self.bodies, free, prior.mean, factor, without.gram)
             yield {
                 "nominal": prior.mean,
-                "rival": self.rival.fit(plain_normal - _normal_of_rows(self.plain, responses, out, size)),
-                "first_pass": nearest(self.bodies, free, prior.mean, factor, without.gram),
+                "rival": self._with_own_payload(self.rival.fit(plain_normal - plain_held), without, plain_held),
+                "first_pass": self._with_own_payload(found, without, held),
             }
+
+    def _with_own_payload(self, parameters: Array, without: Normal, held: Normal) -> Array:
+        """Return parameters with the payload that nothing but what is held out carries, all else as given."""
+        found = parameters.copy()
+        for one in self.payloads:
+            own = held.gram[one, one]
+            if np.any(own) and np.all(np.diag(without.gram)[one] <= ROUNDING * np.diag(own)):
+                found[one] = 0.0
+                known = np.diag(1 / self.solution.prior_sigma[one] ** 2)
+                found[one] = np.linalg.solve(own + known, (held.right - held.gram @ found)[one])
+        return found
 
 
 def hold_out(problems: Problems, folds: Folds) -> HeldOut:

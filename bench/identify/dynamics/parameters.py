@@ -14,11 +14,13 @@ class Layout:
         n: Number of drives.
         has_payload: Whether an unstated payload is presumed.
         has_gas: Whether there is a counterbalance.
+        carried: Recordings that carry a payload each; empty: one payload in all.
     """
 
     n: int
     has_payload: bool
     has_gas: bool
+    carried: tuple[str, ...] = ()
 
     @property
     def links(self) -> slice:
@@ -26,9 +28,19 @@ class Layout:
         return slice(0, N_INERTIAL * self.n)
 
     @property
+    def payloads(self) -> tuple[slice, ...]:
+        """Inertial parameters of each payload about the load point, in the order of the recordings that carry them."""
+        count = max(1, len(self.carried)) * self.has_payload
+        return tuple(self._after(slice(0, self.links.stop + N_INERTIAL * k), N_INERTIAL) for k in range(count))
+
+    @property
     def payload(self) -> slice:
-        """Inertial parameters of the payload about the load point."""
-        return self._after(self.links, N_INERTIAL * self.has_payload)
+        """Those of the payload that is there now, which the last recording carries."""
+        return self.payloads[-1] if self.has_payload else self._after(self.links, 0)
+
+    def payload_in(self, recording: str) -> slice:
+        """Return those of the payload that a recording carries; of one that was not fitted, what is there now."""
+        return self.payloads[self.carried.index(recording)] if recording in self.carried else self.payload
 
     @property
     def drives(self) -> slice:

@@ -190,7 +190,8 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     if layout.has_payload:
         side = nominal.payload_side
         moments = nominal.payload * np.array([*(side,) * 3, *(side**2,) * 6])  # its centre may be anywhere near
-        put(layout.payload, 0.0, np.array([nominal.payload_sigma, *moments]), free)
+        for one in layout.payloads:
+            put(one, 0.0, np.array([nominal.payload_sigma, *moments]), free)
     if layout.has_gas:
         amount = u.gas_constant * nominal.gas_amount if nominal.gas_amount > 0 else 1.0
         full = nominal.counterbalance

@@ -77,8 +77,9 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
             )
         )
 
-    if layout.has_payload:
-        add("payload", "unstated payload", "kg", every[layout.payload.start])
+    for where, recording in zip(layout.payloads, layout.carried or ("",), strict=False):
+        name = f"unstated payload ({recording})" if recording else "unstated payload"
+        add("payload", name, "kg", every[where.start])
     if layout.has_gas:
         add("gas", "gas of the counterbalance", "of full", every[layout.gas.start])
     for column, (name, *units) in DRIVE.items():
@@ -103,7 +104,7 @@ def _meaning(found: FirstPass, k: int) -> tuple[str, ...]:
     """Return what else a base parameter is made of, the most uncertain terms first."""
     base, layout = found.base, found.layout
     names = [f"{name} {link + 1}" for link in range(layout.n) for name in NAMES]
-    names += [f"payload {name}" for name in NAMES] * layout.has_payload
+    names += [f"payload {name}" for name in NAMES] * len(layout.payloads)
     combine = base.combine[k].copy()
     rotors = np.arange(layout.size)[layout.of_drives("rotor")]
     sigma = np.sqrt(np.sum(found.prior.factor(found.solution.widths) ** 2, axis=1))

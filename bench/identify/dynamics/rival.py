@@ -36,5 +36,6 @@ class Rival:
 def rival_of(layout: Layout, base: BaseParameters) -> Rival:
     """Return the plain problem of a robot."""
     friction = [np.arange(layout.size)[layout.of_drives(name)] for name in FRICTION]
-    gas = np.arange(layout.size)[layout.gas][:1]
-    return Rival(np.eye(layout.size)[:, np.concatenate([base.lead, *friction, gas])])
+    every = np.arange(layout.size)
+    loads = [every[one] for one in layout.payloads] if layout.carried else []  # one alone is in the base parameters
+    return Rival(np.eye(layout.size)[:, np.concatenate([base.lead, *loads, *friction, every[layout.gas][:1]])])

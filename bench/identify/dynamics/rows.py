@@ -83,14 +83,18 @@ def drive_rows(
     )
     has_gas = layout.has_gas and nominal.counterbalance is not None and nominal.counterbalance.joint == drive
     every = np.arange(layout.size)
-    parts = [every[layout.links], every[layout.payload], every[own], *([every[layout.gas]] if has_gas else [])]
+    loads = np.concatenate([np.empty(0, dtype=np.int64), *(every[one] for one in layout.payloads)])
+    parts = [every[layout.links], loads, every[own], *([every[layout.gas]] if has_gas else [])]
     index = np.concatenate([*parts, every[layout.softness], [layout.gain.start + drive]])
     shape = sum(map(len, parts)) - len(GAS_SHAPE)
     used = [np.flatnonzero(part.moves[:, drive]) for part in equations]
     tables, segments, n_segments = [], [], 0
     for part, rows in zip(equations, used, strict=True):
         links = part.links[rows, drive]
-        carried = links[:, N_INERTIAL * body : N_INERTIAL * (body + 1)] @ payload[:, : N_INERTIAL * layout.has_payload]
+        carried = np.zeros((len(rows), len(loads)))
+        if layout.has_payload:
+            inside = np.isin(loads, every[layout.payload_in(part.samples.recording)])
+            carried[:, inside] = links[:, N_INERTIAL * body : N_INERTIAL * (body + 1)] @ payload
         gas = part.gas[rows] if has_gas else np.zeros((len(rows), 0))
         own_gain = np.zeros((len(rows), 1))
         tables.append(np.hstack([links, carried, part.drives[rows, drive], gas, part.winding[rows, drive], own_gain]))

@@ -16,7 +16,10 @@ MODELS = {  # fields of `DriveErrors` -> what they are called
     "first_pass": words.MODELS["first_pass"],
     "diagnosed": "diagnosed model",
 }
-ONE_PAYLOAD = "Least squares takes all recordings to carry the same payload, with the same friction."
+ONE_FRICTION = (
+    "Least squares takes friction to be the same in all recordings, and the payload where others do not surely predict "
+    "better."
+)
 NOTABLE = 1.05  # declared: ratio of errors, from where it is said
 DIGITS = 3
 
@@ -38,7 +41,7 @@ def first_lines(look: FirstLook) -> Iterator[str]:
     rows = {name: found.held_out.rms(model).tolist() for model, name in words.MODELS.items()}
     yield from table_lines([f"drive {j + 1}" for j in range(len(found.joints))], rows)
     if len({part.samples.recording for part in found.stretches}) > 1:
-        yield f"{ONE_PAYLOAD} A diagnosis does not."
+        yield f"{ONE_FRICTION} A diagnosis does not."
     worse = np.flatnonzero(np.array(rows[MODELS["plain_least_squares"]]) > np.array(rows[MODELS["measured"]])) + 1
     if len(worse):
         drives = f"drive{'s' * (len(worse) > 1)} {listed(list(map(str, worse)), 'and')}"
@@ -58,7 +61,7 @@ def baseline_lines(verdict: Verdict) -> Iterator[str]:
     rows = {title: [getattr(drive, name) for drive in baseline.drives] for name, title in MODELS.items()}
     yield from table_lines([f"drive {drive.drive}" for drive in baseline.drives], rows)
     if baseline.by == "recording":
-        yield f"{ONE_PAYLOAD} The diagnosed model does not."
+        yield f"{ONE_FRICTION} The diagnosed model does not."
     yield from filter(None, (missed_sentence(verdict) or behind_sentence(verdict), links_sentence(verdict)))
 
 

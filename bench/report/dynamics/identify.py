@@ -63,7 +63,7 @@ def open_recordings(folders: Sequence[Path], held_out: Sequence[Path] = (), robo
     """Read campaigns, and check that their channels are what their names say.
 
     Args:
-        folders: Campaigns of one machine with one payload.
+        folders: Campaigns of one machine.
         held_out: Further ones, which are only predicted.
         robot: Name or folder of the robot to take; "": the one that the campaigns name.
 
@@ -91,7 +91,7 @@ def identify_dynamics(recordings: Recordings, cutoff_hz: float | None = None) ->
     """Identify the dynamics from the motion runs of campaigns, and predict others.
 
     Args:
-        recordings: Campaigns of one machine with one payload.
+        recordings: Campaigns of one machine.
         cutoff_hz: Of the filter on model and data [Hz]; None: from the bandwidth of the motion.
 
     Raises:

@@ -50,7 +50,12 @@ def notes_of(found: FirstPass) -> Iterator[str]:
         known = f"{found.nominal.payload_sigma:.2g} kg"
         yield f"What runs carry was weighed, to {known}; an unstated payload is what they carry beyond that."
     elif found.layout.has_payload:
-        yield "The payload is told against the stated masses of the links; all runs are taken to carry the same."
+        carried = (
+            "each recording carries its own, which surely predicts better what is held out."
+            if found.layout.carried
+            else "all runs are taken to carry the same."
+        )
+        yield f"The payload is told against the stated masses of the links; {carried}"
 
 
 def _verdict(found: FirstPass) -> Iterator[str]:
