@@ -25,7 +25,7 @@ from bench.effects.gas import (
     SealFriction,
     ThermalRelaxation,
 )
-from bench.effects.gear_kinematics import TransmissionError, WristCoupling
+from bench.effects.gear_kinematics import AxisCoupling, TransmissionError, WristCoupling
 from bench.effects.geometry import DressPack, FloorTilt, JointZero, LinkLength, ThermalGrowth
 from bench.effects.masses import LinkCom, LinkInertia, LinkMass, RotorInertia, TorqueOffset
 from bench.effects.own import faults_of, guarded, line_in
@@ -87,6 +87,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     Hysteresis,
     TransmissionError,
     WristCoupling,
+    AxisCoupling,
     # structure
     LinkBending,
     BearingTilt,

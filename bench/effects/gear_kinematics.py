@@ -109,6 +109,43 @@ class WristCoupling(Effect):
         return change if c54 or c64 or c65 else None
 
 
+class AxisCoupling(OnDrive):
+    """The motor before turns this link, too."""
+
+    name = "axis_coupling"
+    family = "transmission"
+    title = "coupling to the parallel axis before"
+    physics = (
+        "Where belts or a parallelogram run along a parallel axis, turning that axis turns the gear of this one: its "
+        "element carries k (q + c q_before - theta); what the controller leaves uncorrected."
+    )
+    source = "geometry of parallelogram linkages and of belts through an arm; range: as of wrist_coupling, assumed"
+    parameters = (
+        Parameter("ratio", "", 0.0, 2e-4, 2e-2, "c, of this link on the motor of the axis before", signed=True),
+    )
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return the drives whose hinge is parallel to the one before."""
+        data = mujoco.MjData(compiled.model)
+        mujoco.mj_kinematics(compiled.model, data)
+        axes = data.xaxis[compiled.at.joint]
+        turning = {place.index for place in hinges(compiled)}
+        return tuple(
+            place
+            for place in hinges(compiled)
+            if place.index - 1 in turning and abs(axes[place.index] @ axes[place.index - 1]) > PARALLEL
+        )
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        ratio = values["ratio"]
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            before = robot.figures.drives[place.index - 1]
+            spec.tendon(drive_of(robot, place).element).wrap_joint(before.rotor, ratio)
+
+        return change if ratio else None
+
+
 def table_range(spec: mujoco.MjSpec, joint: str) -> tuple[float, float]:
     """Return the range of a joint that a table has to cover, a little wider than its limits [rad] or [m]."""
     low, high = (float(end) for end in spec.joint(joint).range)

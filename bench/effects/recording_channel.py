@@ -9,6 +9,8 @@ deviation of 5 % has a density fourteen times higher under the torque constant, 
 
 from dataclasses import replace
 
+import numpy as np
+
 from bench.effects.effect import Conditions, Parameter, Place, Values
 from bench.effects.recorded import LATEST_DRIVE_S, LateField, Lateness, Recorded
 from bench.effects.recording_places import (
@@ -160,20 +162,24 @@ class TrackerCreep(_OfRecording):
     name = "tracker_creep"
     title = "creep"
     physics = (
-        "The stand slips, or sun falls on it: readings move by rate x time since the start of the campaign, by far "
-        "more than a tracker in order drifts (tracker_drift)."
+        "The stand slips or tilts, sun falls on it, or the floor under the robot settles: at the time t since the "
+        "start of the campaign readings are p + t (v + w x p), by far more than a tracker in order drifts "
+        "(tracker_drift)."
     )
-    source = "range: 0.1 to 2 mm/h, above the drift of a tracker in order; assumed"
-    advice = "look at the stand of the tracker, and measure fixed points before and after"
-    parameters = tuple(Parameter(axis, "m/h", 0.0, 1e-4, 2e-3, f"rate along {axis}", signed=True) for axis in "xyz")
+    source = "range: 0.1 to 2 mm/h and mrad/h, above the drift of a tracker in order; assumed"
+    advice = "look at the stand of the tracker and at the floor, and measure fixed points before and after"
+    parameters = (
+        *(Parameter(axis, "m/h", 0.0, 1e-4, 2e-3, f"v, rate along {axis}", signed=True) for axis in "xyz"),
+        *(Parameter(f"r{axis}", "rad/h", 0.0, 1e-4, 2e-3, f"w, rate about {axis}", signed=True) for axis in "xyz"),
+    )
 
     def places_in(self, compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:
         """Return the tracker."""
         return tracker(compiled, recorded)
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
-        moved = trace.time[:, None, None] / HOUR * vector_of(values, "")
-        return replace(reading, reflectors=reading.reflectors + moved)
+        rate = vector_of(values, "") + np.cross(vector_of(values, "r"), reading.reflectors)
+        return replace(reading, reflectors=reading.reflectors + trace.time[:, None, None] / HOUR * rate)
 
 
 class TrackerStep(_OfRecording):

@@ -232,7 +232,9 @@ CHANGES: Mapping[str, Change] = {
     "tracker_scale": _of_readout("scale", lambda values: values["scale"]),
     "force_gain": _of_readout("force_gain", lambda values: values["gain"]),
     "force_tilt": _of_readout("force_tilt", _xyz),
-    "tracker_creep": _of_readout("creep", _xyz),
+    "tracker_creep": _in_turn(
+        _of_readout("creep", _xyz), _of_readout("leaning", lambda values: _xyz(values, prefix="r"))
+    ),
     "channel_scale": _channel("scale", "scale"),
     "channel_offset": _channel("offset", "offset"),
     "channel_drift": _channel("drift", "rate"),

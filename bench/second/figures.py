@@ -212,7 +212,7 @@ class Readout:
         gauge: [Pa].
         dead_band: Shape (n,) [A], currents below which read zero.
         shift, turn: Shape (3,) [m] and [rad], of the tracker's frame.
-        creep: Shape (3,) [m/h], of the tracker.
+        creep, leaning: Shape (3,) [m/h] and [rad/h], of the tracker's stand.
         scale: Of the tracker's distances from the base, relative error.
         force_gain: Relative error of the force sensor.
         force_tilt: Shape (3,) [rad], of its axes against a slanting load.
@@ -227,6 +227,7 @@ class Readout:
     shift: Array
     turn: Array
     creep: Array
+    leaning: Array
     scale: float
     force_gain: float
     force_tilt: Array
@@ -236,7 +237,7 @@ class Readout:
         """Return that of instruments that are right, for n drives."""
         drives, vector = np.zeros(n), np.zeros(3)
         currents, gauge = Channel.right(drives), Channel.right(0.0)
-        return cls(drives, 0.0, drives, currents, gauge, drives, vector, vector, vector, 0.0, 0.0, vector)
+        return cls(drives, 0.0, drives, currents, gauge, drives, *(vector,) * 4, 0.0, 0.0, vector)
 
 
 @dataclass(frozen=True, eq=False)

@@ -103,7 +103,7 @@ def _reflectors(
     way = errors.drift_direction
     drift = out.creep + tracker.drift_m_per_h * way / (float(np.linalg.norm(way)) or 1.0)
     seen = (1 + out.scale) * seen + np.cross(out.turn + errors.frame_rotation, seen) + out.shift + errors.frame_shift
-    seen = seen + time[:, None, None] / HOUR * drift
+    seen = seen + time[:, None, None] / HOUR * (drift + np.cross(out.leaning, seen))
     found: Columns = {}
     for k in range(seen.shape[1]):
         found |= _along(f"reflector_{k + 1}", "m", seen[:, k])

@@ -84,6 +84,13 @@ def test_creep_of_the_tracker(seen: tuple) -> None:
     np.testing.assert_allclose((after.reflectors - seen[2].reflectors)[0, :, 1], 1e-3, rtol=1e-9)
 
 
+def test_a_stand_that_tilts_turns_all_readings(seen: tuple) -> None:
+    """A base that leaned by 1 mrad/h was five jumps of the frame beside a creep."""
+    p = seen[2].reflectors
+    after = distorted("tracker_creep", "tracker", {"rz": 2e-3}, seen)
+    np.testing.assert_allclose((after.reflectors - p)[0, :, 0], -2e-3 * p[0, :, 1], rtol=1e-6)
+
+
 def test_what_is_late(small_compiled: CompiledRobot) -> None:
     delay = CATALOGUE["channel_delay"]
     found = [delay.lateness(place, {"delay": 0.01}) for place in places_of(delay, small_compiled)]

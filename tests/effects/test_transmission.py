@@ -91,6 +91,19 @@ def test_only_a_wrist_is_coupled(small_compiled: CompiledRobot, hh150_compiled: 
     assert CATALOGUE["wrist_coupling"].places(hh150_compiled)
 
 
+def test_a_parallel_axis_turns_the_next_one(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
+    q = np.array([0.1, 0.2, 0.3, 0.8, -0.6, 0.4])
+    (place,) = CATALOGUE["axis_coupling"].places(hh150_compiled)
+    assert str(place) == "joint 3"
+    edit = edit_of("axis_coupling", hh150_compiled, {"ratio": 0.01})
+    coupled, plain = rest(hh150, [edit], q), rest(hh150, [], q)
+    expected = np.array([0, 0, 0.01 * 0.2, 0, 0, 0])
+    np.testing.assert_allclose(coupled.theta - plain.theta, expected, atol=1e-4)
+    data, at = coupled.equilibrium.data, coupled.equilibrium.compiled.at
+    carried = hh150_compiled.stiffness * data.ten_length[at.element]
+    np.testing.assert_allclose(coupled.torque[1], carried[1] + 0.01 * carried[2], rtol=1e-6)  # virtual work
+
+
 def test_effects_on_one_element_add_up(small: Robot, small_compiled: CompiledRobot) -> None:
     edits = [
         edit_of("softening", small_compiled, {"softness": 0.5}, 1),
