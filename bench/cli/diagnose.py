@@ -1,5 +1,7 @@
 """`bench diagnose`: what the simulation gets wrong about a campaign."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -74,10 +76,12 @@ class Diagnose:
         stop = Stop(inf if self.at_most is None else seconds_of(self.at_most))
         effects = catalogue(self.file)
         robot, posterior = self._start()
-        joint = open_joint(self.campaigns, robot)
+        with self._blaming_the_robot():
+            joint = open_joint(self.campaigns, robot)
         campaign, compiled = joint.campaign, joint.compiled
         try_out([effect for name, effect in effects.items() if name not in catalogue()], compiled)
-        heed(joint.warnings, joint.doubts, despite_doubts=self.despite_doubts)
+        with self._blaming_the_robot():
+            heed(joint.warnings, joint.doubts, despite_doubts=self.despite_doubts)
         with ending_on_interrupt(stop), new_folder(self.out, VERDICT, replace=False) as folder, phases() as shown:
             executor = Watched(on_cores(self.cores), shows=shown.share)
             during = "reading the campaign"
@@ -144,6 +148,23 @@ class Diagnose:
             raise InputError("--given and --robot: an earlier diagnosis brings its own robot; give one of the two.")
         posterior = read_posterior(self.given / ROBOT)
         return carrying_nothing(load_robot(self.given / ROBOT)), posterior
+
+    @contextmanager
+    def _blaming_the_robot(self) -> Iterator[None]:
+        """Add to what is wrong with campaigns that an earlier diagnosis may be of another robot.
+
+        Raises:
+            CampaignError: What was raised, with a sentence more where a diagnosis is given.
+        """
+        from bench.errors import CampaignError
+
+        try:
+            yield
+        except CampaignError as error:
+            if self.given is None:
+                raise
+            asked = f"--given {self.given}: was that found on the robot of these campaigns? They are held against it."
+            raise CampaignError([*error.problems, asked]) from error
 
     @property
     def command(self) -> str:

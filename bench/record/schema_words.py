@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, get_args
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
 from bench.errors import unknown_name
 
@@ -19,6 +19,13 @@ WORDS: Mapping[str, str] = {
     "string_type": "is no text",
     "string_pattern_mismatch": "has characters that may not stand here",
 }
+
+
+def faults_of(error: ValidationError) -> list[Mapping[str, Any]]:
+    """Return what is wrong; not that a list is too short where nothing but its own faults made it so."""
+    every: list[Mapping[str, Any]] = [*error.errors()]
+    inner = {one["loc"][:k] for one in every for k in range(len(one["loc"]))}
+    return [one for one in every if one["type"] != "too_short" or one["loc"] not in inner]
 
 
 def words_of(detail: Mapping[str, Any], model: type[BaseModel] | None = None) -> str:

@@ -6,7 +6,7 @@ from typing import TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from bench.errors import BenchError
-from bench.record.schema_words import words_of
+from bench.record.schema_words import faults_of, words_of
 from bench.record.yaml_text import YamlFault, load_yaml
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -29,5 +29,5 @@ def read_as(model: type[Model], path: Path, refused: type[BenchError]) -> Model:
     except YamlFault as fault:
         raise refused(f"{path}: {fault}; {fault.remedy}") from fault
     except ValidationError as error:
-        places = ((".".join(map(str, one["loc"])) or "top level", words_of(one, model)) for one in error.errors())
+        places = ((".".join(map(str, one["loc"])) or "top level", words_of(one, model)) for one in faults_of(error))
         raise refused(f"{path}: {place}: {words}" for place, words in places) from error

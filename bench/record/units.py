@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
+from unicodedata import category
 
 from bench.record.channels import parse_column
 
@@ -57,13 +58,21 @@ FOREIGN: Mapping[str, Foreign] = {
 }
 
 
+UNSEEN = ("Cc", "Cf", "Zs", "Zl", "Zp")  # categories of Unicode: controls, marks such as U+FEFF and U+200B, spaces
+
+
+def seen_of(name: str) -> str:
+    """Return a name without the characters in it that nobody sees."""
+    return "".join(character for character in name if category(character) not in UNSEEN)
+
+
 def right_name(name: str) -> tuple[str, str] | None:
     """Return the right name for a column whose unit is wrong, and what to do with its values ("" if nothing).
 
-    Finds foreign units ("q_cmd_1_deg"), capitals ("tau_motor_1_Nm") and units left out ("q_cmd_1"). None if the name is
-    wrong in another way.
+    Finds foreign units ("q_cmd_1_deg"), capitals ("tau_motor_1_Nm"), units left out ("q_cmd_1") and characters that
+    nobody sees (a byte order mark that two exports left). None if the name is wrong in another way.
     """
-    lower = name.lower()
+    lower = seen_of(name).lower()
     stem, _, unit = lower.rpartition("_")
     foreign = FOREIGN.get(unit)
     if foreign and parse_column(f"{stem}_{foreign.si}"):

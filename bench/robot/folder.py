@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 from bench import paths
 from bench.errors import RobotError, UnknownRobotError, unknown_name
 from bench.record.rules.values import IMPOSSIBLE
-from bench.record.schema_words import words_of
+from bench.record.schema_words import faults_of, words_of
 from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.figures import Figures
 from bench.robot.one_or_each import LIST, NUMBER
@@ -111,7 +111,7 @@ def _too_large(content: object, key: str = "") -> Iterator[tuple[str, float]]:
 def problems_of(error: ValidationError, file: str, model: type[BaseModel] | None = None) -> list[str]:
     """Return one sentence per fault of a pydantic validation as `model`, each with its place in the file."""
     sentences = []
-    for fault in error.errors():
+    for fault in faults_of(error):
         keys = [part for part in fault["loc"] if part not in (NUMBER, LIST)]
         place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in keys).lstrip(".")
         is_told = fault["type"] == "extra_forbidden" or isinstance(fault["input"], dict | list)

@@ -10,6 +10,8 @@ import pytest
 from bench.cli import main
 from bench.cli.stopping import UNFINISHED
 from bench.report.diagnosis.file_names import VERDICT
+from tests.found import write_found
+from tests.small_robot import write_small_robot
 
 OWN = """
 from bench.effects.effect import Parameter, Effect
@@ -194,3 +196,11 @@ def test_given_needs_what_a_diagnosis_left(healthy: Path, tmp_path: Path, capsys
     assert "posterior.json: does not exist" in capsys.readouterr().err
     assert refused(healthy, tmp_path / "out", "--given", str(tmp_path), "--robot", "hh150") == (2, [])
     assert "--given and --robot" in capsys.readouterr().err
+
+
+def test_given_of_another_robot_is_asked_about(
+    healthy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_found(write_small_robot(tmp_path / "robot"), tmp_path / "found")
+    assert refused(healthy, tmp_path / "out", "--given", str(tmp_path / "found")) == (3, [])
+    assert "was that found on the robot of these campaigns?" in capsys.readouterr().err

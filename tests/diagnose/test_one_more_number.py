@@ -165,3 +165,23 @@ def test_errors_are_raised_to_what_is_left_of_the_run_in_the_middle() -> None:
     run_of = np.repeat(["a", "b", "c"], 30)
     fit = fitted(residual, np.zeros((90, 1, 0)), np.full((90, 1), 0.1), [run_of])
     assert np.unique(fit.errors) == pytest.approx(np.sqrt(np.mean(residual[30:60] ** 2)))
+
+
+def test_two_runs_whose_loads_were_exchanged_are_told_together(campaign: Campaign, compiled: CompiledRobot) -> None:
+    pair = "joint2-payload50-speed18-up", "joint2-payload100-speed18-up"
+    runs = {run.name: run for run in campaign.runs}
+    loads = [{name: v for name, v in runs[one].columns.items() if name.startswith("load_")} for one in pair]
+    for one, of_other in zip(pair, reversed(loads), strict=True):
+        runs[one] = replace(runs[one], columns={**runs[one].columns, **of_other})
+    told = list(one_more_number(replace(campaign, runs=tuple(runs.values())), compiled, frozenset()))
+    (said,) = [str(finding) for finding in told if finding.column.startswith("load_")]
+    assert f"is 0.5 times the load that instruments show in run '{pair[1]}'" in said
+    assert f"in run '{pair[0]}'; loads or tables of the two exchanged?" in said
+
+
+def test_a_load_that_its_force_sensor_repeats_is_told_by_all_else(campaign: Campaign, compiled: CompiledRobot) -> None:
+    doubled = [f"{kind}_{axis}_n" for kind in ("load", "force") for axis in "xyz"]
+    told = list(one_more_number(changed(campaign, LINE, doubled, lambda x: 2 * x), compiled, frozenset()))
+    (said,) = [str(finding) for finding in told if finding.column.startswith("load_")]
+    assert "load_z_n and force: is 1.9 times the load" in said
+    assert f"in run {LINE!r} or, the other way round, in run 'loaded-back'; nothing tells which" in said

@@ -14,13 +14,13 @@ POSES, DRIVES = 6, 3
 FRICTION_A, NOISE_A = 2.0, 0.1
 
 
-def visits(seed: int, friction: float = FRICTION_A, turned: bool = False) -> Run:
+def visits(seed: int, friction: float = FRICTION_A, turned: bool = False, drives: int = DRIVES) -> Run:
     """Return loading at poses reached from both sides, two loads each, of which friction makes the current differ."""
     rng = np.random.default_rng(seed)
     rows = [(pose, side, step) for pose in range(1, POSES + 1) for side in (1, -1) for step in (0, 1)]
     pose, side, step = np.array(rows, dtype=np.float64).T
     columns = {"pose": pose, "approach": -side if turned else side, "load_step": step, "load_z_n": -500 * step}
-    for j in range(1, DRIVES + 1):
+    for j in range(1, drives + 1):
         columns[f"q_cmd_{j}_rad"] = 0.2 * j + 0.1 * pose
         gravity = 5.0 * np.cos(columns[f"q_cmd_{j}_rad"])
         # what friction holds under load has to do with the load, not with the side
@@ -52,6 +52,24 @@ def test_each_side_may_be_a_run_of_its_own() -> None:
     assert len(found(*runs)) == 1
     assert not found(runs[0])
     assert not found(runs[0], replace(runs[1], recording="another day"))
+
+
+def exchanged(run: Run, *poses: int) -> Run:
+    """Return a run in which both visits to some poses have each other's side."""
+    side = np.where(np.isin(run.columns["pose"], poses), -run.columns["approach"], run.columns["approach"])
+    return replace(run, columns={**run.columns, "approach": side})
+
+
+def test_two_visits_that_were_exchanged_are_noticed() -> None:
+    (said,) = found(exchanged(visits(3, drives=6), 2))
+    assert "in 6 of 6 comparisons without load, and in 0 of 30 elsewhere" in said
+    assert "two visits exchanged?" in said
+
+
+def test_one_drive_that_differs_in_one_pose_is_left_alone() -> None:
+    run = visits(4, drives=6)
+    turned = np.where(run.columns["pose"] == 2, -1, 1)
+    assert not found(replace(run, columns={**run.columns, "current_1_a": turned * run.columns["current_1_a"]}))
 
 
 def test_drives_without_friction_are_warned_of_as_rarely_as_declared() -> None:

@@ -200,3 +200,16 @@ def test_a_base_that_rocks_on_springs_stands_for_the_links() -> None:
     rocking, rigid = rigid_bodies(compile_robot(hh150.robot, [edit])), rigid_bodies(hh150)
     for name in ("mass", "com", "inertia", "position"):
         np.testing.assert_allclose(getattr(rocking, name), getattr(rigid, name), atol=1e-12)
+
+
+def test_a_list_is_not_called_too_short_because_of_what_is_wrong_in_it(small_robot: Path, tmp_path: Path) -> None:
+    def stand(figures: Content, mjcf: str) -> tuple[Content, str]:
+        for drive in figures["drives"]:
+            drive["speed_limit_rad_per_s"] = -1
+        return figures, mjcf
+
+    with pytest.raises(RobotError) as raised:
+        load_robot(broken(small_robot, tmp_path, stand))
+    assert [problem.split(": ")[1] for problem in raised.value.problems] == [
+        f"drives[{j}].speed_limit_rad_per_s" for j in (0, 1)
+    ]

@@ -25,6 +25,7 @@ from bench.diagnose.plausibility.single_rows import BEYOND, jumps
 from bench.diagnose.plausibility.slow_clock import slow_clock
 from bench.diagnose.plausibility.smoothed import smoothed
 from bench.diagnose.plausibility.speeds import least_top_speed
+from bench.diagnose.plausibility.unstated_loads import unstated_loads
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, readings_of, segments_of
@@ -80,6 +81,8 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
         of_payload = partial(_of_payload, stated, compiled, drives)
         found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told, sped_up, of_payload))
         found += known_pressures(campaign, compiled, segments)
+        if not any(finding.column.startswith("load_") for finding in found):  # else that is why they move
+            found += unstated_loads(campaign, compiled, segments, every)
         if readings := readings_of(segments, every, others):
             found += displaced(Replay(compiled, readings, others))
     except ConvergenceError as error:

@@ -22,6 +22,7 @@ from bench.record.campaign import Array
 
 LOADS = "loads"  # the subject of faults of what was written down; else the kind of a quantity, or "angles"
 ANGLES = "angles"
+FELT = ("force", "moment")
 # derived: sizes, by subject and how, up to which the catalogue knows a cause that is no fault of a file
 LISTED: Mapping[tuple[str, str], float] = {
     (LOADS, "scaled"): HungLoad.parameters[0].low,
@@ -88,6 +89,10 @@ def faults_of(
     for column, changes in causes.loads.items():
         if run in changes and np.any(changes[run][own]):
             yield Fault(run, (LOADS, 0), column, "scaled", "", changes[run][own][:, :, None])
+            felt = np.array([quantity.kind in FELT for quantity in quantities])
+            if np.any(changes[run][own][:, felt]):  # a force sensor that says the same may have been copied from it
+                unfelt = np.where(felt, 0.0, changes[run][own])[:, :, None]
+                yield Fault(run, (LOADS, 0), f"{column} and force", "scaled", "", unfelt)
     seen = np.isfinite(causes.residual[own])
     changing = np.nan_to_num(rates[own])
     for j, zero in causes.zeros.items():

@@ -9,12 +9,14 @@ from bench.diagnose.plausibility.between_runs import too_far_apart
 from bench.diagnose.plausibility.channels import BINS
 from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
+from bench.diagnose.plausibility.known_temperature import known_temperatures
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_gauges, late_reflectors
 from bench.diagnose.plausibility.loads import unlike_weights
 from bench.diagnose.plausibility.one_more_number import one_more_number
 from bench.diagnose.plausibility.one_run import unlike_other_runs
 from bench.diagnose.plausibility.reported_torques import unlike_currents
 from bench.diagnose.plausibility.single_rows import beyond_guessed_limits, overloads
+from bench.diagnose.plausibility.stated_noise import noise_as_stated
 from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -49,6 +51,7 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
     found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled), *unlike_weights(campaign)]
+    found += [*known_temperatures(campaign), *noise_as_stated(campaign)]
     told = {finding.column for finding in known}
     found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     found += [hint for hint in beyond_guessed_limits(campaign, compiled) if hint.column not in told]

@@ -13,6 +13,7 @@ from bench.record.campaign import Array
 
 FREE = 1e-9  # rounding: precision of a column without a prior, whitened and as long as one
 JITTER = 1e-10  # rounding: of a diagonal, added to it; columns far larger than any noise are alike within that
+OWN = 1e-9  # rounding: of the information of a column, that it has beside all others
 TWICE = 2  # effort: times that the errors of readings are taken from what the fit before left
 
 
@@ -135,3 +136,27 @@ def _mean_square(values: Array) -> float:
     """Return the mean square of what was measured, nan of nothing."""
     known = values[np.isfinite(values)]
     return float(np.mean(known**2)) if len(known) else np.nan
+
+
+def gain_of(
+    scores: Array, information: Array, mine: NDArray[np.int64], beside: NDArray[np.int64]
+) -> tuple[Array, float]:
+    """Return the numbers of some columns, and twice the logarithm of what they gain, beside others that act as well."""
+    both = np.concatenate([mine, beside])
+    values, gain = _solved(scores[both], information[np.ix_(both, both)])
+    return values[: len(mine)], gain - _solved(scores[beside], information[np.ix_(beside, beside)])[1]
+
+
+def _solved(scores: Array, information: Array) -> tuple[Array, float]:
+    if not len(scores):
+        return scores, 0.0
+    size = np.sqrt(np.maximum(np.diag(information), 0.0))
+    there = size > OWN * np.max(size, initial=0.0)
+    values = np.zeros(len(scores))
+    if np.any(there):
+        scale = size[there]
+        values[there] = np.linalg.pinv(information[np.ix_(there, there)] / np.outer(scale, scale), rcond=OWN**0.5) @ (
+            scores[there] / scale
+        )
+        values[there] /= scale
+    return values, float(values @ scores)

@@ -5,19 +5,18 @@ that acts in one run alone (`faults_of_run.py`) is then told where it explains m
 errors and the catalogue make of the same instrument in any other run, by far, and nothing like it is left of the run.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.faults_of_run import ANGLES, LOADS, Fault, faults_of
 from bench.diagnose.plausibility.late_channels import SURE
-from bench.diagnose.plausibility.linear_fit import LinearFit, fitted
+from bench.diagnose.plausibility.linear_fit import LinearFit, fitted, gain_of
 from bench.diagnose.plausibility.listed_causes import ListedCauses, listed_causes
-from bench.diagnose.plausibility.loads import TOO_SMALL
 from bench.diagnose.plausibility.one_run import EXPLAINED, FAR, OTHERS
 from bench.diagnose.plausibility.rates import rates_of
+from bench.diagnose.plausibility.words_of_fault import HARDLY, in_words
 from bench.diagnose.replay.instants import at_each_instant, run_of_each
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -27,13 +26,10 @@ from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
-OWN = 1e-9  # rounding: of the information of a column, that it has beside all others
 BINS = 30  # effort: of one run at most; enough for one number
 AGAIN = 3  # effort: times that a delay is found, each over the one before
 CHANCE = 2.0  # declared: standard errors, up to which the largest of a few numbers comes by chance
 MOST_NAMED = 2  # declared: what explains a run as well; more leave nobody the wiser
-LATEST = 0.1  # declared: of a run; a delay is told by rates of change, which mean nothing over more
-HARDLY = "is hardly what all else makes of it"
 LOOK = "look at how that run was recorded"
 
 
@@ -97,7 +93,7 @@ class OneRunAmongOthers:
             loads = [k for fault, some in zip(faults, places, strict=True) if fault.subject[0] == LOADS for k in some]
             for fault, mine in zip(faults, places, strict=True):
                 beside = np.array([] if fault.subject[0] == LOADS else loads, dtype=np.int64)
-                values, gain = _gain(scores, information, mine, beside)
+                values, gain = gain_of(scores, information, mine, beside)
                 found.append(Explained(fault, values, float(np.sqrt(max(gain, 0.0)))))
         return found
 
@@ -116,7 +112,7 @@ class OneRunAmongOthers:
             every = self._faults(fault.run, predicted, rates_of(self.replay.segments, predicted, over))
             fault = next(one for one in every if (one.subject, one.column, one.how) == key)
             scores, information = fit.products(self.run_of == fault.run, fault.columns)
-            values = _gain(scores, information, np.arange(len(scores)), np.array([], dtype=np.int64))[0]
+            values = gain_of(scores, information, np.arange(len(scores)), np.array([], dtype=np.int64))[0]
             over = float(values[0])
         return fault, values
 
@@ -188,9 +184,10 @@ def _judged(
     with_it = among.with_fault(fit, worst.fault)
     with_it = among.with_fault(fit, among.cleaned(fit, with_it, worst.fault)[0])
     after = among.explained(with_it, worst.fault)
-    rest = max(_elsewhere(after, worst.fault), CHANCE)
+    rest = max(_elsewhere(after, subject, {run}), CHANCE)
     same = max((one.sigmas for one in after if one.fault.run == run), default=0.0)
     if worst.sigmas < FAR * rest:
+        yield from _exchanged_loads(among, with_it, after, worst, told)
         return
     then = {(one.fault.run, one.fault.column, one.fault.how): one.sigmas for one in after}
     rivals = {
@@ -215,12 +212,44 @@ def _judged(
         return
     plainest = [_plainest([one for one in mine if one.fault.subject == subject]) for subject in subjects]
     lasts = float(np.ptp(among.time[among.run_of == run]))
-    words = [_in_words(fault, among.cleaned(fit, with_it, fault)[1], lasts) for fault in plainest]
+    words = [in_words(fault, among.cleaned(fit, with_it, fault)[1], lasts) for fault in plainest]
     others = [f"{fault.column} {said}" for fault, said in zip(plainest[1:], words[1:], strict=True)]
     message = ", or ".join([words[0], *others]) + ("," if others else "") + f" {where}"
     remedy = "look up what was hung on there; bench diagnose weighs it" if subject[0] == LOADS else LOOK
     remedy = f"nothing tells which: {remedy.replace('that run was', 'both were')}" if rivals else remedy
     yield Finding("warning", "all runs", None, plainest[0].column, message, remedy)
+
+
+def _exchanged_loads(
+    among: OneRunAmongOthers, with_it: LinearFit, after: Sequence[Explained], worst: Explained, told: frozenset[str]
+) -> Iterator[Finding]:
+    """Yield a warning of two runs whose loads were written down wrong, where no third one is nearly as far off.
+
+    Args:
+        among: The campaign.
+        with_it: In which the worst fault acts.
+        after: What each fault explains beside that one.
+        worst: The fault that explains most, of a load.
+        told: Runs of which something was told already.
+    """
+    first, subject = worst.fault, worst.fault.subject
+    rivals = [one for one in after if one.fault.subject == subject and one.fault.run != first.run]
+    if subject[0] != LOADS or len({one.fault.run for one in rivals}) <= OTHERS:
+        return
+    second = max(rivals, key=lambda one: one.sigmas)
+    pair = {first.run, second.fault.run}
+    with_both = among.with_fault(with_it, second.fault)
+    beside = among.explained(with_both, second.fault)
+    rest = max(_elsewhere(beside, subject, pair), CHANCE)
+    least = min(worst.sigmas, second.sigmas)
+    same = max(one.sigmas for one in beside if one.fault.run in pair)
+    if pair & told or least < FAR * rest or same**2 > (1 - EXPLAINED) * least**2:
+        return
+    each = (first, among.with_fault(among.plain, second.fault)), (second.fault, with_it)
+    said = [in_words(one, among.cleaned(fit, with_both, one)[1], 0.0) for one, fit in each]
+    message = f"{said[0]} in run {first.run!r}, and {said[1]} in run {second.fault.run!r}"
+    remedy = "loads or tables of the two exchanged? look up what was hung on there"
+    yield Finding("warning", "all runs", None, first.column, message, remedy)
 
 
 def _plainest(alike: Sequence[Explained]) -> Fault:
@@ -229,55 +258,9 @@ def _plainest(alike: Sequence[Explained]) -> Fault:
     return min((one for one in alike if one.sigmas >= most - SURE), key=lambda one: len(one.values)).fault
 
 
-def _elsewhere(every: Sequence[Explained], fault: Fault) -> float:
-    """Return the most standard errors by which anything of the same subject is off zero in another run."""
-    return max(
-        (one.sigmas for one in every if one.fault.subject == fault.subject and one.fault.run != fault.run), default=0.0
-    )
-
-
-def _gain(scores: Array, information: Array, mine: NDArray[np.int64], beside: NDArray[np.int64]) -> tuple[Array, float]:
-    """Return the numbers of some columns, and twice the logarithm of what they gain, beside others that act as well."""
-    both = np.concatenate([mine, beside])
-    values, gain = _solved(scores[both], information[np.ix_(both, both)])
-    return values[: len(mine)], gain - _solved(scores[beside], information[np.ix_(beside, beside)])[1]
-
-
-def _solved(scores: Array, information: Array) -> tuple[Array, float]:
-    if not len(scores):
-        return scores, 0.0
-    size = np.sqrt(np.maximum(np.diag(information), 0.0))
-    there = size > OWN * np.max(size, initial=0.0)
-    values = np.zeros(len(scores))
-    if np.any(there):
-        scale = size[there]
-        values[there] = np.linalg.pinv(information[np.ix_(there, there)] / np.outer(scale, scale), rcond=OWN**0.5) @ (
-            scores[there] / scale
-        )
-        values[there] /= scale
-    return values, float(values @ scores)
-
-
-def _in_words(fault: Fault, values: Array, lasts: float) -> str:
-    """Return what is wrong with a channel, an angle or a load in a run that lasts so long [s]."""
-    if fault.subject[0] == LOADS:
-        shown = float(1 + values[0])  # to first order: of what is several times off, the number is not
-        if shown > TOO_SMALL:
-            return "is several times smaller than the load that instruments show"
-        if shown < 1 / TOO_SMALL:
-            return "is far more than the load that instruments show"
-        return f"is {1 / shown:.2g} times the load that instruments show"
-    if fault.subject[0] == ANGLES:
-        return f"is {values[0]:+.3g} {fault.unit} beside where the joint is by all else"
-    if fault.how == "displaced":
-        size = f"{values[0]:+.3g}" if len(values) == 1 else f"{np.linalg.norm(values):.3g}"
-        return f"is {size} {fault.unit} beside what all else makes of it"
-    if fault.how == "late" and abs(values[0]) > LATEST * lasts:
-        return HARDLY
-    if fault.how == "late":
-        return f"is {abs(values[0]):.2g} s {'late' if values[0] > 0 else 'early'} by all else"
-    times = f"{1 + values[0]:.3g}"
-    return HARDLY if times == "1" else f"is {times} times what all else makes of it"
+def _elsewhere(every: Sequence[Explained], subject: tuple[str, int], runs: Set[str]) -> float:
+    """Return the most standard errors by which anything of a subject is off zero in other runs."""
+    return max((one.sigmas for one in every if one.fault.subject == subject and one.fault.run not in runs), default=0.0)
 
 
 def _sliding(segments: Sequence[Segment], quantities: Sequence[Quantity]) -> tuple[Segment, ...]:

@@ -10,6 +10,7 @@ from bench.record.finding import Finding
 from bench.record.rules.sheet import Sheet
 
 CHANCE = 0.001  # declared: that drives of which friction shows nothing are warned of
+FELT = "drives that came upwards (+1) pull less than after they came downwards (-1)"
 SAME = 0.01  # rounding: [rad], [m]; poses that are alike to this are one pose, reached twice
 EFFORTS = ("current", "tau_motor")
 
@@ -18,23 +19,34 @@ def approach_is_felt(sheets: Sequence[Sheet]) -> Iterator[Finding]:
     """Drives that came to a pose upwards do not pull less there, unloaded, than those that came downwards.
 
     Coulomb friction opposes the motion that has just ended. Where it shows nothing, either sign is as likely: signs of
-    all drives in all pairs of visits are counted (sign test). A servo that overshoots each time turns them as well.
+    all drives in all pairs of visits are counted (sign test). A servo that overshoots each time turns them as well. Of
+    one pose the share of lower ones is no larger than that of all other poses, but for chance (Fisher's exact test).
     """
     poses: dict[Hashable, dict[float, list[dict[str, float]]]] = defaultdict(lambda: defaultdict(list))
-    where = None
+    of_pose: dict[Hashable, dict[str, Sheet]] = defaultdict(dict)
     for sheet in sheets:
         for pose, side, efforts in _visits(sheet):
             poses[sheet.run.recording, pose][side].append(efforts)
-            where = where or sheet
-    risen = [one for sides in poses.values() for one in _differences(sides[1.0], sides[-1.0])]
-    pairs, lower = sum(one != 0 for one in risen), sum(one < 0 for one in risen)
-    if where and pairs and stats.binom.sf(lower - 1, pairs, 0.5) < CHANCE:
-        message = (
-            f"drives that came upwards (+1) pull less than after they came downwards (-1), in {lower} of {pairs} "
-            "comparisons without load; friction makes them pull more"
-        )
+            of_pose[sheet.run.recording, pose][sheet.run.name] = sheet
+    risen = {pose: [*_differences(sides[1.0], sides[-1.0])] for pose, sides in poses.items()}
+    count = {pose: (sum(one < 0 for one in every), sum(one != 0 for one in every)) for pose, every in risen.items()}
+    count = {pose: one for pose, one in count.items() if one[1]}
+    lower, pairs = (sum(one[i] for one in count.values()) for i in (0, 1))
+    if pairs and stats.binom.sf(lower - 1, pairs, 0.5) < CHANCE:
+        message = f"{FELT}, in {lower} of {pairs} comparisons without load; friction makes them pull more"
         remedy = "sides exchanged? +1 is written where joint positions rose; or servos that overshoot"
-        yield where.warning("approach", message, remedy)
+        yield next(iter(of_pose[next(iter(count))].values())).warning("approach", message, remedy)
+        return
+    chance = {pose: float(stats.hypergeom.sf(own - 1, pairs, lower, of)) for pose, (own, of) in count.items()}
+    worst = min(chance, key=lambda pose: chance[pose], default=None)
+    if worst is not None and len(chance) * chance[worst] < CHANCE:
+        own, of = count[worst]
+        first, *others = of_pose[worst].values()
+        where = f" here and in {', '.join(other.file for other in others)}" if others else ""
+        message = (
+            f"{FELT}, in {own} of {of} comparisons without load{where}, and in {lower - own} of {pairs - of} elsewhere"
+        )
+        yield first.warning("approach", message, "sides or tables of two visits exchanged? +1: joint positions rose")
 
 
 def _differences(upwards: Sequence[dict[str, float]], downwards: Sequence[dict[str, float]]) -> Iterator[float]:

@@ -8,7 +8,7 @@ from bench.record.channels import AXES, Column, columns_of, known_names, parse_c
 from bench.record.finding import Finding, counted
 from bench.record.rules.sheet import Sheet
 from bench.record.table import SET_ASIDE
-from bench.record.units import right_name
+from bench.record.units import right_name, seen_of
 
 REQUIRED = {"static": ("pose", "load_step"), "motion": ("time_s",)}
 
@@ -16,7 +16,7 @@ REQUIRED = {"static": ("pose", "load_step"), "motion": ("time_s",)}
 def known(sheet: Sheet) -> Iterator[Finding]:
     """Each name stands in the table of channels, and once."""
     for name, count in Counter(sheet.names).items():
-        if not name:
+        if not seen_of(name):
             yield sheet.error(name, "a column has no name", "name it in the first line, or remove it")
         elif name.startswith(SET_ASIDE):
             continue
@@ -29,7 +29,7 @@ def known(sheet: Sheet) -> Iterator[Finding]:
 def enough(sheet: Sheet) -> Iterator[Finding]:
     """There are rows, the labels or the clock of this kind of run, joint angles, and something that was measured."""
     kind = sheet.run.kind
-    names = {right[0] if (right := right_name(name)) else name for name in sheet.names}
+    names = {_meant(name) for name in sheet.names}
     for name in REQUIRED[kind]:
         if name not in names:
             yield sheet.error(name, f"is missing from a {kind} run", f"add it, or change the run's kind from {kind!r}")
@@ -61,7 +61,7 @@ def fits_arm(sheet: Sheet) -> Iterator[Finding]:
 def reflectors(sheet: Sheet) -> Iterator[Finding]:
     """Each reflector is one that the robot carries, with all three of its coordinates."""
     present: dict[int, list[str]] = {}
-    for column in columns_of(dict.fromkeys(sheet.names), "reflector"):
+    for column in columns_of(dict.fromkeys(map(_meant, sheet.names)), "reflector"):
         present.setdefault(column.index, []).append(column.name)
     carried = sheet.arm.n_reflectors if sheet.arm else None
     for index, names in present.items():
@@ -79,10 +79,17 @@ def _is_of_drive(column: Column) -> bool:
     return "i" in column.channel.keys
 
 
+def _meant(name: str) -> str:
+    return right[0] if (right := right_name(name)) else name
+
+
 def _unknown(sheet: Sheet, name: str) -> Finding:
     if right := right_name(name):
         better, todo = right
         remedy = f"name it {better}" + (f" and {todo}" if todo else "")
+        if unseen := [f"U+{ord(one):04X}" for one in name if not seen_of(one)]:
+            message = f"has {', '.join(unseen)} in it, which nobody sees"
+            return sheet.error(seen_of(name), message, f"{remedy}; save the table without it")
         return sheet.error(name, "is not in the letters and SI units of this format", remedy)
     candidates = known_names(name)
     near = get_close_matches(name.lower(), candidates, n=1)

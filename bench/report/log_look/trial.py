@@ -7,7 +7,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from bench.errors import InputError
-from bench.record.campaign import Arm
+from bench.identify.dynamics.turned import turned_axis
+from bench.record.campaign import Arm, Campaign
 from bench.record.convert import convert
 from bench.record.log_format import LOG_FORMAT, read_log_format
 from bench.record.rules.scale import angles
@@ -34,9 +35,28 @@ def refusals(file: Path, proposed: str, nominal: NominalDynamics | None) -> Iter
     if nominal is None:
         return
     arm = _arm(nominal)
+    doubted = False
     for run in converted.campaign.runs:
         for finding in angles(Sheet(run, file.name, tuple(run.columns), arm)):
+            doubted = True
             yield f"bench check will doubt this as it stands: {finding}"
+    if not doubted:
+        yield from _turned(converted.campaign, nominal)
+
+
+def _turned(campaign: Campaign, nominal: NominalDynamics) -> Iterator[str]:
+    """Yield the axis that is turned in angle and torque alike, by a model that is linear in what links weigh."""
+    try:
+        turned = turned_axis(campaign, nominal)
+    except InputError:  # nothing moves for long enough, or no drive says what it paid
+        return
+    if turned:
+        axes = " or ".join(f"axis {j + 1}" for j in turned.indices)
+        yield (
+            f"{axes} seems to count the other way round than the model's, angle and torque or current alike: with the "
+            f"factors of both turned, a linear model leaves {turned.after:.3g} of drive {turned.drive + 1} instead of "
+            f"{turned.before:.3g}"
+        )
 
 
 def _arm(nominal: NominalDynamics) -> Arm:

@@ -1,0 +1,63 @@
+"""Noise in another unit and a known temperature that the thermometer contradicts are told; right ones are not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.diagnose.plausibility.known_temperature import known_temperatures
+from bench.diagnose.plausibility.stated_noise import noise_as_stated
+from bench.record.campaign import Campaign
+from bench.record.known import Known
+from tests.diagnose.test_one_more_number import session
+
+RIGHT = {"current": 0.03, "reflector": 30e-6, "force": 0.5, "moment": 0.3}
+LOGGED_K = 300.0
+
+
+@pytest.fixture(scope="module")
+def campaign() -> Campaign:
+    return session(43)
+
+
+@pytest.mark.parametrize("quantity", RIGHT)
+@pytest.mark.parametrize(("factor", "words"), [(1e3, "times as much as"), (1e-3, "times less than")])
+def test_noise_in_another_unit_is_told(campaign: Campaign, quantity: str, factor: float, words: str) -> None:
+    (said,) = map(str, noise_as_stated(replace(campaign, noise=RIGHT | {quantity: factor * RIGHT[quantity]})))
+    assert f"noise.{quantity}" in said
+    assert words in said
+
+
+@pytest.mark.parametrize("factor", [0.1, 1.0, 10.0])
+def test_noise_that_is_stated_with_care_or_without_is_believed(campaign: Campaign, factor: float) -> None:
+    stated = {quantity: factor * sigma for quantity, sigma in RIGHT.items()}
+    assert not [*noise_as_stated(replace(campaign, noise=stated))]
+
+
+def test_noise_of_what_was_not_read_is_not_judged(campaign: Campaign) -> None:
+    assert not [*noise_as_stated(replace(campaign, noise={"tau_motor": 1e4, "gas_pressure": 1e4}))]
+
+
+def thermometer(campaign: Campaign, value: float, sigma: float = 1.0, warms: float = 2.0) -> list[str]:
+    """Return what is said of a known temperature where a thermometer logs some that rise from run to run."""
+    rise = np.linspace(0, warms, len(campaign.runs))
+    runs = [
+        replace(run, columns={**run.columns, "gas_temperature_k": np.full(len(run), LOGGED_K + more)})
+        for run, more in zip(campaign.runs, rise, strict=True)
+    ]
+    known = (Known("payload_kg", 0, 1), Known("gas_temperature_k", value, sigma))
+    return [str(finding) for finding in known_temperatures(replace(campaign, runs=tuple(runs), known=known))]
+
+
+def test_a_known_temperature_that_the_thermometer_contradicts_is_told(campaign: Campaign) -> None:
+    (said,) = thermometer(campaign, LOGGED_K + 40)
+    assert "known[1].value" in said
+    assert "300 to 302 K" in said
+
+
+def test_a_known_temperature_that_may_have_been_so_is_believed(campaign: Campaign) -> None:
+    assert not thermometer(campaign, LOGGED_K + 8)
+    assert not thermometer(campaign, LOGGED_K + 40, sigma=10)
+    assert not thermometer(campaign, LOGGED_K + 50, warms=100)
+    known = (Known("gas_temperature_k", 400, 1),)
+    assert not [*known_temperatures(replace(campaign, known=known))]  # no thermometer
