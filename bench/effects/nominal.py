@@ -97,6 +97,9 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
     return tuple(parameter for parameter in found if parameter.sigma > 0)
 
 
+PRESLIDING = "presliding stiffness"
+
+
 def presliding_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
     """Return how stiff the friction elements hold, of all that have a level, with a sigma above zero.
 
@@ -106,7 +109,7 @@ def presliding_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ..
     sigma = compiled.robot.figures.uncertainty.presliding
     sides = (("motor", compiled.motor_coulomb), ("link", compiled.link_coulomb))
     return tuple(
-        _factor(f"presliding stiffness on the {side} side of {drive.joint}", sigma, _scaled(element, FRICTION[1]))
+        _factor(f"{PRESLIDING} on the {side} side of {drive.joint}", sigma, _scaled(element, FRICTION[1]))
         for j, drive in enumerate(compiled.robot.figures.drives)
         for (side, level), element in zip(sides, (drive.motor_friction, drive.link_friction), strict=True)
         if sigma > 0 and level[j] > 0

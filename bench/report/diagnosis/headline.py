@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from bench.diagnose.named_causes import ParameterValue
 from bench.diagnose.verdict import AmbiguityGroup, NamedCause, Verdict
 from bench.report.diagnosis.baseline import missed_sentence
 from bench.report.diagnosis.names import (
@@ -133,13 +134,18 @@ def _causes(group: AmbiguityGroup) -> list[str]:
     return [cause_name(one.cause) for one in group.names]
 
 
+def _told(cause: NamedCause) -> ParameterValue:
+    """Return the first size whose interval leaves out zero, the first of all if none does."""
+    return next((one for one in cause.parameters if not one.low <= 0 <= one.high), cause.parameters[0])
+
+
 def _together(causes: Sequence[NamedCause], room: int, kind: str) -> str:
     """Return causes of one explanation, a single one with its size, several as causes of a kind; "" without room."""
     if len(causes) == 1:
         (cause,) = causes
-        first = cause.parameters[0]
-        value, low, high = interval_of(first)
-        size = f"{first.name.replace('_', ' ')} {value} {unit_name(first.unit)}".rstrip()
+        shown = _told(cause)
+        value, low, high = interval_of(shown)
+        size = f"{shown.name.replace('_', ' ')} {value} {unit_name(shown.unit)}".rstrip()
         words = f"{cause_name(cause)}: {size} (95 % interval {low} to {high})"
         return words if len(words) <= room else fitting([cause_name(cause)], "and", room)
     for start in (f"{len(causes)} {kind} act together: ", f"{len(causes)} {kind}: ", ""):

@@ -8,6 +8,7 @@ from dataclasses import fields
 import numpy as np
 
 from bench.diagnose.cross_validation.figures import FittedFigure
+from bench.effects.nominal import PRESLIDING
 from bench.report.diagnosis.names import shown, unit_name
 
 COLUMNS = tuple(field.name for field in fields(FittedFigure))
@@ -29,7 +30,8 @@ def moved_sentences(figures: Sequence[FittedFigure]) -> Iterator[str]:
     for figure in figures:
         if not figure.has_moved:
             continue
-        yield f"{figure.name}: {_size(figure)}, {abs(figure.sigmas):.1f} times its stated uncertainty{_trade(figure)}"
+        far = f"{abs(figure.sigmas):.1f} times its stated uncertainty"
+        yield f"{figure.name}: {_size(figure)}, {far}{_trade(figure)}{_as_seen(figure)}"
 
 
 def _size(figure: FittedFigure) -> str:
@@ -40,6 +42,12 @@ def _size(figure: FittedFigure) -> str:
         return f"{value} {unit_name(unit)} ({low} to {high}) instead of {stated}"
     sign = "" if value.startswith("-") else "+"
     return f"{sign}{value} {unit_name(unit)} ({low} to {high})"
+
+
+def _as_seen(figure: FittedFigure) -> str:
+    if not figure.name.startswith(PRESLIDING):
+        return ""
+    return "; as replays of rests see it: motors that give and return make it look up to ten times softer"
 
 
 def _trade(figure: FittedFigure) -> str:

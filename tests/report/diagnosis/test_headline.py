@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from bench.diagnose.verdict import (
-    Unlisted,
-)
+from bench.diagnose.named_causes import ParameterValue
+from bench.diagnose.verdict import NamedCause, Unlisted
 from bench.report.diagnosis.headline import MOST, headline
 from bench.report.diagnosis.words import words_of
 from tests.report.diagnosis.made import BESIDE, GAS, MASS, NOTHING, VERDICTS, WARM, ZERO, finding
@@ -161,3 +160,11 @@ def test_where_least_squares_leaves_less_by_chance_it_is_said_below_the_table() 
     text = "\n".join(words_of(verdict))
     assert f"Least squares leaves less on drive {worse.drive} (by 20 %)" in text
     assert "Least squares leaves less" not in "\n".join(words_of(VERDICTS["missing"]))
+
+
+def test_the_headline_shows_a_size_that_is_told() -> None:
+    """A tracker that leaned by 1 mrad/h had "x -0.000023 m/h" in its headline."""
+    sizes = (ParameterValue("x", -2e-5, -1e-4, 6e-5, "m/h"), ParameterValue("ry", 1.03e-3, 9.7e-4, 1.09e-3, "rad/h"))
+    creep = NamedCause("tracker_creep", "creep", "tracker", sizes)
+    words = headline(replace(VERDICTS["cause"], findings=(finding(creep),)))
+    assert words.startswith("Creep (tracker): ry 0.001030 rad/h")

@@ -12,6 +12,7 @@ from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.effects.nominal import PRESLIDING
 from bench.report.handover.figures_table import COLUMNS, csv_of, moved_sentences
 from tests.report.handover.made import EFFECTS, SECOND
 
@@ -82,3 +83,11 @@ def test_a_figure_that_moved_is_named_with_what_it_trades_against() -> None:
         "torque constant of a: 247.6 Nm/A (246.6 to 248.6) instead of 220.8, 5.2 times its stated uncertainty; "
         "it trades against weights (correlation +0.90)"
     ]
+
+
+def test_presliding_is_told_as_replays_see_it() -> None:
+    """On five sound robots the motor side came out soft each time, once by a factor of 13."""
+    soft = FittedFigure(
+        f"{PRESLIDING} on the motor side of a", "figure", "", 0.0, -0.9, -0.95, -0.8, 2.0, -2.1, "", np.nan
+    )
+    assert "as replays of rests see it" in next(moved_sentences([soft]))
