@@ -53,7 +53,7 @@ from bench.effects.sensing_drive import (
 from bench.effects.sensing_link import LinkEncoderDelay
 from bench.effects.session_time import GasLeak, GasStep, JointSlip
 from bench.effects.structure import BaseCompliance, BaseTorsion, BearingTilt, LinkBending
-from bench.effects.transmission import Backlash, Hysteresis, JointCompliance, Softening
+from bench.effects.transmission import Backlash, ComplianceTemperature, Hysteresis, JointCompliance, Softening
 from bench.errors import InputError
 
 BUILT_IN: tuple[type[Effect], ...] = (
@@ -82,6 +82,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     FrictionRipple,
     # transmission
     JointCompliance,
+    ComplianceTemperature,
     Softening,
     Backlash,
     Hysteresis,

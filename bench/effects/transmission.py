@@ -4,12 +4,13 @@ import mujoco
 import numpy as np
 
 from bench.actuators.laws import Friction, TorqueTable
-from bench.effects.effect import Array, Conditions, Parameter, Place, Values
+from bench.effects.effect import REFERENCE_K, Array, Conditions, Parameter, Place, Values
 from bench.effects.places import OnDrive, drive_of
 from bench.effects.plugin_actuators import add_friction, add_torque_table
 from bench.robot.compiled import SpecEdit
 from bench.robot.folder import Robot
 
+STIFFEST = 0.1  # rounding: of the compliance as stated: however far a fit tries, a gear that gives stays one
 SATURATED = 8.0  # rounding: tanh(8) is 1 - 2e-7: a table that ends there ends level
 KNOTS = 241  # rounding: 15 per knee: linear in between is right to 6e-4 of the torque that the softening takes off
 
@@ -35,6 +36,32 @@ class JointCompliance(_InElement):
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
             tendon = spec.tendon(drive_of(robot, place).element)
             tendon.stiffness = np.asarray(tendon.stiffness) / (1 + change)
+
+        return edit if change else None
+
+
+class ComplianceTemperature(_InElement):
+    """The elastic element gives more, or less, as the gearbox warms up."""
+
+    name = "compliance_temperature"
+    title = "stiffness depends on gear temperature"
+    physics = (
+        "Housing, bearings and gear expand by different amounts, so preload changes with the temperature: the elastic "
+        "element gives by tau (1 + c (T_gear - 293.15 K))/k."
+    )
+    source = "preload of bearings and gears over temperature; range: 0.1 to 2 %/K, assumed"
+    parameters = (
+        Parameter("growth", "1/K", 0.0, 1e-3, 2e-2, "c, of the compliance per kelvin, relative", signed=True),
+    )
+    needs = ("gear_temperature",)
+    depends_on_conditions = True
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        change = values["growth"] * float(conditions.gear_k[place.index] - REFERENCE_K)
+
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            tendon = spec.tendon(drive_of(robot, place).element)
+            tendon.stiffness = np.asarray(tendon.stiffness) / max(1 + change, STIFFEST)
 
         return edit if change else None
 

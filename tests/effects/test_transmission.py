@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from bench.effects.effect import Conditions
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.edits import proportional_servo
 from bench.robot.folder import Robot
@@ -89,6 +90,15 @@ def test_wrist_coupling(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
 def test_only_a_wrist_is_coupled(small_compiled: CompiledRobot, hh150_compiled: CompiledRobot) -> None:
     assert not CATALOGUE["wrist_coupling"].places(small_compiled)
     assert CATALOGUE["wrist_coupling"].places(hh150_compiled)
+
+
+def test_a_warm_gear_gives_more(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
+    warm = Conditions(np.array([293.15, 303.15, *(293.15,) * 4]), np.full(6, 293.15))
+    edit = edit_of("compliance_temperature", hh150_compiled, {"growth": 0.01}, 1, warm)
+    factor = np.array([1, 1 / 1.1, 1, 1, 1, 1])
+    np.testing.assert_allclose(compile_robot(hh150, [edit]).stiffness, factor * hh150_compiled.stiffness)
+    effect, place = CATALOGUE["compliance_temperature"], CATALOGUE["compliance_temperature"].places(hh150_compiled)[1]
+    assert effect.edit(place, {"growth": 0.01}, Conditions.reference(6)) is None
 
 
 def test_a_parallel_axis_turns_the_next_one(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
