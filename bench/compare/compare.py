@@ -21,6 +21,7 @@ from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.replay.segments import MOST_BINS
 from bench.effects.effect import Effect
+from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.robot.compiled import CompiledRobot
@@ -81,7 +82,10 @@ def weighed(
         if large is None:
             break
         progress(f"signatures beside {large.cause}")
-        again = _settled(joined((*background.joint.large, large)), rate, progress)
+        try:
+            again = _settled(joined((*background.joint.large, large)), rate, progress)
+        except NOT_SIMULATED:  # signatures about the machine as it was have to do
+            break
         if large.cause.key not in again[1].alternatives[0].keys:  # what it does beyond proportion is not there
             break
         background, found = again

@@ -72,7 +72,7 @@ def departure(background: Background, change: LargeChange, possible: Possible) -
     """
     joint = background.joint
     others = [one for one in joint.large if one.cause.key != change.cause.key]
-    same = [one for one in joint.large if one.cause.key == change.cause.key]
+    same = [one for one in joint.large if one.cause.key == change.cause.key and one.shape == change.shape]
     recordings, replay = joint.recordings, joint.linear.replay
     try:
         beside = replay.predict(together(others, recordings))
@@ -82,7 +82,7 @@ def departure(background: Background, change: LargeChange, possible: Possible) -
         return np.nan, np.nan
     candidate = possible.entry.what
     assert isinstance(candidate, Candidate)
-    further = (change.sizes - sum(one.sizes for one in same)) / candidate.step
+    further = (change.sizes - sum(one.sizes_as(change) for one in same)) / candidate.step
     rows = possible.profile.weights[joint.of_row]
     expected = rows * (background.columns[:, possible.entry.columns] @ further)
     white = _whitened(background, np.stack([simulated - about, simulated], axis=2))

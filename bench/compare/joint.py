@@ -20,7 +20,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, Segment, segments_of
 from bench.effects.effect import Effect
 from bench.effects.recorded import recorded_in
-from bench.errors import InputError
+from bench.errors import ConvergenceError, InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
@@ -90,7 +90,7 @@ def joint_of(
 
     Raises:
         InputError: A recording has nothing that a replay predicts, or no channel was read both before and after.
-        ConvergenceError: The nominal model finds no balance along a measured motion.
+        ConvergenceError: The nominal model finds no balance along a measured motion, or one with a large change.
     """
     runs = {run.name: run for one in recordings for run in one.campaign.runs}
     every = tuple(sorted(runs.values(), key=lambda run: run.start_s))
@@ -127,8 +127,9 @@ def joint_of(
     changes = np.concatenate([found.nuisances for _, found in known])
     sensitivities = tuple(_stacked(parts) for parts in zip(*(found.causes for _, found in known), strict=True))
     replay = Replay(compiled, joined, quantities)
-    own = [[sound for i in places_of(one, causes) if (sound := sensitivities[i]) is not None] for one in large]
-    beyond = beyond_proportion(replay, large, recordings, own)
+    beyond = beyond_proportion(
+        replay, large, recordings, [_sound(sensitivities, places_of(one, causes)) for one in large]
+    )
     if large:
         read = zip(joined, np.split(beyond, np.cumsum([len(one) for one in joined])[:-1]), strict=True)
         joined = tuple(replace(segment, observed=segment.observed - part) for segment, part in read)
@@ -165,6 +166,18 @@ def _as_weighed(nuisances: Sequence[Nuisance], recordings: Sequence[Recording]) 
         replace(one, sigma=max(one.sigma, worst), own=max(one.own, worst)) if one.scales_payload else one
         for one in nuisances
     )
+
+
+def _sound(sensitivities: Sequence[Digits | None], places: Sequence[int]) -> list[Digits]:
+    """Return some of the sensitivities.
+
+    Raises:
+        ConvergenceError: The model of one of them finds no balance.
+    """
+    found = [change for i in places if (change := sensitivities[i]) is not None]
+    if len(found) < len(places):
+        raise ConvergenceError("a change beside a large one finds no balance")
+    return found
 
 
 def _stacked(parts: Sequence[Digits | None]) -> Digits | None:

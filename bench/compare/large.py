@@ -41,6 +41,11 @@ class LargeChange:
         found = zip(self.cause.sizes, (share * self.sizes).tolist(), strict=True)
         return self.cause.acting({**self.shape, **{size.name: size.null + x for size, x in found}})
 
+    def sizes_as(self, other: "LargeChange") -> Array:
+        """Return its sizes in the order of another change of its cause, which may have more or fewer, shape (k,)."""
+        known = dict(zip([size.name for size in self.cause.sizes], self.sizes.tolist(), strict=True))
+        return np.array([known.get(size.name, 0.0) for size in other.cause.sizes])
+
     def world(self, recordings: Sequence[Recording]) -> World:
         """Return a world in which it acts in joined recordings."""
         acting = []
