@@ -40,7 +40,7 @@ def joined(recordings: tuple[Recording, ...], *large: LargeChange) -> Joint:
 
 
 def test_a_model_about_the_change_leaves_what_the_change_leaves(recordings: tuple[Recording, ...]) -> None:
-    """Residual: measured less nominal less what is beyond proportion. Less J x it is what the changed machine leaves."""
+    """Measured less nominal less what is beyond proportion: less J x it is what the changed machine leaves."""
     plain, about = joined(recordings), joined(recordings, lost(LOST))
     after = about.of_instant == 1
     np.testing.assert_array_equal(about.beyond[~after], 0.0)
