@@ -25,7 +25,7 @@ class Study:
     """Folder to write; may hold the same study, to go on with it."""
     small: bool = False
     """A few campaigns of each kind, in some minutes. Of what is below, `world` and `seed` alone count then."""
-    seeds: int = 8
+    seeds: int = 6
     """Campaigns for each single effect."""
     effects: tuple[str, ...] = ()
     """Names of the single effects and of those in pairs; none: all of the catalogue that can act on the robot."""

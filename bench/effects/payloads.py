@@ -13,7 +13,7 @@ from bench.errors import RobotError
 from bench.record.units import STANDARD_GRAVITY
 from bench.robot.compiled import CompiledRobot, SpecEdit, read_spec
 from bench.robot.folder import Robot
-from bench.robot.plugins import PREFIX, unused_name
+from bench.robot.plugins import added_body, unused_name
 
 UNSTATED = "unstated payload"  # of the body that is bolted on
 COMPACT_M, BULKY_M = 0.05, 0.6  # assumed: [m], radii of gyration of a steel block and of a bulky workpiece
@@ -95,7 +95,7 @@ class UnstatedPayload(GeometryAndMass):
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             load = spec.body(robot.figures.load_body)
-            carried = _unstated_in(load)
+            carried = added_body(spec, UNSTATED)
             if carried is None:
                 if mass < 0:
                     raise RobotError(f"body {load.name!r}: carries nothing that nobody stated, of which to take away")
@@ -112,14 +112,8 @@ class UnstatedPayload(GeometryAndMass):
 
     def there_already(self, compiled: CompiledRobot) -> Mapping[str, float]:
         """Return mass and moment of inertia of what a model carries and nobody stated."""
-        load = read_spec(compiled.robot).body(compiled.robot.figures.load_body)
-        carried = _unstated_in(load)
+        carried = added_body(read_spec(compiled.robot), UNSTATED)
         return {"mass": float(carried.mass), "inertia": float(np.min(carried.inertia))} if carried else {}
-
-
-def _unstated_in(load: mujoco.MjsBody) -> mujoco.MjsBody | None:
-    """Return the body that is bolted on and nobody stated; None where there is none."""
-    return next((body for body in load.bodies if body.name.startswith(PREFIX + UNSTATED)), None)
 
 
 def _centre(mass: float, moment: Array) -> Array:
@@ -142,8 +136,7 @@ def carrying_nothing(robot: Robot) -> Robot:
 
     What a machine carries is another thing in the next recording, heavier or lighter.
     """
-    load = read_spec(robot).body(robot.figures.load_body)
-    carried = _unstated_in(load) if load else None
+    carried = added_body(read_spec(robot), UNSTATED)
     return replace(robot, not_carried=(*robot.not_carried, carried.name)) if carried else robot
 
 

@@ -1,6 +1,6 @@
 """Plugin actuators in an `MjSpec`: their attributes, in an instance of their own or a shared one, and their names."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import mujoco
 
@@ -78,12 +78,20 @@ def configure(spec: mujoco.MjSpec, actuator: str, **values: float | str) -> None
     _store(spec, actuator, config)
 
 
+def added_body(spec: mujoco.MjSpec, name: str) -> mujoco.MjsBody | None:
+    """Return the body `effect/name` that an effect added to a spec; None where there is none."""
+    return spec.body(PREFIX + name) if PREFIX + name in _names_in(spec) else None
+
+
+def _names_in(spec: mujoco.MjSpec) -> Collection[str]:
+    if isinstance(spec, SpecOverlay):
+        return spec.names(("actuator", "joint", "body", "plugin"))
+    return {part.name for part in (*spec.actuators, *spec.joints, *spec.bodies, *spec.plugins)}
+
+
 def unused_name(spec: mujoco.MjSpec, name: str) -> str:
     """Return `effect/name`, with a number behind it where the spec has that name already."""
-    if isinstance(spec, SpecOverlay):
-        taken = spec.names(("actuator", "joint", "body", "plugin"))
-    else:
-        taken = {part.name for part in (*spec.actuators, *spec.joints, *spec.bodies, *spec.plugins)}
+    taken = _names_in(spec)
     wanted, count = PREFIX + name, 1
     while wanted in taken:
         count += 1

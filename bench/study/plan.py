@@ -36,7 +36,7 @@ class Counts:
         InputError: A number is below 0.
     """
 
-    seeds: int = 8
+    seeds: int = 6
     nulls: int = 200
     unlisted: int = 40
     pairs: int = 40

@@ -24,13 +24,13 @@ def test_full_study_is_what_the_design_asks_for(hh150: CompiledRobot) -> None:
     n = len(singles_of(hh150, Lab()))
     assert {kind: len(found) for kind, found in kinds.items()} == {
         "null": 200,
-        "single": 8 * n,
+        "single": 6 * n,
         "unlisted": 40,
         "pair": 40,
         "twin": 8,
     }
     assert 600 <= len(trials) <= 800  # a few hours on two cores
-    assert sum(t.size == "three limits" for t in kinds["single"]) == 4 * n
+    assert sum(t.size == "three limits" for t in kinds["single"]) == 3 * n
     assert {t.effects[0] for t in kinds["unlisted"]} == set(unlisted())
     assert all(len(set(t.effects)) == 2 for t in kinds["pair"])
 
