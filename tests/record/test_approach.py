@@ -82,3 +82,12 @@ def test_drives_without_friction_are_warned_of_as_rarely_as_declared() -> None:
 def test_what_is_needed_for_it_may_be_missing(missing: str) -> None:
     run = visits(1, turned=True)
     assert not found(replace(run, columns={k: v for k, v in run.columns.items() if not k.startswith(missing)}))
+
+
+@pytest.mark.parametrize("spoilt", [np.nan, np.inf])
+@pytest.mark.parametrize("name", ["pose", "q_motor_1_rad", "current_1_a"])
+def test_what_is_no_number_is_left_to_other_rules(name: str, spoilt: float) -> None:
+    columns = {one: np.zeros(6) for one in ("pose", "approach", "load_step", "q_motor_1_rad", "current_1_a")}
+    columns[name] = np.array([0.0, 0.0, spoilt, spoilt, 0.0, 0.0])
+    with np.errstate(all="raise"):
+        assert list(approach_is_felt([Sheet(Run("a", "static", 0.0, columns), "a.csv", tuple(columns))])) == []

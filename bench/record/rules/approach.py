@@ -65,6 +65,8 @@ def _visits(sheet: Sheet) -> Iterator[tuple[Hashable, float, dict[str, float]]]:
     if sheet.run.kind != "static" or len(names) < 3 or not angles or not efforts or not len(sheet.run):
         return
     pose, side, step = (columns[name] for name in names)
+    if not all(np.isfinite(values).all() for values in (pose, side, step, *angles, *efforts.values())):
+        return  # other rules say where
     visit = np.cumsum(np.concatenate([[True], (np.diff(pose) != 0) | (np.diff(side) != 0) | (np.diff(step) < 0)]))
     for rows in np.split(np.arange(len(visit)), np.flatnonzero(np.diff(visit)) + 1):
         first = rows[step[rows] == step[rows[0]]]
