@@ -76,11 +76,10 @@ class Diagnose:
         stop = Stop(inf if self.at_most is None else seconds_of(self.at_most))
         effects = catalogue(self.file)
         robot, posterior = self._start()
-        with self._blaming_the_robot():
+        with self._asking_about_the_robot():
             joint = open_joint(self.campaigns, robot)
-        campaign, compiled = joint.campaign, joint.compiled
-        try_out([effect for name, effect in effects.items() if name not in catalogue()], compiled)
-        with self._blaming_the_robot():
+            campaign, compiled = joint.campaign, joint.compiled
+            try_out([effect for name, effect in effects.items() if name not in catalogue()], compiled)
             heed(joint.warnings, joint.doubts, despite_doubts=self.despite_doubts)
         with ending_on_interrupt(stop), new_folder(self.out, VERDICT, replace=False) as folder, phases() as shown:
             executor = Watched(on_cores(self.cores), shows=shown.share)
@@ -150,7 +149,7 @@ class Diagnose:
         return carrying_nothing(load_robot(self.given / ROBOT)), posterior
 
     @contextmanager
-    def _blaming_the_robot(self) -> Iterator[None]:
+    def _asking_about_the_robot(self) -> Iterator[None]:
         """Add to what is wrong with campaigns that an earlier diagnosis may be of another robot.
 
         Raises:

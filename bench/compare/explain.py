@@ -94,7 +94,5 @@ def _change(background: Background, possible: Possible, mean: Array, sigma: Arra
 
 def _nonlinearity(background: Background, possible: Possible, mean: Array) -> float:
     """Return the share of what a change does by simulation that its signature misses."""
-    missed, length = departure(
-        background, large_change(background.joint.linear.replay.compiled, possible, mean), possible
-    )
+    missed, length = departure(background, large_change(background, possible, mean), possible)
     return missed / length if length > 0 else float("nan")

@@ -22,7 +22,6 @@ from bench.diagnose.linearise.marginal import Columns
 from bench.diagnose.replay.world import NOMINAL
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
-from bench.robot.compiled import CompiledRobot
 
 MOST_STEPS = 8  # effort: of Gauss-Newton
 ENOUGH = 0.2  # effort: fall of the sum of squares, from where sizes are found
@@ -40,7 +39,7 @@ def found_large(background: Background, found: Found) -> LargeChange | None:
         if possible.entry.cause is None or possible.entry.cause.key in known:
             continue
         mean, _ = sizes_of(found, (term,))
-        change = large_change(background.joint.linear.replay.compiled, possible, mean)
+        change = large_change(background, possible, mean)
         missed, _ = departure(background, change, possible)
         if missed**2 / 2 > found.screened[0].threshold:
             with suppress(*NOT_SIMULATED):
@@ -49,14 +48,14 @@ def found_large(background: Background, found: Found) -> LargeChange | None:
     return min(fitted, key=lambda one: one[0])[1] if fitted else None
 
 
-def large_change(compiled: CompiledRobot, possible: Possible, sizes: Array) -> LargeChange:
+def large_change(background: Background, possible: Possible, sizes: Array) -> LargeChange:
     """Return a change with sizes in steps of its columns, shape (k,).
 
     A size that can have one sign only has that one, unless the model has some that may be gone.
     """
     candidate = possible.entry.what
     assert isinstance(candidate, Candidate)
-    low, high = bounds_of(candidate.cause, compiled)
+    low, high = bounds_of(candidate.cause, background.joint.linear.replay.compiled)
     sizes = sizes * candidate.step
     sizes = np.clip(np.where(low < 0, sizes, np.abs(sizes)), low, high)
     return LargeChange(candidate.cause, dict(candidate.shape), sizes, possible.profile)

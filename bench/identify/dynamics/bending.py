@@ -33,12 +33,14 @@ class Bending:
     """An arm that was found as if its gears were rigid.
 
     Attributes:
-        arms: Its links, with the payload that nobody stated, by recording.
+        arm: Its links, with the payload that nobody stated and is there now.
+        arms: The same with the payload of each recording that has one of its own.
         nominal: The robot, for its counterbalance, known loads and stiffness.
         gas: Share of the gas that is in the counterbalance.
         winds: Shape (n,), gears that wind up; the others are rigid.
     """
 
+    arm: Arm
     arms: Mapping[str, Arm]
     nominal: NominalDynamics
     gas: float
@@ -56,7 +58,7 @@ class Bending:
         rows = np.unique(np.append(np.arange(0, len(samples), every), len(samples) - 1))
         position, velocity, acceleration = (values[rows] for values in band.smooth(samples))
         time, state = samples.time[rows], (position, velocity, acceleration)
-        arm = self.arms[samples.recording] if samples.recording in self.arms else list(self.arms.values())[-1]
+        arm = self.arms.get(samples.recording, self.arm)
         rigid = self._torque(arm, *state)
         known = known_torque(arm, self.nominal, samples, state, rows)
         wound = CubicSpline(time, (rigid + known) / self.nominal.stiffness)
@@ -85,14 +87,16 @@ def bending_of(nominal: NominalDynamics, arm: Arm, layout: Layout, parameters: A
         parameters: Shape (p,), of bodies that can exist.
     """
     body, payload = payload_columns(arm, nominal.load_point)
-    arms = {}
-    for recording in layout.carried or ("",):
+
+    def carrying(one: slice) -> Arm:
         links = parameters[layout.links].reshape(layout.n, N_INERTIAL).copy()
         if layout.has_payload:
-            links[body] += payload @ parameters[layout.payload_in(recording)]
-        arms[recording] = Arm(links_with(arm.bodies, links))
+            links[body] += payload @ parameters[one]
+        return Arm(links_with(arm.bodies, links))
+
+    arms = {recording: carrying(layout.payload_in(recording)) for recording in layout.carried}
     gas = float(parameters[layout.gas][0]) if layout.has_gas else 0.0
-    return Bending(arms, nominal, gas, np.isfinite(nominal.stiffness))
+    return Bending(carrying(layout.payload), arms, nominal, gas, np.isfinite(nominal.stiffness))
 
 
 def bent(equations: Equations, bending: Bending, band: Band) -> Equations:

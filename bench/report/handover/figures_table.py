@@ -47,7 +47,7 @@ def _size(figure: FittedFigure) -> str:
 def _as_seen(figure: FittedFigure) -> str:
     if not figure.name.startswith(PRESLIDING):
         return ""
-    return "; as replays of rests see it: motors that give and return make it look up to ten times softer"
+    return "; as replays of rests see it, which made it up to nine times too soft on motor sides that were known"
 
 
 def _trade(figure: FittedFigure) -> str:

@@ -86,7 +86,7 @@ def test_a_figure_that_moved_is_named_with_what_it_trades_against() -> None:
 
 
 def test_presliding_is_told_as_replays_see_it() -> None:
-    """On five sound robots the motor side came out soft each time, once by a factor of 13."""
+    """On five sound robots the motor side of joint 1 came out too soft each time."""
     soft = FittedFigure(
         f"{PRESLIDING} on the motor side of a", "figure", "", 0.0, -0.9, -0.95, -0.8, 2.0, -2.1, "", np.nan
     )
