@@ -1,5 +1,6 @@
 """An axis that a proposed `log.yaml` leaves turned in angle and torque alike is asked about."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,3 +25,22 @@ def test_an_axis_that_is_turned_in_both_is_asked_about(tmp_path: Path, turned: t
     asked = list(refusals(tmp_path / "x.csv", text, robot(arm(), **CRUDE)))
     assert len(asked) == len(turned)
     assert all("angle and torque or current alike" in one for one in asked)
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_currents_are_torques_by_stated_constants_alone(tmp_path: Path, stated: bool) -> None:
+    """Without constants each current has a scale of its own, and an axis was asked about that was right."""
+    rng = np.random.default_rng(0)
+    constants = np.array([300.0, 30.0, 30.0])
+    (run,) = recorded(drawn(robot(arm(), **CRUDE), rng), FRICTION, rng, runs=1, seconds=40.0).runs
+    table = {"time_s": run.columns["time_s"]}
+    table |= {f"q_motor_{j}_rad": run.columns[f"q_motor_{j}_rad"] * (-1 if j == 2 else 1) for j in (1, 2, 3)}
+    table |= {
+        f"current_{j}_a": run.columns[f"tau_motor_{j}_nm"] / constants[j - 1] * (-1 if j == 2 else 1) for j in (1, 2, 3)
+    }
+    rows = np.column_stack(list(table.values()))
+    np.savetxt(tmp_path / "x.csv", rows, delimiter=",", header=",".join(table), comments="", fmt="%.9g")
+    text = "columns:\n" + "".join(f"  {name}: {{from: {name}}}\n" for name in table)
+    known = constants if stated else np.full(3, np.nan)
+    nominal = replace(robot(arm(), **CRUDE), torque_constant=np.where(stated, constants, 1.0), stated_constant=known)
+    assert len(list(refusals(tmp_path / "x.csv", text, nominal))) == stated

@@ -1,6 +1,7 @@
 """What `bench convert` and `bench check` would say of a proposed `log.yaml`."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -45,9 +46,12 @@ def refusals(file: Path, proposed: str, nominal: NominalDynamics | None) -> Iter
 
 
 def _turned(campaign: Campaign, nominal: NominalDynamics) -> Iterator[str]:
-    """Yield the axis that is turned in angle and torque alike, by a model that is linear in what links weigh."""
+    """Yield the axis that is turned in angle and torque alike, by a model that is linear in what links weigh.
+
+    Drives share links, so their torques have to be in one unit: a current without a stated constant says nothing here.
+    """
     try:
-        turned = turned_axis(campaign, nominal)
+        turned = turned_axis(campaign, replace(nominal, torque_constant=nominal.stated_constant))
     except InputError:  # nothing moves for long enough, or no drive says what it paid
         return
     if turned:
