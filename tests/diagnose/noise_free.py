@@ -16,7 +16,7 @@ from bench.diagnose.replay.segments import segments_of
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
 from bench.effects.recorded import recorded_in
-from bench.hide.campaign import hide_campaign
+from bench.hide.campaign import Hidden, hide_campaign
 from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -26,14 +26,19 @@ from bench.scenario.files import read_scenario
 
 def noise_free(scenario: str, seed: int = 4, acting: tuple[Acting, ...] = ()) -> Campaign:
     """Return a session of the HH-150, in which nothing acts but `acting`."""
-    robot = load_robot("hh150")
-    hidden = hide_campaign(robot, read_scenario(scenario), acting, np.random.default_rng(seed), background=False)
+    hidden = simulated(scenario, seed, acting)
     truth = hidden.truth.runs
     runs = tuple(
         replace(run, columns={key: truth[run.name].get(key, values) for key, values in run.columns.items()})
         for run in hidden.campaign.runs
     )
     return replace(hidden.campaign, runs=runs)
+
+
+def simulated(scenario: str, seed: int = 4, acting: tuple[Acting, ...] = ()) -> Hidden:
+    """Return a session of the HH-150 with noise, in which nothing else acts but `acting`, and the truth beside it."""
+    rng = np.random.default_rng(seed)
+    return hide_campaign(load_robot("hh150"), read_scenario(scenario), acting, rng, background=False)
 
 
 def linearised(campaign: Campaign, compiled: CompiledRobot | None = None) -> LinearisedModel:

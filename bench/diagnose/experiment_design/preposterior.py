@@ -122,7 +122,7 @@ class Preposterior:
         traces = self._replay.traces(NOMINAL)
         self.trace = traces[0]
         self._responses = [torque_response(self._replay.compiled, trace, quantities) for trace in traces]
-        held, held_changes = held_friction(self._replay, traces, tuple(self._responses))
+        held, held_changes = held_friction(self._replay, traces, tuple(self._responses), linear.scatter.levels)
         nuisances = with_recordings(
             nuisances_of(self._replay.compiled, quantities), self._replay.compiled, recordings_of(linear.segments)
         )

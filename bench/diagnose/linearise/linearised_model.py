@@ -164,13 +164,14 @@ def linearised_model_of(
     residual = replay.observed - nominal
     traces = replay.traces(NOMINAL)
     responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
-    held, held_changes = held_friction(replay, traces, responses)
+    levels = levels_of(replay.compiled)
+    held, held_changes = held_friction(replay, traces, responses, levels)
     weights, their_changes = each_weight(replay.segments, nuisances, sensitivities)
     nuisances = (*nuisances, *held, *weights)
     sensitivities = np.concatenate([sensitivities, held_changes, their_changes], axis=2)
     parts = [residual[rows] for rows in instants_of(replay.segments)]
     shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
-    scatter = Scatter(replay.compiled.play, levels_of(replay.compiled), shaken)
+    scatter = Scatter(replay.compiled.play, levels, shaken)
     plain = _assemble(replay, nuisances, responses, scatter, replay.segments, sensitivities, residual)
     parts = plain.split(residual - plain.sensitivities @ fit(plain))
     repeats = repeating_share(replay.compiled, replay.segments, responses, replay.quantities, scatter, parts)
@@ -255,10 +256,10 @@ def with_friction_of(linear: LinearisedModel, world: World, play: Array) -> Line
         ConvergenceError, RobotError: The world cannot be simulated.
     """
     traces = linear.replay.traces(world)
-    held, changes = held_friction(linear.replay, traces, linear.responses)
+    levels = levels_of(linear.replay.robot(world), traces, world.acting)
+    held, changes = held_friction(linear.replay, traces, linear.responses, levels)
     names = [str(nuisance) for nuisance in linear.nuisances]
     new = relinearised(linear, [names.index(str(nuisance)) for nuisance in held], changes)
-    levels = levels_of(linear.replay.robot(world), traces, world.acting)
     if scatters_alike(play, linear.scatter.play) and scatters_alike(levels, linear.scatter.levels):
         return new
     return with_scatter(new, replace(linear.scatter, play=play, levels=levels))
