@@ -98,7 +98,7 @@ class Step:
 
     @property
     def confirmed_by(self) -> tuple[str, ...]:
-        """Names of the recordings that become more probable with it, fitted to the others."""
+        """Names of the recordings that become three times as probable with it or more, fitted to the others."""
         return tuple(one.recording for one in self.recordings if one.confirms)
 
     @property

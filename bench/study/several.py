@@ -85,7 +85,7 @@ class JointFinding:
     Attributes:
         names: Effect and place, the likeliest first.
         is_machine: Whether it is said to be the machine's, not one recording's.
-        confirmed_by: Recordings that become more probable with it, fitted to the others.
+        confirmed_by: Recordings that become three times as probable with it, fitted to the others.
         acts: Whether any of its names acts as it says.
     """
 

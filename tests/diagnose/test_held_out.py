@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.cross_validation.floor import floor_variance
-from bench.diagnose.cross_validation.held_out import held_out
+from bench.diagnose.cross_validation.held_out import RecordingGain, held_out
 from tests.diagnose.made_runs import LENGTH, SIGMA, UNKNOWN, design_with, fit_of, in_recordings, noise, sensitivities
 
 
@@ -19,6 +19,12 @@ def test_a_recording_that_denies_a_finding_is_named(rng: np.random.Generator) ->
         assert gain.by == "recording"
         assert [one.recording for one in gain.recordings if one.confirms] == confirmed
         assert gain.is_gain == bool(confirmed)
+
+
+def test_a_recording_that_says_next_to_nothing_does_not_confirm() -> None:
+    """The second KR300 recording gained 0.24 nats by a transmission error of axis 1, and was told to confirm it."""
+    for nats, confirms in ((0.24, False), (1.0, False), (1.2, True), (-5.0, False), (float("nan"), False)):
+        assert RecordingGain("b", nats).confirms == confirms
 
 
 def test_a_true_extension_pays_and_an_invented_one_does_not() -> None:

@@ -34,6 +34,8 @@ DRAWS = 2000  # effort: of the Bayesian bootstrap
 SEED = 0  # exact: any: the same campaign gives the same interval
 LOW, HIGH = 0.05, 0.95  # declared: quantiles of a 90 % interval
 NOTICEABLE = 0.1  # rounding: [nats]; what changes nothing rises by rounding
+# declared: [nats]; three times as probable. Below it is "not worth more than a bare mention" (Kass and Raftery 1995)
+CONFIRMS = float(np.log(3.0))
 
 
 @dataclass(frozen=True)
@@ -85,8 +87,8 @@ class RecordingGain:
 
     @property
     def confirms(self) -> bool:
-        """Whether it becomes more probable."""
-        return self.nats > NOTICEABLE
+        """Whether it becomes three times as probable: less is hardly worth a mention."""
+        return self.nats > CONFIRMS
 
 
 @dataclass(frozen=True)
