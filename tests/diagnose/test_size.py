@@ -45,7 +45,7 @@ def test_a_cause_that_was_not_fitted_has_no_size() -> None:
 def test_sizes_that_trade_against_each_other_are_clear_together(
     sigmas: float, correlation: float, is_clear: bool
 ) -> None:
-    """Two sizes of n standard errors each have a Wald statistic of 2 n^2 / (1 + r); 5.99 is its 95 % quantile."""
+    """Two sizes of n standard errors each have a Wald statistic of 2 n^2 / (1 + r); with a shape 7.81 is its 95 % quantile."""
     fit = fitted(sigmas * 5e-4, sigmas * 5e-4, 5e-4)
     covariance = fit.covariance.copy()
     covariance[0, 1] = covariance[1, 0] = correlation * 5e-4**2
@@ -59,6 +59,20 @@ def test_shifts_against_each_other_are_clear_where_neither_is() -> None:
     covariance[0, 1] = covariance[1, 0] = 0.9 * 1e-6
     assert is_clear_of_none(CAUSE, replace(fit, covariance=covariance))
     assert size_of(CAUSE, fit).sigmas < NORMAL_95
+
+
+def test_a_size_that_trades_against_its_own_shape_acts() -> None:
+    """Links that grow by alpha w (T - T_0) were dropped from every model, for alpha alone and w alone are unknown."""
+    for correlation, acts in ((0.0, False), (0.9, True)):
+        sigma, other = 1.2e-3, 0.4
+        covariance = np.diag([sigma**2, 1e-6, other**2])
+        covariance[0, 2] = covariance[2, 0] = correlation * sigma * other
+        fit = fit_alone(CAUSE, (1e-3, 0.0, 1.9), covariance)
+        off, given = fit.sizes_against_none(CAUSE)
+        np.testing.assert_allclose(off, [1e-3, 0.0])
+        np.testing.assert_allclose(np.diag(given), [sigma**2 * (1 - correlation**2), 1e-6])
+        assert fit.acts(CAUSE) is acts
+        assert fit.sigma[0] == pytest.approx(sigma)  # its interval counts what is not known of its shape
 
 
 def test_one_size_is_clear_where_its_interval_leaves_out_none() -> None:

@@ -148,13 +148,25 @@ class Fit:
         places = {i: mine.get(unknown.key) for i, unknown in enumerate(unknowns)}
         return {i: self.jacobian[:, :, place] for i, place in places.items() if place is not None}
 
+    def sizes_against_none(self, cause: Cause) -> tuple[Array, Array]:
+        """Return how far the sizes of a cause are from none, shape (k,), and their covariance with its shapes held.
+
+        Without a size its shape means nothing, so how little is known of both together is no doubt about the size:
+        links that grow by alpha w (T - T_0) may have a large alpha and a small w, or the reverse, and grow for sure.
+        """
+        sizes = self.where(cause)
+        shapes = [i for i, one in enumerate(self.unknowns) if one.cause is cause and one.parameter.is_shape]
+        shapes = [i for i in shapes if self.covariance[i, i] > 0]
+        covariance = self.covariance[np.ix_(sizes, sizes)]
+        if shapes:
+            beside = self.covariance[np.ix_(sizes, shapes)]
+            covariance = covariance - beside @ np.linalg.solve(self.covariance[np.ix_(shapes, shapes)], beside.T)
+        return self.off[sizes], covariance
+
     def acts(self, cause: Cause) -> bool:
-        """Whether any size of a cause is more than its standard deviation away from none."""
-        return any(
-            abs(value - unknown.parameter.null) > sigma
-            for unknown, value, sigma in zip(self.unknowns, self.values, self.sigma, strict=True)
-            if unknown.cause.key == cause.key and not unknown.parameter.is_shape
-        )
+        """Whether any size of a cause is more than its standard deviation away from none, its shapes held."""
+        off, covariance = self.sizes_against_none(cause)
+        return bool(np.any(np.abs(off) > np.sqrt(np.maximum(np.diag(covariance), 0.0))))
 
     def allows(self, cause: Cause) -> bool:
         """Whether no size of a cause wants to be larger than plausible; else it is another cause, or a misreading."""

@@ -46,23 +46,23 @@ def is_clear_of_none(cause: Cause, fit: Fit) -> bool:
     """Return whether the sizes of a cause, taken together, lie outside of the 95 % region of none.
 
     Of shifts and turns of a frame that trade against each other none may be clear by itself, and all of them together
-    are.
+    are. A free shape counts as a size, for it was chosen to make them clear.
     """
     statistic, count = wald(cause, fit)
-    return count > 0 and bool(statistic > chi2.ppf(CLEAR, count))
+    shapes = sum(one.cause is cause and one.parameter.is_shape for one in fit.unknowns)
+    return count > 0 and bool(statistic > chi2.ppf(CLEAR, count + shapes))
 
 
 def wald(cause: Cause, fit: Fit) -> tuple[float, int]:
     """Return the Wald statistic x' C^-1 x of the sizes of a cause, all else fitted again, and how many they are.
 
-    Where there is nothing it is chi-square with as many degrees of freedom; half of it is the log likelihood that a fit
-    loses without the cause, as its derivatives have it. It is inf where a size without an error is off none.
+    Half of it is the log likelihood that a fit loses without the cause, as its derivatives have it; where there is
+    nothing, and its shapes are given, it is chi-square with as many degrees of freedom. It is inf where a size without
+    an error is off none.
     """
-    mine = fit.where(cause)
-    off = fit.off[mine]
-    covariance = fit.covariance[np.ix_(mine, mine)]
-    known = fit.sigma[mine] > 0
+    off, covariance = fit.sizes_against_none(cause)
+    count, known = len(off), np.diag(covariance) > 0
     if np.any(off[~known] != 0):
-        return float("inf"), len(mine)
+        return float("inf"), count
     off, covariance = off[known], covariance[np.ix_(known, known)]
     return float(off @ np.linalg.solve(covariance, off)), len(off)
