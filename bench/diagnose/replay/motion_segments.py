@@ -66,7 +66,7 @@ def stretches_of(
             compiled.model.dof_armature[compiled.at.q_dof]
         )
         stiffness = Arm(rigid_bodies(compiled)).gravity_stiffness(angles.mean(axis=0))
-        least, most = min(longest, width), float(np.ptp(time)) / LEAST_BINS
+        least, most = min(longest, width, len(run) * dt), float(np.ptp(time)) / LEAST_BINS
         missed = partial(missed_by_average, angles, stiffness)
         finest = finest_window(angle_noise(angles), inertia, torque_noise, dt, least, most, missed)
         longest, width = max(longest, finest), max(width, finest)

@@ -10,9 +10,17 @@ from bench.record.rules.sheet import Sheet, rows_where
 
 UNEVEN = 0.5  # of the median step; jitter of an ordinary logger stays below, a lost sample makes 1
 LATE_S = 60.0  # a run may begin with settling; a clock that counts from when the controller was switched on is later
-SHORTEST_STEP_S = 1e-7  # [s]; no instrument of a robot is read ten million times a second
+SHORTEST_STEP_S = 1e-5  # [s]; current loops run at 10 to 40 kHz, and no log of a robot has a row for less
 MILLISECONDS = "milliseconds? multiply by 0.001"
 SLOW_STEP_S = 0.5  # samples of a movement come faster than this
+# A packet has many samples and next to no time: what an arm does lies between packets. A logger that pauses has whole
+# motions.
+PAUSE = 10.0  # times the usual step
+PACKETS = 3  # pauses, at least
+PACKET_ROWS = 250  # of a packet, at most; half a second at 500 Hz
+PACKET_TIME = (
+    0.25  # of a run, at most, that its packets take in all: samples are really four times as far apart, at least
+)
 FEWEST = 10  # rows that count by one before they are taken for row numbers
 SLOWEST = {"rad": 1e-3, "m": 1e-4}  # [rad/s], [m/s]; the slowest sweeps for friction are ten times faster
 
@@ -34,6 +42,28 @@ def rises(sheet: Sheet) -> Iterator[Finding]:
         yield sheet.error("time_s", "is the same as in the row before", "keep one of each", same)
     elif sheet.run.kind == "motion" and len(step) and 0 < (median := float(np.median(step))) < SHORTEST_STEP_S:
         yield sheet.error("time_s", f"goes on by {median:.2g} s from row to row", "give it in seconds")
+    elif sheet.run.kind == "motion" and (rows := rows_of_a_packet(time)):
+        message = (
+            f"goes on by {median:.2g} s, and after some {rows} rows by {step.max():.2g} s: samples came in packets"
+        )
+        remedy = "give the times at which they were taken, such as the controller's, or rows divided by their rate"
+        yield sheet.error("time_s", message, remedy)
+
+
+def rows_of_a_packet(time: Array) -> int:
+    """Return how many samples were stamped when they arrived together, 0 if none were.
+
+    Args:
+        time: Shape (rows,) [s], rising.
+    """
+    step = np.diff(time)
+    if len(step) == 0:
+        return 0
+    pauses = step > PAUSE * np.median(step)
+    count = int(np.count_nonzero(pauses))
+    rows = round(len(time) / (count + 1))
+    is_packet = count >= PACKETS and rows <= PACKET_ROWS and step[~pauses].sum() < PACKET_TIME * step.sum()
+    return rows if is_packet else 0
 
 
 def is_regular(sheet: Sheet) -> Iterator[Finding]:
@@ -47,6 +77,8 @@ def is_regular(sheet: Sheet) -> Iterator[Finding]:
         return
     step = np.diff(time)
     median = float(np.median(step))
+    if rows_of_a_packet(time):
+        return
     if uneven := rows_where(np.append(False, np.abs(step - median) > UNEVEN * median)):
         yield sheet.warning("time_s", f"is not {median:g} s after the row before", "look for lost samples", uneven)
     for column, values in sheet.columns("q_cmd", "q_motor") if median >= SLOW_STEP_S else ():
