@@ -18,6 +18,7 @@ from bench.record.csv_table import read as read_csv
 from bench.record.csv_table import write as write_csv
 from bench.record.finding import Finding
 from bench.record.read import read_campaign
+from bench.record.rules.clock import rows_of_a_packet
 from bench.record.write import TableFormat, write_campaign
 from tests.record.build import ARM, examine, loading, session, sweep
 
@@ -34,6 +35,10 @@ CHANNELS = {  # measured columns and the largest values that no rule takes for a
 texts = st.text(st.characters(codec="utf-8"), max_size=30)
 
 
+def is_no_packet(steps: list[float]) -> bool:
+    return not rows_of_a_packet(np.cumsum(steps))
+
+
 @st.composite
 def runs(draw: st.DrawFn, name: str, start_s: float) -> Run:
     n = draw(st.integers(1, 12))
@@ -44,7 +49,7 @@ def runs(draw: st.DrawFn, name: str, start_s: float) -> Run:
     columns = {"q_cmd_1_rad": column(12.0)}
     columns |= {channel: column(bound) for channel, bound in CHANNELS.items() if draw(st.booleans())}
     columns["current_2_a"] = column(999.0)
-    steps = np.array(draw(st.lists(st.floats(1e-6, 1e3), min_size=n, max_size=n)))
+    steps = np.array(draw(st.lists(st.floats(1e-4, 1e3), min_size=n, max_size=n).filter(is_no_packet)))
     if draw(st.booleans()):
         return Run(name, "motion", start_s, {"time_s": np.cumsum(steps)} | columns, draw(texts))
     labels = {
