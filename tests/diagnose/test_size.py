@@ -45,7 +45,7 @@ def test_a_cause_that_was_not_fitted_has_no_size() -> None:
 def test_sizes_that_trade_against_each_other_are_clear_together(
     sigmas: float, correlation: float, is_clear: bool
 ) -> None:
-    """Two sizes of n standard errors have a Wald statistic of 2 n^2 / (1 + r); with a shape 7.81 is its 95 % quantile."""
+    """Two sizes of n standard errors: a Wald statistic of 2 n^2 / (1 + r); with a shape its 95 % quantile is 7.81."""
     fit = fitted(sigmas * 5e-4, sigmas * 5e-4, 5e-4)
     covariance = fit.covariance.copy()
     covariance[0, 1] = covariance[1, 0] = correlation * 5e-4**2
