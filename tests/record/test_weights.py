@@ -80,3 +80,35 @@ def test_loads_that_are_twice_the_weight_of_every_mass_are_doubted(
     columns = sweep() | {"load_mass_kg": mass, "load_z_n": -factor * 9.81 * mass}
     found = [finding for finding in examine(motion(columns)) if finding.column == "load_z_n"]
     assert [finding.level for finding in found] == ["doubt"] * is_told
+
+
+@pytest.mark.parametrize(("zero", "is_told"), [(-200.0, True), (60.0, True), (-20.0, False)])
+def test_a_force_that_is_there_before_any_load_is_told(zero: float, is_told: bool) -> None:
+    """A diagnosis found nothing, said that the channel scatters 672 times too much, and moved gain and tilt."""
+    columns = loading()
+    columns["force_z_n"] = columns["force_z_n"] + zero
+    found = found_in(columns)
+    assert bool(found) == is_told
+    if is_told:
+        assert found[0].level == "warning"
+        assert "N while no load is stated" in found[0].message
+        assert found[0].row == 1
+
+
+@pytest.mark.parametrize(("lever", "is_told"), [(0.2, True), (0.01, False)])
+@pytest.mark.parametrize("is_stated", [False, True])
+def test_moments_about_another_point_are_told_unless_the_load_has_them(
+    lever: float, is_told: bool, is_stated: bool
+) -> None:
+    columns = loading()
+    zeros = np.zeros_like(columns["load_z_n"])
+    moment = -lever * columns["load_z_n"]
+    columns |= dict.fromkeys(("force_x_n", "force_y_n", "moment_x_nm", "moment_z_nm"), zeros)
+    columns["moment_y_nm"] = moment
+    if is_stated:
+        columns["load_my_nm"] = moment
+    found = [finding for finding in examine(static(columns)) if finding.column.startswith("moment")]
+    assert bool(found) == (is_told and not is_stated)
+    if found:
+        assert found[0].level == "warning"
+        assert f"pulled {lever:.2g} m beside the point" in found[0].message

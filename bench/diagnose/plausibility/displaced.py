@@ -16,6 +16,8 @@ from bench.record.campaign import Array
 from bench.record.finding import Finding
 
 FAR = 0.1  # [m]; a calibrated arm errs by millimetres, a nominal one by a centimetre
+AWAY = 0.01  # [m]; beyond a nominal arm, and everything listed (a frame by 0.5 mm, a jump of it by 5 mm)
+STATED = 10.0  # times the stated uncertainty of a place of a joint, if that is more
 FAR_BETTER = 0.2  # part of the distance that the right unit or the right axes leave
 SCALE = 0.01  # twenty times the scale that a wrong refractive index gives a tracker; a nominal arm is longer by less
 SPREAD = 0.2  # [m] rms, over which a scale is told from shifts and zeros of joints
@@ -24,6 +26,7 @@ TRAVEL = 0.01  # [m] that no tracker misses
 LENGTHS: Mapping[float, str] = {1e3: "millimetres", 100.0: "centimetres", 39.37: "inches", 3.281: "feet", 1e-3: "km"}
 PRESSURES: Mapping[float, str] = {1e-6: "MPa", 1e-5: "bar", 1e-3: "kPa"}
 LEAST, MOST = 0.3, 3.0  # of the nominal pressure; gas lost, warmed, or overfilled
+LOOK = "look at the tracker's frame, whether it was moved, the prism constant and the places of the reflectors"
 STANDS = 0.25  # of a run; a channel that is late may repeat its first reading for a while
 STEPS = 5.0  # of a gauge's resolution, that the pressure has to change by
 ROUNDED = 2.0  # exact: of it, that no rounding hides in readings that are all the same
@@ -43,6 +46,7 @@ def displaced(replay: Replay) -> Iterator[Finding]:
         rows = np.all(np.isfinite(observed[:, columns]), axis=1)
         if np.any(rows) and not stopped.keys() & set(names):
             throughout = list(_reflector(names[0], axes, observed[rows][:, columns], nominal[rows][:, columns]))
+            throughout = throughout or list(_away(replay, names, in_time[rows][:, columns], nominal[rows][:, columns]))
             yield from throughout or _in_one_run(replay, names[0], rows, in_time[:, columns], nominal[:, columns])
     for c, quantity in enumerate(replay.quantities):
         rows = np.isfinite(observed[:, c])
@@ -107,6 +111,25 @@ def _scaled(name: str, observed: Array, nominal: Array) -> Iterator[Finding]:
         yield doubt(name, message, "look at the tracker's unit and scale; refraction makes 0.0005 at most")
 
 
+def _away(replay: Replay, names: list[str], observed: Array, nominal: Array) -> Iterator[Finding]:
+    """Yield a warning for a reflector that is farther off than any listed cause puts it, and near enough to be used."""
+    off = _off(observed, nominal)
+    if off > _most(replay):
+        by = np.median(observed - nominal, axis=0)
+        is_shifted = _off(observed, nominal + by) < FAR_BETTER * off
+        shift = ", ".join(f"{1e3 * one:+.0f} mm in {name[-3]}" for name, one in zip(names, by, strict=True))
+        where = f", everywhere by {shift}" if is_shifted else ""
+        message = (
+            f"lies {1e3 * off:.0f} mm from where the model has it{where}; nothing that is listed puts it so far off"
+        )
+        yield Finding("warning", "all runs", None, names[0], message, LOOK)
+
+
+def _most(replay: Replay) -> float:
+    """Return how far a reflector of a robot may be from where its model has it [m]."""
+    return max(AWAY, STATED * replay.compiled.robot.figures.uncertainty.geometry_m)
+
+
 def _in_one_run(
     replay: Replay, name: str, rows: NDArray[np.bool_], observed: Array, nominal: Array
 ) -> Iterator[Finding]:
@@ -115,9 +138,14 @@ def _in_one_run(
     runs = dict.fromkeys(run_of[rows].tolist())
     off = {run: _off(observed[here], nominal[here]) for run in runs if np.any(here := rows & (run_of == run))}
     worst = max(off, key=lambda run: off[run])
-    if len(off) > 1 and off[worst] >= FAR:  # the only run is all there is, and was looked at
+    if len(off) == 1:  # all there is, and was looked at
+        return
+    if off[worst] >= FAR:
         message = f"lies {off[worst]:.2g} m from where the model has it in run {worst!r}, and not in all others"
         yield doubt(name, message, "look at zero and sign of the joints that move there")
+    elif off[worst] > _most(replay):
+        message = f"lies {1e3 * off[worst]:.0f} mm from where the model has it in run {worst!r}, and not in all others"
+        yield Finding("warning", "all runs", None, name, message, LOOK)
 
 
 def _off(observed: Array, nominal: Array) -> float:

@@ -50,6 +50,8 @@ READING_RULES: tuple[Rule, ...] = (
     pairing.sensors_agree,
     weights.masses_hang,
     weights.loads_are_felt,
+    weights.zero_is_set,
+    weights.moments_are_about_the_load_point,
     alignment.leads,
     work.friction_takes,
 )

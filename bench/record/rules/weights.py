@@ -14,6 +14,9 @@ from bench.record.units import STANDARD_GRAVITY
 APART = 0.05  # force sensors are good to 0.5 to 3 %, weights to 0.1 %; the least error of a load tried as a defect
 EXACT = 0.01  # rounding: of a factor; 9.8 and 9.81 are 0.1 % apart
 UNSTATED_N = 10 * LOAD_N  # beyond what a cable or a hand on the sensor makes; assumed
+ZERO_N = 5 * LOAD_N  # an adapter of 5 kg that was not tared, far beyond what a zero wanders by; assumed
+# beyond how far a load hangs beside the load point, and what a sensor reads by itself; assumed
+LEVER_M, LEVER_NM = 0.05, 20.0
 ACROSS, LIKE = 0.3, (0.5, 2.0)  # cosine of 73 degrees, and sizes of one thing: the sensor reads along other axes
 HEAVY_N = 10.0  # [N]; below, rounding of either may be what differs
 
@@ -91,3 +94,39 @@ def loads_are_felt(sheet: Sheet) -> Iterator[Finding]:
         axis = axes[int(np.argmax(np.ptp(load, axis=1)))]
         remedy = "one of them is wrong; bench diagnose weighs both (hung_load, channel_scale)"
         yield sheet.warning(f"force_{axis}_n", f"is {ratio:.3g} times load_{axis}_n", remedy)
+
+
+def zero_is_set(sheet: Sheet) -> Iterator[Finding]:
+    """With nothing on it a force sensor reads nothing."""
+    axes = [axis for axis in "xyz" if f"force_{axis}_n" in sheet.run.columns]
+    if sheet.run.kind != "static" or not axes:
+        return
+    bare = np.linalg.norm(load_with_weight(sheet.run)[:, :3], axis=1) < LOAD_N
+    if np.all(bare) or np.count_nonzero(bare) < MANY:  # nobody stated any load: what is felt may be one
+        return
+    felt = {axis: float(np.median(sheet.run.columns[f"force_{axis}_n"][bare])) for axis in axes}
+    axis = max(felt, key=lambda axis: abs(felt[axis]))
+    if abs(felt[axis]) > ZERO_N:
+        message = f"reads {felt[axis]:.4g} N while no load is stated"
+        remedy = "set its zero with the adapter on and nothing else, or write what hung into the loads"
+        yield sheet.warning(f"force_{axis}_n", message, remedy, rows_where(bare))
+
+
+def moments_are_about_the_load_point(sheet: Sheet) -> Iterator[Finding]:
+    """From load to load in one pose, moments about the point on which a load pulls do not change."""
+    forces, moments = ([f"{name}_{axis}_{unit}" for axis in "xyz"] for name, unit in (("force", "n"), ("moment", "nm")))
+    columns = sheet.run.columns
+    if sheet.run.kind != "static" or "pose" not in columns or not {*forces, *moments} <= set(columns):
+        return
+    force = np.stack([columns[name] for name in forces], axis=1)
+    moment = np.stack([columns[name] for name in moments], axis=1) - load_with_weight(sheet.run)[:, 3:]
+    for pose in np.unique(columns["pose"]):
+        here = columns["pose"] == pose
+        force[here] -= force[here].mean(axis=0)
+        moment[here] -= moment[here].mean(axis=0)
+    size = np.abs(moment).max(axis=0)
+    lever = float(np.linalg.norm(moment) / max(np.linalg.norm(force), LOAD_N))
+    if lever > LEVER_M and size.max() > LEVER_NM:
+        message = f"changes with the load as if it pulled {lever:.2g} m beside the point about which moments are given"
+        remedy = "give moments about the load point, or state the moment of the load (load_mx_nm and so on)"
+        yield sheet.warning(moments[int(np.argmax(size))], message, remedy)

@@ -1,0 +1,50 @@
+"""A tracker that is farther off than anything listed, and nearer than another unit or frame."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.diagnose.plausibility.channels import doubts_of
+from bench.record.campaign import Campaign
+from bench.record.finding import Finding
+from tests.diagnose.sweeps import LOADS, made, nominal
+
+
+def shifted(campaign: Campaign, by: float, runs: slice = slice(None)) -> Campaign:
+    """Return a campaign in which z of the reflectors is off by so much [m] in some runs."""
+    there = {run.name for run in campaign.runs[runs]}
+
+    def off(name: str, values: np.ndarray) -> np.ndarray:
+        return values + by if name.startswith("reflector") and name.endswith("z_m") else values
+
+    return replace(
+        campaign,
+        runs=tuple(
+            replace(run, columns={key: off(key, values) for key, values in run.columns.items()})
+            if run.name in there
+            else run
+            for run in campaign.runs
+        ),
+    )
+
+
+def said(campaign: Campaign) -> list[Finding]:
+    return [one for one in doubts_of(campaign, nominal()) if one.column.startswith("reflector")]
+
+
+@pytest.mark.parametrize(("by", "level"), [(0.0, ""), (0.003, ""), (0.05, "warning"), (0.4, "doubt")])
+def test_a_frame_that_is_off_everywhere_is_told_with_its_shift(by: float, level: str) -> None:
+    """50 mm were believed: jumps of the tracker and slips of joint 5 came out at 100 %."""
+    found = said(shifted(made(LOADS, seed=5), by))
+    assert {one.level for one in found} == ({level} if level else set())
+    if level == "warning":
+        assert "lies 50 mm from where the model has it" in found[0].message
+        assert "+50 mm in z; nothing that is listed puts it so far off" in found[0].message
+
+
+def test_a_tracker_that_was_moved_between_runs_is_told_with_the_run() -> None:
+    campaign = made(LOADS, seed=5)
+    found = said(shifted(campaign, 0.03, slice(-1, None)))
+    assert [one.level for one in found] == ["warning"] * len(found)
+    assert f"in run {campaign.runs[-1].name!r}, and not in all others" in found[0].message
