@@ -10,6 +10,8 @@ from bench.compare.joint import Joint
 from bench.compare.levels import by_level
 from bench.compare.noise import Repeatability, repeatability_of
 from bench.compare.shared import SharedWhitening, shared_whitening, undo_segments
+from bench.diagnose.linearise.candidates import Candidate
+from bench.diagnose.linearise.generic import Block
 from bench.diagnose.linearise.linearised_model import raised, with_scatter
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry, Tried, tried_of
@@ -34,6 +36,8 @@ class Background:
         entries: Every cause and every free shape, each with its columns.
         columns: Shape (m, q), what they change if they act in all recordings alike, whitened instant by instant.
         prior: Shape (q,), standard deviations of their sizes.
+        discrepancy: Shape (m, d), what the same change with these sizes about the robot as it was, whitened instant by
+            instant.
         slopes: Shape (m, p), of what may be off, the machine's and each recording's, whitened instant by instant.
         whitening: In which what repeats is no news.
         nuisances: What may be off, the machine's and each recording's, and the discrepancy.
@@ -47,6 +51,7 @@ class Background:
     entries: tuple[Entry, ...]
     columns: Array
     prior: Array
+    discrepancy: Array
     slopes: Array
     whitening: SharedWhitening
     nuisances: Nuisances
@@ -91,12 +96,12 @@ def _first(joint: Joint, cells: NDArray[np.intp]) -> Background:
     """
     known = Repeatability.of_instruments(len(joint.linear.quantities))
     linear, of_row = joint.linear, joint.of_row
-    tried = _tried(joint)
+    discrepancy = _tried(joint.discrepancy())
     slopes = by_level(linear.jacobian, linear.nuisances, of_row, linear.scatter.new)
     left = np.empty(len(linear.white))
     for k in range(len(joint.recordings)):
         rows = of_row == k
-        every = np.concatenate([slopes[rows], tried.columns.matrix[rows] * tried.prior], axis=1)
+        every = np.concatenate([slopes[rows], discrepancy.columns.matrix[rows] * discrepancy.prior], axis=1)
         left[rows] = linear.white[rows] - every @ Nuisances(every).most_probable(linear.white[rows])
     undo_segments(linear, left[:, None])
     known = repeatability_of(linear, left, cells, known)
@@ -134,17 +139,16 @@ def _left(background: Background, changes: Array) -> Array:
     sizes = np.linalg.solve(found.information + np.eye(k), found.scores)
     rest = known.most_probable(background.white - white @ sizes)
     p = background.slopes.shape[1]
-    explained = background.slopes @ rest[:p] + background.columns @ (background.prior * rest[p:])
+    explained = background.slopes @ rest[:p] + background.discrepancy @ rest[p:]
     return np.asarray(background.plain - explained - changes @ sizes, dtype=np.float64)
 
 
-def _tried(joint: Joint) -> Tried:
+def _tried(what: tuple[Candidate | Block, ...]) -> Tried:
     """Return everything that may act.
 
     Raises:
         InputError: There is nothing.
     """
-    what = joint.tried()
     if not what:
         raise InputError(
             "nothing of the catalogue would leave a trace in these recordings: log motor currents or torques, a "
@@ -155,18 +159,32 @@ def _tried(joint: Joint) -> Tried:
 
 def _assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.intp]) -> Background:
     """Return all recordings with standard errors that count what is new in each of them."""
-    linear, tried = joint.linear, _tried(joint)
+    linear, tried = joint.linear, _tried(joint.tried())
     whitening = shared_whitening(linear, repeatability, cells)
     slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row, linear.scatter.new)
     columns, plain = tried.columns.matrix, linear.white[:, None].copy()
-    for values in (slopes, columns, plain):
+    if joint.large:
+        stayed = _tried(joint.discrepancy())
+        discrepancy = stayed.columns.matrix * stayed.prior
+    else:
+        discrepancy = columns * tried.prior
+    for values in (slopes, columns, discrepancy, plain):
         undo_segments(linear, values)
     p = slopes.shape[1]
-    every = np.empty((len(slopes), p + columns.shape[1]))  # of hundreds of megabytes each: few copies
-    every[:, :p] = slopes
-    np.multiply(columns, tried.prior, out=every[:, p:])
+    every = np.empty((len(slopes), p + discrepancy.shape[1]))  # of hundreds of megabytes each: few copies
+    every[:, :p], every[:, p:] = slopes, discrepancy
     every, white = whitening.of_instants(every), whitening.of_instants(plain)[:, 0]
-    known = (tried.entries, columns, tried.prior, slopes, whitening, Nuisances(every), repeatability, cells)
+    known = (
+        tried.entries,
+        columns,
+        tried.prior,
+        discrepancy,
+        slopes,
+        whitening,
+        Nuisances(every),
+        repeatability,
+        cells,
+    )
     return Background(joint, white, plain[:, 0], *known)
 
 

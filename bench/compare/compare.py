@@ -64,26 +64,27 @@ def compare(
 
 
 def weighed(
-    joined: Callable[[tuple[LargeChange, ...]], Joint],
+    joined: Callable[[tuple[LargeChange, ...], Joint | None], Joint],
     rate: float = FALSE_ALARM_RATE,
     progress: Callable[[str], None] = lambda words: None,
 ) -> tuple[Background, Found]:
     """Return what stayed as it was, with settled noise, and what changed.
 
     Args:
-        joined: Returns all recordings in one model that is linear about a machine with some changes.
+        joined: Returns all recordings in one model that is linear about a machine with some changes, beside the one
+            without.
         rate: Share of unchanged machines of which anything at all may be said to have changed.
         progress: Called with what is done next.
     """
     progress("signatures")
-    background, found = _settled(joined(()), rate, progress)
+    background, found = _settled(joined((), None), rate, progress)
     for _ in range(MOST_LARGE):
         large = found_large(background, found)
         if large is None:
             break
         progress(f"signatures beside {large.cause}")
         try:
-            again = _settled(joined((*background.joint.large, large)), rate, progress)
+            again = _settled(joined((*background.joint.large, large), background.joint), rate, progress)
         except NOT_SIMULATED:  # signatures about the machine as it was have to do
             break
         if large.cause.key not in again[1].alternatives[0].keys:  # what it does beyond proportion is not there

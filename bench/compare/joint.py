@@ -39,6 +39,7 @@ class Joint:
         of_segment: Shape (S,), index of each segment's recording.
         causes: What is looked for.
         sensitivities: Of the readings to each of them, shape (T, c) each, in the order of `plan_of`.
+        stayed: The same about the robot as it was, without any large change.
         left_out: Columns that were read before or after alone.
         large: Changes that are too large to be in proportion, about which it is linear.
         beyond: Shape (T, c), what they change beyond proportion, which is taken off the readings.
@@ -49,6 +50,7 @@ class Joint:
     of_segment: NDArray[np.intp]
     causes: tuple[Cause, ...]
     sensitivities: tuple[Digits | None, ...]
+    stayed: tuple[Digits | None, ...]
     left_out: tuple[str, ...]
     large: tuple[LargeChange, ...]
     beyond: Array
@@ -65,7 +67,19 @@ class Joint:
 
     def tried(self) -> tuple[Candidate | Block, ...]:
         """Return every visible cause and every free shape, as they act in all recordings alike."""
-        return (*candidates_of(self.linear, self.causes, self.sensitivities), *blocks_of(self.linear))
+        return self._acting(self.sensitivities)
+
+    def discrepancy(self) -> tuple[Candidate | Block, ...]:
+        """Return the same as the robot as it was shows it, so that what stayed is the same in all recordings.
+
+        About a machine with a large change what stayed would show otherwise after it, in proportion to both. The
+        discrepancy has all plausible causes at once, with sizes far beyond what is left to explain; they would scale
+        the change (a payload of 1 kg on an arm of 15 kg, with all torque constants and masses free, by 9 %).
+        """
+        return self._acting(self.stayed)
+
+    def _acting(self, sensitivities: tuple[Digits | None, ...]) -> tuple[Candidate | Block, ...]:
+        return (*candidates_of(self.linear, self.causes, sensitivities), *blocks_of(self.linear))
 
 
 def joint_of(
@@ -76,6 +90,7 @@ def joint_of(
     executor: Executor = SERIAL,
     store: Store | None = None,
     large: tuple[LargeChange, ...] = (),
+    before: Joint | None = None,
 ) -> Joint:
     """Return all recordings in one linearised model.
 
@@ -87,6 +102,7 @@ def joint_of(
         executor: Where to simulate.
         store: Where signatures are kept between processes; None: nowhere.
         large: Changes that are too large to be in proportion.
+        before: The same without these. Masses that stayed, and the discrepancy, are taken from there.
 
     Raises:
         InputError: A recording has nothing that a replay predicts, or no channel was read both before and after.
@@ -125,6 +141,9 @@ def joint_of(
         for segment in segments
     )
     changes = np.concatenate([found.nuisances for _, found in known])
+    if before:  # what was bolted on is not off by as much as what was there, whose body it may share
+        masses = [i for i, nuisance in enumerate(nuisances) if nuisance.of_mass]
+        changes[:, :, masses] = before.linear.sensitivities[:, :, masses]
     sensitivities = tuple(_stacked(parts) for parts in zip(*(found.causes for _, found in known), strict=True))
     replay = Replay(compiled, joined, quantities)
     beyond = beyond_proportion(
@@ -139,7 +158,8 @@ def joint_of(
     linear = with_scatter(linear, replace(linear.scatter, repeats=0.0))
     of_segment = np.repeat(np.arange(len(recordings)), [len(segments) for segments, _ in known])
     columns = tuple(one.column for one in left_out)
-    return Joint(recordings, linear, of_segment, causes, sensitivities, columns, large, beyond)
+    stayed = before.stayed if before else sensitivities
+    return Joint(recordings, linear, of_segment, causes, sensitivities, stayed, columns, large, beyond)
 
 
 def _compared(

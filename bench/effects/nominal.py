@@ -36,6 +36,7 @@ class NominalParameter:
         least: Least deviation.
         is_viscous: It is viscous friction, which follows the temperature of its oil.
         widened: Times that sigma is larger than what is stated of it (`uncertainty.links`).
+        of_mass: It is the mass of a link, or where that sits: of what is there, not of what is bolted to it later.
     """
 
     name: str
@@ -46,6 +47,7 @@ class NominalParameter:
     least: float = -np.inf
     is_viscous: bool = False
     widened: float = 1.0
+    of_mass: bool = False
 
     def off_by(self, deviation: float) -> float:
         """Return by how much a deviation makes the figure larger than stated, in its unit; of a factor, as a share."""
@@ -75,7 +77,7 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
         ]
     for name in moving_bodies(compiled):
         if model.body(name).mass[0] > 0:
-            found += _of_link(compiled, name)
+            found += [replace(one, of_mass=True) for one in _of_link(compiled, name)]
     for name in placed_bodies(compiled):
         found += [
             NominalParameter(f"place of {name}, {axis}", "m", known.geometry_m, _place(name, i))

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -124,7 +125,8 @@ def outcome_of(pair: Pair, setup: Setup, rate: float = FALSE_ALARM_RATE) -> Outc
     recordings = recordings_of({"before": pair.before}, {"after": pair.after})
     with threadpool_limits(1, "blas"), TemporaryDirectory() as files:
         fitted = as_it_was(pair.before, setup.compiled, Path(files))
-        background, what = weighed(lambda large: joint_of(recordings, fitted, setup.catalogue, large=large), rate)
+        joined = partial(joint_of, recordings, fitted, setup.catalogue)
+        background, what = weighed(lambda large, before: joined(large=large, before=before), rate)
         found = comparison_of(background, what, rate)
     names = [{(one.effect, one.place) for one in explanation.changes} for explanation in found.explanations]
     said = " / ".join(" + ".join(one.title for one in explanation.changes) for explanation in found.explanations)

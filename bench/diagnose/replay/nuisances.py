@@ -37,6 +37,7 @@ class Nuisance:
         is_factor: It is known to a factor (`effects/nominal.py`).
         least: Least deviation, in its unit.
         widened: Times that sigma is larger than what is stated of it.
+        of_mass: It is the mass of a link, or where that sits.
         edit: How it changes the model, or None.
         on_reading: How it changes readings, or None.
         scales_wrench: It is the relative error of what hangs at the load point.
@@ -66,6 +67,7 @@ class Nuisance:
     is_factor: bool = False
     least: float = -np.inf
     widened: float = 1.0
+    of_mass: bool = False
     after_effects: bool = False
 
     @property
@@ -100,7 +102,8 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     kinds = {quantity.kind for quantity in quantities}
     found = []
     for p in (*nominal_parameters(compiled), *presliding_parameters(compiled)):
-        one = Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor, least=p.least, widened=p.widened)
+        same = {name: getattr(p, name) for name in ("name", "unit", "sigma", "edit", "is_factor", "least")}
+        one = Nuisance(**same, widened=p.widened, of_mass=p.of_mass)
         found.append(replace(one, between="drifts", own=VISCOUS * DAY_K) if p.is_viscous else one)
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))

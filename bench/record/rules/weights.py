@@ -125,7 +125,7 @@ def moments_are_about_the_load_point(sheet: Sheet) -> Iterator[Finding]:
         force[here] -= force[here].mean(axis=0)
         moment[here] -= moment[here].mean(axis=0)
     size = np.abs(moment).max(axis=0)
-    lever = float(np.linalg.norm(moment) / max(np.linalg.norm(force), LOAD_N))
+    lever = float(np.linalg.norm(moment)) / max(float(np.linalg.norm(force)), LOAD_N)
     if lever > LEVER_M and size.max() > LEVER_NM:
         message = f"changes with the load as if it pulled {lever:.2g} m beside the point about which moments are given"
         remedy = "give moments about the load point, or state the moment of the load (load_mx_nm and so on)"
