@@ -104,6 +104,25 @@ def logs(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("logs", name, spoil, "error", (place,), CONVERT)
 
 
+def clocks_of_dead_batteries(rng: np.random.Generator) -> Iterator[Variant]:
+    """Begin the dates of a log where controllers without a battery do; before 1970 time ran backwards."""
+    for begin in (
+        "1970-01-01T00:30:00{}+01:00",
+        "1970-01-01T00:00:00{}",
+        "1904-01-01 00:00:00{}",
+        "1900-01-01T12:00:00{}",
+    ):
+
+        def spoil(folder: Path, begin: str = begin) -> None:
+            (folder / "robot" / "log.yaml").write_text(LOG)
+            rows = ROWS
+            for second in ("0.1", "0.2", "0"):
+                rows = rows.replace(f"\n{second},", f"\n{begin.format(second[1:])},")
+            (folder / "log.csv").write_text(rows)
+
+        yield Variant("clocks of dead batteries", begin.format(""), spoil, "harmless", (), CONVERT)
+
+
 def logs_that_ask_too_much(rng: np.random.Generator) -> Iterator[Variant]:
     beside = "tables:\n  f: {{file: {}, time_s: {{from: t}}}}\n"
     force = LOG + "  force_z_n: {from: z, table: f}\n"
@@ -222,4 +241,7 @@ def places_to_write_to(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("places to write to", out, sound, "harmless", (), command)
 
 
-FAMILIES = (scenarios, log_formats, logs, logs_that_ask_too_much, logs_to_look_at, models_of_others, places_to_write_to)
+FAMILIES = (
+    *(scenarios, log_formats, logs, clocks_of_dead_batteries, logs_that_ask_too_much, logs_to_look_at),
+    *(models_of_others, places_to_write_to),
+)
