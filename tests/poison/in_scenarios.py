@@ -62,6 +62,8 @@ def log_formats(rng: np.random.Generator) -> Iterator[Variant]:
         "a foreign unit": (LOG + "  q_link_1_deg: {from: q}\n", "q_link_1_rad"),
         "a factor of nan": (LOG.replace("{from: q}", "{from: q, factor: .nan}"), "q_cmd_1_rad.factor"),
         "a factor of inf": (LOG.replace("{from: q}", "{from: q, factor: 1e999}"), "q_cmd_1_rad.factor"),
+        "a factor of 0": (LOG.replace("{from: q}", "{from: q, factor: 0}"), "q_cmd_1_rad.factor"),
+        "a factor of 0 of a clock": (LOG.replace("{from: t}", "{from: t, factor: -0.0}"), "time_s.factor"),
         "a word for a factor": (LOG.replace("{from: q}", "{from: q, factor: pi}"), "q_cmd_1_rad.factor"),
         "no source": (LOG.replace("{from: q}", "{factor: 1}"), "q_cmd_1_rad"),
         "no columns": ("kind: motion\n", "columns"),
