@@ -214,6 +214,9 @@ def models_of_others(rng: np.random.Generator) -> Iterator[Variant]:
         ("velocity='2'", "velocity='1e9'", "speed_limit_rad_per_s"),
     ):
         faults[f"a URDF with {new}"] = (urdf.replace(old, new), place)
+    loose = "<link name='c'/>"
+    faults["a URDF with a link on no joint"] = (urdf.replace("</robot>", f"{loose}</robot>"), "'a' and 'c' hang on no")
+    faults["a URDF with its base lost"] = (urdf.replace("parent link='a'", "parent link='d'"), "arm.xml")
     command = ("new-robot", "mine", "--mjcf", "arm.xml", "-o", "out")
     for name, (text, place) in faults.items():
         yield Variant("models of others", name, _file("arm.xml", text), "error", (place,), command)
