@@ -1,9 +1,12 @@
-"""Commands whose options contradict each other."""
+"""Commands whose options contradict each other, and names that cannot be written."""
 
+import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
+from tests.poison.in_scenarios import LOG, ROWS
 from tests.poison.variant import Variant
 
 
@@ -15,4 +18,28 @@ def the_same_twice(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("the same twice", f"{first} {second}", lambda folder: None, "error", (second, "twice"), command)
 
 
-FAMILIES = (the_same_twice,)
+def names_that_are_no_utf_8(rng: np.random.Generator) -> Iterator[Variant]:
+    """Give commands that write such names; one ended in a traceback after minutes of simulation."""
+    odd, shown = os.fsdecode(b"ru\xff"), r"ru\xff: is no UTF-8"
+    for name, command in {
+        "of a run": ("run", "line", "-o", f"../{odd}"),
+        "of a robot": ("new-robot", "mine", "--mjcf", "robot/small.xml", f"--out={odd}"),
+        "of a hidden campaign": ("hide", "gas_loss", "--scenario", "line", "-o", f"../{odd}/new"),
+        "of a first pass": ("identify", ".", "--method", "dynamics", "-o", odd),
+        "of the results of the paper": ("paper", "-o", odd),
+        "of what is diagnosed": ("diagnose", odd, "-o", "out"),
+        "of a model": ("new-robot", "mine", "--mjcf", odd),
+    }.items():
+        places = (shown,) if "/new" not in command[-1] else (r"ru\xff/new: is no UTF-8",)
+        yield Variant("names that are no UTF-8", name, lambda folder: None, "error", places, command)
+
+    def log(folder: Path) -> None:
+        (folder / "logs").mkdir()
+        (folder / "robot" / "log.yaml").write_text(LOG)
+        (folder / "logs" / f"{odd}.csv").write_text(ROWS)
+
+    command = ("convert", "robot", "logs", "-o", "out")
+    yield Variant("names that are no UTF-8", "of a log", log, "error", (r"ru\xff.csv: is no UTF-8",), command)
+
+
+FAMILIES = (the_same_twice, names_that_are_no_utf_8)
