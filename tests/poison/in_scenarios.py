@@ -220,6 +220,8 @@ def models_of_others(rng: np.random.Generator) -> Iterator[Variant]:
     command = ("new-robot", "mine", "--mjcf", "arm.xml", "-o", "out")
     for name, (text, place) in faults.items():
         yield Variant("models of others", name, _file("arm.xml", text), "error", (place,), command)
+    emoji = urdf.replace("name='j'", "name='\N{ROBOT FACE}'")
+    yield Variant("models of others", "an emoji for a joint", _file("arm.xml", emoji), "harmless", (), command)
 
 
 def places_to_write_to(rng: np.random.Generator) -> Iterator[Variant]:
