@@ -16,6 +16,17 @@ def the_same_twice(rng: np.random.Generator) -> Iterator[Variant]:
     for first, second in (("gas_loss=0.1", "gas_loss=0.2"), ("coulomb_level@2=0.2", "coulomb_level@joint2:change=0.3")):
         command = (*hide, first, second)
         yield Variant("the same twice", f"{first} {second}", lambda folder: None, "error", (second, "twice"), command)
+    fit = ("identify", ".", "--method", "dynamics")
+    held_out = (*fit, "--held-out", ".")
+    yield Variant("the same twice", "fitted and held out", lambda folder: None, "error", (".", "twice"), held_out)
+
+
+def filters_that_filter_nothing(rng: np.random.Generator) -> Iterator[Variant]:
+    """Ask for a low-pass that no sampling rate has."""
+    for cutoff in ("1e9", "inf", "nan", "0"):
+        command = ("identify", ".", "--method", "dynamics", "--cutoff-hz", cutoff)
+        place = ("cut-off",)
+        yield Variant("filters that filter nothing", cutoff, lambda folder: None, "error", place, command)
 
 
 def names_that_are_no_utf_8(rng: np.random.Generator) -> Iterator[Variant]:
@@ -42,4 +53,4 @@ def names_that_are_no_utf_8(rng: np.random.Generator) -> Iterator[Variant]:
     yield Variant("names that are no UTF-8", "of a log", log, "error", (r"ru\xff.csv: is no UTF-8",), command)
 
 
-FAMILIES = (the_same_twice, names_that_are_no_utf_8)
+FAMILIES = (the_same_twice, filters_that_filter_nothing, names_that_are_no_utf_8)
