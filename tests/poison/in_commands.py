@@ -53,4 +53,19 @@ def names_that_are_no_utf_8(rng: np.random.Generator) -> Iterator[Variant]:
     yield Variant("names that are no UTF-8", "of a log", log, "error", (r"ru\xff.csv: is no UTF-8",), command)
 
 
-FAMILIES = (the_same_twice, filters_that_filter_nothing, names_that_are_no_utf_8)
+def devices_for_files(rng: np.random.Generator) -> Iterator[Variant]:
+    """Name what is there and no file; it was called missing."""
+    for file, words in (("/dev/zero", "is a device"), ("pipe", "is a named pipe")):
+        for name, command in {
+            "a model": ("new-robot", "mine", "-o", "out", "--mjcf", file),
+            "a log.yaml": ("convert", "robot", "log.csv", "-o", "out", "--log", file),
+        }.items():
+
+            def spoil(folder: Path) -> None:
+                (folder / "log.csv").write_text(ROWS)
+                os.mkfifo(folder / "pipe")
+
+            yield Variant("devices for files", f"{file} for {name}", spoil, "error", (f"{file}: {words}",), command)
+
+
+FAMILIES = (the_same_twice, filters_that_filter_nothing, names_that_are_no_utf_8, devices_for_files)

@@ -303,6 +303,8 @@ def test_bad_name_and_missing_file(urdf: Path, tmp_path: Path) -> None:
         read_source(tmp_path / "nothing.xml")
     with pytest.raises(RobotError, match="is a folder; give the MJCF"):
         read_source(tmp_path)
+    with pytest.raises(RobotError, match="/dev/zero: is a device"):
+        read_source(Path("/dev/zero"))
 
 
 def test_robots_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
