@@ -4,6 +4,7 @@ Every error that a user can cause is a `BenchError`. The command line prints it 
 `exit_code`; the codes are part of the interface and stand in README.md.
 """
 
+import os
 import re
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
@@ -75,6 +76,15 @@ class MissingPluginError(BenchError):
 def printable(text: str) -> str:
     """Return a text with control characters escaped: names in files of strangers must not steer a terminal."""
     return UNPRINTABLE.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def not_utf_8(name: str) -> str:
+    r"""Return a file's name that is no UTF-8, its odd bytes as \x80; "" for any other name."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:  # Python keeps such bytes as halves of surrogate pairs
+        return os.fsencode(name).decode(errors="backslashreplace")
+    return ""
 
 
 def unknown_name(what: str, name: str, known: Iterable[str]) -> str:

@@ -21,6 +21,7 @@ from bench.cli.effects import Effects
 from bench.cli.hide import Hide
 from bench.cli.identify import Identify
 from bench.cli.memory import return_what_is_free
+from bench.cli.nameable import expect_nameable
 from bench.cli.new_robot import NewRobot
 from bench.cli.paper import Paper
 from bench.cli.poses import Poses
@@ -107,7 +108,8 @@ def _ended(arguments: list[str] | None) -> int:
 
 
 def _run(arguments: list[str] | None) -> int:
-    if (sys.argv[1:] if arguments is None else arguments) == ["--version"]:
+    typed = sys.argv[1:] if arguments is None else arguments
+    if typed == ["--version"]:
         print(f"bench {bench.__version__}")
         return 0
     try:
@@ -120,6 +122,7 @@ def _run(arguments: list[str] | None) -> int:
         )
     finally:
         sys.stdout.flush()  # help ends the program here
+    expect_nameable(typed, Path(command.name) if isinstance(command, NewRobot) else getattr(command, "out", None))
     return_what_is_free()
     return command.run()
 

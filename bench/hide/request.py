@@ -36,8 +36,8 @@ def effects_of(
         recorded: Runs and columns of the session; without them errors of the recording have no place.
 
     Raises:
-        InputError: Unknown names, values that are no number, an effect that has no place on this robot, or several and
-            none was named; every fault is listed.
+        InputError: Unknown names, values that are no number, a parameter that is given twice, an effect that has no
+            place on this robot, or several and none was named; every fault is listed.
     """
     problems: list[str] = []
     found: dict[tuple[str, Place], dict[str, float]] = {}
@@ -47,7 +47,13 @@ def effects_of(
         except InputError as error:
             problems += error.problems
             continue
-        found.setdefault((effect.name, place), {})[parameter] = value
+        values = found.setdefault((effect.name, place), {})
+        if parameter in values:
+            where = f" at {place}" if len(effect.places_in(compiled, recorded)) > 1 else ""
+            problems.append(
+                f"{word!r}: {parameter} of effect {effect.name!r}{where} is given twice; name it once, with one value."
+            )
+        values[parameter] = value
     if problems:
         raise InputError(problems)
     return tuple(

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from bench.errors import CampaignError
+from bench.errors import CampaignError, not_utf_8
 from bench.record.campaign import Arm, Array, Campaign, Run
 from bench.record.check import examine_all
 from bench.record.finding import Finding
@@ -50,6 +50,8 @@ def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None)
         CampaignError: There is no log, or one cannot be used; every fault once, with file, row and column.
     """
     files = _logs(source, layout)
+    if odd := [shown for file in files if (shown := not_utf_8(file.name))]:
+        raise CampaignError(f"{name}: is no UTF-8, and runs are named after their logs; rename it" for name in odd)
     findings: list[Finding] = []
     unused: dict[str, tuple[str, ...]] = {}
     runs: list[Run] = []

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from bench.errors import InputError, unknown_name
 from bench.record.campaign import RunKind
@@ -33,6 +33,15 @@ class Origin(Strict):
     factor: float = Field(1.0, description="unit, gear ratio, drive gain and sign in one")
     offset: float = Field(0.0, description="added after the factor")
     optional: bool = Field(False, description="logs without it are converted too, without the column")
+
+    @field_validator("factor")
+    @classmethod
+    def _keeps_what_is_logged(cls, factor: float) -> float:
+        if factor == 0:
+            raise ValueError(
+                "is 0, which makes one number of all that is logged; write what one unit of the log is here"
+            )
+        return factor
 
     @model_validator(mode="after")
     def _comes_from_somewhere(self) -> Self:

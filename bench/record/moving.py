@@ -4,3 +4,4 @@
 TRAVELS = 0.005
 # assumed: of a joint's top speed in a run; below it, it starts, stops or turns round
 TURNING = 0.08
+FEWEST_ROWS = 5  # exact: of a motion, from which a speed and an acceleration are told; a shorter one is left out

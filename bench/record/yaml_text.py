@@ -9,6 +9,7 @@ values with aliases written out.
 """
 
 import re
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -185,3 +186,9 @@ def dump_yaml(content: dict[str, object]) -> str:
     """Return a mapping as YAML, keys in their order."""
     text: str = yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
     return text
+
+
+def in_quotes(text: str) -> str:
+    """Return a text as YAML has it in double quotes, on one line; escaped as YAML reads it, which JSON's are not."""
+    dumped: str = yaml.safe_dump(text, default_style='"', allow_unicode=True, width=inf)
+    return dumped.rstrip("\n")

@@ -15,7 +15,7 @@ def log_format_of(robot: Robot, file: Path | None = None) -> LogFormat:
         InputError: There is no such file, or it breaks the schema.
     """
     path = file or robot.folder / LOG_FORMAT
-    if not path.is_file():
+    if not path.exists():  # what else is no plain file is told by who reads it
         raise InputError(
             f"{path}: no such file; write one line for each column of your logs (bench/record/logs/README.md), "
             "models/emps/log.yaml is an example"

@@ -152,6 +152,24 @@ def test_a_proposal_that_cannot_be_written_is_one_sentence(
     assert [path.name for path in tmp_path.iterdir()] == ["x.csv"]
 
 
+@pytest.mark.parametrize("folder", ["", "inner"])
+def test_names_that_are_no_utf_8_are_refused_before_any_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], folder: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run of minutes ended in a UnicodeEncodeError, a new robot in a TypeError of MuJoCo."""
+    odd = tmp_path / os.fsdecode(b"\x80bad")
+    odd.mkdir()
+    monkeypatch.chdir(odd)
+    for command in (["run", "line"], ["new-robot", "rob", "--mjcf", "arm.urdf"], ["hide", "gas_loss"], ["demo"]):
+        assert main([*command, "-o", folder or str(odd / "out")]) == 2
+        said = capsys.readouterr().err
+        assert r"\x80bad" in said
+        assert "is no UTF-8" in said
+        assert said.count("\n") == 1
+    assert main(["new-robot", "rob", "--mjcf", "arm.urdf"]) == 2  # into a folder with the robot's name, here
+    assert [path.name for path in tmp_path.rglob("*")] == [odd.name]
+
+
 def test_results_of_the_paper_may_be_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "results.json").touch()
     assert main(["paper", "-o", str(tmp_path)]) == 2

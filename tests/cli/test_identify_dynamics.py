@@ -57,6 +57,7 @@ def test_text_has_errors_first(campaigns: tuple[Path, Path], capsys: pytest.Capt
         ((), "--method dynamics"),
         (("--held-out", "x"), "--method dynamics"),
         (("--method", "dynamics", "--cutoff-hz", "-1"), "must be positive"),
+        (("--method", "dynamics", "--cutoff-hz", "1e9"), "lies above half of the sampling rate, 125 Hz; give less"),
         (("--method", "dynamics", "--level", "90"), "between 0 and 1"),
     ],
 )
@@ -68,8 +69,13 @@ def test_refusals_say_what_to_do(
 
 
 def test_the_same_campaign_twice_is_refused(campaigns: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["identify", str(campaigns[0]), str(campaigns[0]), "--method", "dynamics"]) == 2
+    one, two = map(str, campaigns)
+    assert main(["identify", one, one, "--method", "dynamics"]) == 2
     assert "is given twice" in capsys.readouterr().err
+    again = f"{two}/../{campaigns[0].name}"
+    for held_out in ([one], [again], [two, two]):
+        assert main(["identify", one, "--method", "dynamics", "--held-out", *held_out]) == 2
+        assert "is given twice" in capsys.readouterr().err
 
 
 def test_failed_checks_come_first(

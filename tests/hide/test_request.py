@@ -61,3 +61,12 @@ def test_all_faults_at_once(compiled: CompiledRobot) -> None:
     assert len(caught.value.problems) == len(expected)
     for part, problem in zip(expected, caught.value.problems, strict=True):
         assert part in problem
+
+
+@pytest.mark.parametrize("words", [["level@1=0.1", "level@1=0.2"], ["level@1", "level@hinge_a:rise=0.2"]])
+def test_a_parameter_that_is_given_twice(words: list[str], compiled: CompiledRobot) -> None:
+    """The last one counted, and nothing was said of the first."""
+    with pytest.raises(InputError, match=f"'{words[1]}': rise of effect 'level' at joint 1 is given twice"):
+        effects_of(words, compiled, CATALOGUE)
+    with pytest.raises(InputError, match="rate of effect 'warmth' is given twice"):
+        effects_of(["warmth=0.001", "warmth=0.001"], compiled, CATALOGUE)

@@ -42,6 +42,26 @@ def one_run_of_its_own(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("one run of its own", name, spoil, answer, places)
 
 
+def motions_of_few_rows(rng: np.random.Generator) -> Iterator[Variant]:
+    """Leave a few rows of a motion, which tell no speed."""
+    for count, words in ((1, "has 1 row"), (2, "has 2 rows"), (4, "has 4 rows")):
+
+        def cut(sheet: Sheet, count: int = count) -> None:
+            sheet.rows = sheet.rows[:count]
+
+        places = (OTHER, f"{words}: too few to tell a speed")
+        yield Variant("motions of few rows", words, _in_run(OTHER, cut), "harmless", places)
+
+    def every(folder: Path) -> None:
+        for file in folder.glob("runs/*joint*.csv"):
+            file.write_text("".join(file.read_text().splitlines(keepends=True)[:2]))
+
+    place = ("too few to tell a speed",)
+    yield Variant("motions of few rows", "a row of each", every, "harmless", place)
+    first_pass = ("identify", ".", "--method", "dynamics")
+    yield Variant("motions of few rows", "a row of each, fitted", every, "error", place, first_pass)
+
+
 def one_more_number_in_one_run(rng: np.random.Generator) -> Iterator[Variant]:
     """One run of which an instrument, an angle or a load is not what all else makes of it."""
     run, loaded = OTHER.removesuffix(".csv"), "loaded-out"
@@ -118,4 +138,10 @@ def early_and_absolute(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("early and absolute", f"a gauge {how}", spoil, "harmless", words)
 
 
-FAMILIES = (one_run_of_its_own, one_more_number_in_one_run, payloads_that_are_known, early_and_absolute)
+FAMILIES = (
+    motions_of_few_rows,
+    one_run_of_its_own,
+    one_more_number_in_one_run,
+    payloads_that_are_known,
+    early_and_absolute,
+)

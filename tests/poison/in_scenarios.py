@@ -62,6 +62,8 @@ def log_formats(rng: np.random.Generator) -> Iterator[Variant]:
         "a foreign unit": (LOG + "  q_link_1_deg: {from: q}\n", "q_link_1_rad"),
         "a factor of nan": (LOG.replace("{from: q}", "{from: q, factor: .nan}"), "q_cmd_1_rad.factor"),
         "a factor of inf": (LOG.replace("{from: q}", "{from: q, factor: 1e999}"), "q_cmd_1_rad.factor"),
+        "a factor of 0": (LOG.replace("{from: q}", "{from: q, factor: 0}"), "q_cmd_1_rad.factor"),
+        "a factor of 0 of a clock": (LOG.replace("{from: t}", "{from: t, factor: -0.0}"), "time_s.factor"),
         "a word for a factor": (LOG.replace("{from: q}", "{from: q, factor: pi}"), "q_cmd_1_rad.factor"),
         "no source": (LOG.replace("{from: q}", "{factor: 1}"), "q_cmd_1_rad"),
         "no columns": ("kind: motion\n", "columns"),
@@ -102,6 +104,25 @@ def logs(rng: np.random.Generator) -> Iterator[Variant]:
             make(folder / "log.csv")
 
         yield Variant("logs", name, spoil, "error", (place,), CONVERT)
+
+
+def clocks_of_dead_batteries(rng: np.random.Generator) -> Iterator[Variant]:
+    """Begin the dates of a log where controllers without a battery do; before 1970 time ran backwards."""
+    for begin in (
+        "1970-01-01T00:30:00{}+01:00",
+        "1970-01-01T00:00:00{}",
+        "1904-01-01 00:00:00{}",
+        "1900-01-01T12:00:00{}",
+    ):
+
+        def spoil(folder: Path, begin: str = begin) -> None:
+            (folder / "robot" / "log.yaml").write_text(LOG)
+            rows = ROWS
+            for second in ("0.1", "0.2", "0"):
+                rows = rows.replace(f"\n{second},", f"\n{begin.format(second[1:])},")
+            (folder / "log.csv").write_text(rows)
+
+        yield Variant("clocks of dead batteries", begin.format(""), spoil, "harmless", (), CONVERT)
 
 
 def logs_that_ask_too_much(rng: np.random.Generator) -> Iterator[Variant]:
@@ -193,9 +214,14 @@ def models_of_others(rng: np.random.Generator) -> Iterator[Variant]:
         ("velocity='2'", "velocity='1e9'", "speed_limit_rad_per_s"),
     ):
         faults[f"a URDF with {new}"] = (urdf.replace(old, new), place)
+    loose = "<link name='c'/>"
+    faults["a URDF with a link on no joint"] = (urdf.replace("</robot>", f"{loose}</robot>"), "'a' and 'c' hang on no")
+    faults["a URDF with its base lost"] = (urdf.replace("parent link='a'", "parent link='d'"), "arm.xml")
     command = ("new-robot", "mine", "--mjcf", "arm.xml", "-o", "out")
     for name, (text, place) in faults.items():
         yield Variant("models of others", name, _file("arm.xml", text), "error", (place,), command)
+    emoji = urdf.replace("name='j'", "name='\N{ROBOT FACE}'")
+    yield Variant("models of others", "an emoji for a joint", _file("arm.xml", emoji), "harmless", (), command)
 
 
 def places_to_write_to(rng: np.random.Generator) -> Iterator[Variant]:
@@ -222,4 +248,7 @@ def places_to_write_to(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("places to write to", out, sound, "harmless", (), command)
 
 
-FAMILIES = (scenarios, log_formats, logs, logs_that_ask_too_much, logs_to_look_at, models_of_others, places_to_write_to)
+FAMILIES = (
+    *(scenarios, log_formats, logs, clocks_of_dead_batteries, logs_that_ask_too_much, logs_to_look_at),
+    *(models_of_others, places_to_write_to),
+)

@@ -126,6 +126,8 @@ def test_a_broken_format_is_told_what_is_wrong(tmp_path: Path, text: str, said: 
 def test_a_robot_without_a_format_says_so(small_robot: Path) -> None:
     with pytest.raises(InputError, match=r"log\.yaml: no such file"):
         log_format_of(load_robot(small_robot))
+    with pytest.raises(InputError, match="/dev/zero: is a device"):
+        log_format_of(load_robot(small_robot), Path("/dev/zero"))
 
 
 def test_emps_from_log_to_campaign(

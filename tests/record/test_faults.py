@@ -309,3 +309,13 @@ def test_lag_found_fast_is_the_smallest_of_all(n: int) -> None:
     best = int(np.argmin(misfits))
     assert misfits[best] < alignment.BETTER * misfits[span]
     assert alignment._lead(values, source, alignment.SEARCH_S / span) == (best - span) * alignment.SEARCH_S / span
+
+
+@pytest.mark.parametrize("rows", [1, 2, 4])
+def test_a_motion_of_few_rows_is_said_to_be_left_out(rows: int) -> None:
+    finding = only(examine(motion({name: values[:rows] for name, values in sweep().items()})))
+    assert (finding.level, finding.column) == ("warning", "")
+    word = "1 row" if rows == 1 else f"{rows} rows"
+    assert str(finding).startswith(
+        f"runs/a.csv: has {word}: too few to tell a speed; it is left out; record 5 at least"
+    )

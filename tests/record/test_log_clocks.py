@@ -89,6 +89,21 @@ def test_a_clock_of_dates(tmp_path: Path, stamp: str, between: str) -> None:
         convert(log(tmp_path, "y.csv", "t;q\n" + rows.replace("2024-12", "2024-13")), form, "mine")
 
 
+@pytest.mark.parametrize(
+    "second",
+    [
+        *("1970-01-01T00:30:01{}+01:00", "1900-01-01 00:00:00{}", "1904-01-01T00:00:00{}Z", "1969-12-31T23:59:59{}"),
+        *("0001-01-01T00:00:00{}", "0001-01-01T00:30:00{}+01:00", "9999-12-31T23:59:59{}-01:00"),
+    ],
+)
+def test_a_clock_before_1970_runs_forwards(tmp_path: Path, second: str) -> None:
+    """A controller whose battery is dead begins anew in 1970, at midnight of its zone, or in 1900 or 1904."""
+    stamps = [second.format(fraction) for fraction in ("", ".25", ".500", ".750000")]
+    rows = "".join(f"{stamp},{k}\n" for k, stamp in enumerate(stamps))
+    (run,) = convert(log(tmp_path, "x.csv", "t,q\n" + rows), layout(), "mine").campaign.runs
+    np.testing.assert_allclose(run.columns["time_s"], [0, 0.25, 0.5, 0.75], atol=1e-4)  # double: 3e-5 s at 2.5e11 s
+
+
 def test_a_log_without_a_clock(tmp_path: Path) -> None:
     form = LogFormat.model_validate({"columns": {"time_s": {"rate_hz": 500}, "q_motor_1_rad": {"from": "q"}}})
     (run,) = convert(log(tmp_path, "x.csv", "q,z\n0.1,0\n0.2,0\n0.3,0\n"), form, "mine").campaign.runs

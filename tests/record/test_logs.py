@@ -259,6 +259,11 @@ def test_parquet(tmp_path: Path) -> None:
         ("columns: {time_s: {from: a}}\nruns: {windows_s: [[1, 3], [2, 4]]}", "a row belongs to one run"),
         ("columns: {time_s: {from: a}}\nruns: {split_at_s: [3, 2]}", "in rising order"),
         ("columns: {time_s: {from: a, table: b}}", "unknown table 'b'"),
+        (
+            "columns: {q_motor_1_rad: {from: a, factor: 0}}",
+            r"columns\.q_motor_1_rad\.factor: is 0.*one unit of the log",
+        ),
+        ("columns: {time_s: {from: a, factor: -0.0}}", r"columns\.time_s\.factor: is 0"),
     ],
 )
 def test_a_format_that_cannot_be_is_told(tmp_path: Path, text: str, said: str) -> None:

@@ -13,7 +13,7 @@ from bench.errors import CampaignError, InputError, RobotError
 from bench.record.check import check_campaign
 from bench.record.convert import convert
 from bench.record.log_format import LogFormat, read_log_format
-from bench.record.yaml_text import YamlFault, dump_yaml, load_typed_yaml, load_yaml
+from bench.record.yaml_text import YamlFault, dump_yaml, in_quotes, load_typed_yaml, load_yaml
 from bench.robot.figures import Figures
 from bench.robot.folder import load_robot
 from tests.record.build import motion, sweep, write_folder
@@ -159,3 +159,14 @@ def test_any_table_is_refused_or_numbers(text: str) -> None:
     if report.campaign is not None:
         for column in report.campaign.runs[0].columns.values():
             assert np.all(np.isfinite(column))
+
+
+@EXAMPLES
+@given(word=st.text(max_size=40))
+def test_a_text_in_quotes_is_read_as_it_was(word: str) -> None:
+    """JSON has characters beyond the basic plane as halves of pairs, which no YAML may hold."""
+    line = in_quotes(word)
+    assert len(line.splitlines()) == 1
+    with TemporaryDirectory() as folder:
+        (file := Path(folder) / "a.yaml").write_text(f"a: {line}\n", encoding="utf-8")
+        assert load_yaml(file) == {"a": word}

@@ -235,6 +235,19 @@ def test_urdf_with_a_slide(urdf: Path, tmp_path: Path) -> None:
     assert "tau_motor_1_n:" in (tmp_path / "robot" / "log.yaml").read_text()
 
 
+def test_urdf_with_a_link_that_hangs_on_no_joint(urdf: Path) -> None:
+    """As ROS has it, too; the link stood in the model, fixed to the world, and "left out: nothing" was said."""
+    lost = URDF[: URDF.index('  <joint name="fixed"')] + "</robot>"
+    urdf.write_text(lost)
+    with pytest.raises(
+        RobotError, match=r"lift\.urdf: links 'base' and 'tool0' hang on no joint, and only the base may"
+    ):
+        read_source(urdf)
+    urdf.write_text(lost.replace("</robot>", "".join(f'<link name="l{i}"/>' for i in range(6)) + "</robot>"))
+    with pytest.raises(RobotError, match="'base' and 'tool0' and 'l0' and 'l1' and 4 more hang on no joint"):
+        read_source(urdf)
+
+
 def test_named_joints_and_load_point(menagerie: Path, tmp_path: Path) -> None:
     source = read_source(menagerie, ["j2", "j3"], "attachment_site")
     assert [joint.name for joint in source.joints] == ["j2", "j3"]
@@ -290,6 +303,8 @@ def test_bad_name_and_missing_file(urdf: Path, tmp_path: Path) -> None:
         read_source(tmp_path / "nothing.xml")
     with pytest.raises(RobotError, match="is a folder; give the MJCF"):
         read_source(tmp_path)
+    with pytest.raises(RobotError, match="/dev/zero: is a device"):
+        read_source(Path("/dev/zero"))
 
 
 def test_robots_are_listed(capsys: pytest.CaptureFixture[str]) -> None:

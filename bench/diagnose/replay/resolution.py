@@ -15,8 +15,9 @@ from scipy.ndimage import correlate1d
 
 from bench.diagnose.replay.smooth_derivative import averaging_kernel, noise_gain
 from bench.record.campaign import Array
+from bench.record.moving import FEWEST_ROWS
 
-LEAST_WINDOW = 5  # exact: samples
+LEAST_WINDOW = FEWEST_ROWS
 WIDER = 1.2  # effort: ratio of neighbouring windows that are tried
 SHARE = 0.5  # effort: of the noise of a torque, that windows may add to it: in all an eighth more
 ORDER = 6  # exact: of the differences that noise is read from; motion of 2 Hz at 100 Hz leaves 4e-6 of its size

@@ -86,11 +86,16 @@ def band_of(runs: Sequence[MotionSamples], cutoff_hz: float | None = None) -> Ba
     The bandwidth is read from the commands, which are not noisy, and from the encoders where no command was logged.
 
     Raises:
-        InputError: The cut-off is not positive, or nothing moves.
+        InputError: The cut-off is not positive, or beyond half the sampling rate of all runs; or nothing moves.
     """
     if cutoff_hz is not None:
         if not cutoff_hz > 0:
             raise InputError(f"cut-off {cutoff_hz:g} Hz: must be positive.")
+        if cutoff_hz >= (highest := max(run.rate for run in runs) / 2):
+            raise InputError(
+                f"cut-off {cutoff_hz:g} Hz: lies above half of the sampling rate, {highest:g} Hz; give less, or leave "
+                "it out."
+            )
         band = Band(cutoff_hz, np.nan)
         if sum(len(band.kept(run)) for run in runs) < LEAST:
             longest = max(len(run) / run.rate for run in runs)

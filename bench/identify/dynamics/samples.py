@@ -73,7 +73,7 @@ def _stretches(run: Run, nominal: NominalDynamics) -> Iterator[MotionSamples]:
     torque = _by_drive(run, "tau_motor", ("nm", "n"), slide)
     current = _by_drive(run, "current", ("a", "a"), slide) * nominal.torque_constant
     torque = np.where(np.isfinite(torque), torque, current)
-    if not np.isfinite(torque).any():
+    if len(run) < FEWEST or not np.isfinite(torque).any():
         return
     time = run.columns["time_s"]
     wrench, mass = load_with_weight(run), run.columns.get("load_mass_kg", np.zeros(len(run)))

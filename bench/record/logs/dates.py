@@ -2,6 +2,7 @@
 
 import re
 from datetime import UTC, datetime, timedelta
+from decimal import Decimal
 
 LOOKED_AT = (
     4096  # bytes from the beginning in which a date must stand, else there are none (assumed: headers are shorter)
@@ -23,6 +24,8 @@ def _seconds(found: re.Match[bytes]) -> bytes:
         moment = datetime(*(int(number) for number in found.groups()[:6]), tzinfo=UTC)  # type: ignore[misc, arg-type]
     except ValueError:  # no such day or hour: it stays, and is told to be no number
         return found[0]
-    zone = timedelta(hours=int(hours), minutes=int(minutes)) if sign else timedelta()
-    moment += zone if sign == b"-" else -zone
-    return b"%d" % int((moment - EPOCH).total_seconds()) + (fraction or b"")
+    zone = (-1 if sign == b"-" else 1) * timedelta(hours=int(hours or 0), minutes=int(minutes or 0))
+    whole = int((moment - EPOCH - zone).total_seconds())  # in UTC it may be a moment outside of years 1 to 9999
+    if whole < 0 and fraction:  # the fraction counts upwards, the digits of a negative number downwards
+        return f"{whole + Decimal(fraction.decode()):f}".encode()
+    return b"%d" % whole + (fraction or b"")

@@ -32,6 +32,7 @@ READING_RULES: tuple[Rule, ...] = (
     values.finite,
     values.plausible,
     clock.rises,
+    clock.is_long_enough,
     clock.is_regular,
     labels.are_counts,
     labels.tell_readings_apart,

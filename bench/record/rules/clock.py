@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from bench.record.campaign import Array
-from bench.record.finding import Finding
+from bench.record.finding import Finding, counted
+from bench.record.moving import FEWEST_ROWS
 from bench.record.rules.sheet import Sheet, rows_where
 
 UNEVEN = 0.5  # of the median step; jitter of an ordinary logger stays below, a lost sample makes 1
@@ -48,6 +49,13 @@ def rises(sheet: Sheet) -> Iterator[Finding]:
         )
         remedy = "give the times at which they were taken, such as the controller's, or rows divided by their rate"
         yield sheet.error("time_s", message, remedy)
+
+
+def is_long_enough(sheet: Sheet) -> Iterator[Finding]:
+    """Rows of a motion are enough to tell a speed."""
+    if sheet.run.kind == "motion" and 0 < len(sheet.run) < FEWEST_ROWS:
+        message = f"has {counted(len(sheet.run), 'row')}: too few to tell a speed; it is left out"
+        yield sheet.warning("", message, f"record {FEWEST_ROWS} at least, or take the run out of campaign.yaml")
 
 
 def rows_of_a_packet(time: Array) -> int:

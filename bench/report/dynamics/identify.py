@@ -69,9 +69,10 @@ def open_recordings(folders: Sequence[Path], held_out: Sequence[Path] = (), robo
 
     Raises:
         CampaignError: A folder is not a usable campaign or a copy of another.
-        InputError: A folder is given twice.
+        InputError: A folder is given twice, to be fitted or held out.
     """
     names = names_of(folders)
+    names_of((*folders, *held_out))  # what was fitted cannot be predicted
     opened = {folder: open_checked(folder, robot) for folder in (*folders, *held_out)}
     named = {name: opened[folder].campaign for name, folder in zip(names, folders, strict=True)}
     others = {folder: opened[folder].campaign for folder in held_out}

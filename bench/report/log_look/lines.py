@@ -1,6 +1,5 @@
 """Lines of a proposed `log.yaml` that a log alone tells."""
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,6 +9,7 @@ from bench.record.campaign import Array
 from bench.record.channels import parse_column
 from bench.record.look.families import Family
 from bench.record.units import FOREIGN
+from bench.record.yaml_text import in_quotes
 from bench.report.log_look.angle_units import Side, angle_unit, reaches
 from bench.robot.nominal_dynamics import NominalDynamics
 
@@ -56,7 +56,7 @@ class Line:
 
     def __str__(self) -> str:
         """As it stands in the file."""
-        quoted = self.source if self.source.replace("_", "").isalnum() else json.dumps(self.source, ensure_ascii=False)
+        quoted = self.source if self.source.replace("_", "").isalnum() else in_quotes(self.source)
         parts = [f"from: {quoted}"]
         parts += [f"factor: {self.factor:.12g}"] if self.factor != 1 else []
         parts += [f"offset: {self.offset:g}"] if self.offset else []

@@ -1,12 +1,12 @@
 """The text files of a started robot: figures, scene, log format, and a page that says where every number comes from."""
 
-import json
 from collections.abc import Sequence
 
 import yaml
 from pydantic import BaseModel
 
 from bench.record.units import STANDARD_GRAVITY
+from bench.record.yaml_text import in_quotes
 from bench.robot.figures import Encoder, TorqueSensor, Tracker, Uncertainty
 from bench.robot.starter.assumed import ROTOR_KEPT, assumptions, is_kept
 from bench.robot.starter.defaults import ROTOR_GUESSED, DriveFigures, Survey
@@ -27,7 +27,7 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
     lines = [
         f"# Figures of {name}, started from {source.file.name}. What is marked default is a guess.",
         "# Keys: models/README.md and bench/robot/figures.py. Of a joint that slides, rad stands for m and nm for n.",
-        f"title: {json.dumps(name)}",
+        f"title: {in_quotes(name)}",
         f"mjcf: {name}.xml",
         "scene: scene.xml",
         "",
@@ -81,7 +81,7 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
         ),
         "",
         "assumed:  # bench check shows these lines; take out what you have replaced",
-        *(f"  - {json.dumps(line)}" for line in assumptions(source, drives)),
+        *(f"  - {in_quotes(line)}" for line in assumptions(source, drives)),
     ]
     return "\n".join(lines) + "\n"
 
@@ -188,4 +188,4 @@ def readme_text(name: str, source: Source, drives: Sequence[DriveFigures]) -> st
 def _quoted(text: str) -> str:
     """Return a text as YAML has it; in quotation marks unless it is one word that YAML takes for a text."""
     is_word = text.replace("_", "").replace("-", "").isalnum() and not text[0].isdigit()
-    return text if is_word and yaml.safe_load(text) == text else json.dumps(text, ensure_ascii=False)
+    return text if is_word and yaml.safe_load(text) == text else in_quotes(text)

@@ -99,7 +99,7 @@ def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "") ->
     """
     if file.is_dir():
         raise RobotError(f"{file}: is a folder; give the MJCF (.xml) or URDF file in it.")
-    if not file.is_file():
+    if not file.exists():
         raise RobotError(f"{file}: no such file; give an MJCF (.xml) or a URDF.")
     urdf = read_urdf(file)
     spec, model = _read(file, urdf)

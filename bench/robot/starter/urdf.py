@@ -17,6 +17,7 @@ from bench.robot.trial import expect_harmless
 
 MESHES = (".stl", ".obj", ".msh")  # that MuJoCo reads
 UNREAD = ("mimic", "safety_controller", "calibration", "transmission")  # of a URDF, that nothing here has a place for
+LOOSE = 4  # names of links in one message
 ABOVE = 4  # folders above the URDF in which a package is looked for (assumed: urdf/ and robots/ lie one or two below)
 
 
@@ -79,7 +80,7 @@ def read_urdf(file: Path) -> Urdf | None:
     if root.tag != "robot":
         return None
     joints = root.findall("joint")
-    if faults := [f"{file}: {fault}" for fault in (*_repeated(joints), *_faulty_limits(joints))]:
+    if faults := [f"{file}: {fault}" for fault in (*_repeated(joints), *_faulty_limits(joints), *_loose(root))]:
         raise RobotError(faults)
     speeds = {}
     for joint in joints:
@@ -108,6 +109,19 @@ def _repeated(joints: list[ElementTree.Element]) -> Iterator[str]:
     for name, count in Counter(joint.get("name", "") for joint in joints).items():
         if count > 1:
             yield f"{count} joints have the name {name!r}; give each its own."
+
+
+def _loose(root: ElementTree.Element) -> Iterator[str]:
+    """Yield a sentence if several links hang on no joint; MuJoCo would fix all of them to the world."""
+    children = {child.get("link") for child in root.findall("joint/child")}
+    roots = [name for link in root.findall("link") if (name := link.get("name", "")) not in children]
+    if len(roots) > 1:
+        names = " and ".join(repr(name) for name in roots[:LOOSE])
+        more = f" and {len(roots) - LOOSE} more" if len(roots) > LOOSE else ""
+        yield (
+            f"links {names}{more} hang on no joint, and only the base may; write the joints that carry the others, "
+            "or take those links out."
+        )
 
 
 def _faulty_limits(joints: list[ElementTree.Element]) -> Iterator[str]:
