@@ -15,7 +15,7 @@ from bench.identify.dynamics.chosen import with_its_delay
 from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
 from bench.identify.dynamics.equations import Equations, equations_of
 from bench.identify.dynamics.folds import Folds, blocks_of, folds_of
-from bench.identify.dynamics.held_out import HeldOut, Problems, hold_out, missed
+from bench.identify.dynamics.held_out import SAME, HeldOut, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.prior import Prior, prior_of, weighed
@@ -244,7 +244,8 @@ def _layout_of(stretches: Sequence[Equations], band: Band, arm: Arm, nominal: No
             return shared
         prior = prior_of(layout, nominal, arm, *_sizes(rows, layout, nominal.speed_limit))
         beside.append(missed(solve(rows, prior, band.cutoff_hz, np.ones(layout.n), find_delay=False), prior, folds))
-    return each if beside[1].surely_less_than(beside[0]) else shared
+    # what a recording says of its own payload, no other recording can check: no drive may suffer
+    return each if beside[1].surely_less_than(beside[0], worse=SAME) else shared
 
 
 def _rows(

@@ -16,6 +16,7 @@ from bench.identify.dynamics.solve import Solution
 from bench.record.campaign import Array
 
 SAME = 1.02  # errors that differ by less are the same (assumed)
+MUCH = 1.1  # a drive that is predicted worse by more is predicted worse, however few folds say so (assumed)
 ROUNDING = 1e-9  # of what was subtracted
 SURE = 0.95  # declared: one-sided, by Student's t, for folds are few
 
@@ -70,19 +71,29 @@ class Missed:
         squares = self.squares.sum(axis=0)
         return float(np.sum(np.log(squares[squares > 0])))
 
-    def surely_less_than(self, other: "Missed") -> bool:
-        """Return whether less is missed than by another model, by more than folds differ, and no drive by more.
+    def surely_less_than(self, other: "Missed", worse: float = MUCH) -> bool:
+        """Return whether less is missed than by another model, by more than folds differ, and no drive surely by more.
 
         Each drive counts by the logarithm of its error, which is its likelihood with unknown noise.
+
+        Args:
+            other: What the other model misses of the same.
+            worse: Times the error of a drive, from where it is worse however few folds say so.
         """
         ours, others = self.squares.sum(axis=0), other.squares.sum(axis=0)
         shown = (self.squares > 0) & (other.squares > 0)
         ratio = np.where(shown, other.squares, 1.0) / np.where(shown, self.squares, 1.0)
-        gain = np.sum(self.readings / 2 * np.log(ratio), axis=1)
-        if len(gain) < 2 or np.any(ours > SAME**2 * others):
+        gain = self.readings / 2 * np.log(ratio)
+        if len(gain) < 2:
             return False
-        least = stats.t.ppf(SURE, len(gain) - 1) * gain.std(ddof=1) / np.sqrt(len(gain))
-        return bool(gain.mean() > least)
+        suffers = (ours > SAME**2 * others) & (_surely_positive(-gain) | (ours > worse**2 * others))
+        return bool(not np.any(suffers) and _surely_positive(gain.sum(axis=1, keepdims=True))[0])
+
+
+def _surely_positive(values: Array) -> NDArray[np.bool_]:
+    """Return whether the means of columns over folds, shape (K, n), are above zero by more than folds differ, (n,)."""
+    least = stats.t.ppf(SURE, len(values) - 1) * values.std(axis=0, ddof=1) / np.sqrt(len(values))
+    return np.asarray(values.mean(axis=0) > least)
 
 
 def missed(solution: Solution, prior: Prior, folds: Folds) -> Missed:
