@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from bench.compare.large import LargeChange, beyond_proportion, in_recording, places_of
 from bench.compare.recordings import Recording
 from bench.diagnose.explain import measured_by
-from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of
+from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of, plan_of
 from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_scatter
 from bench.diagnose.linearise.signatures import Digits, Sensitivities, Signatures
@@ -28,6 +29,8 @@ from bench.record.known import PAYLOAD
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
+MASS = "geometry and mass"  # the family of effects that change what links weigh, or where
+
 
 @dataclass(frozen=True, eq=False)
 class Joint:
@@ -39,7 +42,7 @@ class Joint:
         of_segment: Shape (S,), index of each segment's recording.
         causes: What is looked for.
         sensitivities: Of the readings to each of them, shape (T, c) each, in the order of `plan_of`.
-        stayed: The same about the robot as it was, without any large change.
+        stayed: The same of what stayed: about the robot as it was, without any large change (`_stayed`).
         left_out: Columns that were read before or after alone.
         large: Changes that are too large to be in proportion, about which it is linear.
         beyond: Shape (T, c), what they change beyond proportion, which is taken off the readings.
@@ -70,7 +73,7 @@ class Joint:
         return self._acting(self.sensitivities)
 
     def discrepancy(self) -> tuple[Candidate | Block, ...]:
-        """Return the same as the robot as it was shows it, so that what stayed is the same in all recordings.
+        """Return the same as what stayed, of which a large change makes nothing more.
 
         About a machine with a large change what stayed would show otherwise after it, in proportion to both. The
         discrepancy has all plausible causes at once, with sizes far beyond what is left to explain; they would scale
@@ -141,9 +144,11 @@ def joint_of(
         for segment in segments
     )
     changes = np.concatenate([found.nuisances for _, found in known])
-    if before:  # what was bolted on is not off by as much as what was there, whose body it may share
-        masses = [i for i, nuisance in enumerate(nuisances) if nuisance.of_mass]
-        changes[:, :, masses] = before.linear.sensitivities[:, :, masses]
+    of = np.repeat(np.arange(len(recordings)), [sum(map(len, segments)) for segments, _ in known])
+    if before:
+        for i, nuisance in enumerate(nuisances):
+            if nuisance.of_mass:
+                changes[:, :, i] = _smaller(changes[:, :, i], before.linear.sensitivities[:, :, i], of)
     sensitivities = tuple(_stacked(parts) for parts in zip(*(found.causes for _, found in known), strict=True))
     replay = Replay(compiled, joined, quantities)
     beyond = beyond_proportion(
@@ -158,7 +163,7 @@ def joint_of(
     linear = with_scatter(linear, replace(linear.scatter, repeats=0.0))
     of_segment = np.repeat(np.arange(len(recordings)), [len(segments) for segments, _ in known])
     columns = tuple(one.column for one in left_out)
-    stayed = before.stayed if before else sensitivities
+    stayed = _stayed(causes, sensitivities, before.stayed, of) if before else sensitivities
     return Joint(recordings, linear, of_segment, causes, sensitivities, stayed, columns, large, beyond)
 
 
@@ -197,6 +202,41 @@ def _sound(sensitivities: Sequence[Digits | None], places: Sequence[int]) -> lis
     found = [change for i in places if (change := sensitivities[i]) is not None]
     if len(found) < len(places):
         raise ConvergenceError("a change beside a large one finds no balance")
+    return found
+
+
+def _stayed(
+    causes: Sequence[Cause], now: Sequence[Digits | None], before: Sequence[Digits | None], of: NDArray[np.intp]
+) -> tuple[Digits | None, ...]:
+    """Return what causes that stayed change: as about the robot as it was, or less, where their mass was taken off.
+
+    Args:
+        causes: What is looked for.
+        now: About a machine with large changes, shape (T, c) each, in the order of `plan_of`.
+        before: About the robot as it was.
+        of: Shape (T,), index of each instant's recording.
+    """
+    masses = [cause.effect.family == MASS for cause, _ in plan_of(causes) for _ in cause.sizes]
+    both = zip(now, before, masses, strict=True)
+    return tuple(
+        _smaller(one, other, of) if is_mass and one is not None and other is not None else other
+        for one, other, is_mass in both
+    )
+
+
+def _smaller(one: NDArray[Any], other: NDArray[Any], of: NDArray[np.intp]) -> NDArray[Any]:
+    """Return in each recording the one of two changes, shape (T, c), that is smaller over all channels.
+
+    What is off of a body that carries a payload is off of what was there, and no more of what is bolted on later; and
+    it is gone with what was taken off.
+    """
+    found = other.copy()
+    for k in np.unique(of):
+        rows = of == k
+        new, old = (np.sum(np.square(values[rows], dtype=np.float64), axis=0) for values in (one, other))
+        seen = old > 0
+        if np.any(seen) and np.mean(new[seen] / old[seen]) < 1:
+            found[rows] = one[rows]
     return found
 
 

@@ -205,14 +205,6 @@ def test_one_armature_for_weak_and_strong_drives_is_a_placeholder(menagerie: Pat
     assert any("armature 0.1 of the file stands there" in line for line in robot.robot.figures.assumed)
 
 
-def test_drives_that_report_torque_have_a_zero_that_may_be_off(menagerie: Path, tmp_path: Path) -> None:
-    """With none, each ordinary offset had to be a finding: friction by direction of two joints at 100 and 90 %."""
-    robot = start_robot("twig", read_source(menagerie), tmp_path / "twig").compiled.robot
-    torque = robot.figures.instruments.torque
-    assert torque
-    assert torque.offset_sigma_nm == torque.sigma_nm
-
-
 def test_a_name_that_means_something_in_yaml_is_a_name(tmp_path: Path) -> None:
     file = tmp_path / "stick.xml"
     file.write_text(STICK)
