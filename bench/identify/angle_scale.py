@@ -11,13 +11,13 @@ delay of the readings minimise what is left, each drive weighed with its own, by
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from bench.identify.directions import Flags, directions
 from bench.identify.drive_model import TINY, Motion, carrying, model_columns, shifted, solved
-from bench.identify.drive_scale import BLOCKS, LATEST, MOST_FLIPPED, SAMPLES, Flags
+from bench.identify.drive_scale import BLOCKS, LATEST, SAMPLES
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
 
@@ -53,7 +53,7 @@ class AngleScale:
 def angle_scale(nominal: NominalDynamics, time: Array, angle: Array, reading: Array, sought: Flags) -> AngleScale:
     """Estimate the scale of angles from the torque that the nominal arm needs along them.
 
-    Directions are tried up to six joints; only sizes are returned, since a mirrored arm may need the same torque.
+    Directions are tried (`directions.py`); only sizes are returned, since a mirrored arm may need the same torque.
 
     Args:
         nominal: The robot.
@@ -117,8 +117,7 @@ class _Problem:
 
     def best_signs(self, x: Array, count: int) -> list[Array]:
         """Return directions of the joints, those that leave least first; of a pair of mirror images one."""
-        n = self.nominal.n_joints
-        tried = [np.array(signs) for signs in product((1.0, -1.0), repeat=n)] if n <= MOST_FLIPPED else [np.ones(n)]
+        tried = [np.where(turned, -1.0, 1.0) for turned in directions(self.nominal.n_joints)]
         shares = np.array([self.share_left(signs, x) for signs in tried])
         kept: list[int] = []
         for k in np.argsort(shares, kind="stable"):

@@ -8,10 +8,10 @@ Positions and readings have passed the same low-pass. A factor is as good as the
 """
 
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 
+from bench.identify.directions import Flags, directions
 from bench.identify.drive_model import (
     TINY,
     Motion,
@@ -28,7 +28,6 @@ from bench.robot.nominal_dynamics import NominalDynamics
 
 BLOCKS = 8  # of the record, fitted one by one; their spread is the statistical error of the factor (assumed)
 LATEST = 0.03  # [s], delay up to which is looked; drives report within a few control periods (assumed)
-MOST_FLIPPED = 6  # drives up to which all signs of angles are tried; 64 fits
 LAG_STEP = 1e-3  # [s] between the delays that are tried; a parabola through three of them tells the rest
 CLEARLY_MOVING = 0.1  # of the top speed (assumed; friction that turns within 0.1 mrad was taken for 5 ms otherwise)
 HALF = 0.5  # of what is unexplained: signs are turned only where that is left (assumed; symmetric signs leave all)
@@ -37,8 +36,6 @@ AT_MOST = 1e-2  # rounding: of a payload that was searched to a thousandth
 SAMPLES = 400  # with which signs are tried, and centres of mass moved
 LEAST_KNOWN = 0.5  # relative: an angle that is known less well is nudged by this, in place of infinitely far
 NUDGE = 1e-4  # rounding: [m] by which a centre is moved for the change of the torque, in which it is linear
-
-Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
 
 
 @dataclass(frozen=True)
@@ -197,12 +194,8 @@ def _turned(nominal: NominalDynamics, time: Array, position: Array, reading: Arr
     """Return which angles have to be turned, and of which it is not told.
 
     None is turned where that explains no more than half of what is left; directions that explain no more than twice as
-    badly are not told apart.
+    badly are not told apart. Of as many turns the best counts; more turns have to leave half of what fewer leave.
     """
-    n = position.shape[1]
-    plain = np.zeros(n, dtype=np.bool_)
-    if n > MOST_FLIPPED:
-        return plain, plain
     every = max(1, len(time) // SAMPLES)
     motion, seen = Motion.along(time, position), reading[::every]
 
@@ -210,11 +203,12 @@ def _turned(nominal: NominalDynamics, time: Array, position: Array, reading: Arr
         columns = model_columns(nominal, motion.seen(np.where(turned, -1.0, 1.0), every))
         return float(np.sum(misfit(carrying(columns, best_payload(columns, seen, nominal.payload)), seen)))
 
-    tried = [np.array(signs) for signs in sorted(product((False, True), repeat=n), key=sum)]
+    tried = directions(position.shape[1])
     misfits = [misfit_of(turned) for turned in tried]
-    best, least = 0, HALF * misfits[0]
+    best = 0
     for k in range(1, len(tried)):
-        if misfits[k] < least * (HALF if best else 1.0):  # fewer turns first
-            best, least = k, misfits[k]
+        as_many = np.sum(tried[k]) == np.sum(tried[best])
+        if misfits[k] < misfits[best] * (1.0 if as_many else HALF):
+            best = k
     alike = [turned for turned, left in zip(tried, misfits, strict=True) if HALF * left <= misfits[best]]
     return tried[best], np.any([turned != tried[best] for turned in alike], axis=0)

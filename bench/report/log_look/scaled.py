@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bench.identify.directions import most_at_once
 from bench.identify.drive_scale import AT_MOST, DriveScale
 from bench.record.campaign import Array
 from bench.record.look.families import Family
@@ -57,6 +58,13 @@ def scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks:
 def _of_directions(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
     """Yield which angles are turned, and of which nobody can tell."""
     names = nominal.bodies.names
+    at_once = most_at_once(len(names))
+    if at_once < len(names) and any(scale.turned[k] or _sign(scale, k) < 0 for k in range(len(names))):
+        number = "two" if at_once > 1 else "one"
+        yield (
+            f"of {len(names)} drives, angles that count the other way round were tried {number} at a time at most: "
+            "where more are turned, signs below may be wrong; look at the robot"
+        )
     if not np.any(scale.turned):
         return
     who = ", ".join(name for name, turned in zip(names, scale.turned, strict=True) if turned)
