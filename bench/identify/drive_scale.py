@@ -43,9 +43,10 @@ class DriveScale:
     """How readings of n drives compare with the nominal arm.
 
     Attributes:
-        factor: Shape (n,), motor torque at the joint by reading, sign included [Nm per unit of the reading].
-        sigma: Shape (n,), its relative standard deviation: statistics, masses and rotors together.
-        explained: Shape (n,), share of the reading's variance that model and friction explain.
+        factor: Shape (n,), motor torque at the joint by reading, sign included [Nm per unit of the reading]; nan of
+            readings that do not count.
+        sigma: Shape (n,), its relative standard deviation: statistics, masses and rotors together; inf of these.
+        explained: Shape (n,), share of the reading's variance that model and friction explain; nan of these.
         delay: [s], by which readings lag positions.
         delay_sigma: [s], its standard deviation: scatter between parts of the record.
         turned: Shape (n,), whether the angle of a drive seems to count the other way round than in the model.
@@ -63,9 +64,19 @@ class DriveScale:
     payload: float
     unsure: Flags
 
+    @property
+    def counts(self) -> Flags:
+        """Whether the reading of a drive counted, shape (n,)."""
+        return np.isfinite(self.factor)
+
 
 def drive_scale(
-    nominal: NominalDynamics, time: Array, position: Array, reading: Array, angle_sigma: Array | None = None
+    nominal: NominalDynamics,
+    time: Array,
+    position: Array,
+    reading: Array,
+    angle_sigma: Array | None = None,
+    counts: Flags | None = None,
 ) -> DriveScale:
     """Compare readings of drives with the torque that the nominal arm needs.
 
@@ -75,13 +86,16 @@ def drive_scale(
         position: Shape (T, n) [rad] or [m], low-passed.
         reading: Shape (T, n), in any unit, through the same low-pass.
         angle_sigma: Shape (n,), relative standard deviation of the scale of each position; inf where nobody knows it.
+        counts: Shape (n,), whether a drive has a reading that tells anything, at least one; all, if left out.
     """
-    turned, unsure = _turned(nominal, time, position, reading)
+    read = np.ones(nominal.n_joints, dtype=np.bool_) if counts is None else counts
+    reading = reading[:, read]
+    turned, unsure = _turned(nominal, time, position, reading, read)
     motion = Motion.along(time, position * np.where(turned, -1.0, 1.0))
-    columns = model_columns(nominal, motion)
+    columns = model_columns(nominal, motion)[read]
     heaviest = nominal.payload
     payload = best_payload(columns, reading, heaviest)
-    delay, delay_sigma = _delay(time, reading, columns, _sliding(motion))
+    delay, delay_sigma = _delay(time, reading, columns, _sliding(motion)[:, read])
     reading = shifted(time, reading, delay)
     payload = best_payload(columns, reading, heaviest)
     slopes = _slopes(columns, reading, payload)
@@ -93,16 +107,33 @@ def drive_scale(
     needed = np.sqrt(np.mean(carrying(columns, payload)[:, :, 0] ** 2, axis=1))
     rotor = np.sqrt(np.mean((nominal.rotor_inertia * motion.acceleration) ** 2, axis=0))
     known = nominal.drive_uncertainty
-    of_rotors = np.where(known.rotor_is_unknown, 0.0, known.rotor_inertia * rotor / needed)
-    stated = np.sqrt(nominal.uncertainty.mass**2 + of_rotors**2 + _of_centres(nominal, motion, columns, payload) ** 2)
+    of_rotors = np.where(known.rotor_is_unknown, 0.0, known.rotor_inertia * rotor)[read] / needed
+    of_centres = _of_centres(nominal, motion, columns, payload, read)
+    stated = np.sqrt(nominal.uncertainty.mass**2 + of_rotors**2 + of_centres**2)
     if payload > (1 - AT_MOST) * heaviest > 0:  # it wants to be heavier; then factors would be other ones
         freely = _slopes(columns, reading, best_payload(columns, reading, FREELY * heaviest))
         stated = np.hypot(stated, np.abs(np.log(np.abs(freely / slopes))))
     if angle_sigma is not None:
-        stated = np.hypot(stated, _of_angles(nominal, motion, reading, slopes, angle_sigma))
+        stated = np.hypot(stated, _of_angles(nominal, motion, reading, slopes, angle_sigma, read))
     explained = 1 - misfit(carrying(columns, payload), reading)
     sigma = np.hypot(scatter, stated)
-    return DriveScale(1 / slopes, sigma, explained, delay, delay_sigma, turned, payload, unsure)
+    return DriveScale(
+        _spread(1 / slopes, read, np.nan),
+        _spread(sigma, read, np.inf),
+        _spread(explained, read, np.nan),
+        delay,
+        delay_sigma,
+        turned,
+        payload,
+        unsure,
+    )
+
+
+def _spread(values: Array, read: Flags, other: float) -> Array:
+    """Return the values of drives that are read, shape (n,); another one for those that are not."""
+    every = np.full(len(read), other)
+    every[read] = values
+    return every
 
 
 def _sliding(motion: Motion) -> Array:
@@ -153,25 +184,27 @@ def _lowest(lags: Array, misfits: Array) -> float:
     return float(lags[k] + (0.5 * (before - after) / bend if bend > 0 else 0.0) * (lags[1] - lags[0]))
 
 
-def _of_angles(nominal: NominalDynamics, motion: Motion, reading: Array, slopes: Array, angle_sigma: Array) -> Array:
-    """Return the relative error of each drive's factor by the scale of angles, as that was estimated."""
-    errors = np.zeros(nominal.n_joints)
+def _of_angles(
+    nominal: NominalDynamics, motion: Motion, reading: Array, slopes: Array, angle_sigma: Array, read: Flags
+) -> Array:
+    """Return the relative error of the factor of drives that are read by the scale of angles, as that was estimated."""
+    errors = np.zeros_like(slopes)
     for joint in np.flatnonzero(angle_sigma > 0):
         larger = np.ones(nominal.n_joints)
         larger[joint] += min(float(angle_sigma[joint]), LEAST_KNOWN)
-        columns = model_columns(nominal, motion.seen(larger, 1))
+        columns = model_columns(nominal, motion.seen(larger, 1))[read]
         errors += (_slopes(columns, reading, best_payload(columns, reading, nominal.payload)) / slopes - 1) ** 2
     return np.asarray(np.sqrt(errors))
 
 
-def _of_centres(nominal: NominalDynamics, motion: Motion, columns: Array, payload: float) -> Array:
-    """Return the relative error of each drive's factor by centres of mass that are not where they are stated."""
+def _of_centres(nominal: NominalDynamics, motion: Motion, columns: Array, payload: float, read: Flags) -> Array:
+    """Return the relative error of the factor of drives that are read by centres of mass that are not as stated."""
     every = max(1, columns.shape[1] // SAMPLES)
     few = motion.seen(np.ones(nominal.n_joints), every)
     known = carrying(columns[:, ::every], payload)
     freed = [_apart(model[:, :1], model[:, 1:])[:, 0] for model in known]
     plain = link_torque(nominal.bodies, few)
-    errors = np.zeros(nominal.n_joints)
+    errors = np.zeros(len(columns))
     for body in range(nominal.n_joints):
         for axis in range(3):
             com = nominal.bodies.com.copy()
@@ -181,7 +214,9 @@ def _of_centres(nominal: NominalDynamics, motion: Motion, columns: Array, payloa
                 / NUDGE
                 * nominal.uncertainty.centre_of_mass_m
             )
-            errors += [float(np.dot(f, d) / max(np.dot(f, f), TINY)) ** 2 for f, d in zip(freed, moved.T, strict=True)]
+            errors += [
+                float(np.dot(f, d) / max(np.dot(f, f), TINY)) ** 2 for f, d in zip(freed, moved.T[read], strict=True)
+            ]
     return np.asarray(np.sqrt(errors))
 
 
@@ -190,7 +225,7 @@ def _apart(values: Array, others: Array) -> Array:
     return np.asarray(values - others @ np.linalg.lstsq(others, values, rcond=None)[0])
 
 
-def _turned(nominal: NominalDynamics, time: Array, position: Array, reading: Array) -> tuple[Flags, Flags]:
+def _turned(nominal: NominalDynamics, time: Array, position: Array, reading: Array, read: Flags) -> tuple[Flags, Flags]:
     """Return which angles have to be turned, and of which it is not told.
 
     None is turned where that explains no more than half of what is left; directions that explain no more than twice as
@@ -200,7 +235,7 @@ def _turned(nominal: NominalDynamics, time: Array, position: Array, reading: Arr
     motion, seen = Motion.along(time, position), reading[::every]
 
     def misfit_of(turned: Flags) -> float:
-        columns = model_columns(nominal, motion.seen(np.where(turned, -1.0, 1.0), every))
+        columns = model_columns(nominal, motion.seen(np.where(turned, -1.0, 1.0), every))[read]
         return float(np.sum(misfit(carrying(columns, best_payload(columns, seen, nominal.payload)), seen)))
 
     tried = directions(position.shape[1])

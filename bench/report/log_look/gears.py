@@ -135,7 +135,10 @@ def _by_torques(slow: Slow, nominal: NominalDynamics) -> AngleScale | None:
     sought = np.array([line.side != "joint" for line in slow.angles]) & nominal.bodies.is_hinge
     if not np.any(sought):
         return None
-    found = [angle_scale(nominal, slow.time, slow.position, reading, sought) for reading in slow.readings.values()]
+    found = [
+        angle_scale(nominal, slow.time, slow.position, reading, sought, slow.moves[sources])
+        for sources, reading in slow.readings.items()
+    ]
     found = [scale for scale in found if scale.unexplained < 1 - EXPLAINED]
     if not found:
         return None
