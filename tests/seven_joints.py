@@ -19,8 +19,8 @@ COULOMB = 0.05  # of the torque of the links
 NOISE = 0.01  # [A]
 
 
-def mjcf(without_range: int = 0) -> str:
-    """Return the arm; the joint of a number has no range, if one is named."""
+def mjcf(without_range: tuple[int, ...] = ()) -> str:
+    """Return the arm; joints of some numbers have no range."""
     body = (
         '<body name="l{i}" pos="0 0 0.2"><inertial mass="{mass}" pos="{com} 0.1" diaginertia="0.03 0.03 0.01"/>'
         '<joint name="j{i}" axis="{axis}"{range}/>'
@@ -31,7 +31,7 @@ def mjcf(without_range: int = 0) -> str:
             mass=MASS[i - 1],
             com="0.02 0.03" if i % 2 else "0.03 -0.02",
             axis="0 0 1" if i % 2 else "0 1 0",
-            range="" if i == without_range else ' range="-2.9 2.9"',
+            range="" if i in without_range else ' range="-2.9 2.9"',
         )
         for i in range(1, N + 1)
     )
@@ -41,7 +41,7 @@ def mjcf(without_range: int = 0) -> str:
     )
 
 
-def started(folder: Path, without_range: int = 0) -> NominalDynamics:
+def started(folder: Path, without_range: tuple[int, ...] = ()) -> NominalDynamics:
     """Return its nominal dynamics as `bench new-robot` starts it; the folder is there."""
     (folder / "seven.xml").write_text(mjcf(without_range))
     return nominal_dynamics(start_robot("seven", read_source(folder / "seven.xml"), folder / "seven").compiled)
@@ -68,12 +68,12 @@ class Log:
         return file
 
 
-def moved(arm: NominalDynamics, rng: np.random.Generator) -> Log:
-    """Move along Fourier series of 0.1 to 0.3 Hz about a bent pose."""
+def moved(arm: NominalDynamics, rng: np.random.Generator, size: float = 0.4) -> Log:
+    """Move along Fourier series of 0.1 to 0.3 Hz and some size [rad] about a bent pose."""
     time = np.arange(round(RATE * SECONDS)) / RATE
     waves = 2 * np.pi * 0.1 * np.arange(1, 4)
     sines, phases = rng.normal(size=(2, 3, N))
-    angle = np.sum(0.4 * sines * np.sin(waves[:, None] * time[:, None, None] + 3 * phases), axis=1)
+    angle = np.sum(size * sines * np.sin(waves[:, None] * time[:, None, None] + 3 * phases), axis=1)
     motion = Motion.along(time, angle + np.array([0.0, 0.5, 0.0, -0.6, 0.0, 0.4, 0.0]))
     links = link_torque(arm.bodies, motion) + arm.rotor_inertia * motion.acceleration
     friction = COULOMB * np.max(np.abs(links), axis=0) * np.tanh(motion.velocity / 0.01)

@@ -45,7 +45,7 @@ def slow_motion(
         name for group in ([a.source for a in angles], *(f.sources for f in families)) for name in group
     )
     clock, slow = evenly(time, {name: columns[name] for name in names})
-    position = np.stack([line.factor * slow[line.source] for line in angles], axis=1)[EDGE:-EDGE]
+    position = np.stack([line.factor * slow[line.source] + line.offset for line in angles], axis=1)[EDGE:-EDGE]
     if len(position) < SHORTEST:
         return None
     stacked = {f.sources: np.stack([slow[name] for name in f.sources], axis=1)[EDGE:-EDGE] for f in families}
