@@ -11,13 +11,13 @@ delay of the readings minimise what is left, each drive weighed with its own, by
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from bench.identify.directions import Flags, directions
 from bench.identify.drive_model import TINY, Motion, carrying, model_columns, shifted, solved
-from bench.identify.drive_scale import BLOCKS, LATEST, MOST_FLIPPED, SAMPLES, Flags
+from bench.identify.drive_scale import BLOCKS, LATEST, SAMPLES
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
 
@@ -50,10 +50,12 @@ class AngleScale:
     unexplained_as_given: float
 
 
-def angle_scale(nominal: NominalDynamics, time: Array, angle: Array, reading: Array, sought: Flags) -> AngleScale:
+def angle_scale(
+    nominal: NominalDynamics, time: Array, angle: Array, reading: Array, sought: Flags, counts: Flags | None = None
+) -> AngleScale:
     """Estimate the scale of angles from the torque that the nominal arm needs along them.
 
-    Directions are tried up to six joints; only sizes are returned, since a mirrored arm may need the same torque.
+    Directions are tried (`directions.py`); only sizes are returned, since a mirrored arm may need the same torque.
 
     Args:
         nominal: The robot.
@@ -61,8 +63,11 @@ def angle_scale(nominal: NominalDynamics, time: Array, angle: Array, reading: Ar
         angle: Shape (T, n), low-passed; [rad] or [m] where it is not sought, else in any unit.
         reading: Shape (T, n), of the drives in any unit, through the same low-pass.
         sought: Shape (n,), joints of which the scale is unknown.
+        counts: Shape (n,), whether a drive has a reading that tells anything, at least one; all, if left out.
     """
-    problem = _Problem(nominal, time, angle, reading, np.flatnonzero(sought & (np.max(np.abs(angle), axis=0) > 0)))
+    read = np.ones(nominal.n_joints, dtype=np.bool_) if counts is None else counts
+    places = np.flatnonzero(sought & (np.max(np.abs(angle), axis=0) > 0))
+    problem = _Problem(nominal, time, angle, reading[:, read], places, read)
     fits = [_fitted(problem, signs) for signs in problem.best_signs(problem.start, SIGNS_TRIED)]
     best = min(fits, key=lambda fit: fit.misfit)
     factor, sigma = np.ones(nominal.n_joints), np.where(sought, np.inf, 0.0)
@@ -75,13 +80,17 @@ def angle_scale(nominal: NominalDynamics, time: Array, angle: Array, reading: Ar
 
 @dataclass(frozen=True)
 class _Problem:
-    """What is minimised; x holds log f of the joints at `places`, share of the heaviest payload, delay by LATEST."""
+    """What is minimised; x holds log f of the joints at `places`, share of the heaviest payload, delay by LATEST.
+
+    `reading` has the drives that are `read` alone.
+    """
 
     nominal: NominalDynamics
     time: Array
     angle: Array
     reading: Array
     places: np.ndarray[tuple[int], np.dtype[np.int64]]
+    read: Flags
 
     @property
     def start(self) -> Array:
@@ -103,11 +112,11 @@ class _Problem:
         return np.asarray(factor)
 
     def left(self, signs: Array, x: Array, nominal: NominalDynamics | None = None) -> Array:
-        """Return what the model leaves of the readings, shape (n, samples)."""
+        """Return what the model leaves of the readings, shape (those that are read, samples)."""
         nominal = nominal or self.nominal
         every = max(1, len(self.time) // SAMPLES)
         motion = Motion.along(self.time, self.angle).seen(signs * self.factors(x), every)
-        columns = carrying(model_columns(nominal, motion), max(0.0, x[-2]) * self.nominal.payload)
+        columns = carrying(model_columns(nominal, motion)[self.read], max(0.0, x[-2]) * self.nominal.payload)
         seen = shifted(self.time, self.reading, LATEST * x[-1])[::every]
         return np.asarray(seen.T - np.einsum("jtc,jc->jt", columns, solved(columns, seen)))
 
@@ -117,8 +126,7 @@ class _Problem:
 
     def best_signs(self, x: Array, count: int) -> list[Array]:
         """Return directions of the joints, those that leave least first; of a pair of mirror images one."""
-        n = self.nominal.n_joints
-        tried = [np.array(signs) for signs in product((1.0, -1.0), repeat=n)] if n <= MOST_FLIPPED else [np.ones(n)]
+        tried = [np.where(turned, -1.0, 1.0) for turned in directions(self.nominal.n_joints)]
         shares = np.array([self.share_left(signs, x) for signs in tried])
         kept: list[int] = []
         for k in np.argsort(shares, kind="stable"):
@@ -161,7 +169,7 @@ def _sigma(problem: _Problem, fit: _Fit) -> Array:
     Statistics from the scores of blocks (a sandwich, for what is left is no white noise), and what each stated
     uncertainty of masses, centres and rotors moves, to first order.
     """
-    n, size = problem.nominal.n_joints, len(fit.x)
+    n, size = problem.reading.shape[1], len(fit.x)
     inverse = np.linalg.pinv(fit.jacobian.T @ fit.jacobian)
     jacobian, residual = fit.jacobian.reshape(n, -1, size), fit.residual.reshape(n, -1)
     scores = [

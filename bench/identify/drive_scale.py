@@ -8,10 +8,10 @@ Positions and readings have passed the same low-pass. A factor is as good as the
 """
 
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 
+from bench.identify.directions import Flags, directions
 from bench.identify.drive_model import (
     TINY,
     Motion,
@@ -28,7 +28,6 @@ from bench.robot.nominal_dynamics import NominalDynamics
 
 BLOCKS = 8  # of the record, fitted one by one; their spread is the statistical error of the factor (assumed)
 LATEST = 0.03  # [s], delay up to which is looked; drives report within a few control periods (assumed)
-MOST_FLIPPED = 6  # drives up to which all signs of angles are tried; 64 fits
 LAG_STEP = 1e-3  # [s] between the delays that are tried; a parabola through three of them tells the rest
 CLEARLY_MOVING = 0.1  # of the top speed (assumed; friction that turns within 0.1 mrad was taken for 5 ms otherwise)
 HALF = 0.5  # of what is unexplained: signs are turned only where that is left (assumed; symmetric signs leave all)
@@ -38,17 +37,16 @@ SAMPLES = 400  # with which signs are tried, and centres of mass moved
 LEAST_KNOWN = 0.5  # relative: an angle that is known less well is nudged by this, in place of infinitely far
 NUDGE = 1e-4  # rounding: [m] by which a centre is moved for the change of the torque, in which it is linear
 
-Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
-
 
 @dataclass(frozen=True)
 class DriveScale:
     """How readings of n drives compare with the nominal arm.
 
     Attributes:
-        factor: Shape (n,), motor torque at the joint by reading, sign included [Nm per unit of the reading].
-        sigma: Shape (n,), its relative standard deviation: statistics, masses and rotors together.
-        explained: Shape (n,), share of the reading's variance that model and friction explain.
+        factor: Shape (n,), motor torque at the joint by reading, sign included [Nm per unit of the reading]; nan of
+            readings that do not count.
+        sigma: Shape (n,), its relative standard deviation: statistics, masses and rotors together; inf of these.
+        explained: Shape (n,), share of the reading's variance that model and friction explain; nan of these.
         delay: [s], by which readings lag positions.
         delay_sigma: [s], its standard deviation: scatter between parts of the record.
         turned: Shape (n,), whether the angle of a drive seems to count the other way round than in the model.
@@ -66,9 +64,19 @@ class DriveScale:
     payload: float
     unsure: Flags
 
+    @property
+    def counts(self) -> Flags:
+        """Whether the reading of a drive counted, shape (n,)."""
+        return np.isfinite(self.factor)
+
 
 def drive_scale(
-    nominal: NominalDynamics, time: Array, position: Array, reading: Array, angle_sigma: Array | None = None
+    nominal: NominalDynamics,
+    time: Array,
+    position: Array,
+    reading: Array,
+    angle_sigma: Array | None = None,
+    counts: Flags | None = None,
 ) -> DriveScale:
     """Compare readings of drives with the torque that the nominal arm needs.
 
@@ -78,13 +86,16 @@ def drive_scale(
         position: Shape (T, n) [rad] or [m], low-passed.
         reading: Shape (T, n), in any unit, through the same low-pass.
         angle_sigma: Shape (n,), relative standard deviation of the scale of each position; inf where nobody knows it.
+        counts: Shape (n,), whether a drive has a reading that tells anything, at least one; all, if left out.
     """
-    turned, unsure = _turned(nominal, time, position, reading)
+    read = np.ones(nominal.n_joints, dtype=np.bool_) if counts is None else counts
+    reading = reading[:, read]
+    turned, unsure = _turned(nominal, time, position, reading, read)
     motion = Motion.along(time, position * np.where(turned, -1.0, 1.0))
-    columns = model_columns(nominal, motion)
+    columns = model_columns(nominal, motion)[read]
     heaviest = nominal.payload
     payload = best_payload(columns, reading, heaviest)
-    delay, delay_sigma = _delay(time, reading, columns, _sliding(motion))
+    delay, delay_sigma = _delay(time, reading, columns, _sliding(motion)[:, read])
     reading = shifted(time, reading, delay)
     payload = best_payload(columns, reading, heaviest)
     slopes = _slopes(columns, reading, payload)
@@ -96,16 +107,33 @@ def drive_scale(
     needed = np.sqrt(np.mean(carrying(columns, payload)[:, :, 0] ** 2, axis=1))
     rotor = np.sqrt(np.mean((nominal.rotor_inertia * motion.acceleration) ** 2, axis=0))
     known = nominal.drive_uncertainty
-    of_rotors = np.where(known.rotor_is_unknown, 0.0, known.rotor_inertia * rotor / needed)
-    stated = np.sqrt(nominal.uncertainty.mass**2 + of_rotors**2 + _of_centres(nominal, motion, columns, payload) ** 2)
+    of_rotors = np.where(known.rotor_is_unknown, 0.0, known.rotor_inertia * rotor)[read] / needed
+    of_centres = _of_centres(nominal, motion, columns, payload, read)
+    stated = np.sqrt(nominal.uncertainty.mass**2 + of_rotors**2 + of_centres**2)
     if payload > (1 - AT_MOST) * heaviest > 0:  # it wants to be heavier; then factors would be other ones
         freely = _slopes(columns, reading, best_payload(columns, reading, FREELY * heaviest))
         stated = np.hypot(stated, np.abs(np.log(np.abs(freely / slopes))))
     if angle_sigma is not None:
-        stated = np.hypot(stated, _of_angles(nominal, motion, reading, slopes, angle_sigma))
+        stated = np.hypot(stated, _of_angles(nominal, motion, reading, slopes, angle_sigma, read))
     explained = 1 - misfit(carrying(columns, payload), reading)
     sigma = np.hypot(scatter, stated)
-    return DriveScale(1 / slopes, sigma, explained, delay, delay_sigma, turned, payload, unsure)
+    return DriveScale(
+        _spread(1 / slopes, read, np.nan),
+        _spread(sigma, read, np.inf),
+        _spread(explained, read, np.nan),
+        delay,
+        delay_sigma,
+        turned,
+        payload,
+        unsure,
+    )
+
+
+def _spread(values: Array, read: Flags, other: float) -> Array:
+    """Return the values of drives that are read, shape (n,); another one for those that are not."""
+    every = np.full(len(read), other)
+    every[read] = values
+    return every
 
 
 def _sliding(motion: Motion) -> Array:
@@ -156,25 +184,27 @@ def _lowest(lags: Array, misfits: Array) -> float:
     return float(lags[k] + (0.5 * (before - after) / bend if bend > 0 else 0.0) * (lags[1] - lags[0]))
 
 
-def _of_angles(nominal: NominalDynamics, motion: Motion, reading: Array, slopes: Array, angle_sigma: Array) -> Array:
-    """Return the relative error of each drive's factor by the scale of angles, as that was estimated."""
-    errors = np.zeros(nominal.n_joints)
+def _of_angles(
+    nominal: NominalDynamics, motion: Motion, reading: Array, slopes: Array, angle_sigma: Array, read: Flags
+) -> Array:
+    """Return the relative error of the factor of drives that are read by the scale of angles, as that was estimated."""
+    errors = np.zeros_like(slopes)
     for joint in np.flatnonzero(angle_sigma > 0):
         larger = np.ones(nominal.n_joints)
         larger[joint] += min(float(angle_sigma[joint]), LEAST_KNOWN)
-        columns = model_columns(nominal, motion.seen(larger, 1))
+        columns = model_columns(nominal, motion.seen(larger, 1))[read]
         errors += (_slopes(columns, reading, best_payload(columns, reading, nominal.payload)) / slopes - 1) ** 2
     return np.asarray(np.sqrt(errors))
 
 
-def _of_centres(nominal: NominalDynamics, motion: Motion, columns: Array, payload: float) -> Array:
-    """Return the relative error of each drive's factor by centres of mass that are not where they are stated."""
+def _of_centres(nominal: NominalDynamics, motion: Motion, columns: Array, payload: float, read: Flags) -> Array:
+    """Return the relative error of the factor of drives that are read by centres of mass that are not as stated."""
     every = max(1, columns.shape[1] // SAMPLES)
     few = motion.seen(np.ones(nominal.n_joints), every)
     known = carrying(columns[:, ::every], payload)
     freed = [_apart(model[:, :1], model[:, 1:])[:, 0] for model in known]
     plain = link_torque(nominal.bodies, few)
-    errors = np.zeros(nominal.n_joints)
+    errors = np.zeros(len(columns))
     for body in range(nominal.n_joints):
         for axis in range(3):
             com = nominal.bodies.com.copy()
@@ -184,7 +214,9 @@ def _of_centres(nominal: NominalDynamics, motion: Motion, columns: Array, payloa
                 / NUDGE
                 * nominal.uncertainty.centre_of_mass_m
             )
-            errors += [float(np.dot(f, d) / max(np.dot(f, f), TINY)) ** 2 for f, d in zip(freed, moved.T, strict=True)]
+            errors += [
+                float(np.dot(f, d) / max(np.dot(f, f), TINY)) ** 2 for f, d in zip(freed, moved.T[read], strict=True)
+            ]
     return np.asarray(np.sqrt(errors))
 
 
@@ -193,28 +225,25 @@ def _apart(values: Array, others: Array) -> Array:
     return np.asarray(values - others @ np.linalg.lstsq(others, values, rcond=None)[0])
 
 
-def _turned(nominal: NominalDynamics, time: Array, position: Array, reading: Array) -> tuple[Flags, Flags]:
+def _turned(nominal: NominalDynamics, time: Array, position: Array, reading: Array, read: Flags) -> tuple[Flags, Flags]:
     """Return which angles have to be turned, and of which it is not told.
 
     None is turned where that explains no more than half of what is left; directions that explain no more than twice as
-    badly are not told apart.
+    badly are not told apart. Of as many turns the best counts; more turns have to leave half of what fewer leave.
     """
-    n = position.shape[1]
-    plain = np.zeros(n, dtype=np.bool_)
-    if n > MOST_FLIPPED:
-        return plain, plain
     every = max(1, len(time) // SAMPLES)
     motion, seen = Motion.along(time, position), reading[::every]
 
     def misfit_of(turned: Flags) -> float:
-        columns = model_columns(nominal, motion.seen(np.where(turned, -1.0, 1.0), every))
+        columns = model_columns(nominal, motion.seen(np.where(turned, -1.0, 1.0), every))[read]
         return float(np.sum(misfit(carrying(columns, best_payload(columns, seen, nominal.payload)), seen)))
 
-    tried = [np.array(signs) for signs in sorted(product((False, True), repeat=n), key=sum)]
+    tried = directions(position.shape[1])
     misfits = [misfit_of(turned) for turned in tried]
-    best, least = 0, HALF * misfits[0]
+    best = 0
     for k in range(1, len(tried)):
-        if misfits[k] < least * (HALF if best else 1.0):  # fewer turns first
-            best, least = k, misfits[k]
+        as_many = np.sum(tried[k]) == np.sum(tried[best])
+        if misfits[k] < misfits[best] * (1.0 if as_many else HALF):
+            best = k
     alike = [turned for turned, left in zip(tried, misfits, strict=True) if HALF * left <= misfits[best]]
     return tried[best], np.any([turned != tried[best] for turned in alike], axis=0)

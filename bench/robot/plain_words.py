@@ -7,7 +7,10 @@ REMEDIES = {
     "unknown transmission target": "name a joint or tendon that the file has, or add it",
     "not found in tendon": "name a joint or site that the file has, or add it",
     "unknown element": "name a part that the file has, or add it",
-    "rror opening file": "put the file where the MJCF says, or correct meshdir; a URDF's package:// is not followed",
+    "rror opening file": (
+        "put the file where the MJCF says, or correct meshdir; geoms of type mesh, with their <mesh>, may be deleted "
+        "where bodies have their <inertial>; package:// is followed in a URDF alone, by `bench new-robot`"
+    ),
     "unknown plugin": "declare it under <extension>; bench/actuators/README.md has the names",
 }
 

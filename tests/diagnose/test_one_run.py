@@ -80,6 +80,18 @@ def test_a_drive_that_reads_nothing_at_all_is_no_traceback(campaign: Campaign, c
     assert hints_of(still, compiled) is not None
 
 
+def test_without_a_torque_or_a_current_that_is_the_reason(campaign: Campaign, compiled: CompiledRobot) -> None:
+    """It was said to be a lack of rests and of motions that go on, with the advice to move for longer."""
+    known = ("time_s", "q_cmd", "q_motor")
+    runs = tuple(
+        replace(run, columns={name: v for name, v in run.columns.items() if name.startswith(known)})
+        for run in campaign.runs
+    )
+    (hint,) = hints_of(replace(campaign, runs=runs), compiled)
+    assert "no drive torque or current is recorded" in str(hint)
+    assert "move for longer" not in str(hint)
+
+
 @pytest.mark.parametrize("way", ["up", "down"])
 def test_a_slow_sweep_is_not_blamed_for_a_zero_of_the_fast_one(
     way: str, campaign: Campaign, compiled: CompiledRobot

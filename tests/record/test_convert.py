@@ -192,3 +192,27 @@ def test_an_angle_that_reaches_too_far_is_advised_what_brings_it_into_range(
     (problem,) = [line for line in str(caught.value).splitlines() if "no position of this joint" in line]
     assert said in problem
     assert not not_said or not_said not in problem
+
+
+@pytest.mark.parametrize(
+    ("first", "others", "said", "not_said"),
+    [
+        (6 * np.pi, 1.0, "a counter that stands 3 turns on? add the offset -18.849556", "degrees"),
+        (-4 * np.pi, 1.0, "a counter that stands 2 turns back? add the offset 12.566371", "degrees"),
+        (6 * np.pi, 60.0, "a counter that stands 3 turns on? add the offset -18.849556; degrees?", ""),  # all of them?
+    ],
+)
+def test_a_counter_of_a_joint_with_a_turn_to_go_may_be_some_turns_on(
+    tmp_path: Path, first: float, others: float, said: str, not_said: str
+) -> None:
+    """It was advised degrees, of one angle of three."""
+    rows = "".join(f"{k / 10},{first + 0.3 * k:.7g},{others:g},{0.5 * others:g},1\n" for k in range(3))
+    file = log(tmp_path, "a.csv", f"t,q1,q2,q3,i\n{rows}")
+    columns = {"time_s": {"from": "t"}, "current_1_a": {"from": "i"}}
+    columns |= {f"q_motor_{j}_rad": {"from": f"q{j}"} for j in (1, 2, 3)}
+    arm = Arm((False,) * 3, ((-2 * np.pi, 2 * np.pi), (-3.0, 3.0), (-3.0, 3.0)), (None,) * 3)
+    with pytest.raises(CampaignError) as caught:
+        convert(file, LogFormat.model_validate({"columns": columns}), "mine", arm)
+    (problem,) = [line for line in str(caught.value).splitlines() if "q_motor_1_rad" in line]
+    assert said in problem
+    assert not not_said or not_said not in problem

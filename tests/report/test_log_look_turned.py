@@ -6,7 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench.identify.directions import directions, most_at_once
+from bench.record.log_format import read_log_format
+from bench.report.log_look.look import look
 from bench.report.log_look.trial import refusals
+from tests import seven_joints
 from tests.identify.dynamics.rigid_world import Friction, arm, drawn, recorded, robot
 
 CRUDE = {"mass": 0.3, "centre_of_mass_m": 0.03, "rotor_inertia": 0.3}
@@ -44,3 +48,34 @@ def test_currents_are_torques_by_stated_constants_alone(tmp_path: Path, stated: 
     known = constants if stated else np.full(3, np.nan)
     nominal = replace(robot(arm(), **CRUDE), torque_constant=np.where(stated, constants, 1.0), stated_constant=known)
     assert len(list(refusals(tmp_path / "x.csv", text, nominal))) == stated
+
+
+@pytest.mark.parametrize(
+    ("angle", "current"), [((), ()), ((), (4,)), ((4,), ()), ((4,), (4,)), ((2,), (2,)), ((2, 3), ())]
+)
+def test_of_seven_drives_too_the_turned_one_is_told(
+    tmp_path: Path, angle: tuple[int, ...], current: tuple[int, ...]
+) -> None:
+    """Beyond six drives no direction was tried, and three right currents were turned for one angle."""
+    arm = seven_joints.started(tmp_path)
+    log = seven_joints.moved(arm, np.random.default_rng(2))
+    log = replace(log, angle=log.angle * signs(angle), current=log.current * signs(current))
+    text = look(log.written(tmp_path / "x.csv"), nominal=arm).text
+    (tmp_path / "log.yaml").write_text(text)
+    columns = read_log_format(tmp_path / "log.yaml").columns
+    every = range(1, seven_joints.N + 1)
+    assert [columns[f"q_motor_{j}_rad"].factor for j in every] == list(signs(angle))
+    assert [columns[f"current_{j}_a"].factor for j in every] == list(signs(current))
+    assert ("tried two at a time at most" in text) is bool(angle or current)
+
+
+def signs(turned: tuple[int, ...]) -> np.ndarray:
+    return np.where(np.isin(np.arange(1, seven_joints.N + 1), turned), -1.0, 1.0)
+
+
+@pytest.mark.parametrize(("n", "at_once", "trials"), [(3, 3, 8), (6, 6, 64), (7, 2, 29), (10, 2, 56), (11, 1, 12)])
+def test_as_many_directions_are_tried_as_six_drives_have(n: int, at_once: int, trials: int) -> None:
+    tried = directions(n)
+    assert not np.any(tried[0])
+    assert len(tried) == len({tuple(turned) for turned in tried}) == trials
+    assert max(map(sum, tried)) == most_at_once(n) == at_once

@@ -162,6 +162,13 @@ def test_the_speed_limit_stands_once(tmp_path: Path) -> None:
         compile_robot(load_robot(tmp_path / "arm"))
 
 
+def test_a_range_that_was_assumed_is_told(tmp_path: Path) -> None:
+    text = stranger.mjcf().replace('axis="0 1 0" range="-2.6 2.6"', 'axis="0 1 0"', 1)
+    text = text.replace(' ctrlrange="-2.6 2.6"', "")
+    started(tmp_path, text)
+    assert "range (j2 -360 to 360 degrees): the file has none" in load_robot(tmp_path / "arm").figures.assumed
+
+
 def test_limits_and_shapes_of_a_urdf_are_kept(tmp_path: Path) -> None:
     """Speed limits and visual shapes were lost while the README said that nothing was left out."""
     (tmp_path / "pack" / "meshes").mkdir(parents=True)

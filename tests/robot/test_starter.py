@@ -261,6 +261,12 @@ def test_named_joints_and_load_point(menagerie: Path, tmp_path: Path) -> None:
         ('mass="3"', 'mass="-3"', [], r"twig\.xml: .*'l2'.*; give the body positive mass"),
         ('<inertial mass="4" pos="0 0 0.1" diaginertia="0.02 0.02 0.02"/>', "", [], None),  # the geom gives it
         ('file="tri.obj"', 'name="tri" file="none.obj"', [], r"none\.obj.*; put the file where the MJCF says"),
+        (
+            'file="tri.obj"',
+            'name="tri" file="none.obj"',
+            [],
+            r"geoms of type mesh, .* may be deleted where bodies have",
+        ),
         ('<body name="base" childclass="arm">', '<body name="base" childclass="arm"><freejoint/>', [], r"fix the base"),
         ('name="j2"/>', 'name="j2" type="ball" range="0 1"/>', [], r"ball joint; write it as three hinges"),
         ('name="j2"/>', 'name="j2"/><joint name="k" axis="1 0 0"/>', [], r"body 'l2' has several joints"),

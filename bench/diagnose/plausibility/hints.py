@@ -55,6 +55,13 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
     told = {finding.column for finding in known}
     found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     found += [hint for hint in beyond_guessed_limits(campaign, compiled) if hint.column not in told]
+    if not every:
+        words = (
+            "nothing can be held against the model: no drive torque or current is recorded, and nothing else that it "
+            "predicts"
+        )
+        remedy = "record tau_motor_N_nm or current_N_a of the drives"
+        return (*found, Finding("warning", "all runs", None, "", words, remedy))
     try:
         segments = segments_of(campaign, compiled, every, BINS)
         if not segments:

@@ -5,6 +5,7 @@ from math import inf, pi
 
 import numpy as np
 
+from bench.record.campaign import Array
 from bench.record.channels import Column
 from bench.record.finding import Finding
 from bench.record.possible import (
@@ -18,6 +19,7 @@ from bench.record.possible import (
     what_a_temperature_may_be,
 )
 from bench.record.rules.sheet import Sheet, rows_where
+from bench.record.turns import as_offset, in_words, whole_turns
 
 # A joint of an arm turns by at most two rounds either way; the wrist axes with the widest range have 720 deg.
 MAX_ANGLE = 4 * pi
@@ -42,12 +44,36 @@ def angles(sheet: Sheet) -> Iterator[Finding]:
         if rows := sheet.rows_outside(column.name, -bound, bound):
             guess = "millimetres? multiply by 0.001"
             if not column.is_slide:
-                guess = _what_an_angle_may_be(sheet, column, float(np.max(np.abs(values))), bound)
+                turns = _turns(sheet, column, values)
+                is_alone = turns and _others_fit(sheet, column)
+                guess = "" if is_alone else _what_an_angle_may_be(sheet, column, float(np.max(np.abs(values))), bound)
+                guess = "; ".join(filter(None, (_of_turns(turns), guess)))
             message = f"{values[rows[0] - 1]:g} {column.unit} is no position of this joint"
             yield sheet.error(column.name, message, guess, rows)
         elif rows := sheet.rows_outside(column.name, lower - beside, upper + beside):
             message = f"leaves the joint's limits, {lower:g} to {upper:g} {column.unit}"
-            yield sheet.doubt(column.name, message, "look at zero position, sign and order of the joints", rows)
+            turns = 0 if column.is_slide else _turns(sheet, column, values)
+            remedy = "look at zero position, sign and order of the joints"
+            yield sheet.doubt(column.name, message, "; ".join(filter(None, (_of_turns(turns), remedy))), rows)
+
+
+def _turns(sheet: Sheet, column: Column, values: Array) -> int:
+    """Return how many whole turns the counter of a hinge is on; 0 of a robot that is not known."""
+    if sheet.arm is None:
+        return 0
+    lower, upper = sheet.arm.limits[column.index - 1]
+    return whole_turns(values[np.isfinite(values)], lower, upper, BESIDE["rad"])
+
+
+def _of_turns(turns: int) -> str:
+    return f"{in_words(turns)}? add the offset {as_offset(turns):.8g}" if turns else ""
+
+
+def _others_fit(sheet: Sheet, column: Column) -> bool:
+    """Return whether the other hinges, two at least, are in range, so that the unit of all of them is right."""
+    others = [other for other, _ in sheet.columns(column.channel.quantity) if other != column and not other.is_slide]
+    bounds = [FAR * max(map(abs, sheet.arm.limits[other.index - 1])) for other in others] if sheet.arm else []
+    return len(bounds) > 1 and all(sheet.within(o.name, -b, b) for o, b in zip(others, bounds, strict=True))
 
 
 def _what_an_angle_may_be(sheet: Sheet, column: Column, largest: float, bound: float) -> str:

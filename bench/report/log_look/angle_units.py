@@ -8,7 +8,8 @@ import numpy as np
 
 from bench.record.campaign import Array
 from bench.record.look.families import Family
-from bench.record.rules.scale import FAR, MAX_ANGLE
+from bench.record.rules.scale import BESIDE, FAR, MAX_ANGLE
+from bench.record.turns import whole_turns
 from bench.record.units import FOREIGN
 from bench.robot.nominal_dynamics import NominalDynamics
 
@@ -67,6 +68,34 @@ def angle_unit(family: Family, columns: Mapping[str, Array], reach: Array, is_kn
     if is_known:
         return AngleUnit(DEGREE, "deg", "either", reached)
     return AngleUnit(DEGREE, "deg", "joint", f"{reached}, so degrees")
+
+
+def turns_of(family: Family, columns: Mapping[str, Array], nominal: NominalDynamics) -> dict[int, int]:
+    """Return by how many whole turns each hinge of a family is on, in the unit of its name or in radians.
+
+    That is the likely cause where fewer than half of the hinges are out of range, each one of them with a turn to go or
+    more, and come into it. Empty where none is on, or where that does not explain all.
+
+    Args:
+        family: Hinges alone.
+        columns: Of the log.
+        nominal: The robot.
+    """
+    foreign = FOREIGN.get(family.unit)
+    factor = foreign.factor if foreign and foreign.si == "rad" else 1.0
+    reach, found = reaches(nominal, nominal.n_joints), {}
+    for number, source in zip(family.numbers, family.sources, strict=True):
+        angle = factor * columns[source]
+        lower, upper = nominal.bodies.limits[number - 1]
+        if lower >= upper:  # it has none
+            lower, upper = -MAX_ANGLE, MAX_ANGLE
+        beside, most = BESIDE["rad"], float(np.max(np.abs(angle)))
+        is_out = np.min(angle) < lower - beside or np.max(angle) > upper + beside
+        found[number] = whole_turns(angle, float(lower), float(upper), beside) if is_out else 0
+        if not found[number] and most > FAR * reach[number - 1]:
+            return {}
+    used = sum(bool(np.any(columns[source])) for source in family.sources)
+    return found if 0 < sum(map(bool, found.values())) < HALF * used else {}
 
 
 def _is_of_motors(largest: Array, reach: Array) -> bool:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bench.identify.directions import Flags
 from bench.identify.drive_scale import DriveScale, drive_scale
 from bench.record.campaign import Array
 from bench.record.look.families import Family
@@ -14,6 +15,10 @@ from bench.report.log_look.slow import Slow, slow_motion
 from bench.robot.nominal_dynamics import NominalDynamics
 
 EXPLAINED = 0.5  # share of a reading's variance, mean over drives, from which it is a torque or a current (assumed)
+SILENT = (
+    0.05  # share of one reading, under which it carries nothing of a joint that moves (assumed; chance explains 1 %)
+)
+MOVES_RAD, MOVES_M = 0.1, 0.02  # of a joint, from which friction and load show in what its drive reports (assumed)
 
 
 @dataclass(frozen=True)
@@ -23,10 +28,27 @@ class Drives:
     Attributes:
         lines: Of torques and currents.
         turned: Numbers of the drives whose angles count the other way round than the model's.
+        questions: What somebody should look at.
     """
 
     lines: tuple[Line, ...]
     turned: frozenset[int] = frozenset()
+    questions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Held:
+    """Readings held against the robot.
+
+    Attributes:
+        family: What they seem to be.
+        scale: How they compare.
+        left_out: Column -> why it tells nothing.
+    """
+
+    family: Family
+    scale: DriveScale
+    left_out: Mapping[str, str]
 
 
 def readings_of(families: Sequence[Family]) -> list[Family]:
@@ -69,17 +91,28 @@ def drives(
     if any(line.side == "motor" and not line.was_estimated for line in slow.angles):
         remarks.append("torques and currents are as logged: nothing tells factors and signs before angles are known")
         return _unscaled(families)
-    scales = [(family, _scale(family, slow, nominal, angle_sigma, remarks)) for family in families]
-    scales = [(f if s is None else named_by_constants(f, s, nominal, remarks), s) for f, s in scales]
+    every = [_held(family, slow, nominal, angle_sigma, remarks) for family in families]
+    named = [replace(h, family=named_by_constants(h.family, h.scale, nominal, remarks)) for h in every if h is not None]
     found: list[Line] = []
     turned: set[int] = set()
+    questions: list[str] = []
     for kind in ("tau_motor", "current"):
-        fitting = [(f, s) for f, s in scales if s is not None and (f.kind == "current") == (kind == "current")]
+        fitting = [held for held in named if (held.family.kind == "current") == (kind == "current")]
         if fitting:
-            family, scale = _measured(fitting, columns, remarks)
-            found += scaled(family, scale, nominal, remarks)
-            turned |= set((np.flatnonzero(scale.turned) + 1).tolist())
-    return Drives(tuple(found), frozenset(turned))
+            held = _measured(fitting, columns, remarks)
+            found += [_left_out(line, held) for line in scaled(held.family, held.scale, nominal, remarks)]
+            turned |= set((np.flatnonzero(held.scale.turned) + 1).tolist())
+            questions += [
+                f"{source} {why}: left out below, look at that channel" for source, why in held.left_out.items()
+            ]
+    return Drives(tuple(found), frozenset(turned), tuple(questions))
+
+
+def _left_out(line: Line, held: _Held) -> Line:
+    """Return the line of a column that tells nothing as a comment."""
+    if line.source not in held.left_out:
+        return line
+    return replace(line, factor=si_factor(held.family), is_open=True, why=held.left_out[line.source])
 
 
 def _unscaled(families: Sequence[Family]) -> Drives:
@@ -88,41 +121,58 @@ def _unscaled(families: Sequence[Family]) -> Drives:
     return Drives(tuple(line for family in first.values() for line in as_logged(family)))
 
 
-def _scale(
-    family: Family, slow: Slow, nominal: NominalDynamics, angle_sigma: Array, remarks: list[str]
-) -> DriveScale | None:
+def _held(family: Family, slow: Slow, nominal: NominalDynamics, angle_sigma: Array, remarks: list[str]) -> _Held | None:
     """Return how a family, in the SI unit of its name, compares with the torque that the arm needs.
 
-    None if it has little to do with it.
+    Columns that stand still, or carry nothing of the motion of a joint that moves, do not count. None if the others
+    have little to do with the torque.
     """
     if family.sources not in slow.readings:
+        remarks.append(f"{family.shown}: stand still; not taken")
         return None
-    is_given = bool(np.any(angle_sigma > 0))
-    reading = slow.readings[family.sources]
-    scale = drive_scale(nominal, slow.time, slow.position, reading, angle_sigma if is_given else None)
-    if np.mean(scale.explained) < EXPLAINED:
-        remarks.append(f"{family.shown}: the model explains {100 * np.mean(scale.explained):.0f} % of it; not taken")
+    reading, counts = slow.readings[family.sources], slow.moves[family.sources]
+    sigma = angle_sigma if np.any(angle_sigma > 0) else None
+    scale = drive_scale(nominal, slow.time, slow.position, reading, sigma, counts)
+    left_out = {
+        source: f"stands still at {reading[0, k]:.4g}" for k, source in enumerate(family.sources) if not counts[k]
+    }
+    silent = counts & _moves(slow.position, nominal) & (np.nan_to_num(scale.explained) < SILENT)
+    share = float(np.mean(scale.explained[counts]))
+    if np.any(silent) and np.sum(counts) >= 2 * np.sum(silent) and family.kind != "unknown":
+        left_out |= {
+            family.sources[k]: f"carries nothing of the motion ({100 * scale.explained[k]:.0f} % explained)"
+            for k in np.flatnonzero(silent).tolist()
+        }
+        scale = drive_scale(nominal, slow.time, slow.position, reading, sigma, counts & ~silent)
+        share = float(np.mean(scale.explained[counts & ~silent]))
+    if share < EXPLAINED:
+        remarks.append(f"{family.shown}: the model explains {100 * share:.0f} % of it; not taken")
         return None
-    return replace(scale, factor=scale.factor / si_factor(family))
+    return _Held(family, replace(scale, factor=scale.factor / si_factor(family)), left_out)
 
 
-def _measured(
-    fitting: Sequence[tuple[Family, DriveScale]], columns: Mapping[str, Array], remarks: list[str]
-) -> tuple[Family, DriveScale]:
+def _moves(position: Array, nominal: NominalDynamics) -> Flags:
+    """Return which joints move so far that friction alone shows in a reading, shape (n,)."""
+    return np.asarray(np.ptp(position, axis=0) > np.where(nominal.bodies.is_hinge, MOVES_RAD, MOVES_M))
+
+
+def _measured(fitting: Sequence[_Held], columns: Mapping[str, Array], remarks: list[str]) -> _Held:
     """Return the family that was measured: of those without names the roughest, of those with names the best explained.
 
     What is commanded or computed has no noise.
     """
 
-    def rank(pair: tuple[Family, DriveScale]) -> float:
-        family, scale = pair
+    def rank(held: _Held) -> float:
+        family = held.family
         if family.kind != "unknown":
-            return 1 + float(np.mean(scale.explained))
+            return 1 + float(np.mean(np.nan_to_num(held.scale.explained)))
         step = [np.mean(np.abs(np.diff(columns[name], n=2))) / np.std(columns[name]) for name in family.sources]
         return float(np.mean(step) / (1 + np.mean(step)))
 
     best = max(fitting, key=rank)
-    for family, _ in fitting:
-        if family is not best[0]:
-            remarks.append(f"{family.shown}: follow the torque too; {best[0].shown} are taken, as what was measured")
+    for held in fitting:
+        if held is not best:
+            remarks.append(
+                f"{held.family.shown}: follow the torque too; {best.family.shown} are taken, as what was measured"
+            )
     return best

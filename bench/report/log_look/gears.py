@@ -14,12 +14,14 @@ from bench.record.units import FOREIGN
 from bench.report.log_look.angle_units import DEGREE, Side, reaches
 from bench.report.log_look.lines import UNTOLD, Line
 from bench.report.log_look.slow import Slow, slow_motion
+from bench.report.log_look.turns import by_turns, in_rad
 from bench.robot.nominal_dynamics import NominalDynamics
 
 HALF = 0.5  # of what is unexplained: degrees become angles of the motor where less than that is left (assumed)
 CLEARLY = 3.0  # standard deviations by which a scale must be off for that
 SAME = 0.02  # relative: a command and an encoder of one unit that differ by less have one gear (following errors)
 EXPLAINED = 0.5  # share of the readings, mean over drives, from which they tell a gear ratio (assumed)
+NEAR_ONE = 0.25  # relative: an angle with a scale so near to one is one of the joint (masses and friction bend scales)
 DIGITS = 4  # of a gear ratio that was estimated
 ESTIMATED = (
     "gear ratios that were estimated from torques are as good as the robot's masses: write the true ones (gear_ratio "
@@ -61,11 +63,12 @@ def geared(
         columns: Of the log.
         nominal: The robot, if it is known.
     """
+    questions: list[str] = []
     if nominal is not None:
+        lines = by_turns(lines, readings, time, columns, nominal, questions)
         lines = _by_figures(lines, columns, nominal)
     lines = _beside_others(lines, columns)
     sigma = np.zeros(0 if nominal is None else nominal.n_joints)
-    questions: list[str] = []
     if nominal is not None and any(line.side != "joint" for line in lines):
         slow = slow_motion(lines, readings, time, columns, nominal.n_joints)
         scale = _by_torques(slow, nominal) if slow is not None else None
@@ -135,7 +138,10 @@ def _by_torques(slow: Slow, nominal: NominalDynamics) -> AngleScale | None:
     sought = np.array([line.side != "joint" for line in slow.angles]) & nominal.bodies.is_hinge
     if not np.any(sought):
         return None
-    found = [angle_scale(nominal, slow.time, slow.position, reading, sought) for reading in slow.readings.values()]
+    found = [
+        angle_scale(nominal, slow.time, slow.position, reading, sought, slow.moves[sources])
+        for sources, reading in slow.readings.items()
+    ]
     found = [scale for scale in found if scale.unexplained < 1 - EXPLAINED]
     if not found:
         return None
@@ -188,7 +194,10 @@ def _refuted(line: Line) -> Line:
 def _estimated_line(line: Line, scale: AngleScale, k: int) -> Line:
     factor, sigma = float(f"{line.factor * scale.factor[k]:.{DIGITS}g}"), float(scale.sigma[k])
     given = _refuted(line)
-    side: Side = "motor" if sigma > UNTOLD else "joint"
+    ratio = given.factor / factor  # in the unit of its name, else in radians
+    if sigma <= UNTOLD and abs(np.log(ratio)) < np.log(1 + NEAR_ONE):
+        return replace(given, unit=given.unit or "rad", side="joint", why=in_rad(given))
+    side: Side = "motor" if sigma > UNTOLD or ratio < 1 else "joint"  # no gear is faster at the joint
     told = f"+- {100 * sigma:.0f} %, estimated from torques" if np.isfinite(sigma) else "is not told by torques"
     return replace(
         given, factor=factor, side=side, why=given.and_why(f"{_ratio(given, factor)} {told}"), was_estimated=True

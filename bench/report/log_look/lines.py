@@ -8,9 +8,10 @@ import numpy as np
 from bench.record.campaign import Array
 from bench.record.channels import parse_column
 from bench.record.look.families import Family
+from bench.record.turns import as_offset, in_words
 from bench.record.units import FOREIGN
 from bench.record.yaml_text import in_quotes
-from bench.report.log_look.angle_units import Side, angle_unit, reaches
+from bench.report.log_look.angle_units import Side, angle_unit, reaches, turns_of
 from bench.robot.nominal_dynamics import NominalDynamics
 
 MAX_TRAVEL = 10.0  # [m] of a slide; tracks that carry arms are this long, and in mm 10 would be a centimetre
@@ -28,6 +29,7 @@ class Line:
         unit: Of an angle as logged; "" if it is not known.
         side: Of the gear, on which an angle is.
         was_estimated: Whether its factor was found against the robot's masses.
+        turns: Of an angle that fits its joint in radians, but for so many whole turns (0 too); None: it does not.
     """
 
     column: str
@@ -39,6 +41,7 @@ class Line:
     unit: str = ""
     side: Side = "joint"
     was_estimated: bool = False
+    turns: int | None = None
 
     @property
     def number(self) -> int:
@@ -50,6 +53,13 @@ class Line:
         """Return the line with the angle counted the other way round."""
         return replace(self, factor=-self.factor, offset=-self.offset)
 
+    def counted(self, turns: int) -> "Line":
+        """Return the line of an angle of the joint without whole turns."""
+        if not turns:
+            return replace(self, side="joint")
+        why = self.and_why(f"{in_words(turns)}, by its first sample")
+        return replace(self, side="joint", offset=as_offset(turns), why=why)
+
     def and_why(self, more: str) -> str:
         """Return its reason with another one behind it."""
         return f"{self.why}; {more}" if self.why else more
@@ -59,7 +69,7 @@ class Line:
         quoted = self.source if self.source.replace("_", "").isalnum() else in_quotes(self.source)
         parts = [f"from: {quoted}"]
         parts += [f"factor: {self.factor:.12g}"] if self.factor != 1 else []
-        parts += [f"offset: {self.offset:g}"] if self.offset else []
+        parts += [f"offset: {self.offset:.10g}"] if self.offset else []
         mark = "# " if self.is_open else ""
         return f"  {mark}{self.column}: {{{', '.join(parts)}}}" + (f"  # {self.why}" if self.why else "")
 
@@ -88,6 +98,7 @@ def _family_lines(
     hinges = [(number, source) for number, source in pairs if number not in slides]
     turning = replace(family, sources=tuple(s for _, s in hinges), numbers=tuple(n for n, _ in hinges))
     read = angle_unit(turning, columns, reach[[n - 1 for n, _ in hinges]], nominal is not None) if hinges else None
+    turns = turns_of(turning, columns, nominal) if nominal is not None else {}
     for number, source in pairs:
         if number in slides or read is None:
             factor, why = _slide_unit(family, columns[source])
@@ -97,7 +108,11 @@ def _family_lines(
             line = Line(f"{quantity}_{number}_rad", source, read.factor, 0.0, read.why, unit=read.unit, side=side)
         is_first = number == family.numbers[0]
         reasons = dict.fromkeys([family.why, line.why] if is_first else [line.why] if number in slides else [])
-        yield replace(line, why="; ".join(reasons))
+        line = replace(line, why="; ".join(reasons))
+        if number in turns and line.unit and (line.side == "joint" or family.unit):  # its unit is known
+            yield line.counted(turns[number])
+        else:
+            yield replace(line, turns=turns.get(number))
 
 
 def _slide_unit(family: Family, values: Array) -> tuple[float, str]:

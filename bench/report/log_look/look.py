@@ -85,7 +85,7 @@ def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) ->
     settings = [f"table: {dialect}  # from its text"] if dialect != PLAIN else []
     settings += [f"topic: {topic}"] if topic else []
     body = "\n".join([*settings, *_evenness(time), "columns:", *map(str, lines)]) + "\n"
-    questions = (*known.questions, *refusals(file, body, nominal))
+    questions = (*known.questions, *found.questions, *refusals(file, body, nominal))
     return Proposal("\n".join([*head, *(f"# {remark}" for remark in (*questions, *remarks)), body]), questions)
 
 

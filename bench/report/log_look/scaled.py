@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bench.identify.directions import most_at_once
 from bench.identify.drive_scale import AT_MOST, DriveScale
 from bench.record.campaign import Array
 from bench.record.look.families import Family
@@ -57,6 +58,13 @@ def scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks:
 def _of_directions(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
     """Yield which angles are turned, and of which nobody can tell."""
     names = nominal.bodies.names
+    at_once = most_at_once(len(names))
+    if at_once < len(names) and any(scale.turned[k] or _sign(scale, k) < 0 for k in range(len(names))):
+        number = "two" if at_once > 1 else "one"
+        yield (
+            f"of {len(names)} drives, angles that count the other way round were tried {number} at a time at most: "
+            "where more are turned, signs below may be wrong; look at the robot"
+        )
     if not np.any(scale.turned):
         return
     who = ", ".join(name for name, turned in zip(names, scale.turned, strict=True) if turned)
@@ -87,7 +95,7 @@ def _of_delay_and_payload(family: Family, scale: DriveScale, nominal: NominalDyn
 
 def _currents(family: Family, scale: DriveScale) -> Iterator[Line]:
     for number, source, k in _each(family):
-        sign = float(np.sign(scale.factor[k]))
+        sign = -1.0 if scale.factor[k] < 0 else 1.0
         direction = "turned, it counts against the model's torque" if sign < 0 else "sign as the model has it"
         why = f"{_explained(scale, k)}; {direction}{_unit(family)}"
         yield Line(f"current_{number}_a", source, sign * si_factor(family), 0.0, why)
@@ -114,24 +122,28 @@ def _is_of_joints(family: Family, scale: DriveScale, nominal: NominalDynamics) -
     near to the model's and no drive is surely off.
     """
     size = np.abs(scale.factor)
-    if np.all(np.abs(size - 1) < NEAR_ONE):
+    if np.all(np.abs(size - 1)[scale.counts] < NEAR_ONE):
         return True
     if family.kind != "torque":
         return _agree(scale, np.ones_like(size))
     ratio = nominal.gear_ratio
     slowest = np.log(np.where(np.isfinite(ratio) & (ratio > SLOWEST_GEAR), ratio, SLOWEST_GEAR))
-    weights = scale.sigma**-2.0
-    off, middle = np.average(np.log(size), weights=weights), 0.5 * np.average(slowest, weights=weights)
+    off, middle = _mean(np.log(size), scale), 0.5 * _mean(slowest, scale)
     return bool((off if family.unit else abs(off)) < middle)
 
 
 def _agree(scale: DriveScale, expected: Array) -> bool:
     """Return whether factors are sharply told, in the mean near to what is expected, and no drive is surely off."""
     off = np.log(np.abs(scale.factor) / expected)
-    weights = scale.sigma**-2.0
-    is_sharp = NINETY * np.sum(weights) ** -0.5 < NEAR_ONE
-    is_near = abs(np.average(off, weights=weights)) < NEAR_ONE
-    return bool(is_sharp and is_near and np.all(np.abs(np.exp(-off) - 1) < NINETY * scale.sigma))
+    is_sharp = NINETY * np.sum(scale.sigma**-2.0) ** -0.5 < NEAR_ONE
+    is_near = abs(_mean(off, scale)) < NEAR_ONE
+    is_off = np.abs(np.exp(-off) - 1) >= NINETY * scale.sigma
+    return bool(is_sharp and is_near and not np.any(is_off[scale.counts]))
+
+
+def _mean(values: Array, scale: DriveScale) -> float:
+    """Return the mean over the drives that count, those that are told best the most."""
+    return float(np.average(values[scale.counts], weights=scale.sigma[scale.counts] ** -2.0))
 
 
 def _joint_torques(family: Family, scale: DriveScale, nominal: NominalDynamics) -> Iterator[Line]:
@@ -145,10 +157,10 @@ def _joint_torques(family: Family, scale: DriveScale, nominal: NominalDynamics) 
 def _of_joint_torques(family: Family, scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
     """Yield how the model's torques compare, where they are not near."""
     size = np.abs(scale.factor)
-    if not np.any(np.abs(size - 1) >= NEAR_ONE):
+    if not np.any(np.abs(size - 1)[scale.counts] >= NEAR_ONE):
         return
     factors = ", ".join(f"{name} {_estimate(scale, k)}" for k, name in enumerate(nominal.bodies.names))
-    if np.average(np.log(size), weights=scale.sigma**-2.0) < -0.5 * np.log(SLOWEST_GEAR):
+    if _mean(np.log(size), scale) < -0.5 * np.log(SLOWEST_GEAR):
         yield (
             f"unit {family.unit} in the name of {family.shown} is used, but this log contradicts it. "
             f"Model by reading: {factors}"

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.identify.directions import Flags
 from bench.record.campaign import Array
 from bench.record.look.families import Family
 from bench.record.look.values import evenly
@@ -22,13 +23,15 @@ class Slow:
         time: Shape (T,) [s], even.
         angles: The line of each drive's angle, of the encoder or else of the command.
         position: Shape (T, n), as these lines have it.
-        readings: Columns that move, as listed by a family -> shape (T, n), as logged.
+        readings: Columns as listed by a family, of which some move -> shape (T, n), as logged.
+        moves: The same columns -> shape (n,), whether each moves.
     """
 
     time: Array
     angles: tuple[Line, ...]
     position: Array
     readings: Mapping[tuple[str, ...], Array]
+    moves: Mapping[tuple[str, ...], Flags]
 
 
 def slow_motion(
@@ -42,12 +45,18 @@ def slow_motion(
         name for group in ([a.source for a in angles], *(f.sources for f in families)) for name in group
     )
     clock, slow = evenly(time, {name: columns[name] for name in names})
-    position = np.stack([line.factor * slow[line.source] for line in angles], axis=1)[EDGE:-EDGE]
+    position = np.stack([line.factor * slow[line.source] + line.offset for line in angles], axis=1)[EDGE:-EDGE]
     if len(position) < SHORTEST:
         return None
     stacked = {f.sources: np.stack([slow[name] for name in f.sources], axis=1)[EDGE:-EDGE] for f in families}
-    moving = {sources: reading for sources, reading in stacked.items() if np.all(np.ptp(reading, axis=0) > 0)}
-    return Slow(clock[EDGE:-EDGE], tuple(angles), position, moving)
+    # by the column itself: the low-pass leaves roundings of one that stands still
+    moves = {
+        f.sources: np.array([np.ptp(columns[name]) > 0 for name in f.sources])
+        & (np.ptp(stacked[f.sources], axis=0) > 0)
+        for f in families
+    }
+    moves = {sources: flags for sources, flags in moves.items() if np.any(flags)}
+    return Slow(clock[EDGE:-EDGE], tuple(angles), position, {sources: stacked[sources] for sources in moves}, moves)
 
 
 def _angles(lines: Sequence[Line], n: int) -> list[Line] | None:

@@ -2,9 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from bench.robot.figures import Uncertainty
 from bench.robot.starter.defaults import ROTOR_GUESSED, DriveFigures
-from bench.robot.starter.source import Source
+from bench.robot.starter.source import Source, SourceJoint
 
 WORDS = {
     "rotor_inertia": "rotor inertia",
@@ -34,8 +36,8 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
                 by_reason.setdefault(drive.origins[key], []).append(f"{joint.name} {getattr(drive, key):g}")
         for reason, who in by_reason.items():
             found.append(f"{words} ({', '.join(who)}): {_plainly(reason)}")
-    if unlimited := [joint.name for joint in source.joints if not joint.has_limits]:
-        found.append(f"range of {', '.join(unlimited)}: the file has none")
+    if unlimited := [joint for joint in source.joints if not joint.has_limits]:
+        found.append(f"range ({', '.join(map(_range, unlimited))}): the file has none")
     if source.made_up_names:
         found.append(f"name of {', '.join(source.made_up_names)}: the file has none")
     if source.guessed_masses:
@@ -50,6 +52,12 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
         "uncertainty of masses, centres of mass and friction: that of a model taken from a drawing",
         "uncertainty of stiffness: a factor of four",
     )
+
+
+def _range(joint: SourceJoint) -> str:
+    """Return the range that was assumed for a joint: "joint7 -360 to 360 degrees"."""
+    low, high = joint.limits if joint.is_slide else np.rad2deg(joint.limits)
+    return f"{joint.name} {low:.4g} to {high:.4g} {'m' if joint.is_slide else 'degrees'}"
 
 
 def _of_rotors(source: Source, drives: Sequence[DriveFigures]) -> Iterator[str]:
