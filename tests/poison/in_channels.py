@@ -264,4 +264,50 @@ def cross_checks(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("cross-checks", name, spoil, answer, places)
 
 
-FAMILIES = (units, lost_samples, clocks, mistaken_channels, cross_checks)
+def packets(rng: np.random.Generator) -> Iterator[Variant]:
+    for of, apart in ((8, 1e-5), (20, 1e-6), (25, 1e-4)):
+
+        def arrived(time: np.ndarray, of: int = of, apart: float = apart) -> np.ndarray:
+            rows = np.arange(len(time))
+            return time[rows // of * of] + rows % of * apart if np.median(np.diff(time)) > apart else time
+
+        def spoil(folder: Path, arrived: Callable[[np.ndarray], np.ndarray] = arrived) -> None:
+            for file in tables(folder):
+                sheet = Sheet(file)
+                if "pose" not in sheet.names and len(sheet.rows) > 100:
+                    sheet.change("time_s", arrived)
+                    sheet.write()
+
+        yield Variant("packets", f"of {of}, {apart:g} s apart", spoil, "error", ("time_s", "samples came in packets"))
+
+
+def _moments_elsewhere(lever: float) -> Spoil:
+    def spoil(folder: Path) -> None:
+        for file in tables(folder):
+            sheet = Sheet(file)
+            if "force_z_n" in sheet.names:
+                force = np.array([float(row[sheet.names.index("force_z_n")]) for row in sheet.rows])
+                sheet.change("moment_y_nm", lambda moment, force=force: moment - lever * force)
+                sheet.write()
+
+    return spoil
+
+
+def set_up_elsewhere(rng: np.random.Generator) -> Iterator[Variant]:
+    def moved(by: float) -> Spoil:
+        return in_column(lambda z: z + by, "reflector_1_z_m")
+
+    found: dict[str, tuple[Spoil, tuple[str, ...]]] = {
+        "a force sensor that was not tared": (
+            in_column(lambda z: z - 80, "force_z_n"),
+            ("force_z_n", "N while no load is stated"),
+        ),
+        "moments about the flange": (_moments_elsewhere(0.5), ("moment_y_nm", "m beside the point")),
+        "a frame 20 mm too high": (moved(0.02), ("reflector_1_x_m", "20 mm from where the model has it")),
+        "a nest 60 mm too low": (moved(-0.06), ("reflector_1_x_m", "60 mm from where the model has it")),
+    }
+    for name, (spoil, places) in found.items():
+        yield Variant("set up elsewhere", name, spoil, "harmless", places)
+
+
+FAMILIES = (units, lost_samples, clocks, mistaken_channels, cross_checks, packets, set_up_elsewhere)

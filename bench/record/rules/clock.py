@@ -41,14 +41,13 @@ def rises(sheet: Sheet) -> Iterator[Finding]:
         yield sheet.error("time_s", "runs backwards", "put the rows in order of time", back)
     if sheet.run.kind == "motion" and (same := rows_where(np.append(False, step == 0))):
         yield sheet.error("time_s", "is the same as in the row before", "keep one of each", same)
-    elif sheet.run.kind == "motion" and len(step) and 0 < (median := float(np.median(step))) < SHORTEST_STEP_S:
-        yield sheet.error("time_s", f"goes on by {median:.2g} s from row to row", "give it in seconds")
     elif sheet.run.kind == "motion" and (rows := rows_of_a_packet(time)):
-        message = (
-            f"goes on by {median:.2g} s, and after some {rows} rows by {step.max():.2g} s: samples came in packets"
-        )
+        steps = f"{np.median(step):.2g} s, and after some {rows} rows by {step.max():.2g} s"
+        message = f"goes on by {steps}: samples came in packets"
         remedy = "give the times at which they were taken, such as the controller's, or rows divided by their rate"
         yield sheet.error("time_s", message, remedy)
+    elif sheet.run.kind == "motion" and len(step) and 0 < (median := float(np.median(step))) < SHORTEST_STEP_S:
+        yield sheet.error("time_s", f"goes on by {median:.2g} s from row to row", "give it in seconds")
 
 
 def is_long_enough(sheet: Sheet) -> Iterator[Finding]:

@@ -15,6 +15,7 @@ APART = 0.05  # force sensors are good to 0.5 to 3 %, weights to 0.1 %; the leas
 EXACT = 0.01  # rounding: of a factor; 9.8 and 9.81 are 0.1 % apart
 UNSTATED_N = 10 * LOAD_N  # beyond what a cable or a hand on the sensor makes; assumed
 ZERO_N = 5 * LOAD_N  # an adapter of 5 kg that was not tared, far beyond what a zero wanders by; assumed
+FEW = 3  # rows, of which the median is no single outlier
 # beyond how far a load hangs beside the load point, and what a sensor reads by itself; assumed
 LEVER_M, LEVER_NM = 0.05, 20.0
 ACROSS, LIKE = 0.3, (0.5, 2.0)  # cosine of 73 degrees, and sizes of one thing: the sensor reads along other axes
@@ -102,7 +103,7 @@ def zero_is_set(sheet: Sheet) -> Iterator[Finding]:
     if sheet.run.kind != "static" or not axes:
         return
     bare = np.linalg.norm(load_with_weight(sheet.run)[:, :3], axis=1) < LOAD_N
-    if np.all(bare) or np.count_nonzero(bare) < MANY:  # nobody stated any load: what is felt may be one
+    if np.all(bare) or np.count_nonzero(bare) < FEW:  # nobody stated any load: what is felt may be one
         return
     felt = {axis: float(np.median(sheet.run.columns[f"force_{axis}_n"][bare])) for axis in axes}
     axis = max(felt, key=lambda axis: abs(felt[axis]))
