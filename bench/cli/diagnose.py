@@ -57,6 +57,7 @@ class Diagnose:
         from bench.cli.doubts import heed
         from bench.cli.progress import phases
         from bench.cli.stopping import UNFINISHED, ending_on_interrupt, seconds_of
+        from bench.diagnose.baseline.changed_friction import changed_friction
         from bench.diagnose.baseline.first_look import first_look
         from bench.diagnose.diagnose import FALSE_ALARM_RATE, diagnose
         from bench.diagnose.verdict import unweighed
@@ -65,7 +66,7 @@ class Diagnose:
         from bench.executor.local import on_cores
         from bench.executor.watched import Stop, Stopped, Watched
         from bench.record.folder import new_folder
-        from bench.report.diagnosis.baseline import first_lines
+        from bench.report.diagnosis.baseline import changed_lines, first_lines
         from bench.report.diagnosis.file_names import VERDICT
         from bench.report.diagnosis.words import places_of, words_of
         from bench.report.diagnosis.write import write_diagnosis, write_unweighed
@@ -96,7 +97,7 @@ class Diagnose:
                 phase("first pass by least squares")
                 stop.check()
                 look = first_look(campaign, compiled)
-                for line in first_lines(look):
+                for line in (*first_lines(look), *changed_lines(changed_friction(campaign, compiled))):
                     print(line, flush=True)
                 store = open_store() if self.store else None
                 found = diagnose(

@@ -1,9 +1,10 @@
 """Least squares beside a diagnosis, in words: its first lines, and the table of held-out torque errors."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from bench.diagnose.baseline.changed_friction import ChangedFriction
 from bench.diagnose.baseline.first_look import FirstLook
 from bench.diagnose.verdict import DriveErrors, Verdict
 from bench.report.diagnosis.names import listed, percent
@@ -48,6 +49,16 @@ def first_lines(look: FirstLook) -> Iterator[str]:
         yield (
             f"Plain least squares, which has no prior, errs by more than the torque itself on {drives}: what is left "
             "out moves in a way that the other runs do not show."
+        )
+
+
+def changed_lines(found: Iterable[ChangedFriction]) -> Iterator[str]:
+    """Yield where recordings disagree about friction that a diagnosis takes to be the same in all of them."""
+    for one in found:
+        levels = listed([f"{number(value)} {one.unit} in {name}" for name, value in one.found.items()], "and")
+        yield (
+            f"{one.name}, by least squares of each recording alone: {levels}. A diagnosis of both takes it to be the "
+            "same, and blames other things for the difference: if it changed, diagnose each, and see bench compare."
         )
 
 
