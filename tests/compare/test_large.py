@@ -70,17 +70,22 @@ def test_what_stayed_is_the_same_after_a_large_change(recordings: tuple[Recordin
     plain = joined(recordings)
     alone, beside = joined(recordings, hung(40.0)), joined(recordings, hung(40.0), before=plain)
 
-    def discrepancy(joint: Joint) -> np.ndarray:
-        found = [one.columns for one in joint.discrepancy() if isinstance(one, Candidate)]
-        return joint.linear.unwhiten(np.concatenate(found, axis=1))
+    def discrepancy(joint: Joint, name: str) -> np.ndarray:
+        found = [one for one in joint.discrepancy() if isinstance(one, Candidate) and one.cause.effect.name == name]
+        return joint.linear.unwhiten(np.concatenate([one.columns for one in found], axis=1))
 
-    largest = np.max(np.abs(discrepancy(plain)))
-    np.testing.assert_allclose(discrepancy(beside), discrepancy(plain), atol=1e-9 * largest)
-    assert np.max(np.abs(discrepancy(alone) - discrepancy(plain))) > 1e-4 * largest
+    of_gas = [discrepancy(joint, "gas_loss") for joint in (plain, beside, alone)]
+    largest = np.max(np.abs(of_gas[0]))
+    np.testing.assert_allclose(of_gas[1], of_gas[0], atol=1e-9 * largest)
+    assert np.max(np.abs(of_gas[2] - of_gas[0])) > 1e-4 * largest
+    drives = [c for c, quantity in enumerate(plain.linear.replay.quantities) if quantity.is_drive]
+    hangs = [np.linalg.norm(discrepancy(joint, "unstated_payload")[:, drives]) for joint in (plain, beside, alone)]
+    assert hangs[1] <= hangs[0] * (1 + 1e-3)  # no more than before, and gone with what was taken off
     masses = [i for i, nuisance in enumerate(plain.linear.nuisances) if nuisance.of_mass]
     changes = [joint.linear.sensitivities[:, :, masses] for joint in (plain, beside)]
     assert len(masses) > 6 * 4
-    np.testing.assert_array_equal(*changes)
+    assert np.linalg.norm(changes[1]) <= np.linalg.norm(changes[0]) * (1 + 1e-3)
+    np.testing.assert_allclose(*changes, atol=1e-3 * np.max(np.abs(changes[0])))
     gains = [i for i, nuisance in enumerate(plain.linear.nuisances) if nuisance.name.startswith("torque constant")]
     of_gains = [joint.linear.sensitivities[:, :, gains] for joint in (plain, beside)]
     assert np.max(np.abs(of_gains[1] - of_gains[0])) > 0.01 * np.max(np.abs(of_gains[0]))  # a load is read with them

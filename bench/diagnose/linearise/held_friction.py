@@ -86,7 +86,7 @@ def came_back(compiled: CompiledRobot, trace: Trace, transmitted: Array, levels:
     what the motor's friction has left to hold moves the motor out, the farther the more it asks, until its servo brings
     it back; on the way back friction builds up in the other direction. That it asked for twice the level is taken to
     turn friction round altogether; how soft the servo is, is left to the nuisance. A link goes out and back with its
-    motor. What follows without giving goes on from there.
+    motor, also where that slides nowhere and gives as its friction element does. What follows goes on from there.
 
     Args:
         compiled: The robot.

@@ -6,7 +6,7 @@ from itertools import permutations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.plausibility.late_channels import as_if_in_time
+from bench.diagnose.plausibility.late_channels import SURE, as_if_in_time, late_reflectors
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.replay.instants import run_of_each
 from bench.diagnose.replay.quantities import AXES
@@ -38,6 +38,7 @@ def displaced(replay: Replay) -> Iterator[Finding]:
     observed = replay.observed
     in_time = as_if_in_time(replay, observed, nominal)
     stopped = _stopped(replay, observed, nominal)
+    late = {one.column for one in late_reflectors(replay) if one.delay.value > SURE * one.delay.sigma}
     for name, where in stopped.items():
         yield doubt(name, f"does not change in {where} while the model's does", "frozen? look at its recording")
     for k in sorted({q.index for q in replay.quantities if q.kind == "reflector"}):
@@ -46,8 +47,10 @@ def displaced(replay: Replay) -> Iterator[Finding]:
         rows = np.all(np.isfinite(observed[:, columns]), axis=1)
         if np.any(rows) and not stopped.keys() & set(names):
             throughout = list(_reflector(names[0], axes, observed[rows][:, columns], nominal[rows][:, columns]))
-            throughout = throughout or list(_away(replay, names, in_time[rows][:, columns], nominal[rows][:, columns]))
-            yield from throughout or _in_one_run(replay, names[0], rows, in_time[:, columns], nominal[:, columns])
+            most = FAR if names[0] in late else _most(replay)  # what is late is told as that
+            throughout = throughout or list(_away(names, in_time[rows][:, columns], nominal[rows][:, columns], most))
+            given = names[0], rows, in_time[:, columns], nominal[:, columns], most
+            yield from throughout or _in_one_run(replay, *given)
     for c, quantity in enumerate(replay.quantities):
         rows = np.isfinite(observed[:, c])
         if quantity.kind == "gas_pressure" and np.any(rows) and quantity.column not in stopped:
@@ -111,10 +114,10 @@ def _scaled(name: str, observed: Array, nominal: Array) -> Iterator[Finding]:
         yield doubt(name, message, "look at the tracker's unit and scale; refraction makes 0.0005 at most")
 
 
-def _away(replay: Replay, names: list[str], observed: Array, nominal: Array) -> Iterator[Finding]:
+def _away(names: list[str], observed: Array, nominal: Array, most: float) -> Iterator[Finding]:
     """Yield a warning for a reflector that is farther off than any listed cause puts it, and near enough to be used."""
     off = _off(observed, nominal)
-    if off > _most(replay):
+    if off > most:
         by = np.median(observed - nominal, axis=0)
         is_shifted = _off(observed, nominal + by) < FAR_BETTER * off
         shift = ", ".join(f"{1e3 * one:+.0f} mm in {name[-3]}" for name, one in zip(names, by, strict=True))
@@ -131,7 +134,7 @@ def _most(replay: Replay) -> float:
 
 
 def _in_one_run(
-    replay: Replay, name: str, rows: NDArray[np.bool_], observed: Array, nominal: Array
+    replay: Replay, name: str, rows: NDArray[np.bool_], observed: Array, nominal: Array, most: float
 ) -> Iterator[Finding]:
     """Yield a doubt for the run in which a reflector is farthest off: a mirrored joint may stand at zero elsewhere."""
     run_of = run_of_each(replay.segments)
@@ -143,7 +146,7 @@ def _in_one_run(
     if off[worst] >= FAR:
         message = f"lies {off[worst]:.2g} m from where the model has it in run {worst!r}, and not in all others"
         yield doubt(name, message, "look at zero and sign of the joints that move there")
-    elif off[worst] > _most(replay):
+    elif off[worst] > most:
         message = f"lies {1e3 * off[worst]:.0f} mm from where the model has it in run {worst!r}, and not in all others"
         yield Finding("warning", "all runs", None, name, message, LOOK)
 
