@@ -18,6 +18,7 @@ from bench.record.finding import Finding
 FAR = 0.1  # [m]; a calibrated arm errs by millimetres, a nominal one by a centimetre
 AWAY = 0.01  # [m]; beyond a nominal arm, and everything listed (a frame by 0.5 mm, a jump of it by 5 mm)
 STATED = 10.0  # times the stated uncertainty of a place of a joint, if that is more
+MOSTLY = 0.5  # of what a model leaves, that a delay explains, before a reflector is late and not elsewhere
 FAR_BETTER = 0.2  # part of the distance that the right unit or the right axes leave
 SCALE = 0.01  # twenty times the scale that a wrong refractive index gives a tracker; a nominal arm is longer by less
 SPREAD = 0.2  # [m] rms, over which a scale is told from shifts and zeros of joints
@@ -38,7 +39,8 @@ def displaced(replay: Replay) -> Iterator[Finding]:
     observed = replay.observed
     in_time = as_if_in_time(replay, observed, nominal)
     stopped = _stopped(replay, observed, nominal)
-    late = {one.column for one in late_reflectors(replay) if one.delay.value > SURE * one.delay.sigma}
+    every = late_reflectors(replay)
+    late = {one.column for one in every if one.delay.value > SURE * one.delay.sigma and one.explained > MOSTLY}
     for name, where in stopped.items():
         yield doubt(name, f"does not change in {where} while the model's does", "frozen? look at its recording")
     for k in sorted({q.index for q in replay.quantities if q.kind == "reflector"}):
