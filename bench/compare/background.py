@@ -36,8 +36,9 @@ class Background:
         entries: Every cause and every free shape, each with its columns.
         columns: Shape (m, q), what they change if they act in all recordings alike, whitened instant by instant.
         prior: Shape (q,), standard deviations of their sizes.
-        discrepancy: Shape (m, d), what the same change with these sizes about the robot as it was, whitened instant by
-            instant.
+        discrepancy: Shape (m, d), what they change where they stayed, whitened instant by instant: the same array
+            without a large change.
+        discrepancy_prior: Shape (d,), standard deviations of these sizes.
         slopes: Shape (m, p), of what may be off, the machine's and each recording's, whitened instant by instant.
         whitening: In which what repeats is no news.
         nuisances: What may be off, the machine's and each recording's, and the discrepancy.
@@ -52,6 +53,7 @@ class Background:
     columns: Array
     prior: Array
     discrepancy: Array
+    discrepancy_prior: Array
     slopes: Array
     whitening: SharedWhitening
     nuisances: Nuisances
@@ -139,7 +141,7 @@ def _left(background: Background, changes: Array) -> Array:
     sizes = np.linalg.solve(found.information + np.eye(k), found.scores)
     rest = known.most_probable(background.white - white @ sizes)
     p = background.slopes.shape[1]
-    explained = background.slopes @ rest[:p] + background.discrepancy @ rest[p:]
+    explained = background.slopes @ rest[:p] + background.discrepancy @ (background.discrepancy_prior * rest[p:])
     return np.asarray(background.plain - explained - changes @ sizes, dtype=np.float64)
 
 
@@ -163,29 +165,30 @@ def _assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.int
     whitening = shared_whitening(linear, repeatability, cells)
     slopes = by_level(linear.jacobian, linear.nuisances, joint.of_row, linear.scatter.new)
     columns, plain = tried.columns.matrix, linear.white[:, None].copy()
-    if joint.large:
-        stayed = _tried(joint.discrepancy())
-        discrepancy = stayed.columns.matrix * stayed.prior
-    else:
-        discrepancy = columns * tried.prior
-    for values in (slopes, columns, discrepancy, plain):
+    stayed = _tried(joint.discrepancy()) if joint.large else tried
+    discrepancy = stayed.columns.matrix
+    for values in (slopes, columns, plain, *([discrepancy] if discrepancy is not columns else [])):
         undo_segments(linear, values)
     p = slopes.shape[1]
     every = np.empty((len(slopes), p + discrepancy.shape[1]))  # of hundreds of megabytes each: few copies
-    every[:, :p], every[:, p:] = slopes, discrepancy
+    every[:, :p] = slopes
+    np.multiply(discrepancy, stayed.prior, out=every[:, p:])
     every, white = whitening.of_instants(every), whitening.of_instants(plain)[:, 0]
-    known = (
-        tried.entries,
-        columns,
-        tried.prior,
-        discrepancy,
-        slopes,
-        whitening,
-        Nuisances(every),
-        repeatability,
-        cells,
+    return Background(
+        joint=joint,
+        white=white,
+        plain=plain[:, 0],
+        entries=tried.entries,
+        columns=columns,
+        prior=tried.prior,
+        discrepancy=discrepancy,
+        discrepancy_prior=stayed.prior,
+        slopes=slopes,
+        whitening=whitening,
+        nuisances=Nuisances(every),
+        repeatability=repeatability,
+        cells=cells,
     )
-    return Background(joint, white, plain[:, 0], *known)
 
 
 def _log_evidence(background: Background) -> float:

@@ -105,7 +105,7 @@ def joint_of(
         executor: Where to simulate.
         store: Where signatures are kept between processes; None: nowhere.
         large: Changes that are too large to be in proportion.
-        before: The same without these. Masses that stayed, and the discrepancy, are taken from there.
+        before: The same with fewer of these. Masses that stayed, and the discrepancy, are taken from there.
 
     Raises:
         InputError: A recording has nothing that a replay predicts, or no channel was read both before and after.

@@ -16,7 +16,7 @@ from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
 
 APART = 5.0  # declared: standard errors, for those of least squares count no error of the model
-CHANGED = 0.15  # declared: of the larger one; oil of another temperature changes less of the Coulomb level
+CHANGED = 0.15  # declared: of the larger one; `bench compare` tells less
 
 
 @dataclass(frozen=True)

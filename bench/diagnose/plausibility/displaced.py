@@ -37,10 +37,10 @@ def displaced(replay: Replay) -> Iterator[Finding]:
     """Yield a doubt for each reflector and for the gauge that reads what the nominal model cannot make of it."""
     nominal = replay.predict(NOMINAL)
     observed = replay.observed
-    in_time = as_if_in_time(replay, observed, nominal)
+    late = [one for one in late_reflectors(replay) if one.delay.value > SURE * one.delay.sigma]
+    in_time = as_if_in_time(replay, late, observed, nominal)
+    told_as_late = {one.column for one in late if one.explained > MOSTLY}
     stopped = _stopped(replay, observed, nominal)
-    every = late_reflectors(replay)
-    late = {one.column for one in every if one.delay.value > SURE * one.delay.sigma and one.explained > MOSTLY}
     for name, where in stopped.items():
         yield doubt(name, f"does not change in {where} while the model's does", "frozen? look at its recording")
     for k in sorted({q.index for q in replay.quantities if q.kind == "reflector"}):
@@ -49,7 +49,7 @@ def displaced(replay: Replay) -> Iterator[Finding]:
         rows = np.all(np.isfinite(observed[:, columns]), axis=1)
         if np.any(rows) and not stopped.keys() & set(names):
             throughout = list(_reflector(names[0], axes, observed[rows][:, columns], nominal[rows][:, columns]))
-            most = FAR if names[0] in late else _most(replay)  # what is late is told as that
+            most = FAR if names[0] in told_as_late else _most(replay)
             throughout = throughout or list(_away(names, in_time[rows][:, columns], nominal[rows][:, columns], most))
             given = names[0], rows, in_time[:, columns], nominal[:, columns], most
             yield from throughout or _in_one_run(replay, *given)

@@ -4,7 +4,7 @@ To first order what a channel reads is late by d where it lacks d times its rate
 model does not turn with the direction of the motion, that of a delay does.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,22 +37,22 @@ class Late:
     explained: float
 
 
-def as_if_in_time(replay: Replay, observed: Array, nominal: Array) -> Array:
+def as_if_in_time(replay: Replay, late: Sequence[Late], observed: Array, nominal: Array) -> Array:
     """Return readings, shape (T, c), with reflectors that are late as if they were not, to first order.
 
     Args:
         replay: Of segments with these readings.
+        late: Which reflectors are late.
         observed: Shape (T, c).
         nominal: Shape (T, c), what the nominal model has instead.
     """
     result = observed.copy()
     rates = np.nan_to_num(rates_of(replay.segments, nominal))
-    for late in late_reflectors(replay):
-        if late.delay.value > SURE * late.delay.sigma:
-            index = next(q.index for q in replay.quantities if q.column == late.column)
-            for c, quantity in enumerate(replay.quantities):
-                if quantity.kind == "reflector" and quantity.index == index:
-                    result[:, c] += late.delay.value * rates[:, c]
+    for one in late:
+        index = next(q.index for q in replay.quantities if q.column == one.column)
+        for c, quantity in enumerate(replay.quantities):
+            if quantity.kind == "reflector" and quantity.index == index:
+                result[:, c] += one.delay.value * rates[:, c]
     return result
 
 

@@ -102,8 +102,8 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     kinds = {quantity.kind for quantity in quantities}
     found = []
     for p in (*nominal_parameters(compiled), *presliding_parameters(compiled)):
-        same = {name: getattr(p, name) for name in ("name", "unit", "sigma", "edit", "is_factor", "least")}
-        one = Nuisance(**same, widened=p.widened, of_mass=p.of_mass)
+        one = Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor, least=p.least)
+        one = replace(one, widened=p.widened, of_mass=p.of_mass)
         found.append(replace(one, between="drifts", own=VISCOUS * DAY_K) if p.is_viscous else one)
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))

@@ -19,9 +19,7 @@ SLOW_STEP_S = 0.5  # samples of a movement come faster than this
 PAUSE = 10.0  # times the usual step
 PACKETS = 3  # pauses, at least
 PACKET_ROWS = 250  # of a packet, at most; half a second at 500 Hz
-PACKET_TIME = (
-    0.25  # of a run, at most, that its packets take in all: samples are really four times as far apart, at least
-)
+PACKET_TIME = 0.25  # of a run, that its packets take in all at most: samples are four times as far apart as stamped
 FEWEST = 10  # rows that count by one before they are taken for row numbers
 SLOWEST = {"rad": 1e-3, "m": 1e-4}  # [rad/s], [m/s]; the slowest sweeps for friction are ten times faster
 

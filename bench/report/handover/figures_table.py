@@ -47,7 +47,10 @@ def _size(figure: FittedFigure) -> str:
 def _as_seen(figure: FittedFigure) -> str:
     if not figure.name.startswith(PRESLIDING):
         return ""
-    return "; as replays of rests see it, which made it up to nine times too soft on motor sides that were known"
+    return (
+        "; as replays of rests see it, which made it up to three times too soft on motor sides, and eight times too "
+        "stiff on link sides, that were known"
+    )
 
 
 def _trade(figure: FittedFigure) -> str:

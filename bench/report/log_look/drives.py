@@ -15,9 +15,7 @@ from bench.report.log_look.slow import Slow, slow_motion
 from bench.robot.nominal_dynamics import NominalDynamics
 
 EXPLAINED = 0.5  # share of a reading's variance, mean over drives, from which it is a torque or a current (assumed)
-SILENT = (
-    0.05  # share of one reading, under which it carries nothing of a joint that moves (assumed; chance explains 1 %)
-)
+SILENT = 0.05  # share of one reading, below which it has nothing of a joint that moves (assumed; chance explains 1 %)
 MOVES_RAD, MOVES_M = 0.1, 0.02  # of a joint, from which friction and load show in what its drive reports (assumed)
 
 
