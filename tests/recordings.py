@@ -56,7 +56,7 @@ def write_emps(
 
 LATE_S = 3e-3  # of the link encoders
 KR300_TRUTH: Mapping[str, Mapping[str, float | tuple[float, ...]]] = {
-    "unstated_payload": {"mass": 120.0, "inertia": 12.0},
+    "unstated_payload": {"mass": 120.0, "second_moment_x": 6.0, "second_moment_y": 6.0, "second_moment_z": 6.0},
     "counterbalance_gas": {"gas_amount": 0.9},
     "coulomb_friction": {"level": (400.0, 500.0, 450.0, 90.0, 110.0, 80.0)},
     "viscous_friction": {"coefficient": (1800.0, 1900.0, 1500.0, 320.0, 550.0, 380.0)},

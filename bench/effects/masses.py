@@ -165,6 +165,6 @@ def _scale_inertia(body: mujoco.MjsBody, factor: float) -> None:
     body.fullinertia = factor * np.array(body.fullinertia)
 
 
-def vector_of(values: Values) -> Array:
-    """Return the parameters x, y and z, shape (3,)."""
-    return np.array([values[axis] for axis in "xyz"])
+def vector_of(values: Values, prefix: str = "") -> Array:
+    """Return the parameters x, y and z, whose names may begin with a prefix, shape (3,)."""
+    return np.array([values[prefix + axis] for axis in "xyz"])

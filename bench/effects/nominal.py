@@ -17,6 +17,7 @@ import numpy as np
 from bench.record.campaign import Array
 from bench.robot.compiled import FRICTION, CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
+from bench.robot.moments_of_inertia import moments_of_inertia, second_moments
 from bench.robot.plugins import configure, number_of
 
 LEAST_SHARE = -0.999  # rounding: by which a figure that cannot be negative is off at most; MuJoCo needs rotors to weigh
@@ -131,7 +132,7 @@ def _of_link(compiled: CompiledRobot, name: str) -> Iterator[NominalParameter]:
         one = NominalParameter(f"centre of mass of {name}, {axis}", "m", length, _com(name, i))
         yield replace(one, widened=known.links)
     body = compiled.model.body(name)
-    second = _second_moments(body.inertia)
+    second = second_moments(body.inertia)
     if known.links == 1 or second.sum() <= 0:
         return
     sigma = float(np.sqrt(2) * length / np.sqrt(second.sum() / body.mass[0]))
@@ -142,11 +143,6 @@ def _of_link(compiled: CompiledRobot, name: str) -> Iterator[NominalParameter]:
         edit = _spread(name, i, axes.reshape(3, 3))
         title = f"spread of the mass of {name} along its principal axis {i + 1}"
         yield NominalParameter(title, "", sigma, edit, least=least)
-
-
-def _second_moments(inertia: Array) -> Array:
-    """Return the second moments of mass along the principal axes from the moments of inertia about them, shape (3,)."""
-    return np.asarray(np.maximum(np.sum(inertia) / 2 - inertia, 0.0))
 
 
 def _share(name: str, sigma: float, times: Callable[[float], SpecEdit]) -> NominalParameter:
@@ -251,9 +247,9 @@ def _spread(body: str, axis: int, axes: Array) -> Callable[[float], SpecEdit]:
             if is_full:
                 xx, yy, zz, xy, xz, yz = link.fullinertia
                 inertia = np.diag(axes.T @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ axes)
-            second = _second_moments(inertia)
+            second = second_moments(inertia)
             second[axis] = max(second[axis] + x * second.sum(), (1 + LEAST_SHARE) * second[axis])
-            inertia = second.sum() - second
+            inertia = moments_of_inertia(second)
             if is_full:
                 full = (axes * inertia) @ axes.T
                 link.fullinertia = np.array([*np.diag(full), full[0, 1], full[0, 2], full[1, 2]])

@@ -13,6 +13,7 @@ from bench.errors import RobotError
 from bench.record.units import STANDARD_GRAVITY
 from bench.robot.compiled import CompiledRobot, SpecEdit, read_spec
 from bench.robot.folder import Robot
+from bench.robot.moments_of_inertia import moments_of_inertia, second_moments
 from bench.robot.plugins import added_body, unused_name
 
 UNSTATED = "unstated payload"  # of the body that is bolted on
@@ -41,6 +42,18 @@ class PayloadMass(GeometryAndMass):
         return edit if change else None
 
 
+def _second_moment(axis: str) -> Parameter:
+    others = [other for other in "xyz" if other != axis]
+    return Parameter(
+        f"second_moment_{axis}",
+        "kg m^2",
+        0.0,
+        LIGHT * COMPACT_M**2 / 2,
+        BULKY_M**2 / 2,
+        f"S_{axis}, part of {' and '.join(f'J_{other}' for other in others)}; range for a largest mass of 1 kg",
+    )
+
+
 def _first_moment(axis: str) -> Parameter:
     return Parameter(
         f"moment_{axis}",
@@ -63,8 +76,9 @@ class UnstatedPayload(GeometryAndMass):
     covers = ("payload_mass", "payload_com")
     physics = (
         "A body is bolted on beside what the campaign states: mass m, centre of mass s/m from the load point in the "
-        f"axes of the load body (no farther than {FARTHEST_M:.2f} m), moment of inertia J about every axis through its "
-        "centre. To one that the model has already, m, s and J are added."
+        f"axes of the load body (no farther than {FARTHEST_M:.2f} m), second moments S of its mass along these axes "
+        "about its centre (integrals of x^2 dm, never below zero), which make its moments of inertia J_x = S_y + S_z "
+        "and so on; no products of inertia. To a payload that the model has already, m, s and S are added."
     )
     source = (
         f"{SWEVERS} (payload identification by first moments); range: up to `uncertainty.payload_kg` of the robot's "
@@ -73,7 +87,7 @@ class UnstatedPayload(GeometryAndMass):
     )
     parameters = (
         Parameter("mass", "kg", 0.0, LIGHT, 1.0, "m; range as a part of the largest payload that may be there"),
-        Parameter("inertia", "kg m^2", 0.0, LIGHT * COMPACT_M**2, BULKY_M**2, "J; range for a largest mass of 1 kg"),
+        *(_second_moment(axis) for axis in "xyz"),
         *(_first_moment(axis) for axis in "xyz"),
     )
 
@@ -90,8 +104,7 @@ class UnstatedPayload(GeometryAndMass):
         )
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
-        mass, inertia = values["mass"], values["inertia"]
-        moment = np.array([values[f"moment_{axis}"] for axis in "xyz"])
+        mass, moment, second = values["mass"], vector_of(values, "moment_"), vector_of(values, "second_moment_")
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             load = spec.body(robot.figures.load_body)
@@ -106,14 +119,17 @@ class UnstatedPayload(GeometryAndMass):
             before, at = float(carried.mass), np.array(load.ipos)
             carried.mass = max(before + mass, 0.0)
             carried.pos = at + _centre(carried.mass, before * (np.array(carried.pos) - at) + moment)
-            carried.inertia = np.maximum(np.array(carried.inertia) + inertia, 0.0)
+            carried.inertia = moments_of_inertia(np.maximum(second_moments(carried.inertia) + second, 0.0))
 
-        return change if mass or inertia else None
+        return change if mass or np.any(second) else None
 
     def there_already(self, compiled: CompiledRobot) -> Mapping[str, float]:
-        """Return mass and moment of inertia of what a model carries and nobody stated."""
+        """Return mass and second moments of what a model carries and nobody stated."""
         carried = added_body(read_spec(compiled.robot), UNSTATED)
-        return {"mass": float(carried.mass), "inertia": float(np.min(carried.inertia))} if carried else {}
+        if carried is None:
+            return {}
+        second = dict(zip("xyz", second_moments(carried.inertia).tolist(), strict=True))
+        return {"mass": float(carried.mass)} | {f"second_moment_{axis}": value for axis, value in second.items()}
 
 
 def _centre(mass: float, moment: Array) -> Array:

@@ -7,12 +7,13 @@ import mujoco
 import numpy as np
 
 from bench.effects.effect import Conditions, Effect, Parameter, Place, Values
-from bench.effects.masses import LIGHTEST
+from bench.effects.masses import LIGHTEST, vector_of
 from bench.effects.payloads import PayloadCom, UnstatedPayload, rated_lever
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
+from bench.robot.moments_of_inertia import moments_of_inertia, second_moments
 
-_MASS, _INERTIA = UnstatedPayload.parameters[:2]
+_MASS, *_SECOND = UnstatedPayload.parameters[:4]
 
 
 class AnotherPayload(Effect):
@@ -22,22 +23,23 @@ class AnotherPayload(Effect):
     family = "geometry and mass"
     title = "change of the payload"
     physics = (
-        "Mass, centre of mass (in the axes of the load body) and moment of inertia about every axis of what the model "
-        "carries at the load point change by m, (x, y, z) and J; what the campaign states is beside it."
+        "Mass, centre of mass (in the axes of the load body) and second moments of mass (along its principal axes) of "
+        "what the model carries at the load point change by m, (x, y, z) and S; what the campaign states is beside it."
     )
     source = UnstatedPayload.source
     parameters = (
         replace(_MASS, words="m; range as a part of the largest payload that may be there", signed=True),
-        replace(_INERTIA, words="J; range for a largest mass of 1 kg", signed=True),
+        *(replace(one, signed=True) for one in _SECOND),
         *(replace(p, words=f"shift along {p.name}") for p in PayloadCom.parameters),
     )
 
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameters with the range of a robot; no more is taken away than it carries."""
         body = _carried(compiled)
-        mass, inertia = float(compiled.model.body_mass[body]), float(np.min(compiled.model.body_inertia[body]))
+        mass, second = float(compiled.model.body_mass[body]), second_moments(compiled.model.body_inertia[body])
         stated = {p.name: p for p in UnstatedPayload().parameters_at(compiled, place)}
-        least = {"mass": LIGHTEST * mass, "inertia": LIGHTEST * inertia}
+        has = {p.name: value for p, value in zip(_SECOND, second.tolist(), strict=True)} | {"mass": mass}
+        least = {name: LIGHTEST * value for name, value in has.items()}
         return tuple(
             replace(p, low=stated[p.name].low, high=stated[p.name].high, least=least[p.name])
             if p.name in stated
@@ -47,17 +49,16 @@ class AnotherPayload(Effect):
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         """Return the change of the body that the model carries."""
-        mass, inertia = values["mass"], values["inertia"]
-        shift = np.array([values[axis] for axis in "xyz"])
+        mass, second, shift = values["mass"], vector_of(values, "second_moment_"), vector_of(values)
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             carried = _payload_in(spec, robot)
             carried.mass = carried.mass + mass
-            carried.inertia = np.array(carried.inertia) + inertia
+            carried.inertia = moments_of_inertia(np.maximum(second_moments(carried.inertia) + second, 0.0))
             if carried.name != robot.figures.load_body:  # wrenches act where the load body's centre of mass is
                 carried.pos = np.array(carried.pos) + shift
 
-        return change if mass or inertia or np.any(shift) else None
+        return change if mass or np.any(second) or np.any(shift) else None
 
 
 def _payload_in(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjsBody:
@@ -69,8 +70,8 @@ def _payload_in(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjsBody:
 def carried_by(compiled: CompiledRobot) -> Mapping[str, float]:
     """Return name of a fitted figure -> what a model has of it: mass [kg] and centre [m] of its payload.
 
-    The centre is in the axes of the load body. A moment of inertia is that about every axis, and a payload has three,
-    so it is left out, as is the centre of a payload that is the load body itself.
+    The centre is in the axes of the load body. Second moments are left out: what is stated of them hangs on the axes of
+    the body; so is the centre of a payload that is the load body itself.
     """
     model, body = compiled.model, _carried(compiled)
     known = {"mass": float(model.body_mass[body])}

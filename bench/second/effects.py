@@ -124,11 +124,13 @@ def _payload_com(figures: Figures, place: int | str, values: Values) -> Figures:
 
 
 def _unstated_payload(figures: Figures, place: int | str, values: Values) -> Figures:
-    mass, moment, load = values["mass"], _xyz(values, "moment_"), figures.load
+    mass, load = values["mass"], figures.load
+    moment, second = _xyz(values, "moment_"), _xyz(values, "second_moment_")
     if mass == 0:
         return figures
     centre = load.position + load.axes @ moment / mass
-    lump = Lump("unstated payload", load.joint, mass, centre, values["inertia"] * np.eye(3), np.eye(3))
+    inertia = (load.axes * (second.sum() - second)) @ load.axes.T
+    lump = Lump("unstated payload", load.joint, mass, centre, inertia, load.axes)
     return replace(figures, lumps=(*figures.lumps, lump))
 
 

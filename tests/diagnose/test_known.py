@@ -43,7 +43,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> CompiledRobot:
 @pytest.fixture(scope="module")
 def campaign(robot: CompiledRobot) -> Campaign:
     """Return sweeps in which nobody wrote down that 4 kg are bolted on."""
-    made = campaign_of(robot, 1, "unstated_payload", mass=PAYLOAD_KG, inertia=0.0)
+    made = campaign_of(robot, 1, "unstated_payload", mass=PAYLOAD_KG)
     runs = [run for run in made.runs if run.name.startswith(made.runs[0].name.split("-")[0])]
     stated = made.runs[0].columns["load_mass_kg"][0]
     light = [{name: v for name, v in run.columns.items() if not name.startswith("load_")} for run in runs]

@@ -49,13 +49,14 @@ def test_signatures_of_first_moments_do_not_depend_on_the_mass(cause: Cause) -> 
 
 
 def test_the_centre_has_the_interval_of_a_quotient(cause: Cause) -> None:
-    mean, sigma = np.array([40.0, 0.5, 4.0, 0.0, -2.0]), np.array([1.0, 0.1, 0.2, 0.1, 0.3])
-    correlation = np.eye(5)
-    correlation[0, 2] = correlation[2, 0] = 0.8
+    mean = np.array([40.0, 0.5, 0.3, 0.2, 4.0, 0.0, -2.0])
+    sigma = np.array([1.0, 0.1, 0.1, 0.1, 0.2, 0.1, 0.3])
+    correlation = np.eye(7)
+    correlation[0, 4] = correlation[4, 0] = 0.8
     covariance = correlation * np.outer(sigma, sigma)
     found = {one.name: one for one in quotients_of(cause, fit_alone(cause, mean.tolist(), covariance))}
     drawn = np.random.default_rng(1).multivariate_normal(mean, covariance, DRAWS)
-    for axis, column in zip("xyz", (2, 3, 4), strict=True):
+    for axis, column in zip("xyz", (4, 5, 6), strict=True):
         centre = drawn[:, column] / drawn[:, 0]
         assert found[axis].value == pytest.approx(mean[column] / 40.0)
         assert found[axis].high - found[axis].low == pytest.approx(2 * 1.96 * np.std(centre), rel=0.01)
@@ -63,11 +64,11 @@ def test_the_centre_has_the_interval_of_a_quotient(cause: Cause) -> None:
 
 
 def test_nothing_is_said_of_the_centre_of_a_mass_that_may_be_none(cause: Cause) -> None:
-    assert list(quotients_of(cause, fit_alone(cause, [1.0, 0.0, 4.0, 0.0, 0.0], np.eye(5)))) == []
+    assert list(quotients_of(cause, fit_alone(cause, [1.0, 0.0, 0.0, 0.0, 4.0, 0.0, 0.0], np.eye(7)))) == []
 
 
 def test_a_light_payload_is_drawn_with_small_first_moments(cause: Cause) -> None:
-    lever = cause.sizes[2].high / cause.sizes[0].high
+    lever = cause.sizes[4].high / cause.sizes[0].high
     for seed in range(50):
         values = Way.draw(cause.effect, cause.place, compiled(), np.random.default_rng(seed)).at(0.1, compiled()).values
         assert all(abs(values[name]) <= lever * values["mass"] * (1 + 1e-12) for name in MOMENTS)

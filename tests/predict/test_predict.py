@@ -144,11 +144,11 @@ def test_another_payload_is_found_in_both_directions(nominal: CompiledRobot, tmp
     if carried:
         linear = only(campaign_of(nominal, 3), nominal, nominal).linear
         fit = fit_of(linear, CASES["unstated payload"], np.random.default_rng(0))
-        values = np.array([carried, 0.05, 0.0, 0.0, 0.0])
+        values = np.array([carried, 0.025, 0.025, 0.025, 0.0, 0.0, 0.0])
         fit = replace(fit, values=values, nuisances=np.zeros_like(fit.nuisances))
         hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
         model = compile_robot(load_robot(tmp_path / "robot"))
-    recorded = campaign_of(nominal, 2, "unstated_payload", mass=PAYLOAD_KG, inertia=0.05)
+    recorded = campaign_of(nominal, 2, "unstated_payload", mass=PAYLOAD_KG, second_moment_y=0.05)
     found = only(recorded, model, nominal, "payload")
     mass = next(figure for figure in found.freed if figure.name.endswith(": mass"))
     assert mass.low < PAYLOAD_KG - carried < mass.high

@@ -69,7 +69,8 @@ def test_replay_of_the_bench_predicts_the_nominal_plant(compiled: CompiledRobot)
 
 
 def test_both_plants_carry_an_unstated_payload_alike(compiled: CompiledRobot) -> None:
-    values = {"mass": 40.0, "inertia": 0.8, "moment_x": 3.0, "moment_y": -2.0, "moment_z": 6.0}
+    seconds = {"second_moment_x": 0.8, "second_moment_y": 0.1, "second_moment_z": 0.4}
+    values = {"mass": 40.0, **seconds, "moment_x": 3.0, "moment_y": -2.0, "moment_z": 6.0}
     acting = Acting(catalogue()["unstated_payload"], WHOLE, values)
     assert_predicted(second(acting, session=all_joints()).campaign, compiled, Hypothesis(acting=(acting,)))
 

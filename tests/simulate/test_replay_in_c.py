@@ -31,7 +31,7 @@ ACTING = {
     "base on hinges": ("base_compliance", {"compliance": 1e-7}),
     "warming gas": ("thermal_relaxation", {"gamma_excess": 0.4, "relaxation_time": 20.0}),
     "seals": ("seal_friction", {"share": 0.05}),
-    "inertia without mass": ("unstated_payload", {"inertia": 20.0}),
+    "inertia without mass": ("unstated_payload", {"second_moment_x": 20.0}),
     "friction over speed": ("stribeck", {"rise": 0.4, "speed": 0.05}),
 }
 

@@ -65,7 +65,13 @@ CASES = {
         ((SCALE, SECOND, {"square": 0.5, "cube": -0.3, "signed_square": 0.8}),), ("learned_scale",)
     ),
     "unstated payload": Case(
-        ((EFFECTS["unstated_payload"], WHOLE, {"mass": 4.0, "inertia": 0.05, "moment_x": 0.2, "moment_z": -0.4}),)
+        (
+            (
+                EFFECTS["unstated_payload"],
+                WHOLE,
+                {"mass": 4.0, "second_moment_x": 0.1, "moment_x": 0.2, "moment_z": -0.4},
+            ),
+        )
     ),
     "payload that is heavier": Case(((EFFECTS["payload_mass"], WHOLE, {"change": 0.1}),), ("payload_mass",)),
     "payload beside its place": Case(((EFFECTS["payload_com"], WHOLE, {"x": 0.02, "z": 0.03}),), ("payload_com",)),
