@@ -4,6 +4,8 @@ import numpy as np
 
 from bench.record.campaign import Array
 
+THIN = 1e-12  # rounding: least second moment of a mass along an axis, as a part of all three
+
 
 def second_moments(inertia: Array) -> Array:
     """Return the second moments of a mass along its principal axes from its moments of inertia about them.
@@ -18,5 +20,10 @@ def second_moments(inertia: Array) -> Array:
 
 
 def moments_of_inertia(second: Array) -> Array:
-    """Return the moments of inertia about three axes from the second moments of a mass along them, shape (3,)."""
-    return np.asarray(np.sum(second) - second)
+    """Return the moments of inertia about three axes from the second moments of a mass along them, shape (3,) [kg m^2].
+
+    One of a plate is as large as the other two together. It is kept below that by more than rounding, for the engine
+    compiles no model with a larger one.
+    """
+    total = np.sum(second)
+    return np.asarray(total - np.maximum(second, THIN * total))

@@ -56,6 +56,14 @@ def test_unstated_payload_adds_its_mass_and_inertia(kr300: CompiledRobot) -> Non
     np.testing.assert_allclose(loaded.inertia[-1], inertia_of_both + steiner(150, place - com), atol=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_a_payload_as_thin_as_a_plate_compiles(seed: int) -> None:
+    """Its largest moment of inertia is the sum of the others, to the last bit or beyond it."""
+    drawn = np.random.default_rng(seed).uniform(0.1, 9.0, (20, 3))
+    for x, z, mass in drawn.tolist():
+        compile_robot(load_robot("kr300"), [with_payload(mass=10 * mass, second_moment_x=x, second_moment_z=z)])
+
+
 def test_a_first_moment_without_a_mass_is_of_no_body(kr300: CompiledRobot) -> None:
     light = compile_robot(load_robot("kr300"), [with_payload(mass=1.0, moment_x=30.0)])
     payload = light.model.body("effect/unstated payload")
