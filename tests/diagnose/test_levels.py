@@ -173,6 +173,20 @@ def test_payloads_that_differ_are_found_where_they_were_carried() -> None:
     assert sum(held) >= 4
 
 
+@pytest.mark.parametrize("change", [0.3, -0.2])
+def test_coulomb_friction_of_another_day_is_no_scatter(change: float) -> None:
+    """Taken to be the same on both days, it was scatter beyond what the instruments explain, or other causes."""
+    payload = {"unstated_payload": {"mass": 40.0}}
+    stiff = {"coulomb_level": {"change": change}}
+    diagnosis = diagnosed(joined({"A": recording(5, payload), "B": recording(6, {**payload, **stiff})}))
+    assert {name for name, *_ in named(diagnosis)} == {"unstated_payload"}
+    assert not diagnosis.verdict.noisy
+    nuisances = diagnosis.linear.nuisances
+    fitted = {str(one): float(x) * one.sigma for one, x in zip(nuisances, diagnosis.naming.null.nuisances, strict=True)}
+    of_day = [1 + fitted[f"Coulomb friction of joint2 in recording {name}"] for name in "AB"]
+    assert of_day[1] / of_day[0] == pytest.approx(1 + change, abs=0.03)
+
+
 def test_a_cause_in_both_recordings_is_the_machines_and_confirmed_by_both() -> None:
     hidden = {"coulomb_level": {"change": 0.6}}
     diagnosis = diagnosed(joined({"A": recording(5, hidden), "B": recording(6, hidden)}))

@@ -2,20 +2,24 @@
 
 Geometry, masses, gears, friction laws and the law of the gas are the machine's, and so are the weights of the lab. Link
 encoders are zeroed, a tracker is set up, reflectors are put into their nests, the force sensor is hung in and a payload
-bolted on anew in each recording. Torque constants, viscous friction, the calibration of the force sensor and the zeros
-of current and torque channels are the machine's with a drift (`effects/drifts.py`). The gas is as warm as the air of
-the day.
+bolted on anew in each recording. Torque constants, levels of friction, the calibration of the force sensor and the
+zeros of current and torque channels are the machine's with a drift (`effects/drifts.py`). The gas is as warm as the air
+of the day.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
+from bench.effects.drifts import COULOMB, DAY_K
 from bench.effects.effect import REFERENCE_K
+from bench.effects.friction_elements import scale_coulomb
 from bench.effects.gas import amount_scaled
 from bench.effects.levels import acts_in
+from bench.effects.nominal import LEAST_SHARE
 from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.figures import Drive
 
 # assumed: [K], standard deviation of the gas from recording to recording: unheated air of a workshop
 GAS_DAY_K = 5.0
@@ -34,6 +38,7 @@ def with_recordings(
     if len(recordings) < 2:
         return tuple(nuisances)
     found = [one for nuisance in nuisances for one in _in_recordings(nuisance, recordings)]
+    found += [replace(one, recording=name) for one in _coulomb_of_the_day(compiled) for name in recordings]
     if compiled.counterbalance:
         found += [replace(_gas_of_the_day(), recording=name) for name in recordings]
     return tuple(found)
@@ -64,6 +69,25 @@ def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nu
     if nuisance.own > 0:
         for name in recordings:
             yield replace(nuisance, sigma=nuisance.own, recording=name, after_effects=nuisance.between == "drifts")
+
+
+def _coulomb_of_the_day(compiled: CompiledRobot) -> Iterator[Nuisance]:
+    """Yield Coulomb friction of each joint that is not what it is on other days, where it may be off at all.
+
+    What is stated of it, and what was found, is that of all days; without this a joint that runs stiffly on one of two
+    days is blamed on everything else.
+    """
+    figures = compiled.robot.figures
+
+    def scaled(drive: Drive) -> Callable[[float], SpecEdit]:
+        return lambda change: lambda spec, robot: scale_coulomb(spec, drive, 1 + max(change, LEAST_SHARE))
+
+    for drive, uncertain in zip(figures.drives, figures.drive_uncertainty.friction, strict=True):
+        if uncertain > 0:
+            sigma, own = COULOMB * DAY_K, COULOMB * DAY_K
+            name = f"Coulomb friction of {drive.joint}"
+            one = Nuisance(name, "", sigma, edit=scaled(drive), between="drifts", own=own)
+            yield replace(one, least=LEAST_SHARE, after_effects=True)
 
 
 def _gas_of_the_day() -> Nuisance:

@@ -48,13 +48,13 @@ def a_payload_that_nobody_stated_is_at_first_a_gripper() -> None:
 @needs("effects.payloads.COMPACT_M")
 def the_most_compact_payload_is_a_steel_cube_as_heavy_as_a_gripper() -> None:
     side = (15.0 / STEEL) ** (1 / 3)
-    gyration = np.sqrt(payload_of("inertia").low / payload_of("mass").low)
+    gyration = np.sqrt(2 * payload_of("second_moment_x").low / payload_of("mass").low)
     assert gyration == pytest.approx(side / np.sqrt(6), rel=0.25)
 
 
 @needs("effects.payloads.BULKY_M")
 def the_bulkiest_payload_is_a_side_panel_of_a_car() -> None:
-    gyration = np.sqrt(payload_of("inertia").high / payload_of("mass").high)
+    gyration = np.sqrt(2 * payload_of("second_moment_x").high / payload_of("mass").high)
     assert gyration == pytest.approx(
         np.hypot(2.0, 1.0) / np.sqrt(12), rel=0.25
     )  # two metres by one, held in its middle

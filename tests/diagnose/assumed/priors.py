@@ -68,6 +68,13 @@ def a_warmed_up_drive_is_one_that_was_cold() -> None:
     assert 50 * 0.001 / (BETWEEN_TWO * own_part("current_gain", 1.0)) > 3.0
 
 
+@needs("effects.drifts.COULOMB")
+def a_tenth_of_coulomb_friction_comes_and_goes_and_thirty_per_cent_do_not() -> None:
+    sigma = prior("Coulomb friction of joint2", ("A", "B")).sigma
+    assert 0.1 / (BETWEEN_TWO * sigma) < 2.0
+    assert 0.3 / (BETWEEN_TWO * sigma) > 3.0
+
+
 @needs("effects.drifts.DRIFTING")
 def what_lasts_of_a_zero_and_what_drifts_are_of_one_order() -> None:
     drifts = own_part("current_offset", 1.0)
