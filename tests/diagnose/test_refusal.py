@@ -11,6 +11,7 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.name import selection as selection_module
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Finding
+from bench.diagnose.name.refusals import Refusals
 from bench.diagnose.name.selection import _Selection
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE
@@ -41,7 +42,7 @@ def test_many_small_refusals_open_a_search_as_one_large_one_does(
     selection.linear = selection.null = selection.executor = nothing
     selection.screening = SimpleNamespace(threshold=3.0)  # type: ignore[assignment]
     selection.progress = lambda words: None
-    selection.refused, selection.refused_beside, selection.is_open = {}, {}, False
+    selection.refusals, selection.is_open = Refusals(), False
     selection.best = Model(fit_of(causes))
     assert selection._refuse()
     assert not selection.best.causes

@@ -1,4 +1,4 @@
-"""Friction that is another one in each recording: a joint diagnosis takes Coulomb friction to be the same in all.
+"""Friction that is another one in each recording, by more than a joint diagnosis takes for ordinary.
 
 Each recording by itself has a first pass of its own. Where these differ by more than they know, and by more than
 friction differs from day to day, recordings are not of one machine as it is: `bench compare` tells what changed.

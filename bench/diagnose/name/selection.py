@@ -26,6 +26,7 @@ from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.neighbourhood import Renew
 from bench.diagnose.name.paying import fit_without_shape, held_findings, shape_pays, with_scatter
+from bench.diagnose.name.refusals import Refusals
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import SearchSpace, search_space
@@ -39,7 +40,6 @@ LEFT_OPEN = 30.0  # effort: evidence of all that is refused, from where somethin
 MOST_ROUNDS = 12  # effort: of linearising and searching; recording B of the KR300 takes 8
 LEADERS = 6  # effort: alternatives of a search that are simulated; half of them while the best model still changes
 EXCHANGED = 4  # effort: findings whose likeliest other name is simulated at last, where no other name was
-MOST_REFUSED = 20  # effort: findings that do not predict better, before they are no more replaced
 
 
 def name_cause(
@@ -80,9 +80,7 @@ class _Selection:
         executor: Where to fit.
         models: Those that the last search simulated, the most probable first.
         findings: Of the best model, each held against what was held out.
-        refused: Findings that did not pay.
-        refused_beside: Key of each of these -> findings beside which it did not; empty: it never comes back.
-        refused_shapes: Free shapes that did not pay.
+        refusals: What did not pay.
         plays_behind: What acted at one joint with a play in models that fell behind.
         promising: Listed causes of the subset that the last search found most probable.
         causes: Everything listed that the last search might have taken, by key.
@@ -97,9 +95,7 @@ class _Selection:
     executor: Executor
     models: tuple[Model, ...] = ()
     findings: dict[Hashable, Finding] = field(default_factory=dict)
-    refused: dict[Hashable, Finding] = field(default_factory=dict)
-    refused_beside: dict[Hashable, frozenset[Hashable]] = field(default_factory=dict)
-    refused_shapes: set[str] = field(default_factory=set)
+    refusals: Refusals = field(default_factory=Refusals)
     plays_behind: set[frozenset[Hashable]] = field(default_factory=set)
     promising: tuple[Cause, ...] = ()
     causes: dict[Hashable, Cause] = field(default_factory=dict)
@@ -127,7 +123,7 @@ class _Selection:
             models=() if is_null else models,
             null=self.null,
             screening=self.screening,
-            findings=(*ranked, *(one for key, one in self.refused.items() if key not in self.best.keys)),
+            findings=(*ranked, *self.refusals.beside(self.best.keys)),
             linear=self.nominal if is_null else self.linear,
             groups=self._groups(ranked),
             promising=self.promising if stopped else (),
@@ -196,7 +192,7 @@ class _Selection:
                 nothing any more.
         """
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
-        refused = self._barred() | self.refused_shapes
+        refused = self.refusals.barred(self.best.keys) | self.refusals.shapes
         about = search_space(self.linear, self.tried, self.screening.threshold, self.best, refused)
         most = None if adds else len(about.present)
         visited = search(about.model, [about.present], about.shape, most=most)
@@ -227,7 +223,7 @@ class _Selection:
         models = sorted(kept, key=lambda one: -one.log_posterior)
         near = {model.keys for model in models if model.log_posterior > models[0].log_posterior - IN_SET}
         self.plays_behind |= {there for there, play in plays.items() if play.keys not in near}
-        found = [one for one in alternatives_of(about.model, subsets.values()) if not one.keys & self.refused_shapes]
+        found = [one for one in alternatives_of(about.model, subsets.values()) if not one.keys & self.refusals.shapes]
         most_unseen = inf if adds else models[0].log_posterior
         self.posterior = posterior_of(models, found, fitter.fell_short(self.best), most_unseen)
         self.models = with_probabilities(models, self.posterior)
@@ -242,12 +238,12 @@ class _Selection:
             least: Logarithm of the posterior odds of the best model, which a shape has to surpass.
             is_last: As of a search.
         """
-        while candidate := about.beside(self.refused_shapes):
+        while candidate := about.beside(self.refusals.shapes):
             models = fitter.fitted([candidate])
             surpasses = bool(models) and models[0].log_posterior > least
             if not (is_last and surpasses) or self._shape_pays(models[0]):
                 return models
-            self.refused_shapes.add(str(candidate.shape))
+            self.refusals.shapes.add(str(candidate.shape))
         return []
 
     def _shape_pays(self, model: Model) -> bool:
@@ -278,18 +274,16 @@ class _Selection:
         """
         self.progress("gain of each finding on what was held out")
         if self.best.shape and not self._shape_pays(self.best):
-            self.refused_shapes.add(str(self.best.shape))
+            self.refusals.shapes.add(str(self.best.shape))
             self.best = Model(fit_without_shape(self.linear, self.best), log_posterior=self.best.log_posterior)
             return True
         before = self.best.fit
         held = self._held(self.best.causes)
         count = 0
-        while (failed := [one for one in held.values() if not one.is_taken]) and len(self.refused) < MOST_REFUSED:
+        while (failed := [one for one in held.values() if not one.is_taken]) and self.refusals.allow_more:
             worst = min(failed, key=lambda one: one.held_out.low)
-            key = worst.cause.key
             self.best = replace(self.best, fit=worst.without)
-            self.refused_beside[key] = frozenset() if key in self.refused else self.best.keys  # twice is for good
-            self.refused[key] = held.pop(key)
+            self.refusals.add(held.pop(worst.cause.key), self.best.keys)
             count += 1
             held |= self._held([one.cause for one in failed if one is not worst])
         self.findings = held
@@ -300,18 +294,11 @@ class _Selection:
         """Return what causes of the best model are worth beside the others."""
         return held_findings(self.linear, self.null, self.best, causes, self.screening.threshold, self.executor)
 
-    def _barred(self) -> frozenset[Hashable]:
-        """Return the keys of what is not tried again: it did not pay beside findings that are all still there.
-
-        Of several findings that do without each other, the one that is refused first may be the one that is needed,
-        once the others are refused as well. It gets one more chance.
-        """
-        return frozenset(key for key, others in self.refused_beside.items() if others <= self.best.keys)
-
     def _repeat(self) -> None:
         """Search again without each part of the runs, and note what is found again."""
         self.progress("searching without parts of the runs")
-        about = search_space(self.linear, self.tried, self.screening.threshold, self.best, self._barred())
+        refused = self.refusals.barred(self.best.keys)
+        about = search_space(self.linear, self.tried, self.screening.threshold, self.best, refused)
         shares = repeats(self.linear, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
 

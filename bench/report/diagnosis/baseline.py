@@ -53,12 +53,12 @@ def first_lines(look: FirstLook) -> Iterator[str]:
 
 
 def changed_lines(found: Iterable[ChangedFriction]) -> Iterator[str]:
-    """Yield where recordings disagree about friction that a diagnosis takes to be the same in all of them."""
+    """Yield where recordings disagree about friction."""
     for one in found:
         levels = listed([f"{number(value)} {one.unit} in {name}" for name, value in one.found.items()], "and")
         yield (
-            f"{one.name}, by least squares of each recording alone: {levels}. A diagnosis of both takes it to be the "
-            "same, and blames other things for the difference: if it changed, diagnose each, and see bench compare."
+            f"{one.name}, by least squares of each recording alone: {levels}. A diagnosis of both lets it differ, and "
+            "hands over that of the last recording; bench compare tells what changed, and how surely."
         )
 
 
