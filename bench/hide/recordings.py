@@ -4,8 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from bench.effects.drifts import COULOMB, DAY_K, VISCOUS, own_shares
-from bench.effects.friction_elements import SIDES
+from bench.effects.drifts import DAY_K, VISCOUS, own_shares
 from bench.effects.nominal import nominal_parameters
 from bench.hide.background import Background
 from bench.robot.compiled import CompiledRobot
@@ -18,8 +17,8 @@ def background_in(
 ) -> Background:
     """Return the background errors of a machine in one recording.
 
-    Its figures and the weights of its lab last; levels of friction are those of the day, in each drive beside the
-    others; what is bolted on is another one.
+    Its figures and the weights of its lab last; viscous friction follows the temperature of the day, in each drive
+    beside the others; what is bolted on is another one.
 
     Args:
         compiled: The robot.
@@ -32,12 +31,6 @@ def background_in(
         if one.is_viscous:
             day = VISCOUS * DAY_K * float(rng.standard_normal())
             deviations[one.name] = (1 + deviations[one.name]) * (1 + day) - 1
-    for drive in compiled.robot.figures.drives:
-        day = COULOMB * DAY_K * float(rng.standard_normal())
-        for side in SIDES:
-            name = f"{side}-side Coulomb friction of {drive.joint}"
-            if name in deviations:
-                deviations[name] = (1 + deviations[name]) * (1 + day) - 1
     return Background(deviations, machine.hung, own.bolted)
 
 

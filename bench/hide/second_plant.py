@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 import mujoco
 import numpy as np
 
-from bench.effects.drifts import COULOMB, DAY_K, VISCOUS, own_shares
+from bench.effects.drifts import DAY_K, VISCOUS, own_shares
 from bench.effects.effect import Acting, Place
 from bench.effects.places import torque_limit
 from bench.effects.recording_places import FORCE, GAUGE, TRACKER
@@ -55,7 +55,7 @@ def run_second(
     compiled = compile_robot(robot)
     hidings = tuple(Hiding(one.effect.name, _where(one.place), one.effect.complete(one.values)) for one in acting)
     sittings = sittings_of(legs_of(robot, session))
-    lasting = Machine(machine, own_shares(robot.figures), VISCOUS * DAY_K, COULOMB * DAY_K) if machine else None
+    lasting = Machine(machine, own_shares(robot.figures), VISCOUS * DAY_K) if machine else None
     return hide_in_second(
         robot.name,
         figures_of(compiled),

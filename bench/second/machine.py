@@ -18,13 +18,12 @@ class Machine:
     Attributes:
         rng: Source of what lasts; recordings whose generators have the same seed are of one machine.
         shares: Attribute of `Errors` -> share of its variance that is another one in each recording; (n,) or one.
-        viscous, coulomb: Standard deviations of friction from recording to recording, relative, in each drive.
+        viscous: Standard deviation of viscous friction from recording to recording, relative, in each drive.
     """
 
     rng: np.random.Generator
     shares: Mapping[str, Array | float]
     viscous: float
-    coulomb: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +60,5 @@ def imperfect(
     lasting, figures = errors(machine.rng), drawn(nominal, known.uncertainty, machine.rng)
     oil = 1 + machine.viscous * rng.standard_normal(figures.n)
     bolted = known.uncertainty.load * float(rng.standard_normal())
-    rubs = 1 + machine.coulomb * rng.standard_normal(figures.n)
-    motor, link = (replace(side, level=side.level * rubs) for side in (figures.motor, figures.link))
-    figures = replace(figures, motor=motor, link=link, viscous=figures.viscous * oil, payload_change=bolted)
+    figures = replace(figures, viscous=figures.viscous * oil, payload_change=bolted)
     return Recorded(figures, lasting.in_recording(errors(rng), machine.shares))

@@ -1,10 +1,6 @@
 """Two recordings of one machine with another friction: said before a joint diagnosis."""
 
-import numpy as np
-import pytest
-
 from bench.diagnose.baseline.changed_friction import changed_friction
-from bench.effects.drifts import COULOMB, DAY_K
 from bench.record.joined import joined
 from bench.report.diagnosis.baseline import changed_lines
 from tests.diagnose.sweeps import SWEEPS, made, nominal
@@ -16,8 +12,7 @@ def test_friction_that_changed_between_recordings_is_told_with_both_levels() -> 
     days = joined({"may": before, "june": made(SWEEPS, 2, {"coulomb_level": 0.4}, machine=3)})
     (found,) = changed_friction(days, nominal())
     assert found.name == "Coulomb friction (joint2)"
-    days_apart = np.sqrt(2) * COULOMB * DAY_K  # hidden machines have another level every day as it is
-    assert found.found["june"] / found.found["may"] == pytest.approx(1.4, rel=2 * days_apart)
+    assert 1.3 < found.found["june"] / found.found["may"] < 1.5
     (line,) = changed_lines([found])
     assert "Nm in may and" in line
     assert "bench compare" in line

@@ -24,9 +24,6 @@ CORRELATION, SPREAD = 4 / np.sqrt(MACHINES), 4 / np.sqrt(2 * MACHINES)
 
 NAMES: dict[str, Callable[[Background, SystematicErrors], float]] = {
     "viscous friction of joint2": lambda background, errors: background.deviations["viscous friction of joint2"],
-    "motor-side Coulomb friction of joint2": lambda background, errors: background.deviations[
-        "motor-side Coulomb friction of joint2"
-    ],
     "mass of column": lambda background, errors: background.deviations["mass of column"],
     "weights that hang": lambda background, errors: background.hung,
     "weights bolted on": lambda background, errors: background.bolted,
@@ -70,9 +67,8 @@ def expected() -> tuple[Nuisance, ...]:
 @pytest.mark.parametrize("name", list(NAMES))
 def test_errors_repeat_from_recording_to_recording_as_a_diagnosis_expects(name: str) -> None:
     pairs = drawn()[name]
-    names = {name, name.removeprefix("motor-side ")} if "Coulomb" in name else {name}
     variance = {
-        who: sum(n.sigma**2 for n in expected() if n.name in names and n.recording == who) for who in (None, "A")
+        who: sum(n.sigma**2 for n in expected() if n.name == name and n.recording == who) for who in (None, "A")
     }
     total = sum(variance.values())
     assert np.sqrt(np.mean(pairs**2)) == pytest.approx(np.sqrt(total), rel=SPREAD)
