@@ -1,15 +1,21 @@
 """The robot as a campaign shows it, without any named cause: what a comparison is linear about."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.diagnose.explain import measured_by, recorded_by
-from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.fit import Fit, Key
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause, causes_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.signatures import Signatures
+from bench.diagnose.name.beginning import what_is_left_out
+from bench.diagnose.name.models import Model
+from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.replay.fitted import figures_with
 from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.levels import as_of, with_recordings
@@ -54,26 +60,34 @@ def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> Compil
     if not segments:
         return compiled
     nuisances = with_recordings(nuisances_of(compiled, quantities), compiled, campaign.recordings)
-    known = [effect for name, effect in catalogue().items() if name in LEFT_OUT]
-    causes = causes_of(known, compiled, measured_by(campaign), recorded_by(campaign, compiled))
+    known = {name: effect for name, effect in catalogue().items() if name in LEFT_OUT}
+    measured, recorded = measured_by(campaign), recorded_by(campaign, compiled)
+    causes = causes_of([*known.values()], compiled, measured, recorded)
+    signatures = Signatures(compiled, quantities, nuisances, causes)
+    around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, recorded=recorded)
     with threadpool_limits(1, "blas"):  # as all of a comparison: threads would change roundings, and cost time
         try:
             linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances)
             fit = refit(linear, (), {})
             if causes and np.sqrt(np.mean(linear.whiten(fit.residual) ** 2)) > FITS:
-                fit = max(fit, _with_what_is_left_out(linear, causes), key=lambda one: one.log_evidence)
+                weighed, screening = around.weighed(linear, causes, signatures.sensitivities(segments))
+                candidate = what_is_left_out(weighed, screening, Model(fit))
+                tried = (_settled(linear, candidate.causes, start) for start in ({}, candidate.start))
+                fit = max(fit, *tried, key=lambda one: one.log_evidence)
             return _written(compiled, as_of(fit.world(linear), recordings_of(segments)[-1]), folder / "robot")
         except NOT_SIMULATED:
             return compiled
 
 
-def _with_what_is_left_out(linear: LinearisedModel, causes: tuple[Cause, ...]) -> Fit:
+def _settled(linear: LinearisedModel, causes: tuple[Cause, ...], start: Mapping[Key, float]) -> Fit:
     """Return a fit of figures and causes together, settled.
 
     One that was not put what a payload of 7.3 kg weighs into the centre of mass of the last link, ten standard
-    deviations away, and what changed was named as links.
+    deviations away, and what changed was named as links. Where it begins decides which optimum it ends in, for a first
+    moment without a mass shows nothing: from causes of no size, 5 kg half a metre beside a payload of 9 kg, at 76 times
+    the noise; from what signatures say, 0.05 kg in place of 3 kg.
     """
-    fit = refit(linear, causes, {})
+    fit = refit(linear, causes, start)
     for _ in range(MOST_FITS):
         before, fit = fit, refit(linear, causes, fit.start, fit.nuisances)
         if fit.log_evidence - before.log_evidence < SETTLED:

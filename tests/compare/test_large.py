@@ -94,17 +94,17 @@ def test_what_stayed_is_the_same_after_a_large_change(recordings: tuple[Recordin
 def test_its_sizes_serve_where_others_are_visible(recordings: tuple[Recording, ...]) -> None:
     (profile,) = profiles_of(1, np.array([np.nan, np.nan]))
     cause = cause_of("unstated_payload")
-    whole = LargeChange(cause, {}, np.arange(1.0, 6.0), profile)
+    whole = LargeChange(cause, {}, np.arange(1.0, 8.0), profile)
     fewer = replace(whole, cause=replace(cause, sizes=cause.sizes[2:4]), sizes=np.zeros(2))
     assert whole.sizes_as(fewer).tolist() == [3.0, 4.0]
-    assert fewer.sizes_as(whole).tolist() == [0.0] * 5
+    assert fewer.sizes_as(whole).tolist() == [0.0] * 7
     assert len(places_of(fewer, joined(recordings).causes)) == 2
 
 
 def test_no_more_is_gone_than_there_was() -> None:
     low, high = bounds_of(cause_of("unstated_payload"), nominal())
-    assert low[:2].tolist() == [0.0, 0.0]  # the model carries nothing
-    assert np.all(low[2:] < 0)
+    assert low[:4].tolist() == [0.0] * 4  # the model carries nothing
+    assert np.all(low[4:] < 0)
     assert np.all(high > 0)
 
 

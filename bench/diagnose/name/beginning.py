@@ -1,7 +1,11 @@
 """Where a search begins: what drawings leave out of a robot is found at once, for all of it is missing at once."""
 
+from collections.abc import Hashable
+from dataclasses import replace
+
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening
+from bench.diagnose.name.candidate_model import CandidateModel
 from bench.diagnose.name.models import Fitter, Model
 from bench.diagnose.name.search_space import search_space
 from bench.effects.catalogue import LEFT_OUT
@@ -15,7 +19,8 @@ def with_what_drawings_leave_out(
     """Return the model with the friction, the payload and the delay that nobody stated, where that is the likelier one.
 
     About a model without any friction nothing else is linear, and one finding after the other is a round each. What is
-    not needed of it the search takes back.
+    not needed of it the search takes back. Where a fit begins decides which optimum it ends in, for a first moment
+    without a mass shows nothing: it is begun from what signatures say and from causes of no size.
 
     Args:
         linear: The campaign.
@@ -23,15 +28,28 @@ def with_what_drawings_leave_out(
         nominal: The nominal model; it is returned for a robot whose friction is stated.
         executor: Where to fit.
     """
+    candidate = what_is_left_out(linear, screening, nominal)
+    if not any(cause.effect.name == CoulombFriction.name for cause in candidate.causes):
+        return nominal
+    models = [nominal]
+    for start in (candidate.start, {}):
+        models += Fitter(linear, nominal.fit, executor, settles=False).fitted([replace(candidate, start=start)])
+    return max(models, key=lambda model: model.log_posterior)
+
+
+def what_is_left_out(linear: LinearisedModel, screening: Screening, nominal: Model) -> CandidateModel:
+    """Return all of it, to be fitted from what signatures say; of a cause with shapes, in the one that explains most.
+
+    Args:
+        linear: The campaign.
+        screening: Everything that was tried.
+        nominal: The nominal model.
+    """
     about = search_space(linear, screening.tried, screening.threshold, nominal)
     rise = about.model.additions(())
-    best: dict[tuple[str, str], int] = {}
+    best: dict[Hashable, int] = {}
     for i in range(len(about.what)):
         cause = about.cause(i)
         if cause and cause.effect.name in LEFT_OUT and rise[i] >= rise[best.get(cause.key, i)]:
             best[cause.key] = i
-    if not any(name == CoulombFriction.name for name, _ in best):
-        return nominal
-    fitter = Fitter(linear, nominal.fit, executor, settles=False)
-    models = fitter.fitted([about.candidate_of(tuple(best.values()))])
-    return max([nominal, *models], key=lambda model: model.log_posterior)
+    return about.candidate_of(tuple(best.values()))

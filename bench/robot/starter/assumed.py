@@ -47,7 +47,7 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
     found += _of_rotors(source, drives)
     return (
         *found,
-        "instruments: drives that report torque with noise of 0.2 % of the torque limit, encoders, a laser tracker",
+        "instruments: drives that report torque, noise and offset 0.2 % of the torque limit; encoders, a laser tracker",
         "payload: recordings may leave one unstated, up to what the strongest drive holds at full reach",
         "uncertainty of masses, centres of mass and friction: that of a model taken from a drawing",
         "uncertainty of stiffness: a factor of four",

@@ -18,7 +18,7 @@ DRAWING = {"mass": 0.05, "centre_of_mass_m": 5e-3, "geometry_m": 0.5e-3, "fricti
 # Of the stiffness, which no file has: a factor of four. Joints of the HH-150 lie within a factor of 2.1 of the guess,
 # data sheets of gears alone five times above it
 STIFFNESS_GUESSED = 3.0
-SIGMA_SHARE = 0.002  # of the torque limit: noise of a torque reading
+SIGMA_SHARE = 0.002  # assumed: of the torque limit: noise of a torque reading, and its offset
 
 
 def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], found: Survey) -> str:
@@ -45,7 +45,7 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
     turning = [drive.torque_limit / max(found.reach, 0.1) for joint, drive in pairs if not joint.is_slide]
     strongest = max(turning or [drive.torque_limit for drive in drives])
     force, heaviest = LOAD_SHARE * strongest, strongest / STANDARD_GRAVITY
-    sigmas = ", ".join(f"{SIGMA_SHARE * drive.torque_limit:.2g}" for drive in drives)
+    sigmas = [float(f"{SIGMA_SHARE * drive.torque_limit:.2g}") for drive in drives]
     lines += [
         "",
         f"load_body: bench_load  # {source.load_origin}",
@@ -63,8 +63,8 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
         "  force: null",
         "  current: null  # default: the drives report torque; drives that report current: {} here, torque: null",
         "  torque:",
-        f"    sigma_nm: [{sigmas}]  # default: 0.2 % of the torque limit",
-        *_defaults(TorqueSensor),
+        f"    sigma_nm: [{', '.join(f'{one:g}' for one in sigmas)}]  # default: 0.2 % of the torque limit",
+        *_defaults(TorqueSensor, offset_sigma_nm=sigmas),
         "  encoder:",
         *_defaults(Encoder, resolution_rad=1e-6),
         "  link_encoder: null",
