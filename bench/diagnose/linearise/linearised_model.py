@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.linearise.each_weight import each_weight
 from bench.diagnose.linearise.held_friction import held_friction, levels_of
-from bench.diagnose.linearise.noise_covariance import Scatter, Whitening
+from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, scatters_alike
 from bench.diagnose.linearise.repeated_rests import RepeatedRests, repeating_share, whitenings_of
 from bench.diagnose.linearise.roughness import with_roughness
 from bench.diagnose.linearise.standing_joints import shaken_share
@@ -29,7 +29,6 @@ from bench.diagnose.replay.simulations import simulate_all, sound
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.record.campaign import Array
 
-SAME_PLAY = 0.1  # rounding: relative; a change of play that changes hardly any scatter
 WHITENED_TOGETHER = 64  # effort: columns at a time, where there are hundreds: memory stays small
 
 
@@ -217,11 +216,6 @@ def with_play(linear: LinearisedModel, play: Array) -> LinearisedModel:
 def with_scatter(linear: LinearisedModel, scatter: Scatter) -> LinearisedModel:
     """Return the design with another scatter of friction and play."""
     return _reassembled(linear, linear.weighed, scatter)
-
-
-def scatters_alike(one: Array, other: Array) -> bool:
-    """Whether two plays, or two sets of friction levels, of the same shape scatter links alike."""
-    return bool(np.all(np.abs(one - other) <= SAME_PLAY * np.maximum(one, other)))
 
 
 def roughened(

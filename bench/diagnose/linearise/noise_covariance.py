@@ -37,6 +37,7 @@ SLOWNESS = 5  # assumed: polynomials over the run that describe the slow change
 WALKS = 10
 CREEPS = 0.05  # assumed: of a gap, slowly, while other joints move
 STIRS = 0.02  # assumed: of a gap, anew at every instant
+SAME_PLAY = 0.1  # rounding: relative; a change of play that changes hardly any scatter
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +58,11 @@ class Scatter:
     shaken: float
     new: float = 1.0
     repeats: float = 0.0
+
+
+def scatters_alike(one: Array, other: Array) -> bool:
+    """Whether two plays, or two sets of friction levels, of the same shape scatter links alike."""
+    return bool(np.all(np.abs(one - other) <= SAME_PLAY * np.maximum(one, other)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening
 from bench.diagnose.name.candidate_model import CandidateModel
-from bench.diagnose.name.models import Fitter, Model
+from bench.diagnose.name.models import Fitter, Model, likeliest
 from bench.diagnose.name.search_space import search_space
 from bench.effects.catalogue import LEFT_OUT
 from bench.effects.friction import CoulombFriction
@@ -34,7 +34,7 @@ def with_what_drawings_leave_out(
     models = [nominal]
     for start in (candidate.start, {}):
         models += Fitter(linear, nominal.fit, executor, settles=False).fitted([replace(candidate, start=start)])
-    return max(models, key=lambda model: model.log_posterior)
+    return likeliest(models)
 
 
 def what_is_left_out(linear: LinearisedModel, screening: Screening, nominal: Model) -> CandidateModel:

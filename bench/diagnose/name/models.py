@@ -1,6 +1,6 @@
 """Models that extend the nominal one by findings, fitted by simulation: listed causes, and at most one free shape."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -79,6 +79,11 @@ class Model:
         covariance = np.linalg.inv(jacobian.T @ jacobian + np.diag(prior))[k:, k:]
         added = np.linalg.lstsq(anew(plain, self.shape).columns, self.shape.columns * self.shape.prior)[0]
         return added @ self.fit.nuisances[own], added @ covariance @ added.T
+
+
+def likeliest(models: Iterable[Model]) -> Model:
+    """Return the most probable one."""
+    return max(models, key=lambda model: model.log_posterior)
 
 
 @dataclass(eq=False)

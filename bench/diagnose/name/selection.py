@@ -22,7 +22,7 @@ from bench.diagnose.name.beginning import with_what_drawings_leave_out
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
 from bench.diagnose.name.instead_of_play import is_needed_in_motion
 from bench.diagnose.name.leaders import other_names, proposed, scattering
-from bench.diagnose.name.models import Fitter, Model, reweighed, without_shape
+from bench.diagnose.name.models import Fitter, Model, likeliest, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.neighbourhood import Renew
 from bench.diagnose.name.paying import fit_without_shape, held_findings, shape_pays, with_scatter
@@ -211,11 +211,11 @@ class _Selection:
         candidates = [present, *map(about.candidate_of, others), *plays.values()]
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
-        first = _likeliest(models)
+        first = likeliest(models)
         if is_last and first.keys and not first.shape:
             rivals = other_names(about, subsets, first.keys, {model.keys for model in models}, EXCHANGED)
             models += fitter.fitted([*map(about.candidate_of, rivals)])
-            first = _likeliest(models)
+            first = likeliest(models)
         if adds and not about.shape and first.keys == self.best.keys:
             models += self._with_shape(about, fitter, first.log_posterior, is_last=is_last)
 
@@ -301,7 +301,3 @@ class _Selection:
         about = search_space(self.linear, self.tried, self.screening.threshold, self.best, refused)
         shares = repeats(self.linear, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
-
-
-def _likeliest(models: Sequence[Model]) -> Model:
-    return max(models, key=lambda model: model.log_posterior)

@@ -6,7 +6,8 @@ import numpy as np
 
 from bench.compare.comparison import Change, ChangedSize, Comparison, Component, Interval, UnlistedChange
 from bench.effects.effect import Level
-from bench.report.diagnosis.names import ACTS, channel_name, shown, unit_name
+from bench.report.diagnosis.names import ACTS, channel_name
+from bench.report.diagnosis.numbers import shown, unit_name
 
 NOT_THE_MACHINES: Mapping[Level, str] = {  # what a change of another level than the machine's is
     "recording": "an error of the recording, not of the machine",

@@ -17,7 +17,8 @@ from bench.report.comparison.names import (
     unit_words,
 )
 from bench.report.comparison.words import NONLINEAR, basis_sentence, findings_sentences, headline
-from bench.report.diagnosis.names import capital, channel_name, percent
+from bench.report.diagnosis.names import capital, channel_name
+from bench.report.diagnosis.numbers import percent
 from bench.report.html import Filters, render
 
 TEMPLATE = "comparison/page.html.j2"

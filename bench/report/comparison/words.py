@@ -16,7 +16,8 @@ from bench.report.comparison.names import (
     unlisted_words,
 )
 from bench.report.diagnosis.headline import MOST, UNDECIDED
-from bench.report.diagnosis.names import capital, fitting, in_short, listed, percent
+from bench.report.diagnosis.names import capital, fitting, in_short, listed
+from bench.report.diagnosis.numbers import percent
 
 BEST_LIMITS = 8
 LEAST = 1e-12  # of a probability that is said: none is nothing

@@ -7,7 +7,8 @@ import numpy as np
 from bench.diagnose.baseline.changed_friction import ChangedFriction
 from bench.diagnose.baseline.first_look import FirstLook
 from bench.diagnose.verdict import DriveErrors, Verdict
-from bench.report.diagnosis.names import listed, percent
+from bench.report.diagnosis.names import listed
+from bench.report.diagnosis.numbers import percent
 from bench.report.dynamics import words
 
 MODELS = {  # fields of `DriveErrors` -> what they are called

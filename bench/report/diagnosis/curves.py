@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from bench.record.campaign import Array
-from bench.report.diagnosis.names import capital, channel_name, workshop
+from bench.report.diagnosis.names import capital, channel_name
+from bench.report.diagnosis.numbers import workshop
 from bench.report.diagnosis.readings import Readings
 from bench.report.diagnosis.recording_clock import RecordingClock
 from bench.report.recording.curves import Colour, Curve, Plot

@@ -14,9 +14,9 @@ from bench.report.diagnosis.names import (
     in_short,
     interval_of,
     listed,
-    unit_name,
     unlisted_name,
 )
+from bench.report.diagnosis.numbers import unit_name
 
 # Characters of two lines of the page's title: 56 rem between the margins, a letter of 1.4 rem is 0.65 of that wide in a
 # wide bold face (61 a line).

@@ -18,19 +18,16 @@ from bench.report.diagnosis.names import (
     channel_name,
     effect_name,
     error_of,
-    gain_percent,
     interval_of,
     limit_of,
     meaning_of,
     name_beside,
     parameter_text,
-    percent,
     place_name,
     remark_text,
-    shown,
-    unit_name,
     unlisted_name,
 )
+from bench.report.diagnosis.numbers import gain_percent, percent, shown, unit_name
 from bench.report.diagnosis.pictures import Picture, over_name
 from bench.report.diagnosis.readings import Channel
 from bench.report.diagnosis.sentences import (

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.predict.errors import rms
 from bench.record.campaign import Array
-from bench.report.diagnosis.names import channel_name, of_slide, shown, unit_name, workshop
+from bench.report.diagnosis.names import channel_name, of_slide
+from bench.report.diagnosis.numbers import shown, unit_name, workshop
 from bench.report.diagnosis.readings import Readings
 from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure, svg_of
 

@@ -9,7 +9,8 @@ from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.replay.world import World
 from bench.diagnose.verdict import Verdict
 from bench.report.diagnosis.curves import plots_of
-from bench.report.diagnosis.names import explanation_name, percent
+from bench.report.diagnosis.names import explanation_name
+from bench.report.diagnosis.numbers import percent
 from bench.report.diagnosis.readings import Readings
 from bench.report.diagnosis.recording_clock import RecordingClock, recording_clock_of
 from bench.report.diagnosis.words import words_of

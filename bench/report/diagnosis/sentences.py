@@ -8,17 +8,8 @@ import numpy as np
 from bench.diagnose.cross_validation.held_out import NOTICEABLE
 from bench.diagnose.experiment_design.propose import NONE
 from bench.diagnose.verdict import ChannelGain, Proposal, Step, UndetectableEffect, Verdict
-from bench.report.diagnosis.names import (
-    cause_name,
-    channel_name,
-    effect_at,
-    gain_percent,
-    listed,
-    percent,
-    shown,
-    unit_name,
-    unlisted_name,
-)
+from bench.report.diagnosis.names import cause_name, channel_name, effect_at, listed, unlisted_name
+from bench.report.diagnosis.numbers import gain_percent, percent, shown, unit_name
 
 CLEARLY = 0.05  # gain of a channel by one step that is worth a word
 ROUNDING = 1e-3  # of a gain; a channel that a model does not touch gains nothing but this

@@ -17,10 +17,10 @@ from bench.report.diagnosis.names import (
     meaning_of,
     name_beside,
     parameter_text,
-    percent,
     place_name,
     remark_text,
 )
+from bench.report.diagnosis.numbers import percent
 from bench.report.diagnosis.sentences import (
     FLOOR,
     gain_sentence,

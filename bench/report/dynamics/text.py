@@ -11,7 +11,7 @@ from bench.identify.dynamics.prior import AS_STATED
 from bench.identify.dynamics.quantities import RELATIVE, Quantity
 from bench.record.campaign import Array
 from bench.record.finding import counted
-from bench.report.diagnosis.names import shown, unit_name
+from bench.report.diagnosis.numbers import shown, unit_name
 from bench.report.dynamics.identify import Dynamics
 from bench.report.dynamics.notes import notes_of
 from bench.report.dynamics.words import MODELS, folds_words, torque_unit

@@ -9,7 +9,7 @@ import numpy as np
 
 from bench.diagnose.cross_validation.figures import FittedFigure
 from bench.effects.nominal import PRESLIDING
-from bench.report.diagnosis.names import shown, unit_name
+from bench.report.diagnosis.numbers import shown, unit_name
 
 COLUMNS = tuple(field.name for field in fields(FittedFigure))
 

@@ -4,7 +4,8 @@ import numpy as np
 
 from bench.predict.errors import rms
 from bench.predict.prediction import PredictedRecording
-from bench.report.diagnosis.names import channel_name, shown, unit_name, workshop
+from bench.report.diagnosis.names import channel_name
+from bench.report.diagnosis.numbers import shown, unit_name, workshop
 from bench.report.diagnosis.pictures import BAND, SALT, Picture
 from bench.report.diagnosis.recording_clock import recording_clock_of
 from bench.report.figures.style import COLOURS, GREY, INK, PALE, SMALL_TEXT, small_figure, svg_of

@@ -6,7 +6,8 @@ import numpy as np
 
 from bench.predict.prediction import PredictedRecording
 from bench.report.diagnosis.curves import MEASURED, MEASURED_WIDTH, SIMULATED_WIDTH, WITH, WITHOUT
-from bench.report.diagnosis.names import capital, channel_name, workshop
+from bench.report.diagnosis.names import capital, channel_name
+from bench.report.diagnosis.numbers import workshop
 from bench.report.diagnosis.recording_clock import RecordingClock, recording_clock_of
 from bench.report.recording.compared import log_compared
 from bench.report.recording.curves import JOINT_COLOURS, Curve, Plot, log_plots

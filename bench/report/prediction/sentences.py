@@ -8,7 +8,8 @@ import numpy as np
 from bench.predict.free import FREE
 from bench.predict.freed import FreedFigure
 from bench.predict.prediction import ChannelError, PredictedRecording, Prediction, Stretch
-from bench.report.diagnosis.names import channel_name, listed, shown, unit_name
+from bench.report.diagnosis.names import channel_name, listed
+from bench.report.diagnosis.numbers import shown, unit_name
 from bench.report.diagnosis.recording_clock import recording_clock_of
 
 ANSWERS = {"kept": "as promised", "less": "less than promised", "more": "more than promised", "not promised": ""}

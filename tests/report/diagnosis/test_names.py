@@ -7,17 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bench.diagnose.verdict import ParameterValue, PredictedError
-from bench.report.diagnosis.names import (
-    cause_name,
-    channel_name,
-    error_text,
-    gain_percent,
-    meaning_of,
-    parameter_text,
-    percent,
-    place_name,
-    shown,
-)
+from bench.report.diagnosis.names import cause_name, channel_name, error_text, meaning_of, parameter_text, place_name
+from bench.report.diagnosis.numbers import gain_percent, percent, shown
 from tests.report.diagnosis.made import GAS
 
 ROUNDING = 0.0501  # of a step of which two digits are shown: half of the second one

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.verdict import Verdict
-from bench.report.diagnosis.names import WORKSHOP
+from bench.report.diagnosis.numbers import WORKSHOP
 from bench.report.diagnosis.page import Pictures, page_of
 from bench.report.diagnosis.pictures import learned_picture
 from bench.report.jsonable import to_jsonable

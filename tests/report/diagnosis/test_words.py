@@ -17,12 +17,7 @@ from bench.diagnose.verdict import (
     Unlisted,
 )
 from bench.report.diagnosis.headline import headline
-from bench.report.diagnosis.names import (
-    cause_name,
-    cause_names,
-    name_beside,
-    unlisted_name,
-)
+from bench.report.diagnosis.names import cause_name, cause_names, name_beside, unlisted_name
 from bench.report.diagnosis.sentences import (
     confirmed_text,
     gain_sentence,
