@@ -63,14 +63,14 @@ def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> Compil
     known = {name: effect for name, effect in catalogue().items() if name in LEFT_OUT}
     measured, recorded = measured_by(campaign), recorded_by(campaign, compiled)
     causes = causes_of([*known.values()], compiled, measured, recorded)
-    signatures = Signatures(compiled, quantities, nuisances, causes)
-    around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, recorded=recorded)
     with threadpool_limits(1, "blas"):  # as all of a comparison: threads would change roundings, and cost time
         try:
             linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances)
             fit = refit(linear, (), {})
             if causes and np.sqrt(np.mean(linear.whiten(fit.residual) ** 2)) > FITS:
-                weighed, screening = around.weighed(linear, causes, signatures.sensitivities(segments))
+                changes = Signatures(compiled, quantities, nuisances, causes).sensitivities(segments)
+                around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, recorded=recorded)
+                weighed, screening = around.weighed(linear, causes, changes)
                 candidate = what_is_left_out(weighed, screening, Model(fit))
                 tried = (_settled(linear, candidate.causes, start) for start in ({}, candidate.start))
                 fit = max(fit, *tried, key=lambda one: one.log_evidence)

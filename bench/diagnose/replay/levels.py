@@ -7,8 +7,9 @@ zeros of current and torque channels are the machine's with a drift (`effects/dr
 of the day.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
@@ -77,17 +78,23 @@ def _coulomb_of_the_day(compiled: CompiledRobot) -> Iterator[Nuisance]:
     What is stated of it, and what was found, is that of all days; without this a joint that runs stiffly on one of two
     days is blamed on everything else.
     """
-    figures = compiled.robot.figures
+    figures, sigma = compiled.robot.figures, COULOMB * DAY_K
 
-    def scaled(drive: Drive) -> Callable[[float], SpecEdit]:
-        return lambda change: lambda spec, robot: scale_coulomb(spec, drive, 1 + max(change, LEAST_SHARE))
+    def scaled(drive: Drive, change: float) -> SpecEdit:
+        return lambda spec, robot: scale_coulomb(spec, drive, 1 + max(change, LEAST_SHARE))
 
     for drive, uncertain in zip(figures.drives, figures.drive_uncertainty.friction, strict=True):
         if uncertain > 0:
-            sigma, own = COULOMB * DAY_K, COULOMB * DAY_K
-            name = f"Coulomb friction of {drive.joint}"
-            one = Nuisance(name, "", sigma, edit=scaled(drive), between="drifts", own=own)
-            yield replace(one, least=LEAST_SHARE, after_effects=True)
+            yield Nuisance(
+                f"Coulomb friction of {drive.joint}",
+                "",
+                sigma,
+                edit=partial(scaled, drive),
+                between="drifts",
+                own=sigma,
+                least=LEAST_SHARE,
+                after_effects=True,
+            )
 
 
 def _gas_of_the_day() -> Nuisance:
