@@ -44,7 +44,7 @@ class Course:
     """T instants of a campaign, K of which are read; n drives.
 
     Attributes:
-        command, velocity, acceleration: Shape (T, n), of the motors [rad].
+        command, velocity, acceleration, jerk: Shape (T, n), of the motors [rad].
         wrench: Shape (T, 6) [N, Nm].
         time: Shape (T,) [s], since the start of the campaign.
         passed: Shape (T,) [s], since the instant before, in which servos work.
@@ -58,6 +58,7 @@ class Course:
     command: Array
     velocity: Array
     acceleration: Array
+    jerk: Array
     wrench: Array
     time: Array
     passed: Array
@@ -76,6 +77,7 @@ def course_of(sittings: Sequence[Sitting]) -> Course:
         commands = np.concatenate([sitting.start[None], sitting.commands])
         velocity = np.gradient(commands, sitting.period, axis=0)
         acceleration = np.gradient(velocity, sitting.period, axis=0)
+        jerk = np.gradient(acceleration, sitting.period, axis=0)
         rows = _instants(sitting)
         visits = [(run, words.get("pose"), words.get("approach")) for run, words in _marks(sitting)]
         fresh = [bool(words) and (i == 0 or visits[i] != visits[i - 1]) for i, (_, words) in enumerate(_marks(sitting))]
@@ -88,6 +90,7 @@ def course_of(sittings: Sequence[Sitting]) -> Course:
                 commands[rows],
                 velocity[rows],
                 acceleration[rows],
+                jerk[rows],
                 np.concatenate([np.zeros((1, 6)), sitting.wrenches])[rows],
                 ends[rows],
                 np.diff(rows, prepend=0) * sitting.period,
@@ -98,13 +101,14 @@ def course_of(sittings: Sequence[Sitting]) -> Course:
         read.append(count + where)
         arrives.append(arrived)
         count += len(rows)
-    command, velocity, acceleration, wrench, time, passed, begins, payload = (
+    command, velocity, acceleration, jerk, wrench, time, passed, begins, payload = (
         np.concatenate(column) for column in zip(*parts, strict=True)
     )
     return Course(
         command,
         velocity,
         acceleration,
+        jerk,
         wrench,
         time,
         passed,

@@ -76,14 +76,18 @@ def follow(figures: Figures, course: Course, chance: Chance) -> State:
     Raises:
         ConvergenceError: The rounds do not come to an end.
     """
-    wanted = course.command - figures.readout.zero + figures.readout.delay * course.velocity
+    # what encoders show late, servos let drives do early
+    early = figures.readout.delay
+    wanted = course.command - figures.readout.zero + early * course.velocity
+    velocity = course.velocity + early * course.acceleration
+    acceleration = course.acceleration + early * course.jerk
     inertia = np.zeros_like(wanted)
     for mass in np.unique(course.payload):
         rows = course.payload == mass
         inertia[rows] = inertia_torque(
-            figures.with_payload(float(mass)), wanted[rows], course.velocity[rows], course.acceleration[rows]
+            figures.with_payload(float(mass)), wanted[rows], velocity[rows], acceleration[rows]
         )
-    rotors = figures.rotor_inertia * course.acceleration + figures.viscous * course.velocity
+    rotors = figures.rotor_inertia * acceleration + figures.viscous * velocity
     fading = np.exp(-figures.servo.decay * course.passed[:, None])
     springs = figures.springs
     q, theta, spring = wanted.copy(), wanted.copy(), np.zeros_like(wanted)
@@ -92,8 +96,8 @@ def follow(figures: Figures, course: Course, chance: Chance) -> State:
         at, lean, asked = _asked(figures, course, theta)
         asked += inertia
         before = theta.copy()
-        motor = _elements(figures.motor, q, course.velocity, spring, chance.motor)
-        link = _elements(figures.link, theta, course.velocity, spring, chance.link)
+        motor = _elements(figures.motor, q, velocity, spring, chance.motor)
+        link = _elements(figures.link, theta, velocity, spring, chance.link)
         for j in range(figures.n):
             needed, kp = rotors[:, j] + spring[:, j], float(figures.servo.kp[j])
             q[:, j], on_motor[:, j] = motor_path(

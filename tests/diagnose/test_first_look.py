@@ -53,6 +53,7 @@ def test_gravity_and_motion_have_factors_of_their_own(rng: np.random.Generator) 
         np.zeros((400, 2), bool) | [False, True],
         np.ones(2),
         np.ones(2),
+        np.zeros((2, 2)),
         np.ones(2),
         np.zeros((400, 2, 0)),
         ("current_1_a", ""),

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.diagnose.name.leaders import grown, leaders_of, rivals_of, scattering, without
+from bench.diagnose.name.leaders import grown, leaders_of, other_names, rivals_of, scattering, without
 from bench.diagnose.name.search import Alternative, Subset, SubsetPosterior, Term
 
 
@@ -86,9 +86,11 @@ def test_a_finding_with_many_names_leaves_room_for_those_of_another() -> None:
     many = leaders_of(found, 4)
     assert many == found[:4]
     simulated = {one.keys for one in many}
-    assert rivals_of(found, found[0].keys, simulated, 2) == [found[6]]
-    assert rivals_of(found, found[0].keys, simulated | {found[7].keys}, 2) == [found[6]]
-    assert rivals_of(found, found[0].keys, simulated | {found[6].keys}, 2) == []
+    assert rivals_of(found, found[0].keys, simulated, simulated) == [found[6]]
+    with_another = simulated | {found[7].keys}
+    assert rivals_of(found, found[0].keys, with_another, with_another) == [found[6]]
+    with_cold = simulated | {found[6].keys}
+    assert rivals_of(found, found[0].keys, with_cold, with_cold) == []
 
 
 def test_the_best_of_simulated_models_has_rivals_whatever_promised_more() -> None:
@@ -96,4 +98,26 @@ def test_the_best_of_simulated_models_has_rivals_whatever_promised_more() -> Non
     names = ["cold+stiff", "warm+stiff", "cold+stiff+rough", "warm+stiff+rough", "cold+rough"]
     found = [Alternative(frozenset(name.split("+")), Subset((), -i), -i) for i, name in enumerate(names)]
     simulated = {found[i].keys for i in (0, 1, 2)}
-    assert rivals_of(found, found[2].keys, simulated, 4) == [found[3]]
+    assert rivals_of(found, found[2].keys, simulated, simulated) == [found[3]]
+
+
+def test_a_name_that_fell_short_is_no_reason_to_try_no_other() -> None:
+    """Friction by direction had 100 %: a scale was tried in its place and ruled out, a constant torque never was."""
+    names = ["payload+direction", "payload+scale", "payload+constant"]
+    found = [Alternative(frozenset(name.split("+")), Subset((), -i), -i) for i, name in enumerate(names)]
+    simulated = {found[0].keys, found[1].keys}
+    assert rivals_of(found, found[0].keys, {found[0].keys}, simulated) == [found[2]]
+    assert rivals_of(found, found[0].keys, simulated, simulated) == [], "one that is as good will do"
+
+
+def test_a_model_that_no_search_visited_has_other_names(rng: np.random.Generator) -> None:
+    """The best of simulated models had no rivals where another one had promised more: it was looked up among those."""
+    columns, noise = rng.standard_normal((80, 3)), rng.standard_normal(80)
+    columns[:, 2] = columns[:, 1] + 1e-3 * columns[:, 2]
+    white = columns[:, :2] @ [6.0, 4.0] + noise
+    terms = [Term(name, np.array([i]), np.full(1, 5.0), -7.0, np.zeros(1)) for i, name in enumerate("abc")]
+    about: Any = SimpleNamespace(model=SubsetPosterior(columns.T @ columns, columns.T @ white, terms), shape=())
+    best = frozenset("ab")
+    visited = {(0,): Subset((0,), 900.0)}
+    assert other_names(about, visited, best, {best}, {best}) == [(0, 2)]
+    assert {(0, 1), (0, 2)} <= visited.keys()

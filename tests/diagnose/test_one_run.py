@@ -123,6 +123,7 @@ def test_one_reading_at_rest_turns_no_sign(off: int, is_told: bool, another: flo
         standing=np.ones(model.shape, dtype=np.bool_),
         slack=np.full(1, 200.0),
         level=np.full(1, 33.0),
+        spare=np.zeros((2, 1)),
         unit=np.ones(1),
         missing=np.zeros((*model.shape, 0)),
         names=("current_1_a",),

@@ -41,6 +41,26 @@ def test_one_effort_for_weak_and_strong_drives_is_a_placeholder(
     assert all("10000 of the file stands there for weak and strong drives alike" in line for line in said)
 
 
+@pytest.mark.parametrize(("damping", "is_placeholder"), [(1.0, True), (0.2, False)])
+def test_one_damping_for_weak_and_strong_drives_is_a_placeholder(
+    tmp_path: Path, damping: float, *, is_placeholder: bool
+) -> None:
+    """Menagerie's Panda has damping 1 at each joint: three times what rubs in its wrist, taken as known to 20 %."""
+    links = "".join(
+        f'<body pos="0 0 0.2"><inertial mass="2" pos="0.1 0 0.1" diaginertia="0.1 0.1 0.1"/>'
+        f'<joint name="j{j}" axis="0 1 0" range="-2 2" damping="{damping if j else 1.0}"/>'
+        for j in range(3)
+    )
+    motors = "".join(f'<motor joint="j{j}" ctrlrange="-{t} {t}"/>' for j, t in enumerate((87, 87, 12)))
+    text = f'<mujoco><compiler angle="radian"/><worldbody>{links}<site name="tool"/>{"</body>" * 3}</worldbody>'
+    robot = started(tmp_path, f"{text}<actuator>{motors}</actuator></mujoco>")
+    assert [drive.viscous for drive in robot.drives] == ([0.0] * 3 if is_placeholder else [1.0, 0.2, 0.2])
+    said = [line for line in robot.compiled.robot.figures.assumed if line.startswith("viscous friction")]
+    assert ["damping 1 of the file stands there for weak and strong drives alike" in line for line in said] == (
+        [True] if is_placeholder else []
+    )
+
+
 @pytest.mark.parametrize(
     ("arm", "torque", "reach", "rated"),
     [("UR5e", 150, 0.85, 5.0), ("UR10e", 330, 1.3, 12.5), ("Panda", 87, 0.855, 3.0), ("iiwa 14", 320, 0.82, 14.0)],

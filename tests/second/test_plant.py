@@ -29,6 +29,7 @@ LAB = Lab(without=("line", "dwell", "repeat_at_end"))
 IN_MOTION = 2e-3  # of a drive's largest current, where it moves: bins of the replay are 40 ms wide
 SAG = 1e-2  # of a loss of gas: joint 2 sags by 5e-4 rad, the cylinder by 0.1 mm of the 130 mm that are left for gas
 ALIKE = 1e-2  # of the largest change of a channel: small rotations are to first order, and places differ by 0.1 mm
+DELAY_S = 4e-3  # a control period
 ROUNDING = 1e-9  # [m, A, N, Nm]
 AT_REST = 1e-4  # [m]; presliding on a link is not resolved by a replay that starts 2 degrees away
 
@@ -184,6 +185,18 @@ def test_a_channel_of_another_scale_reads_so_many_times_more(compiled: CompiledR
     for before, after in zip(quiet.campaign.runs, scaled.runs, strict=True):
         assert np.array_equal(after.columns["current_2_a"], 0.5 * before.columns["current_2_a"])
         assert np.array_equal(after.columns["current_1_a"], before.columns["current_1_a"])
+
+
+def test_where_encoders_are_late_drives_do_everything_early(quiet: Second) -> None:
+    """Their accelerations too: without that, a diagnosis found drives that were as late, beside the encoders."""
+    late = second(Acting(catalogue()["encoder_delay"], WHOLE, {"delay": DELAY_S})).campaign
+    for before, after in zip(quiet.campaign.runs, late.runs, strict=True):
+        if before.kind == "static":
+            continue
+        time, torque = (before.columns[name] for name in ("time_s", "current_2_a"))
+        early = np.interp(time + DELAY_S, time, torque)
+        left, apart = (np.sqrt(np.mean((after.columns["current_2_a"] - other)[1:-1] ** 2)) for other in (early, torque))
+        assert left < 0.5 * apart  # 0.30; it was 2.2. To first order: ramps bend within the delay
 
 
 def test_gauge_reads_gas_without_the_seals(compiled: CompiledRobot, quiet: Second) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Hashable, Sequence, Set
 
 from bench.diagnose.name.candidate_model import CandidateModel
-from bench.diagnose.name.search import WINDOW, Alternative, Subset, alternatives_of, exchanges, search
+from bench.diagnose.name.search import WINDOW, Alternative, Subset, alternatives_of, exchanges, likeliest_shapes, search
 from bench.diagnose.name.search_space import SearchSpace
 
 GROWING = 12  # effort: subsets that are expanded to find what is missing beside all of a model
@@ -45,46 +45,52 @@ def other_names(
     about: SearchSpace,
     subsets: dict[tuple[int, ...], Subset],
     best: frozenset[Hashable],
+    near: Set[frozenset[Hashable]],
     known: Set[frozenset[Hashable]],
-    count: int,
 ) -> list[tuple[int, ...]]:
     """Return the terms of models in which a finding of a simulated model has another name, as of `rivals_of`.
 
     Args:
         about: The model that the campaign is linearised about.
-        subsets: That were visited, by their terms. Exchanges of each finding of the model come to them.
+        subsets: That were visited, by their terms. The model and exchanges of each of its findings come to them.
         best: Keys of the model.
+        near: Keys of the simulated models that cannot be told from it.
         known: Keys of all models that were simulated.
-        count: For so many findings at most.
     """
+    mine = next((one.best for one in alternatives_of(about.model, subsets.values()) if one.keys == best), None)
+    mine = mine or likeliest_shapes(about.model, best)
+    if mine is None:
+        return []
+    subsets |= {one.terms: one for one in (mine, *exchanges(about.model, mine, about.shape))}
     found = alternatives_of(about.model, subsets.values())
-    if mine := next((one.best for one in found if one.keys == best), None):
-        subsets |= {one.terms: one for one in exchanges(about.model, mine, about.shape)}
-        found = alternatives_of(about.model, subsets.values())
-    return [one.best.terms for one in rivals_of(found, best, known, count)]
+    return [one.best.terms for one in rivals_of(found, best, near, known)]
 
 
 def rivals_of(
-    found: Sequence[Alternative], best: frozenset[Hashable], known: Set[frozenset[Hashable]], count: int
+    found: Sequence[Alternative],
+    best: frozenset[Hashable],
+    near: Set[frozenset[Hashable]],
+    known: Set[frozenset[Hashable]],
 ) -> list[Alternative]:
-    """Return the likeliest other name of findings of a simulated model for which no other name was simulated.
+    """Return the likeliest other name of each finding of a simulated model for which no simulated one is as good.
 
     One finding with many names (from which run on gas was lost) leaves no room for those of another one among leaders,
-    and where the best of simulated models is not the one that promised most, leaders have other names of that.
+    and where the best of simulated models is not the one that promised most, leaders have other names of that. What
+    promises more together with another exchange, and falls short with it, says nothing of this name alone.
 
     Args:
         found: By a search and by exchanges of each finding of the model, the most probable first.
         best: Keys of the model.
+        near: Keys of the simulated models that cannot be told from it.
         known: Keys of all models that were simulated.
-        count: For so many findings at most.
     """
-    tried = {gone for keys in known if (gone := _exchanged(best, keys))}
+    named = {gone for keys in near if (gone := _exchanged(best, keys))}
     rivals: dict[frozenset[Hashable], Alternative] = {}
     for one in found:
         gone = _exchanged(best, one.keys)
-        if gone and gone not in tried and one.keys not in known:
+        if gone and gone not in named and one.keys not in known:
             rivals.setdefault(gone, one)
-    return list(rivals.values())[:count]
+    return list(rivals.values())
 
 
 def _exchanged(best: frozenset[Hashable], other: frozenset[Hashable]) -> frozenset[Hashable]:

@@ -10,7 +10,7 @@ Adding a cause after cause loses the smaller of two effects behind a dominant on
 """
 
 import heapq
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Collection, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -238,6 +238,25 @@ def exchanges(model: SubsetPosterior, subset: Subset, always: tuple[int, ...] = 
                 terms = tuple(sorted((*rest, int(i))))
                 found.append(Subset(terms, model.log_posterior(terms)))
     return [subset for subset in found if subset.log_posterior > -np.inf]
+
+
+def likeliest_shapes(model: SubsetPosterior, keys: Collection[Hashable]) -> Subset | None:
+    """Return a subset with some keys, of each the shape that is most probable beside the others; None: one is missing.
+
+    Args:
+        model: What may be in it.
+        keys: Of the terms.
+    """
+    shapes = {key: [i for i, term in enumerate(model.terms) if term.key == key] for key in keys}
+    if not all(shapes.values()):
+        return None
+    chosen = {key: some[0] for key, some in shapes.items()}
+    for key, some in shapes.items():
+        others = [i for other, i in chosen.items() if other != key]
+        chosen[key] = max(some, key=lambda i: model.log_posterior(sorted((*others, i))))
+    terms = tuple(sorted(chosen.values()))
+    value = model.log_posterior(terms)
+    return Subset(terms, value) if value > -np.inf else None
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ from bench.executor.watched import Stopped
 LEFT_OPEN = 30.0  # effort: evidence of all that is refused, from where something else is looked for in its place
 MOST_ROUNDS = 12  # effort: of linearising and searching; recording B of the KR300 takes 8
 LEADERS = 6  # effort: alternatives of a search that are simulated; half of them while the best model still changes
-EXCHANGED = 4  # effort: findings whose likeliest other name is simulated at last, where no other name was
+NAMES = 3  # effort: other names of each finding that are simulated at last, until one cannot be told from it
 
 
 def name_cause(
@@ -212,8 +212,9 @@ class _Selection:
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
         first = likeliest(models)
-        if is_last and first.keys and not first.shape:
-            rivals = other_names(about, subsets, first.keys, {model.keys for model in models}, EXCHANGED)
+        for _ in range(NAMES if is_last and first.keys and not first.shape else 0):
+            near = {model.keys for model in models if model.log_posterior > first.log_posterior - IN_SET}
+            rivals = other_names(about, subsets, first.keys, near, fitter.models.keys())
             models += fitter.fitted([*map(about.candidate_of, rivals)])
             first = likeliest(models)
         if adds and not about.shape and first.keys == self.best.keys:

@@ -9,15 +9,16 @@ from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World
-from bench.effects.effect import Acting
+from bench.effects.effect import Acting, Place, Values
 from bench.effects.gas import CounterbalanceGas
 from bench.effects.masses import RotorInertia
-from bench.effects.payloads import UnstatedPayload
+from bench.effects.payloads import UnstatedPayload, rated_lever
 from bench.effects.places import torque_limit
 from bench.errors import ConvergenceError
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
+FAR = 3.0  # declared: standard deviations of stated friction, by which there may be less
 HELD = 0.1  # of a drive's torque limit, that friction may hold at rest; Coulomb levels are 1 to 6 % of it
 
 
@@ -31,9 +32,10 @@ class DrivePicture:
         standing: Shape (T, n) bool, while a drive did not move.
         slack: Shape (n,) [Nm], what friction may hold at rest.
         level: Shape (n,) [Nm], friction of the nominal model at which drives slide.
+        spare: Shape (2, n) [Nm], [Nm s/rad], how much less that level and viscous friction may be.
         unit: Shape (n,), from what was read to Nm.
-        missing: Shape (T, n, e) [Nm], torque of a payload and of gas that the nominal model leaves out, and of rotors
-            that nobody knows; those are not in `model`.
+        missing: Shape (T, n, e) [Nm], torque of payloads at several places and of gas that the nominal model leaves
+            out, and of rotors that nobody knows; those are not in `model`. There may be zero or more of each.
         names: Columns of the drives; empty where there is none.
     """
 
@@ -43,6 +45,7 @@ class DrivePicture:
     standing: NDArray[np.bool_]
     slack: Array
     level: Array
+    spare: Array
     unit: Array
     missing: Array
     names: tuple[str, ...]
@@ -67,17 +70,9 @@ def drive_picture(replay: Replay) -> DrivePicture:
     """
     trace = replay.trace(NOMINAL)
     nominal = replay.predict(NOMINAL)
-    missing = []
-    # a payload is presumed only where the robot's figures say that recordings leave it unstated; else a load in another
-    # unit would pass for one
-    leaves_payload = bool(replay.compiled.robot.figures.uncertainty.payload_kg)
-    for effect in (UnstatedPayload(), CounterbalanceGas()) if leaves_payload else (CounterbalanceGas(),):
-        for place in effect.places(replay.compiled):
-            size = effect.parameters_at(replay.compiled, place)[0]
-            world = World(acting=(Acting(effect, place, effect.complete({size.name: size.typical})),))
-            missing.append(replay.predict(world) - nominal)
     rotors = _rotors(replay, nominal)
-    missing, nominal = [*missing, *rotors], nominal - sum(rotors)
+    missing = [*_payloads(replay, nominal), *_gas(replay, nominal), *rotors]
+    nominal = nominal - sum(rotors)
     shape = trace.q.shape
     seen = replay.observed
     standing = at_each_instant(replay.segments, [segment.standing for segment in replay.segments])
@@ -91,9 +86,50 @@ def drive_picture(replay: Replay) -> DrivePicture:
         names[j] = quantity.column
     if not (np.all(np.isfinite(model)) and np.all(np.isfinite(extra))):
         raise ConvergenceError("its torques are not finite")
-    slack = np.array([HELD * torque_limit(replay.compiled, j) for j in range(shape[1])])
-    level = replay.compiled.motor_coulomb + replay.compiled.link_coulomb
-    return DrivePicture(observed, model, trace.q_velocity, standing, slack, level, units, extra, tuple(names))
+    compiled = replay.compiled
+    level = compiled.motor_coulomb + compiled.link_coulomb
+    viscous = compiled.model.dof_damping[compiled.at.q_dof] + compiled.model.dof_damping[compiled.at.theta_dof]
+    return DrivePicture(
+        observed=observed,
+        model=model,
+        velocity=trace.q_velocity,
+        standing=standing,
+        slack=np.array([HELD * torque_limit(compiled, j) for j in range(shape[1])]),
+        level=level,
+        spare=np.minimum(FAR * compiled.robot.figures.drive_uncertainty.friction, 1.0) * np.stack([level, viscous]),
+        unit=units,
+        missing=extra,
+        names=tuple(names),
+    )
+
+
+def _payloads(replay: Replay, nominal: Array) -> list[Array]:
+    """Return what payloads add to the readings, shape (T, c) each: at the load point, and as far beside it as is rated.
+
+    Their sum is a payload with its centre anywhere between. One is presumed only where the robot's figures say that
+    recordings leave it unstated; else a load in another unit would pass for one.
+    """
+    if not replay.compiled.robot.figures.uncertainty.payload_kg:
+        return []
+    effect = UnstatedPayload()
+    at: list[tuple[Place, Values]] = []
+    for place in effect.places(replay.compiled):
+        mass, *others = effect.parameters_at(replay.compiled, place)
+        at += [(place, {mass.name: mass.typical})]
+        for moment in (p.name for p in others if p.quotient):
+            lever = mass.typical * rated_lever(replay.compiled)
+            at += [(place, {mass.name: mass.typical, moment: way * lever}) for way in (1, -1)]
+    acting = (Acting(effect, place, effect.complete(values)) for place, values in at)
+    return [replay.predict(World(acting=(one,))) - nominal for one in acting]
+
+
+def _gas(replay: Replay, nominal: Array) -> list[Array]:
+    """Return what gas of a counterbalance adds to the readings, shape (T, c) each."""
+    effect = CounterbalanceGas()
+    (size,) = effect.parameters
+    places = effect.places(replay.compiled)
+    acting = (Acting(effect, place, effect.complete({size.name: size.typical})) for place in places)
+    return [replay.predict(World(acting=(one,))) - nominal for one in acting]
 
 
 def _rotors(replay: Replay, nominal: Array) -> list[Array]:

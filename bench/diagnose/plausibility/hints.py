@@ -161,7 +161,8 @@ def _all_alike(told: Mapping[str, Factor]) -> Finding | None:
 def _factor(look: DriveLook, compiled: CompiledRobot) -> Factor:
     """Return by how much a channel is scaled: by gravity where it is told, else by inertia, known less well.
 
-    What is stated of masses is right to a share of all that they need, and the factor is told by a part of that alone.
+    What is stated of masses is right to a share of all that they need, and the factor is told by a part of that alone:
+    so uncertain is a factor of 1, and a larger one more.
     """
     figures = compiled.robot.figures
     inertia = float(figures.drive_uncertainty.rotor_inertia[look.index])
@@ -170,7 +171,8 @@ def _factor(look: DriveLook, compiled: CompiledRobot) -> Factor:
     if not by_gravity and figures.uncertainty.payload_kg:  # a payload that nobody stated has inertia, too
         return Factor(np.nan, np.inf)
     value, own = (look.gravity, figures.uncertainty.mass) if by_gravity else (look.whole, inertia)
-    return Factor(value.value, value.value * float(np.hypot(value.relative, np.hypot(own / value.share, gain))))
+    of_figures = max(1.0, value.value) * float(np.hypot(own / value.share, gain))
+    return Factor(value.value, float(np.hypot(value.sigma, of_figures)))
 
 
 def _late(found: Iterable[Late], least: float, effect: str) -> Iterator[Finding]:

@@ -42,8 +42,8 @@ def beyond(picture: DrivePicture) -> Array:
 def completed(picture: DrivePicture, by: NDArray[np.bool_] | None = None, *, zeros: bool = False) -> DrivePicture:
     """Return a picture whose model has what the nominal one lacks, so that nothing is missing.
 
-    Amounts of friction (one per drive), of payload and of gas that are zero or more, as fit all drives best; drives
-    that stand tell something only where none moves.
+    Amounts of payload and of gas that are zero or more, and of friction of each drive, as fit all drives best; of
+    stated friction as much may be too much as it is uncertain. Drives that stand tell something only where none moves.
 
     Args:
         picture: What the drives did.
@@ -52,12 +52,14 @@ def completed(picture: DrivePicture, by: NDArray[np.bool_] | None = None, *, zer
     """
     n, e = picture.missing.shape[1:]
     powers = _powers(picture)
-    parts = np.zeros((*picture.observed.shape, e + 4 * n))
+    own = 3 if zeros else 2
+    parts = np.zeros((*picture.observed.shape, e + own * n))
+    least = np.zeros(e + own * n)
     for j in range(n):
-        v = picture.velocity[:, j]
+        v, first = picture.velocity[:, j], e + own * j
         parts[:, j, :e] = picture.missing[:, j]
-        for k, part in enumerate((np.sign(v), v, float(zeros), -float(zeros))):
-            parts[:, j, e + 4 * j + k] = part
+        parts[:, j, first : first + own] = np.stack([np.sign(v), v, np.ones(len(v))], axis=1)[:, :own]
+        least[first : first + own] = [*-picture.spare[:, j], -np.inf][:own]
     seen = np.isfinite(picture.observed) & (powers > 0)
     if by is not None:
         seen &= by[:, None]
@@ -67,11 +69,27 @@ def completed(picture: DrivePicture, by: NDArray[np.bool_] | None = None, *, zer
     chosen = moving if np.any(moving) else seen
     power = np.broadcast_to(powers, seen.shape)[chosen]
     stacked, response = parts[chosen] / power[:, None], (picture.observed - picture.model)[chosen] / power
-    size = np.maximum(np.linalg.norm(stacked, axis=0), 1e-12)
-    amounts = nnls(stacked / size, response)[0] / size
-    held = HOLDS * (picture.level + amounts[e::4])
+    amounts = _least_squares(stacked, response, least)
+    held = HOLDS * (picture.level + amounts[e::own])
     slack = np.where(held > 0, np.minimum(held, picture.slack), picture.slack)
     return replace(picture, model=picture.model + parts @ amounts, missing=picture.missing[:, :, :0], slack=slack)
+
+
+def _least_squares(columns: Array, response: Array, least: Array) -> Array:
+    """Return amounts, shape (k,), that are not below the least and make of columns, shape (m, k), the response best.
+
+    By the triangular factor of all of it, which is as small as there are amounts, and in amounts from the least on
+    (free ones to either side) that are not negative: Lawson and Hanson (1974), chapter 23.
+    """
+    bounded = np.isfinite(least)
+    response = response - columns[:, bounded] @ least[bounded]
+    both = np.concatenate([columns, -columns[:, ~bounded], response[:, None]], axis=1)
+    size = np.maximum(np.linalg.norm(both, axis=0), 1e-12)
+    root = np.linalg.qr(both / size, mode="r")
+    amounts = nnls(root[:, :-1], root[:, -1])[0] * size[-1] / size[:-1]
+    found: Array = amounts[: len(least)] + np.where(bounded, least, 0.0)
+    found[~bounded] -= amounts[len(least) :]
+    return found
 
 
 def _powers(picture: DrivePicture) -> Array:

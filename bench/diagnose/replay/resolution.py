@@ -19,7 +19,9 @@ from bench.record.moving import FEWEST_ROWS
 
 LEAST_WINDOW = FEWEST_ROWS
 WIDER = 1.2  # effort: ratio of neighbouring windows that are tried
-SHARE = 0.5  # effort: of the noise of a torque, that windows may add to it: in all an eighth more
+# effort: of the noise of a torque, that windows may add to it: in all a thirtieth more. With a half, an eighth, a
+# diagnosis of fine torque sensors predicted worse than least squares, whose low-pass adds less
+SHARE = 0.25
 ORDER = 6  # exact: of the differences that noise is read from; motion of 2 Hz at 100 Hz leaves 4e-6 of its size
 BLOCK = 64  # effort: samples over which noise is averaged; the median block counts, so jumps do not
 

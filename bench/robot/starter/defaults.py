@@ -25,7 +25,8 @@ ROTOR_SHARE = 0.5  # of the greatest mass that a slide moves: gears are chosen f
 # kNm; by what links weigh, the rotors of its wrist would be a hundred times too small
 SPIN_UP = 50.0
 ROTOR_GUESSED = 3.0  # uncertainty of such a guess, a share of it: from none to what spins up with 50 / 4 (HH-150: 16)
-# Ratio of torque limits, from where drives cannot have the same rotor: one that is stated for all is a placeholder
+# Ratio of torque limits, from where drives cannot have the same rotor or viscous friction: one that is stated for all
+# is a placeholder
 UNLIKE = 2.0
 BANDWIDTH = 2 * np.pi * 6.0  # [rad/s] of the servo on rotor and link together
 RESET = 0.2  # of the integral gain at which the servo would swing, J + M taken as one
@@ -62,7 +63,7 @@ class DriveFigures:
 
     Attributes:
         rotor_inertia: [kg m^2].
-        viscous: Of the rotor [Nm s/rad]; 0 where the file's damping is a servo's.
+        viscous: Of the rotor [Nm s/rad]; 0 where the file's damping is a servo's or a placeholder.
         coulomb: On the motor side [Nm].
         stiffness: [Nm/rad].
         damping: Of the element [Nm s/rad].
@@ -135,6 +136,7 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
     drives = []
     needed = [_needed(joint, found, j) for j, joint in enumerate(source.joints)]
     joints, no_torque = _without_placeholder(source.joints, needed)
+    is_damped_alike = _is_placeholder(joints, "damping")
     strongest = max(joint.torque_limit or needed[j] for j, joint in enumerate(joints))
     rotors = _rotors(joints)
     if faults := [
@@ -151,6 +153,8 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
         speed = joint.speed_limit or SPEED[joint.is_slide]
         origins = {"speed_limit": "the file" if joint.speed_limit else DEFAULT}
         viscous, origins["viscous"] = _viscous(joint, speed, greatest)
+        if viscous and is_damped_alike:
+            viscous, origins["viscous"] = 0.0, f"left out: damping {_for_all(joint.damping)}"
         torque = joint.torque_limit or max(needed[j], WEAKEST * strongest)
         origins["torque_limit"] = "the file" if joint.torque_limit else no_torque
         stated, origins["rotor_inertia"] = rotors[j]
@@ -193,17 +197,25 @@ def _without_placeholder(joints: Sequence[SourceJoint], needed: Sequence[float])
     limit = limits.pop()
     if limits or len(joints) == 1 or max(needed) < UNLIKE * min(needed) or limit < IDLE * max(needed):
         return list(joints), NO_TORQUE
-    why = f"default: {limit:g} of the file stands there for weak and strong drives alike; {NEEDED}"
+    why = f"default: {_for_all(limit)}; {NEEDED}"
     return [replace(joint, torque_limit=0.0) for joint in joints], why
+
+
+def _is_placeholder(joints: Sequence[SourceJoint], figure: str) -> bool:
+    """Return whether a file states one figure for all drives whose torque limits say that they are not alike."""
+    stating = [joint for joint in joints if getattr(joint, figure)]
+    limits = [joint.torque_limit for joint in stating if joint.torque_limit]
+    is_same = len({getattr(joint, figure) for joint in stating}) == 1
+    return is_same and max(limits, default=0.0) >= UNLIKE * min(limits, default=1.0)
+
+
+def _for_all(figure: float) -> str:
+    return f"{figure:g} of the file stands there for weak and strong drives alike"
 
 
 def _rotors(joints: Sequence[SourceJoint]) -> list[tuple[float, str]]:
     """Return what the file says of the inertia of each rotor, 0 where that is nothing, and the reason in words."""
-    stating = [joint for joint in joints if joint.armature]
-    armatures = {joint.armature for joint in stating}
-    limits = [joint.torque_limit for joint in stating if joint.torque_limit]
-    same = len(armatures) == 1 and max(limits, default=0.0) >= UNLIKE * min(limits, default=1.0)
-    placeholder = "; armature {:g} of the file stands there for weak and strong drives alike" if same else ""
+    same = _is_placeholder(joints, "armature")
     found = []
     for joint in joints:
         if joint.armature and not same:
@@ -212,7 +224,7 @@ def _rotors(joints: Sequence[SourceJoint]) -> list[tuple[float, str]]:
         guess = (
             "half of the link's inertia" if joint.is_slide else f"the torque limit spins it up by {SPIN_UP:g} rad/s^2"
         )
-        found.append((0.0, f"default: {guess}" + (placeholder.format(joint.armature) if joint.armature else "")))
+        found.append((0.0, f"default: {guess}" + (f"; armature {_for_all(joint.armature)}" if joint.armature else "")))
     return found
 
 
