@@ -85,7 +85,7 @@ def _least_squares(columns: Array, response: Array, least: Array) -> Array:
     response = response - columns[:, bounded] @ least[bounded]
     both = np.concatenate([columns, -columns[:, ~bounded], response[:, None]], axis=1)
     size = np.maximum(np.linalg.norm(both, axis=0), 1e-12)
-    root = np.linalg.qr(both / size, mode="r")
+    root: Array = np.asarray(np.linalg.qr(both / size, mode="r"))
     amounts = nnls(root[:, :-1], root[:, -1])[0] * size[-1] / size[:-1]
     found: Array = amounts[: len(least)] + np.where(bounded, least, 0.0)
     found[~bounded] -= amounts[len(least) :]
