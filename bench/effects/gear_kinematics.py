@@ -36,7 +36,7 @@ class TransmissionError(OnDrive):
     parameters = (
         Parameter("sin", "rad", 0.0, 4.8e-5, 2.9e-4, "s; 10 to 60 arcsec", signed=True),
         Parameter("cos", "rad", 0.0, 4.8e-5, 2.9e-4, "c", signed=True),
-        Parameter("cycles", "", 2.0, 1.0, 120.0, "N, cycles per turn of the joint", is_shape=True, ratio=1.6),
+        Parameter("cycles", "", 2.0, 1.0, 120.0, "N, cycles per turn of the joint", is_shape=True, ratio=1.15),
     )
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg.lapack import dtrtrs
 from scipy.special import logsumexp
 
 from bench.diagnose.linearise.marginal import JITTER, log_evidences_of, log_half_normal
@@ -92,7 +92,7 @@ class SubsetPosterior:
                 return -np.inf
         total = 0.5 * float(pull @ pull) - float(np.sum(np.log(np.diag(root)))) - float(np.sum(np.log(prior)))
         if np.any(sign):
-            inverse = solve_triangular(root, np.eye(len(root)), lower=True, check_finite=False)
+            inverse = _solved(root, np.eye(len(root)))
             mean, deviation = pull @ inverse, np.sqrt(np.sum(inverse**2, axis=0))
             total += float(np.sum(log_half_normal(mean * sign, deviation, sign)))
         return total + sum(term.log_odds for term in terms)
@@ -103,7 +103,7 @@ class SubsetPosterior:
 
     @staticmethod
     def _sizes(root: Array, pull: Array) -> Array:
-        return np.asarray(solve_triangular(root, pull, lower=True, trans=1), dtype=np.float64)
+        return _solved(root, pull, transposed=True)
 
     def additions(self, which: Sequence[int]) -> Array:
         """Return by how much the log posterior odds rise with each term added to some, shape (number of terms,).
@@ -115,12 +115,13 @@ class SubsetPosterior:
         if which:
             root, pull = self._root(which)
             columns = np.concatenate([self.terms[i].columns for i in which])
-            reduced = solve_triangular(root, self.information[columns], lower=True)
+            reduced = _solved(root, self.information[columns])
             score = score - pull @ reduced
+        across = np.ascontiguousarray(reduced.T)
         rise = np.full(len(self.terms), -np.inf)
         for members, columns, prior, sign, odds, own in self._groups:
-            there = reduced[:, columns].transpose(1, 0, 2)
-            h = own - there.transpose(0, 2, 1) @ there
+            there = [across[column] for column in columns.T]  # E products of small matrices take longer
+            h = own - np.array([[np.einsum("ei,ei->e", one, two) for one in there] for two in there]).transpose(2, 0, 1)
             rise[members] = log_evidences_of(h, score[columns], prior, sign) + odds
         for i in which:
             rise[self._same[self.terms[i].key]] = -np.inf
@@ -140,7 +141,7 @@ class SubsetPosterior:
         """Return the Cholesky factor L of H and L^-1 s of the columns of some terms."""
         h, scores = self.equations(which)
         root = np.asarray(np.linalg.cholesky(h), dtype=np.float64)
-        return root, np.asarray(solve_triangular(root, scores, lower=True), dtype=np.float64)
+        return root, _solved(root, scores)
 
     @cached_property
     def _same(self) -> dict[Hashable, list[int]]:
@@ -284,6 +285,11 @@ def alternatives_of(model: SubsetPosterior, subsets: Iterable[Subset]) -> list[A
         for keys, some in same.items()
     ]
     return sorted(found, key=lambda one: -one.log_posterior)
+
+
+def _solved(root: Array, right: Array, *, transposed: bool = False) -> Array:
+    """Return L^-1 b, or L^-T b, of a lower triangular L, without checks that take as long as a small system itself."""
+    return np.asarray(dtrtrs(root, right, lower=1, trans=int(transposed))[0], dtype=np.float64)
 
 
 def _diagonal(values: Array) -> Array:

@@ -39,7 +39,8 @@ from bench.executor.watched import Stopped
 LEFT_OPEN = 30.0  # effort: evidence of all that is refused, from where something else is looked for in its place
 MOST_ROUNDS = 12  # effort: of linearising and searching; recording B of the KR300 takes 8
 LEADERS = 6  # effort: alternatives of a search that are simulated; half of them while the best model still changes
-NAMES = 3  # effort: other names of each finding that are simulated at last, until one cannot be told from it
+NAMES = 2  # effort: other names of a finding that are simulated at last, until one cannot be told from it
+EXCHANGED = 4  # effort: findings that get another name each time, those with the likeliest names
 
 
 def name_cause(
@@ -214,7 +215,7 @@ class _Selection:
         first = likeliest(models)
         for _ in range(NAMES if is_last and first.keys and not first.shape else 0):
             near = {model.keys for model in models if model.log_posterior > first.log_posterior - IN_SET}
-            rivals = other_names(about, subsets, first.keys, near, fitter.models.keys())
+            rivals = other_names(about, subsets, first.keys, near, fitter.models.keys())[:EXCHANGED]
             models += fitter.fitted([*map(about.candidate_of, rivals)])
             first = likeliest(models)
         if adds and not about.shape and first.keys == self.best.keys:
