@@ -96,8 +96,8 @@ def test_without_even_samples_nothing_is_averaged_alike() -> None:
 
 
 def test_coarse_samples_are_not_averaged_beyond_a_bin() -> None:
-    """Else a fine ripple would be blurred: five samples of 80 ms are two bins and more."""
-    campaign, compiled = made(SWEEP.model_copy(update={"sample_period_s": 0.08}), seed=3), nominal()
+    """Else a fine ripple would be blurred: five samples of 160 ms are two bins and more."""
+    campaign, compiled = made(SWEEP.model_copy(update={"sample_period_s": 0.16}), seed=3), nominal()
     for segment in segments_of(campaign, compiled, quantities_of(campaign.runs, compiled)):
         assert segment.path
         assert len(segment.path.kernel) == 1

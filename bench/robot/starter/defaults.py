@@ -25,9 +25,11 @@ ROTOR_SHARE = 0.5  # of the greatest mass that a slide moves: gears are chosen f
 # kNm; by what links weigh, the rotors of its wrist would be a hundred times too small
 SPIN_UP = 50.0
 ROTOR_GUESSED = 3.0  # uncertainty of such a guess, a share of it: from none to what spins up with 50 / 4 (HH-150: 16)
-# Ratio of torque limits, from where drives cannot have the same rotor or viscous friction: one that is stated for all
-# is a placeholder
+# Ratio of torque limits, from where drives cannot have the same rotor: one that is stated for all is a placeholder
 UNLIKE = 2.0
+# The same of viscous friction, which gears of one size class share more nearly. Assumed: 3 may be (250 and 80 Nm with 4
+# Nm s/rad each), 7 is not (Panda: 87 and 12 Nm with 1 each)
+RUBS_UNLIKE = 5.0
 BANDWIDTH = 2 * np.pi * 6.0  # [rad/s] of the servo on rotor and link together
 RESET = 0.2  # of the integral gain at which the servo would swing, J + M taken as one
 PRESLIDING = 1e-4  # [rad] or [m], where a friction element has reached its level
@@ -136,7 +138,7 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
     drives = []
     needed = [_needed(joint, found, j) for j, joint in enumerate(source.joints)]
     joints, no_torque = _without_placeholder(source.joints, needed)
-    is_damped_alike = _is_placeholder(joints, "damping")
+    is_damped_alike = _is_placeholder(joints, "damping", RUBS_UNLIKE)
     strongest = max(joint.torque_limit or needed[j] for j, joint in enumerate(joints))
     rotors = _rotors(joints)
     if faults := [
@@ -201,12 +203,12 @@ def _without_placeholder(joints: Sequence[SourceJoint], needed: Sequence[float])
     return [replace(joint, torque_limit=0.0) for joint in joints], why
 
 
-def _is_placeholder(joints: Sequence[SourceJoint], figure: str) -> bool:
-    """Return whether a file states one figure for all drives whose torque limits say that they are not alike."""
+def _is_placeholder(joints: Sequence[SourceJoint], figure: str, unlike: float) -> bool:
+    """Return whether a file states one figure for all drives, with torque limits of so large a ratio or a larger one."""
     stating = [joint for joint in joints if getattr(joint, figure)]
     limits = [joint.torque_limit for joint in stating if joint.torque_limit]
     is_same = len({getattr(joint, figure) for joint in stating}) == 1
-    return is_same and max(limits, default=0.0) >= UNLIKE * min(limits, default=1.0)
+    return is_same and max(limits, default=0.0) >= unlike * min(limits, default=1.0)
 
 
 def _for_all(figure: float) -> str:
@@ -215,7 +217,7 @@ def _for_all(figure: float) -> str:
 
 def _rotors(joints: Sequence[SourceJoint]) -> list[tuple[float, str]]:
     """Return what the file says of the inertia of each rotor, 0 where that is nothing, and the reason in words."""
-    same = _is_placeholder(joints, "armature")
+    same = _is_placeholder(joints, "armature", UNLIKE)
     found = []
     for joint in joints:
         if joint.armature and not same:
