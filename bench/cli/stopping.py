@@ -80,11 +80,20 @@ def ending_on_terminate() -> Iterator[None]:
     """Let SIGTERM within the block end it as Ctrl-C does, so that nothing half-written stays.
 
     Raises:
-        TerminatedError: At the signal.
+        TerminatedError: At the signal, or after it in the place of whatever error it became: ctypes raises another one
+            that says no more of it.
     """
+    is_asked = False
 
     def heard(number: int, frame: FrameType | None) -> None:
+        nonlocal is_asked
+        is_asked = True
         raise TerminatedError
 
     with _hearing(heard, signal.SIGTERM):
-        yield
+        try:
+            yield
+        except Exception as error:
+            if is_asked:
+                raise TerminatedError from error
+            raise

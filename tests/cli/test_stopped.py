@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from bench.cli import TERMINATED, main
-from bench.cli.stopping import UNFINISHED, TerminatedError, interrupt_behind, seconds_of
+from bench.cli.stopping import UNFINISHED, TerminatedError, ending_on_terminate, interrupt_behind, seconds_of
 from bench.report.diagnosis.file_names import REPORT, VERDICT
 
 STARTED_S = 60.0  # within which a run is under way on a busy machine
@@ -144,3 +144,18 @@ def test_a_class_that_is_interrupted_while_it_is_made_ends_a_command(
     monkeypatch.setattr("bench.cli._run", run)
     assert main([]) == TERMINATED
     assert capsys.readouterr().err == "bench: terminated; nothing half-written was left behind.\n"
+
+
+def test_a_request_to_end_that_became_another_error_is_one() -> None:
+    """While MuJoCo loaded EGL it came out as "ctypes.ArgumentError: argument 1: TerminatedError", with a traceback."""
+
+    def hold() -> None:
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+        except TerminatedError:
+            raise ValueError("argument 1: TerminatedError: ") from None  # as ctypes does; it keeps no cause either
+
+    with pytest.raises(TerminatedError), ending_on_terminate():
+        hold()
+    with pytest.raises(ValueError, match="of its own"), ending_on_terminate():
+        raise ValueError("of its own")

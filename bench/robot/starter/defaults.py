@@ -204,7 +204,7 @@ def _without_placeholder(joints: Sequence[SourceJoint], needed: Sequence[float])
 
 
 def _is_placeholder(joints: Sequence[SourceJoint], figure: str, unlike: float) -> bool:
-    """Return whether a file states one figure for all drives, with torque limits of so large a ratio or a larger one."""
+    """Return whether a file states one figure for all drives, with torque limits of such a ratio or a larger one."""
     stating = [joint for joint in joints if getattr(joint, figure)]
     limits = [joint.torque_limit for joint in stating if joint.torque_limit]
     is_same = len({getattr(joint, figure) for joint in stating}) == 1
