@@ -93,7 +93,7 @@ def ending_on_terminate() -> Iterator[None]:
     with _hearing(heard, signal.SIGTERM):
         try:
             yield
-        except Exception as error:
+        except Exception as error:  # whatever it is: after the signal it may be what became of it
             if is_asked:
                 raise TerminatedError from error
             raise

@@ -102,7 +102,7 @@ def test_the_best_of_simulated_models_has_rivals_whatever_promised_more() -> Non
 
 
 def test_a_name_that_fell_short_is_no_reason_to_try_no_other() -> None:
-    """Friction by direction had 100 %: a scale was tried in its place and ruled out, a constant torque never was."""
+    """One finding got one other name in all: where that was ruled out, its equal was never simulated."""
     names = ["payload+direction", "payload+scale", "payload+constant"]
     found = [Alternative(frozenset(name.split("+")), Subset((), -i), -i) for i, name in enumerate(names)]
     simulated = {found[0].keys, found[1].keys}

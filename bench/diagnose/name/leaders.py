@@ -3,9 +3,13 @@
 from collections.abc import Callable, Hashable, Sequence, Set
 
 from bench.diagnose.name.candidate_model import CandidateModel
+from bench.diagnose.name.groups import IN_SET
+from bench.diagnose.name.models import Fitter, Model, likeliest
 from bench.diagnose.name.search import WINDOW, Alternative, Subset, alternatives_of, exchanges, likeliest_shapes, search
 from bench.diagnose.name.search_space import SearchSpace
 
+NAMES = 2  # effort: other names of a finding that are simulated at last, until one cannot be told from it
+EXCHANGED = 4  # effort: findings that get another name each time, those with the likeliest names
 GROWING = 12  # effort: subsets that are expanded to find what is missing beside all of a model
 MOST_PLAYS = 12  # effort: models with a play that are tried; one of 20 findings would be tried for minutes
 
@@ -39,6 +43,28 @@ def leaders_of(found: Sequence[Alternative], count: int) -> list[Alternative]:
     near = [one for one in found if one.log_posterior > found[0].log_posterior - WINDOW]
     larger = [one for i, one in enumerate(near) if any(better.keys < one.keys for better in near[:i])]
     return [*[one for one in near if one not in larger][:count], *larger[:1]]
+
+
+def with_other_names(
+    about: SearchSpace, subsets: dict[tuple[int, ...], Subset], fitter: Fitter, models: Sequence[Model]
+) -> list[Model]:
+    """Return simulated models with those in which findings of the best have other names, as of `rivals_of`.
+
+    Args:
+        about: The model that the campaign is linearised about.
+        subsets: That were visited, by their terms; `other_names` adds to them.
+        fitter: That simulated the models.
+        models: At least one.
+    """
+    every = list(models)
+    for _ in range(NAMES):
+        best = likeliest(every)
+        if not best.keys or best.shape:
+            break
+        near = {model.keys for model in every if model.log_posterior > best.log_posterior - IN_SET}
+        rivals = other_names(about, subsets, best.keys, near, fitter.models.keys())[:EXCHANGED]
+        every += fitter.fitted([*map(about.candidate_of, rivals)])
+    return every
 
 
 def other_names(

@@ -21,7 +21,7 @@ from bench.diagnose.linearise.screening import Screening
 from bench.diagnose.name.beginning import with_what_drawings_leave_out
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
 from bench.diagnose.name.instead_of_play import is_needed_in_motion
-from bench.diagnose.name.leaders import other_names, proposed, scattering
+from bench.diagnose.name.leaders import proposed, scattering, with_other_names
 from bench.diagnose.name.models import Fitter, Model, likeliest, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.neighbourhood import Renew
@@ -39,8 +39,6 @@ from bench.executor.watched import Stopped
 LEFT_OPEN = 30.0  # effort: evidence of all that is refused, from where something else is looked for in its place
 MOST_ROUNDS = 12  # effort: of linearising and searching; recording B of the KR300 takes 8
 LEADERS = 6  # effort: alternatives of a search that are simulated; half of them while the best model still changes
-NAMES = 2  # effort: other names of a finding that are simulated at last, until one cannot be told from it
-EXCHANGED = 4  # effort: findings that get another name each time, those with the likeliest names
 
 
 def name_cause(
@@ -212,12 +210,9 @@ class _Selection:
         candidates = [present, *map(about.candidate_of, others), *plays.values()]
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates)
+        if is_last:
+            models = with_other_names(about, subsets, fitter, models)
         first = likeliest(models)
-        for _ in range(NAMES if is_last and first.keys and not first.shape else 0):
-            near = {model.keys for model in models if model.log_posterior > first.log_posterior - IN_SET}
-            rivals = other_names(about, subsets, first.keys, near, fitter.models.keys())[:EXCHANGED]
-            models += fitter.fitted([*map(about.candidate_of, rivals)])
-            first = likeliest(models)
         if adds and not about.shape and first.keys == self.best.keys:
             models += self._with_shape(about, fitter, first.log_posterior, is_last=is_last)
 

@@ -1,5 +1,6 @@
 """What every drive paid in a campaign, beside what the nominal model needs for the same motion."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World
-from bench.effects.effect import Acting, Place, Values
+from bench.effects.effect import Acting, Effect, Place, Values
 from bench.effects.gas import CounterbalanceGas
 from bench.effects.masses import RotorInertia
 from bench.effects.payloads import UnstatedPayload, rated_lever
@@ -119,25 +120,28 @@ def _payloads(replay: Replay, nominal: Array) -> list[Array]:
         for moment in (p.name for p in others if p.quotient):
             lever = mass.typical * rated_lever(replay.compiled)
             at += [(place, {mass.name: mass.typical, moment: way * lever}) for way in (1, -1)]
-    acting = (Acting(effect, place, effect.complete(values)) for place, values in at)
-    return [replay.predict(World(acting=(one,))) - nominal for one in acting]
+    return _added(replay, nominal, effect, at)
 
 
 def _gas(replay: Replay, nominal: Array) -> list[Array]:
     """Return what gas of a counterbalance adds to the readings, shape (T, c) each."""
     effect = CounterbalanceGas()
     (size,) = effect.parameters
-    places = effect.places(replay.compiled)
-    acting = (Acting(effect, place, effect.complete({size.name: size.typical})) for place in places)
-    return [replay.predict(World(acting=(one,))) - nominal for one in acting]
+    at = [(place, {size.name: size.typical}) for place in effect.places(replay.compiled)]
+    return _added(replay, nominal, effect, at)
 
 
 def _rotors(replay: Replay, nominal: Array) -> list[Array]:
     """Return what each rotor that nobody knows adds to the readings, shape (T, c) each."""
     effect, unknown = RotorInertia(), replay.compiled.robot.figures.drive_uncertainty.rotor_is_unknown
-    places = [place for place in effect.places(replay.compiled) if unknown[place.index]]
-    doubled = (Acting(effect, place, effect.complete({"change": 1.0})) for place in places)
-    return [replay.predict(World(acting=(acting,))) - nominal for acting in doubled]
+    at = [(place, {"change": 1.0}) for place in effect.places(replay.compiled) if unknown[place.index]]
+    return _added(replay, nominal, effect, at)
+
+
+def _added(replay: Replay, nominal: Array, effect: Effect, at: Sequence[tuple[Place, Values]]) -> list[Array]:
+    """Return what an effect adds to the readings at each place with its values, shape (T, c) each."""
+    acting = (Acting(effect, place, effect.complete(values)) for place, values in at)
+    return [replay.predict(World(acting=(one,))) - nominal for one in acting]
 
 
 def _in_nm(quantity: Quantity, compiled: CompiledRobot) -> float:

@@ -52,14 +52,14 @@ def completed(picture: DrivePicture, by: NDArray[np.bool_] | None = None, *, zer
     """
     n, e = picture.missing.shape[1:]
     powers = _powers(picture)
-    own = 3 if zeros else 2
-    parts = np.zeros((*picture.observed.shape, e + own * n))
-    least = np.zeros(e + own * n)
+    parts = np.zeros((*picture.observed.shape, e + 4 * n))
+    least = np.zeros(e + 4 * n)
     for j in range(n):
-        v, first = picture.velocity[:, j], e + own * j
+        v = picture.velocity[:, j]
         parts[:, j, :e] = picture.missing[:, j]
-        parts[:, j, first : first + own] = np.stack([np.sign(v), v, np.ones(len(v))], axis=1)[:, :own]
-        least[first : first + own] = [*-picture.spare[:, j], -np.inf][:own]
+        for k, part in enumerate((np.sign(v), v, float(zeros), -float(zeros))):
+            parts[:, j, e + 4 * j + k] = part
+        least[e + 4 * j : e + 4 * j + 2] = -picture.spare[:, j]
     seen = np.isfinite(picture.observed) & (powers > 0)
     if by is not None:
         seen &= by[:, None]
@@ -69,27 +69,11 @@ def completed(picture: DrivePicture, by: NDArray[np.bool_] | None = None, *, zer
     chosen = moving if np.any(moving) else seen
     power = np.broadcast_to(powers, seen.shape)[chosen]
     stacked, response = parts[chosen] / power[:, None], (picture.observed - picture.model)[chosen] / power
-    amounts = _least_squares(stacked, response, least)
-    held = HOLDS * (picture.level + amounts[e::own])
+    size = np.maximum(np.linalg.norm(stacked, axis=0), 1e-12)
+    amounts = least + nnls(stacked / size, response - stacked @ least)[0] / size
+    held = HOLDS * (picture.level + amounts[e::4])
     slack = np.where(held > 0, np.minimum(held, picture.slack), picture.slack)
     return replace(picture, model=picture.model + parts @ amounts, missing=picture.missing[:, :, :0], slack=slack)
-
-
-def _least_squares(columns: Array, response: Array, least: Array) -> Array:
-    """Return amounts, shape (k,), that are not below the least and make of columns, shape (m, k), the response best.
-
-    By the triangular factor of all of it, which is as small as there are amounts, and in amounts from the least on
-    (free ones to either side) that are not negative: Lawson and Hanson (1974), chapter 23.
-    """
-    bounded = np.isfinite(least)
-    response = response - columns[:, bounded] @ least[bounded]
-    both = np.concatenate([columns, -columns[:, ~bounded], response[:, None]], axis=1)
-    size = np.maximum(np.linalg.norm(both, axis=0), 1e-12)
-    root: Array = np.asarray(np.linalg.qr(both / size, mode="r"))
-    amounts = nnls(root[:, :-1], root[:, -1])[0] * size[-1] / size[:-1]
-    found: Array = amounts[: len(least)] + np.where(bounded, least, 0.0)
-    found[~bounded] -= amounts[len(least) :]
-    return found
 
 
 def _powers(picture: DrivePicture) -> Array:
