@@ -15,6 +15,8 @@ class Check:
 
     campaign: tyro.conf.Positional[Path]
     """Campaign folder (format: bench/record/README.md)."""
+    store: bool = True
+    """Keep what is simulated on disk for the next check, and use what is kept (bench/store/README.md)."""
 
     def run(self) -> int:
         """Check and print; return the exit code: 0, or 3 with errors or failed plausibility checks."""
@@ -28,6 +30,7 @@ class Check:
         from bench.record.finding import Level, counted
         from bench.record.logs.likewise import at_a_glance
         from bench.report.campaigns import open_campaign
+        from bench.store.place import open_store
 
         with progress_bar("checking") as progress:
             report, compiled = open_campaign(self.campaign)
@@ -36,7 +39,7 @@ class Check:
             findings += tuple(remarks_on(compiled)) if compiled else ()
             if report.campaign and compiled:
                 findings += doubts_of(report.campaign, compiled, report.findings)
-                findings += hints_of(report.campaign, compiled, findings)
+                findings += hints_of(report.campaign, compiled, findings, open_store() if self.store else None)
         for line in compiled.robot.figures.assumed if compiled else ():
             print(f"assumed {line}")
         shown = at_a_glance(findings)

@@ -11,9 +11,10 @@ from bench.compare.large import LargeChange, beyond_proportion, in_recording, pl
 from bench.compare.recordings import Recording
 from bench.diagnose.explain import measured_by
 from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of, plan_of
+from bench.diagnose.linearise.changes import Digits
 from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_scatter
-from bench.diagnose.linearise.signatures import Digits, Sensitivities, Signatures
+from bench.diagnose.linearise.signatures import Sensitivities, Signatures
 from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import Quantity, quantities_of

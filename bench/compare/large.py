@@ -12,7 +12,7 @@ from bench.compare.profiles import Profile
 from bench.compare.recordings import Recording
 from bench.diagnose.extend.fit import Unknown
 from bench.diagnose.linearise.candidates import Cause, plan_of
-from bench.diagnose.linearise.signatures import Digits
+from bench.diagnose.linearise.changes import Digits
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.effect import Acting

@@ -18,6 +18,7 @@ from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.figures import CurrentSensor
 from bench.scenario.files import read_as
 from bench.scenario.session import SessionScenario
+from bench.store.place import open_store
 from tests.diagnose.sweeps import SWEEPS, Change, changed, made, nominal, scale
 
 DRAWS = 3000
@@ -103,7 +104,7 @@ def smooth(name: str) -> Change:
 
 def test_a_healthy_session_gets_no_hint(session: Campaign, robot: CompiledRobot) -> None:
     assert doubts_of(session, robot) == ()
-    assert hints_of(session, robot) == ()
+    assert hints_of(session, robot, store=open_store()) == ()
 
 
 @pytest.mark.parametrize("names", [("loaded-out",), ("unloaded-out",), ("unloaded-out", "unloaded-back")])
@@ -113,7 +114,7 @@ def test_a_line_at_one_speed_tells_no_delay(session: Campaign, robot: CompiledRo
     assert len(alone.runs) == len(names)
     doubts = doubts_of(alone, robot)
     assert doubts == ()
-    assert hints_of(alone, robot, doubts) == ()
+    assert hints_of(alone, robot, doubts, store=open_store()) == ()
 
 
 def test_the_fastest_joint_need_not_be_the_first(session: Campaign, robot: CompiledRobot) -> None:
@@ -254,7 +255,7 @@ def test_what_a_diagnosis_weighs_is_a_hint(
 ) -> None:
     campaign = changed(session, change)
     assert doubts_of(campaign, robot) == ()
-    (hint,) = hints_of(campaign, robot)
+    (hint,) = hints_of(campaign, robot, store=open_store())
     assert (hint.level, hint.column) == ("warning", column)
     assert words in hint.message
     assert "bench diagnose weighs it" in hint.remedy
@@ -266,7 +267,7 @@ def test_all_currents_off_by_one_factor_are_told(session: Campaign, robot: Compi
     currents = [f"current_{j + 1}_a" for j in range(robot.n_joints)]
     campaign = changed(session, scale(factor, *currents))
     assert doubts_of(campaign, robot) == ()
-    hints = hints_of(campaign, robot)
+    hints = hints_of(campaign, robot, store=open_store())
     assert hints[0].column == currents[0]
     assert "looks scaled, and so do current_2_a" in hints[0].message
 
@@ -281,7 +282,7 @@ def exchanged(campaign: Campaign, one: str, other: str) -> Campaign:
 def test_runs_that_would_begin_before_the_arm_is_there_are_noticed(session: Campaign, robot: CompiledRobot) -> None:
     """There and back were written down in the wrong order; nothing overlaps."""
     up, down = "joint2-payload50-speed24-up", "joint2-payload50-speed24-down"
-    (hint,) = hints_of(exchanged(session, up, down), robot)
+    (hint,) = hints_of(exchanged(session, up, down), robot, store=open_store())
     assert (hint.level, hint.column) == ("warning", "start_s")
     assert "the end of" in hint.message
     assert "exchanged" in hint.remedy
@@ -289,18 +290,18 @@ def test_runs_that_would_begin_before_the_arm_is_there_are_noticed(session: Camp
 
 def test_times_to_the_minute_are_no_reason_for_a_hint(session: Campaign, robot: CompiledRobot) -> None:
     rounded = replace(session, runs=tuple(replace(run, start_s=60.0 * round(run.start_s / 60)) for run in session.runs))
-    assert not [hint for hint in hints_of(rounded, robot) if hint.column == "start_s"]
+    assert not [hint for hint in hints_of(rounded, robot, store=open_store()) if hint.column == "start_s"]
 
 
 def test_a_gauge_of_lost_or_warm_gas_is_no_reason_for_a_hint(session: Campaign, robot: CompiledRobot) -> None:
     for factor in (0.7, 1.1):
-        hints = hints_of(changed(session, scale(factor, "gas_pressure_pa")), robot)
+        hints = hints_of(changed(session, scale(factor, "gas_pressure_pa")), robot, store=open_store())
         assert not [hint for hint in hints if hint.column == "gas_pressure_pa"]
 
 
 def test_nothing_is_hinted_where_something_is_doubted(session: Campaign, robot: CompiledRobot) -> None:
     doubts = doubts_of(changed(session, in_motion(scale(1.2, "time_s"))), robot)
-    assert hints_of(changed(session, scale(2, "current_5_a")), robot, doubts) == ()
+    assert hints_of(changed(session, scale(2, "current_5_a")), robot, doubts, store=open_store()) == ()
 
 
 def test_loads_in_kilonewtons_are_told_from_currents_alone(session: Campaign, robot: CompiledRobot) -> None:

@@ -15,6 +15,7 @@ from bench.robot.compiled import CompiledRobot
 from bench.robot.nominal_dynamics import NominalDynamics, nominal_dynamics
 from bench.robot.starter.folder import start_robot
 from bench.robot.starter.source import read_source
+from bench.store.place import open_store
 from tests import seven_joints
 
 TOOL_KG, ASIDE_M = 1.5, np.array([0.12, -0.08, 0.1])  # in the axes of the last link: as heavy as that
@@ -67,4 +68,4 @@ def findings(folder: Path, rng: np.random.Generator, *, tool: bool, viscous: flo
         runs.append(Run(f"run{k}", "motion", 100.0 * k, columns))
     campaign = Campaign("seven", tuple(runs))
     doubts = doubts_of(campaign, compiled)
-    return [*doubts, *hints_of(campaign, compiled, doubts)]
+    return [*doubts, *hints_of(campaign, compiled, doubts, store=open_store())]

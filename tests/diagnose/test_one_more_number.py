@@ -18,6 +18,7 @@ from bench.record.campaign import Array, Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.scenario.files import read_scenario
+from bench.store.place import open_store
 
 SWEEP, LINE, POSE = "joint2-payload100-speed40-up", "loaded-out", "pose2-from-above"
 PLACES = [f"reflector_1_{axis}_m" for axis in "xyz"]
@@ -62,7 +63,7 @@ def without_force(campaign: Campaign) -> Campaign:
 
 
 def said_of(campaign: Campaign, compiled: CompiledRobot) -> list[str]:
-    return [str(finding) for finding in one_more_number(campaign, compiled, frozenset())]
+    return [str(finding) for finding in one_more_number(campaign, compiled, frozenset(), open_store())]
 
 
 def late(values: Array) -> Array:
@@ -188,7 +189,7 @@ def test_two_runs_whose_loads_were_exchanged_are_told_together(campaign: Campaig
 
 def test_a_load_that_its_force_sensor_repeats_is_told_by_all_else(campaign: Campaign, compiled: CompiledRobot) -> None:
     doubled = [f"{kind}_{axis}_n" for kind in ("load", "force") for axis in "xyz"]
-    told = list(one_more_number(changed(campaign, LINE, doubled, lambda x: 2 * x), compiled, frozenset()))
+    told = list(one_more_number(changed(campaign, LINE, doubled, lambda x: 2 * x), compiled, frozenset(), open_store()))
     (said,) = [str(finding) for finding in told if finding.column.startswith("load_")]
     told = re.search(r"load_z_n and force: is (\S+) times the load", said)
     assert told

@@ -15,6 +15,7 @@ from bench.record.campaign import Array, Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.scenario.files import read_scenario
+from bench.store.place import open_store
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +40,7 @@ def changed(campaign: Campaign, run: str, column: str, change: Callable[[Array],
 
 def said_of(campaign: Campaign, compiled: CompiledRobot) -> list[str]:
     doubts = doubts_of(campaign, compiled)
-    return [str(finding) for finding in (*doubts, *hints_of(campaign, compiled, doubts))]
+    return [str(finding) for finding in (*doubts, *hints_of(campaign, compiled, doubts, store=open_store()))]
 
 
 def test_nothing_is_said_of_a_healthy_session(campaign: Campaign, compiled: CompiledRobot) -> None:
@@ -77,7 +78,7 @@ def test_a_drive_that_reads_nothing_at_all_is_no_traceback(campaign: Campaign, c
     still = campaign
     for run in campaign.runs:
         still = changed(still, run.name, "current_6_a", np.zeros_like)
-    assert hints_of(still, compiled) is not None
+    assert hints_of(still, compiled, store=open_store()) is not None
 
 
 def test_without_a_torque_or_a_current_that_is_the_reason(campaign: Campaign, compiled: CompiledRobot) -> None:
@@ -87,7 +88,7 @@ def test_without_a_torque_or_a_current_that_is_the_reason(campaign: Campaign, co
         replace(run, columns={name: v for name, v in run.columns.items() if name.startswith(known)})
         for run in campaign.runs
     )
-    (hint,) = hints_of(replace(campaign, runs=runs), compiled)
+    (hint,) = hints_of(replace(campaign, runs=runs), compiled, store=open_store())
     assert "no drive torque or current is recorded" in str(hint)
     assert "move for longer" not in str(hint)
 

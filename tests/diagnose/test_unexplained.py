@@ -17,6 +17,7 @@ from bench.report.campaigns import open_campaign
 from bench.robot.compiled import CompiledRobot
 from bench.scenario.files import read_as
 from bench.scenario.session import SessionScenario
+from bench.store.place import open_store
 from tests.diagnose.sweeps import made, nominal
 
 RUN = "joint2-payload50-speed24-up"
@@ -52,7 +53,7 @@ def without_sign(run: Run) -> Run:
 
 def hints(campaign: Campaign, robot: CompiledRobot) -> list[Finding]:
     assert doubts_of(campaign, robot) == ()
-    return list(hints_of(campaign, robot))
+    return list(hints_of(campaign, robot, store=open_store()))
 
 
 def test_healthy_runs_say_nothing(session: Campaign, robot: CompiledRobot) -> None:

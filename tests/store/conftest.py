@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from bench.diagnose.linearise.signatures import Signatures
+from bench.diagnose.linearise import changes
+from bench.diagnose.linearise.plan import Plan
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.store.store import Store
@@ -26,12 +27,12 @@ def compiled(small_robot: Path) -> CompiledRobot:
 def simulated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return a list that fills with what is not read from the store: the names of effects, and "nuisance"."""
     names: list[str] = []
-    simulate = Signatures._simulate
+    simulate = changes._simulate
 
-    def noted(self: Signatures, changes: Any, which: Sequence[int], *about: Any) -> None:
-        plan = [one.effect.name for one in self.plan]
-        names.extend((["nuisance"] * len(self.nuisances) + plan)[i] for i in which)
-        simulate(self, changes, which, *about)
+    def noted(columns: Any, which: Sequence[int], plan: Plan, *about: Any) -> None:
+        every = ["nuisance"] * len(plan.nuisances) + [one.effect.name for one in plan.acting]
+        names.extend(every[i] for i in which)
+        simulate(columns, which, plan, *about)
 
-    monkeypatch.setattr(Signatures, "_simulate", noted)
+    monkeypatch.setattr(changes, "_simulate", noted)
     return names

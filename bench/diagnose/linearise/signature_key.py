@@ -12,13 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.linearise.effect_source import source_of, source_of_bench
+from bench.diagnose.linearise.plan import Plan
 from bench.diagnose.linearise.reference_motion import Session, remember, session_of
-from bench.diagnose.replay.nuisances import Nuisance
-from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
-from bench.diagnose.replay.world import World
-from bench.effects.effect import Acting, Effect
-from bench.robot.compiled import CompiledRobot
+from bench.effects.effect import Effect
 from bench.simulate.bare import bare_spec
 from bench.store.digest import digest
 from bench.store.store import Store
@@ -46,36 +43,23 @@ class StoredSignatures:
 
     Args:
         store: On disk.
-        compiled: The nominal robot.
-        quantities: What is compared.
-        nuisances: Of the first columns.
-        plan: Of the other columns.
-        around: World that is changed.
+        plan: Of the columns, nuisances first.
         segments: What has to be simulated.
 
     Attributes:
         segments: The same, along the motion that the signatures belong to (`reference_motion`).
     """
 
-    def __init__(
-        self,
-        store: Store,
-        compiled: CompiledRobot,
-        quantities: tuple[Quantity, ...],
-        nuisances: tuple[Nuisance, ...],
-        plan: Sequence[Acting],
-        around: World,
-        segments: Sequence[Segment],
-    ) -> None:
+    def __init__(self, store: Store, plan: Plan, segments: Sequence[Segment]) -> None:
         self._store = store
         self._session = session_of(segments, store)
         self.segments = self._session.segments
-        self._shape = sum(len(segment) for segment in segments), len(quantities)
+        self._shape = sum(len(segment) for segment in segments), len(plan.quantities)
         self._label = (
-            f"{compiled.robot.name}, {self._shape[0]} instants of {self._shape[1]} channels, "
+            f"{plan.compiled.robot.name}, {self._shape[0]} instants of {self._shape[1]} channels, "
             f"{segments[0].run} to {segments[-1].run}"
         )
-        self._groups = groups_of(compiled, quantities, nuisances, plan, around, self._session)
+        self._groups = groups_of(plan, self._session)
 
     def read(self) -> Iterator[tuple[int, NDArray[np.floating]]]:
         """Yield what is known: column, and change of the readings, shape (T, c), nan where there is no balance."""
@@ -99,27 +83,21 @@ class StoredSignatures:
                 self._store.put(group.key, {COLUMNS: columns}, self._label)
 
 
-def groups_of(
-    compiled: CompiledRobot,
-    quantities: tuple[Quantity, ...],
-    nuisances: tuple[Nuisance, ...],
-    plan: Sequence[Acting],
-    around: World,
-    session: Session,
-) -> tuple[Group, ...]:
-    """Return the entries of a campaign; arguments as in `StoredSignatures`."""
+def groups_of(plan: Plan, session: Session) -> tuple[Group, ...]:
+    """Return the entries of a campaign."""
+    nuisances = plan.nuisances
     try:
-        about = _key_of_all(compiled, quantities, around, session)
+        about = _key_of_all(plan, session)
     except TypeError:
         return ()
     weather = digest([(segment.run, segment.conditions) for segment in session.segments])
     named = [(n.name, n.recording, n.unit, n.sigma, n.said_before) for n in nuisances]
     groups = [Group("nuisances", tuple(range(len(nuisances))), digest(about, "nuisances", named))] if nuisances else []
-    effects = {acting.effect.name: acting.effect for acting in plan}
+    effects = {acting.effect.name: acting.effect for acting in plan.acting}
     for name, effect in effects.items():
-        which = [i for i, acting in enumerate(plan) if acting.effect.name == name]
+        which = [i for i, acting in enumerate(plan.acting) if acting.effect.name == name]
         try:
-            acting = [(plan[i].place, dict(plan[i].values)) for i in which]
+            acting = [(plan.acting[i].place, dict(plan.acting[i].values)) for i in which]
             key = digest(about, source_of(effect), acting, weather if _feels_weather(effect) else None)
         except TypeError:
             key = ""
@@ -127,11 +105,12 @@ def groups_of(
     return tuple(groups)
 
 
-def _key_of_all(compiled: CompiledRobot, quantities: tuple[Quantity, ...], around: World, session: Session) -> str:
+def _key_of_all(plan: Plan, session: Session) -> str:
     """Return the digest of what all columns depend on.
 
     The compiled model does not hold everything: effects edit the description that it was compiled from.
     """
+    compiled, around = plan.compiled, plan.around
     model = np.empty(mujoco.mj_sizeModel(compiled.model), np.uint8)
     mujoco.mj_saveModel(compiled.model, None, model)
     return digest(
@@ -141,7 +120,9 @@ def _key_of_all(compiled: CompiledRobot, quantities: tuple[Quantity, ...], aroun
         model,
         bare_spec(compiled.robot).to_xml(),
         compiled.robot.figures.model_dump_json(),
-        quantities,
+        plan.quantities,
+        plan.is_strict,
+        plan.simulates_torques,
         [(nuisance.name, nuisance.recording, value) for nuisance, value in around.deviations.items()],
         [(source_of(one.effect), one.place, dict(one.values)) for one in around.acting],
         session.key,

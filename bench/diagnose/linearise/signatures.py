@@ -8,28 +8,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.diagnose.linearise.candidates import Cause, plan_of
-from bench.diagnose.linearise.first_order import FirstOrder
+from bench.diagnose.linearise.changes import Digits, changes_of
+from bench.diagnose.linearise.plan import Plan
 from bench.diagnose.linearise.reference_motion import SAME_INSTANT, SAME_LOAD
-from bench.diagnose.linearise.signature_key import StoredSignatures
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
-from bench.diagnose.replay.simulations import simulate_all
 from bench.diagnose.replay.world import NOMINAL, World
-from bench.effects.own import EffectError
-from bench.errors import BenchError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
-
-Digits = NDArray[np.float32]
-DIGITS = np.float32  # kept of a signature: balances are found within 1e-6, and half the memory serves twice the causes
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +30,7 @@ class Sensitivities:
 
     Attributes:
         nuisances: Shape (T, c, p), of one standard deviation each.
-        causes: One for each size of each shape of each cause, in the order of `plan_of`, shape (T, c), of `DIGITS`;
+        causes: One for each size of each shape of each cause, in the order of `plan_of`, shape (T, c), of `Digits`;
             None: fails.
     """
 
@@ -128,64 +120,15 @@ class Signatures:
 
     def _learn(self, segments: tuple[Segment, ...], executor: Executor) -> Digits:
         """Return what was simulated or read, shape (T, c, p + causes), and keep it by stretches."""
-        about = self.compiled, self.quantities, self.nuisances, self.plan, self.around
-        stored = StoredSignatures(self.store, *about, segments) if self.store else None
-        count, rows = len(self.nuisances) + len(self.plan), sum(len(segment) for segment in segments)
-        sensitivities: Digits = np.empty((rows, len(self.quantities), count), dtype=DIGITS)
-        new = set(range(count))
-        for i, column in stored.read() if stored else ():
-            sensitivities[:, :, i] = column
-            new.remove(i)
-        if new:
-            self._simulate(sensitivities, sorted(new), stored.segments if stored else segments, executor)
-        if stored and new:
-            stored.write(sensitivities, new)
-        lost = np.all(np.isnan(sensitivities[:, :, len(self.nuisances) :]), axis=(0, 1))
+        plan = Plan(self.compiled, self.quantities, self.nuisances, self.plan, beside=self._beside, around=self.around)
+        changes = changes_of(plan, segments, self.store, executor)
+        lost = np.all(np.isnan(changes[:, :, len(self.nuisances) :]), axis=(0, 1))
         self._lost |= set(np.flatnonzero(lost).tolist())
         edges = np.cumsum([len(segment) for segment in segments])[:-1]
-        for segment, part in zip(segments, np.split(sensitivities, edges), strict=True):
+        for segment, part in zip(segments, np.split(changes, edges), strict=True):
             self._times[segment.label], self._changes[segment.label] = _instants(segment), part
             self._loads[segment.label] = _loads(segment)
-        return sensitivities
-
-    def _simulate(
-        self, sensitivities: Digits, which: Sequence[int], segments: tuple[Segment, ...], executor: Executor
-    ) -> None:
-        """Write some columns of the changes; nan where there is no balance."""
-        replay = Replay(self.compiled, segments, self.quantities)
-        off, acting = self.around.deviations, self.around.acting
-        p = len(self.nuisances)
-        first_order = FirstOrder(replay, self.around)
-        worlds: dict[int, World] = {}
-        for i in which:
-            if i < p:
-                nuisance = self.nuisances[i]
-                worlds[i] = World({**off, nuisance: off.get(nuisance, 0.0) + nuisance.sigma}, acting)
-                continue
-            change = first_order.change(self.plan[i - p])
-            if change is None:
-                worlds[i] = World(off, (*acting, self.plan[i - p]))
-            else:
-                sensitivities[:, :, i] = change
-        nominal = replay.predict(self.around)
-        grounds = self._grounds(replay, executor)
-        for i, result in zip(worlds, simulate_all(replay, list(worlds.values()), executor), strict=True):
-            if isinstance(result, BenchError):
-                if i < p or isinstance(result, EffectError):
-                    raise result
-                sensitivities[:, :, i] = np.nan
-            else:
-                sensitivities[:, :, i] = result - grounds.get(i - p, nominal)
-
-    def _grounds(self, replay: Replay, executor: Executor) -> dict[int, Array]:
-        """Return what instruments show with what acts beside a size, by its place in the plan; nan: no balance."""
-        distinct = {(one.effect.name, one.place, *one.values.items()): one for one in self._beside.values()}
-        off, acting = self.around.deviations, self.around.acting
-        worlds = [World(off, (*acting, one)) for one in distinct.values()]
-        lost = np.full(replay.shape, np.nan)
-        found = simulate_all(replay, worlds, executor)
-        shown = {key: lost if isinstance(one, BenchError) else one for key, one in zip(distinct, found, strict=True)}
-        return {i: shown[one.effect.name, one.place, *one.values.items()] for i, one in self._beside.items()}
+        return changes
 
 
 def _instants(segment: Segment) -> Array:

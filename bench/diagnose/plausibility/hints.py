@@ -32,19 +32,23 @@ from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
+from bench.store.store import Store
 
 SCALED = 0.2  # beyond it a channel's scale is likelier than a torque constant (normal, 10 %/sqrt(3) wide: 3.5 of them)
 
 EARLY = 0.5  # declared: of the variance that the model leaves
 
 
-def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = ()) -> tuple[Finding, ...]:
+def hints_of(
+    campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = (), store: Store | None = None
+) -> tuple[Finding, ...]:
     """Return a warning for each channel that looks scaled, late or unlike its drive, as far as a linear look can tell.
 
     Args:
         campaign: A checked campaign.
         compiled: Its robot, nominal.
         known: What was found before; with a doubt among it nothing is said.
+        store: Where what was simulated is kept between processes; None: nowhere.
     """
     if any(finding.level in ("doubt", "error") for finding in known):
         return ()
@@ -86,7 +90,7 @@ def hints_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findin
             both = (*late_reflectors(replay), *late_gauges(replay))
             found += _late(both, ChannelDelay.parameters[0].low, ChannelDelay.name)
             found += _gauge(replay)
-        found += one_more_number(campaign, compiled, frozenset(_suspected(campaign, found)))
+        found += one_more_number(campaign, compiled, frozenset(_suspected(campaign, found)), store)
     except ConvergenceError:
         return tuple(found)
     return tuple(found)

@@ -9,21 +9,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.diagnose.linearise.changes import changes_of
+from bench.diagnose.linearise.plan import Plan
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.simulations import simulate_all
-from bench.diagnose.replay.world import NOMINAL, World
+from bench.diagnose.replay.world import NOMINAL
 from bench.effects.catalogue import BUILT_IN
 from bench.effects.effect import Acting, Effect, Parameter, Place
 from bench.effects.geometry import JointZero
 from bench.effects.levels import places_of
 from bench.effects.recorded import Recorded
 from bench.effects.recording_log import BoltedLoad, HungLoad
-from bench.errors import BenchError
 from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+from bench.store.store import Store
 
 # effort: readings times columns; a session of 47 runs has a quarter of it and takes two seconds
 MOST_NUMBERS = 40_000_000
+# of one run -> the column where it is written down
+LOADS: dict[type[Effect], str] = {HungLoad: "load_z_n", BoltedLoad: "load_mass_kg"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,50 +49,54 @@ class ListedCauses:
     loads: dict[str, dict[str, Array]]
 
 
-def listed_causes(replay: Replay, recorded: Recorded) -> ListedCauses | None:
+def listed_causes(replay: Replay, recorded: Recorded, store: Store | None = None) -> ListedCauses | None:
     """Return what may be wrong in a campaign; None where simulating it all would take too long.
 
     Args:
         replay: The campaign with the nominal robot.
         recorded: Its runs.
+        store: Where what was simulated is kept between processes; None: nowhere.
 
     Raises:
         ConvergenceError: The nominal model finds no balance.
     """
     compiled = replay.compiled
-    nuisances = [one for one in nuisances_of(compiled, replay.quantities) if one.is_simulated]
+    nuisances = tuple(one for one in nuisances_of(compiled, replay.quantities) if one.is_simulated)
     effects = [one for one in _sizes(replay, recorded) if not isinstance(one[0], HungLoad | BoltedLoad)]
     if (len(nuisances) + len(effects)) * float(np.prod(replay.shape)) > MOST_NUMBERS:
         return None
-    nominal = replay.predict(NOMINAL)
-    observed = replay.observed
+    wrong = [one for effect in LOADS for one in _in_one_run(effect(), compiled, recorded)]
+    acting = [_acting(*one) for one in (*effects, *wrong)]
+    plan = Plan(compiled, replay.quantities, nuisances, tuple(acting), is_strict=False, simulates_torques=True)
+    nominal, observed = replay.predict(NOMINAL), replay.observed
     seen = np.isfinite(observed)
-
-    def changes(worlds: list[World], times: list[float]) -> Iterator[Array | None]:
-        for found, factor in zip(simulate_all(replay, worlds), times, strict=True):
-            if isinstance(found, BenchError) or not np.all(np.isfinite(found[seen])):
-                yield None
-            else:
-                yield np.where(seen, factor * (found - nominal), 0.0)
-
-    worlds = [World({nuisance: nuisance.sigma}) for nuisance in nuisances]
-    worlds += [_acting(effect, place, size) for effect, place, size in effects]
-    times = [1.0] * len(nuisances) + [_deviation(size) / (size.typical - size.null) for *_, size in effects]
-    columns = list(changes(worlds, times))
+    changes = np.where(seen[:, :, None], changes_of(plan, replay.segments, store).astype(np.float64), 0.0)
+    changes[:, :, len(nuisances) :] /= [size.typical - size.null for *_, size in (*effects, *wrong)]
+    balances = np.all(np.isfinite(changes), axis=(0, 1))
+    count = len(nuisances) + len(effects)
     zeros = {
-        place.index: column / _deviation(size)
-        for (effect, place, size), column in zip(effects, columns[len(nuisances) :], strict=True)
-        if isinstance(effect, JointZero) and column is not None
+        place.index: changes[:, :, i]
+        for i, (effect, place, _) in enumerate(effects, len(nuisances))
+        if isinstance(effect, JointZero) and balances[i]
     }
-    loads: dict[str, dict[str, Array]] = {}
-    for effect, name in ((HungLoad(), "load_z_n"), (BoltedLoad(), "load_mass_kg")):
-        places = [place for place in effect.places_in(compiled, recorded) if len(place.runs) == 1]
-        (size,) = effect.parameters
-        found = changes([_acting(effect, place, size) for place in places], [1 / size.typical] * len(places))
-        loads[name] = {place.runs[0]: column for place, column in zip(places, found, strict=True) if column is not None}
-    shown = [column for column in columns if column is not None and np.any(column)]
-    stacked = np.stack(shown, axis=2) if shown else np.zeros((*observed.shape, 0))
-    return ListedCauses(np.where(seen, observed - nominal, np.nan), nominal, stacked, zeros, loads)
+    loads: dict[str, dict[str, Array]] = {column: {} for column in LOADS.values()}
+    for i, (effect, place, _) in enumerate(wrong, count):
+        if balances[i]:
+            loads[LOADS[type(effect)]][place.runs[0]] = changes[:, :, i]
+    deviations = np.array([1.0] * len(nuisances) + [_deviation(size) for *_, size in effects])
+    shown = changes[:, :, :count] * deviations
+    shown = shown[:, :, balances[:count] & np.any(shown, axis=(0, 1))]
+    return ListedCauses(np.where(seen, observed - nominal, np.nan), nominal, shown, zeros, loads)
+
+
+def _in_one_run(
+    effect: Effect, compiled: CompiledRobot, recorded: Recorded
+) -> Iterator[tuple[Effect, Place, Parameter]]:
+    """Yield the size of an effect of runs in each of them."""
+    (size,) = effect.parameters
+    for place in effect.places_in(compiled, recorded):
+        if len(place.runs) == 1:
+            yield effect, place, size
 
 
 def _sizes(replay: Replay, recorded: Recorded) -> Iterator[tuple[Effect, Place, Parameter]]:
@@ -101,8 +109,8 @@ def _sizes(replay: Replay, recorded: Recorded) -> Iterator[tuple[Effect, Place, 
                     yield effect, place, parameter
 
 
-def _acting(effect: Effect, place: Place, size: Parameter) -> World:
-    return World(acting=(Acting(effect, place, effect.complete({size.name: size.typical})),))
+def _acting(effect: Effect, place: Place, size: Parameter) -> Acting:
+    return Acting(effect, place, effect.complete({size.name: size.typical}))
 
 
 def _deviation(size: Parameter) -> float:

@@ -25,6 +25,7 @@ from bench.effects.recorded import recorded_in
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
+from bench.store.store import Store
 
 BINS = 30  # effort: of one run at most; enough for one number
 AGAIN = 3  # effort: times that a delay is found, each over the one before
@@ -130,20 +131,23 @@ class OneRunAmongOthers:
         return fit
 
 
-def one_more_number(campaign: Campaign, compiled: CompiledRobot, told: frozenset[str]) -> Iterator[Finding]:
+def one_more_number(
+    campaign: Campaign, compiled: CompiledRobot, told: frozenset[str], store: Store | None = None
+) -> Iterator[Finding]:
     """Yield a warning for each run in which one number more explains what a channel, an angle or a load is.
 
     Args:
         campaign: A checked campaign, with known payloads carried.
         compiled: Its robot, nominal.
         told: Runs of which something was told already.
+        store: Where what was simulated is kept between processes; None: nowhere.
     """
     quantities = tuple(q for q in quantities_of(campaign.runs, compiled) if q.kind != "gas_temperature")
     segments = segments_of(campaign, compiled, quantities, BINS)
     if len({segment.run for segment in segments}) <= OTHERS:
         return
     replay = Replay(compiled, _sliding(segments, quantities), quantities)
-    causes = listed_causes(replay, recorded_in(campaign.runs, compiled.model.opt.gravity))
+    causes = listed_causes(replay, recorded_in(campaign.runs, compiled.model.opt.gravity), store)
     if causes is None:
         return
     measured = {name for run in campaign.runs for name in run.columns}
