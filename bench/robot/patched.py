@@ -39,6 +39,7 @@ from bench.robot.patching.structure import CompiledStructure
 from bench.robot.plugins import entry_of, name_instances
 
 MOST_STRUCTURES = 64  # kept compiled, besides the robot's own
+MOST_ROBOTS = 64  # remembered: one world asks several times for each of its robots, one for each payload or temperature
 MOST_WAYS = 8  # first steps, for each of which the last robot's steps are remembered
 
 
@@ -123,6 +124,7 @@ class Structure:
         self._parts = Parts(self._named)
         self._lock = RLock()
         self._last = local()
+        self._robots: OrderedDict[tuple[Hashable, ...], CompiledRobot] = OrderedDict()
         self._values: dict[tuple[Handle, str], Any] = {}
         self._blanks: dict[Add, Blank] = {}
         self._structures: OrderedDict[Hashable, CompiledStructure] = OrderedDict()
@@ -157,6 +159,19 @@ class Structure:
             RobotError: As `compile_spec`.
         """
         steps = tuple(steps)
+        key = tuple(step.key for step in steps)
+        with self._lock:
+            if key in self._robots:
+                self._robots.move_to_end(key)
+                return self._robots[key]
+        found = self._made(steps)
+        with self._lock:
+            self._robots[key] = found
+            if len(self._robots) > MOST_ROBOTS:
+                self._robots.popitem(last=False)
+        return found
+
+    def _made(self, steps: tuple[Step, ...]) -> CompiledRobot:
         try:
             overlay = self._noted(steps)
             with self._lock:

@@ -72,7 +72,9 @@ def test_what_is_listed_is_tried_in_the_place_of_a_shape(rng: np.random.Generato
     terms = [Term(name, np.array([i]), np.full(1, 5.0), -7.0, np.zeros(1)) for i, name in enumerate("ab")]
     terms.append(Term("shape", np.array([2]), np.full(1, 5.0), -7.0, np.zeros(1), is_listed=False))
     model = SubsetPosterior(columns.T @ columns, columns.T @ white, terms)
-    assert without(SimpleNamespace(model=model), (0, 2), (2,)) == ((0,), (0, 1))
+    about = SimpleNamespace(model=model)
+    assert without(about, (0, 2), (2,), with_listed=True) == ((0,), (0, 1))
+    assert without(about, (0, 2), (2,), with_listed=False) == ((0,),), "a search that is not the last goes on anyway"
 
 
 def test_a_finding_with_many_names_leaves_room_for_those_of_another() -> None:

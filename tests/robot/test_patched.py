@@ -279,3 +279,15 @@ def test_robots_that_are_alive_share_no_model(both: Both) -> None:
     others = [both.patched([bolt_on(50.0)]) for _ in range(40)]
     assert data.model.body_mass[load] == 1.0
     assert len({one.model._address for one in others} | {data.model._address}) == 41
+
+
+def test_a_robot_that_was_asked_for_just_now_is_not_made_again(both: Both) -> None:
+    effect = EFFECTS["coulomb_level"]
+    edits = [typical_edit(effect, both, place) for place in places_of(effect, both.nominal)[:2]]
+    first, second = (both.patched([edit]) for edit in edits)
+    assert both.patched(edits[:1]) is first
+    assert both.patched(edits[1:]) is second
+    for i in range(patched_module.MOST_ROBOTS):  # others are forgotten at last
+        both.structure.robot([Step(i, tuple(edits[:1]))])
+    assert both.patched(edits[:1]) is not first
+    assert_same(both.patched(edits[:1]), first)

@@ -148,6 +148,11 @@ class Fit:
         places = {i: mine.get(unknown.key) for i, unknown in enumerate(unknowns)}
         return {i: self.jacobian[:, :, place] for i, place in places.items() if place is not None}
 
+    def elsewhere(self, cause: Cause) -> "Fit":
+        """Return it without derivatives with the unknowns of a cause, for a fit that begins with that elsewhere."""
+        kept = [i for i, unknown in enumerate(self.unknowns) if unknown.cause.key != cause.key]
+        return replace(self, unknowns=tuple(self.unknowns[i] for i in kept), jacobian=self.jacobian[:, :, kept])
+
     def sizes_against_none(self, cause: Cause) -> tuple[Array, Array]:
         """Return how far the sizes of a cause are from none, shape (k,), and their covariance with its shapes held.
 

@@ -73,14 +73,12 @@ def fit_of(
         if nuisances is not None:
             nuisances = np.concatenate([nuisances, np.zeros(len(linear.nuisances) - len(nuisances))])
     fits = partial(refit, linear, candidate.causes, nuisances=nuisances, known=known, settles=False, progress=progress)
-    starts = starts_of(candidate, known)
-    if len(starts) > 1:  # where derivatives are not worth a simulation, but which of them leads where is seen
-        found = _best_of(partial(fits, start=start, renews=False) for start in starts)
-        starts = [found.start] if found else starts
-    found = _best_of(partial(fits, start=start) for start in starts)
-    if found is None:
-        return None
     try:
+        if elsewhere := starts_elsewhere(candidate, known):
+            found = _best_of(partial(fits, renews=False), candidate.start, elsewhere)
+            found = fits(start=found.start, nuisances=found.nuisances, known=found)
+        else:
+            found = fits(start=candidate.start)
         while len(needed := needed_of(found)) < len(found.causes):
             found = refit(linear, needed, found.start, found.nuisances, found, settles=False, progress=progress)
     except NOT_SIMULATED:
@@ -89,13 +87,24 @@ def fit_of(
     return found.with_causes(()), kept
 
 
-def _best_of(fits: Iterable[Callable[[], Fit]]) -> Fit | None:
-    """Return the most probable fit of those that can be simulated."""
-    best: Fit | None = None
-    for fit in fits:
+def _best_of(
+    fits: Callable[..., Fit], start: dict[Key, float], elsewhere: Iterable[tuple[dict[Key, float], Cause]]
+) -> Fit:
+    """Return the most probable fit of several starts: no derivative is taken twice, but which leads where is seen.
+
+    Args:
+        fits: Fits from a start.
+        start: As the linearised model says.
+        elsewhere: As of `starts_elsewhere`.
+
+    Raises:
+        ConvergenceError, RobotError: The model cannot be simulated from the first one.
+    """
+    first = best = fits(start=start)
+    for other, cause in elsewhere:
         with suppress(*NOT_SIMULATED):
-            found = fit()
-            if best is None or found.log_evidence > best.log_evidence:
+            found = fits(start=other, known=first.elsewhere(cause))
+            if found.log_evidence > best.log_evidence:
                 best = found
     return best
 
@@ -120,14 +129,14 @@ def needed_of(fit: Fit) -> tuple[Cause, ...]:
     return tuple(cause for cause in fit.causes if fit.acts(cause) and fit.allows(cause))
 
 
-def starts_of(candidate: CandidateModel, known: Fit | None) -> list[dict[Key, float]]:
-    """Return where to start: as the linearised model says, and where that may be far off.
+def starts_elsewhere(candidate: CandidateModel, known: Fit | None) -> list[tuple[dict[Key, float], Cause]]:
+    """Return where to start besides, as the linearised model may be far off, each with the cause that is elsewhere.
 
     Between the shapes tried, where those lie far apart; and from the largest size of a play, for less of it explains
     as well with more noise, so a fit may stay at the smaller of two sizes.
     """
     old = {cause.key for cause in known.causes} if known else set()
-    starts = [candidate.start]
+    starts = []
     for cause in candidate.causes:
         if cause.key in old:
             continue
@@ -135,7 +144,7 @@ def starts_of(candidate: CandidateModel, known: Fit | None) -> list[dict[Key, fl
             if shape.ratio < NARROW:
                 key = (*cause.key, shape.name)
                 value = candidate.start.get(key, shape.null)
-                starts += [candidate.start | {key: value * shape.ratio ** (side / 3)} for side in (-1, 1)]
+                starts += [(candidate.start | {key: value * shape.ratio ** (side / 3)}, cause) for side in (-1, 1)]
         if cause.effect.scatters:
-            starts.append(candidate.start | {(*cause.key, size.name): size.high for size in cause.sizes})
+            starts.append((candidate.start | {(*cause.key, size.name): size.high for size in cause.sizes}, cause))
     return starts

@@ -14,7 +14,9 @@ GROWING = 12  # effort: subsets that are expanded to find what is missing beside
 MOST_PLAYS = 12  # effort: models with a play that are tried; one of 20 findings would be tried for minutes
 
 
-def proposed(about: SearchSpace, found: Sequence[Alternative], count: int, *, adds: bool) -> list[tuple[int, ...]]:
+def proposed(
+    about: SearchSpace, found: Sequence[Alternative], count: int, *, adds: bool, is_last: bool
+) -> list[tuple[int, ...]]:
     """Return the terms of the models that are worth a simulation beside the one that is known.
 
     Args:
@@ -22,13 +24,15 @@ def proposed(about: SearchSpace, found: Sequence[Alternative], count: int, *, ad
         found: By a search about it, the most probable first.
         count: How many of the best.
         adds: Whether models may have more findings than the known one.
+        is_last: Whether what is listed in the place of a free shape is tried; it takes many findings, and hundreds of
+            simulations each time.
     """
     leaders, best = leaders_of(found, count), found[0].best.terms
     terms = [one.best.terms for one in leaders]
     if adds:
         terms.append(grown(about, leaders))
     if about.shape:
-        terms += without(about, best, about.shape)
+        terms += without(about, best, about.shape, with_listed=is_last)
     terms.append(about.instead(best))
     return [some for some in terms if some and (adds or len(some) <= len(about.present))]
 
@@ -136,9 +140,13 @@ def grown(about: SearchSpace, leaders: Sequence[Alternative]) -> tuple[int, ...]
     return best if len(best) > len(about.present) else ()
 
 
-def without(about: SearchSpace, terms: Sequence[int], shape: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
+def without(
+    about: SearchSpace, terms: Sequence[int], shape: tuple[int, ...], *, with_listed: bool
+) -> tuple[tuple[int, ...], ...]:
     """Return the terms of a model without its shape, as they are and with what is listed in the place of that."""
     alone = tuple(i for i in terms if i not in shape)
+    if not with_listed:
+        return (alone,)
     listed = search(about.model, [alone], expanded=GROWING)[0].terms
     return tuple(dict.fromkeys((alone, listed)))
 

@@ -11,7 +11,7 @@ from bench.diagnose.extend.refit import refitted
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, anew
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.name.candidate_model import CandidateModel, fit_of, settled_of, starts_of, with_shape
+from bench.diagnose.name.candidate_model import CandidateModel, fit_of, settled_of, starts_elsewhere, with_shape
 from bench.diagnose.name.sizes import log_of_priors
 from bench.executor.contract import Executor, in_order
 from bench.record.campaign import Array
@@ -157,7 +157,7 @@ class Fitter:
 
         Where shapes have to be looked for, the first one does so for all that have the same causes.
         """
-        if len(new) < 2 or new[0].shape or len(starts_of(new[0], self.known)) == 1:
+        if len(new) < 2 or new[0].shape or not starts_elsewhere(new[0], self.known):
             return in_order(self.executor, partial(fit_of, self.linear, self.known), new)
         (first,) = in_order(self.executor, partial(fit_of, self.linear, self.known), new[:1])
         known, others = self.known, list(new[1:])

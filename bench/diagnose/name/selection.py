@@ -204,7 +204,7 @@ class _Selection:
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known, settles=is_last)
         present = fitter.knows(self.best, about.candidate_of(about.present))
-        others = proposed(about, found, LEADERS if is_last else LEADERS // 2, adds=adds)
+        others = proposed(about, found, LEADERS if is_last else LEADERS // 2, adds=adds, is_last=is_last)
         needed = partial(is_needed_in_motion, self.linear, about)
         plays = scattering(about, found[0], self.plays_behind, needed) if is_last else {}
         candidates = [present, *map(about.candidate_of, others), *plays.values()]
