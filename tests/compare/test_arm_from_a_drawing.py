@@ -71,7 +71,9 @@ def test_it_begins_with_what_the_drawing_leaves_out(arm: CompiledRobot, tmp_path
     np.testing.assert_allclose(fitted.motor_coulomb, stranger.COULOMB, rtol=0.05)
 
 
-@pytest.mark.parametrize(("seed", "load"), [(1, LIGHT), (4, HEAVY)], ids=["light", "heavy"])
+@pytest.mark.parametrize(
+    ("seed", "load"), [(1, LIGHT), pytest.param(4, HEAVY, marks=pytest.mark.study)], ids=["light", "heavy"]
+)
 def test_it_has_the_payload_wherever_that_hangs(arm: CompiledRobot, tmp_path: Path, seed: int, load: Load) -> None:
     """One fit ended with 5 kg half a metre off for 9 kg, at 76 times the noise, another with 0.05 kg for 3 kg."""
     before = recorded(arm, seed, payload=load)
@@ -90,7 +92,7 @@ def test_an_unchanged_arm_has_not_changed_and_a_change_is_named(arm: CompiledRob
     assert {(one.effect, one.place) for one in first} == {("coulomb_level", "joint 2")}
 
 
-@pytest.mark.parametrize("swapped", [False, True], ids=["heavier", "lighter"])
+@pytest.mark.parametrize("swapped", [pytest.param(False, marks=pytest.mark.study), True], ids=["heavier", "lighter"])
 def test_a_payload_that_was_swapped_is_all_that_changed(arm: CompiledRobot, tmp_path: Path, swapped: bool) -> None:
     """Signatures are linear and a payload is not small: what they miss of it was named beside it."""
     light, heavy = (recorded(arm, seed, payload=load) for seed, load in ((1, LIGHT), (4, HEAVY)))

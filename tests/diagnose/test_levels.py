@@ -173,7 +173,7 @@ def test_payloads_that_differ_are_found_where_they_were_carried() -> None:
     assert sum(held) >= 4
 
 
-@pytest.mark.parametrize("change", [0.3, -0.2])
+@pytest.mark.parametrize("change", [0.3, pytest.param(-0.2, marks=pytest.mark.study)])
 def test_coulomb_friction_of_another_day_is_no_scatter(change: float) -> None:
     """Taken to be the same on both days, it was scatter beyond what the instruments explain, or other causes."""
     payload = {"unstated_payload": {"mass": 40.0}}

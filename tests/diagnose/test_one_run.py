@@ -93,7 +93,7 @@ def test_without_a_torque_or_a_current_that_is_the_reason(campaign: Campaign, co
     assert "move for longer" not in str(hint)
 
 
-@pytest.mark.parametrize("way", ["up", "down"])
+@pytest.mark.parametrize("way", ["up", pytest.param("down", marks=pytest.mark.study)])
 def test_a_slow_sweep_is_not_blamed_for_a_zero_of_the_fast_one(
     way: str, campaign: Campaign, compiled: CompiledRobot
 ) -> None:

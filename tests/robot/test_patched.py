@@ -282,8 +282,7 @@ def test_robots_that_are_alive_share_no_model(both: Both) -> None:
 
 
 def test_a_robot_that_was_asked_for_just_now_is_not_made_again(both: Both) -> None:
-    effect = EFFECTS["coulomb_level"]
-    edits = [typical_edit(effect, both, place) for place in places_of(effect, both.nominal)[:2]]
+    edits = [bolt_on(PAYLOAD), bolt_on(2 * PAYLOAD)]
     first, second = (both.patched([edit]) for edit in edits)
     assert both.patched(edits[:1]) is first
     assert both.patched(edits[1:]) is second
