@@ -28,7 +28,7 @@ from bench.cli.poses import Poses
 from bench.cli.predict import Predict
 from bench.cli.robots import Robots
 from bench.cli.run import Run
-from bench.cli.stopping import TerminatedError, ending_on_terminate, interrupt_behind
+from bench.cli.stopping import TerminatedError, ending_at_a_signal, interrupt_behind
 from bench.cli.store import Store
 from bench.cli.study import Study
 from bench.cli.view import View
@@ -89,7 +89,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _ended(arguments: list[str] | None) -> int:
     """Run the command line, say why it ended if it did not come to its end, and return the exit code."""
     try:
-        with ending_on_terminate():
+        with ending_at_a_signal():
             return _run(arguments)
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)

@@ -76,24 +76,27 @@ def interrupt_behind(error: BaseException | None) -> KeyboardInterrupt | None:
 
 
 @contextmanager
-def ending_on_terminate() -> Iterator[None]:
-    """Let SIGTERM within the block end it as Ctrl-C does, so that nothing half-written stays.
+def ending_at_a_signal() -> Iterator[None]:
+    """Let Ctrl-C and SIGTERM within the block end it, whatever the code that they interrupt makes of them.
+
+    Ctrl-C that the process was started to ignore, as a shell does for work in the background, stays ignored.
 
     Raises:
-        TerminatedError: At the signal, or after it in the place of whatever error it became: ctypes raises another one
+        KeyboardInterrupt: At Ctrl-C, or after it in the place of whatever error it became: ctypes raises another one
             that says no more of it.
+        TerminatedError: The same at SIGTERM.
     """
-    is_asked = False
+    asked: list[type[KeyboardInterrupt]] = []
 
     def heard(number: int, frame: FrameType | None) -> None:
-        nonlocal is_asked
-        is_asked = True
-        raise TerminatedError
+        asked.append(KeyboardInterrupt if number == signal.SIGINT else TerminatedError)
+        raise asked[-1]
 
-    with _hearing(heard, signal.SIGTERM):
+    is_ignored = signal.getsignal(signal.SIGINT) is not signal.default_int_handler
+    with _hearing(heard, signal.SIGTERM, *(() if is_ignored else (signal.SIGINT,))):
         try:
             yield
         except Exception as error:  # whatever it is: after the signal it may be what became of it
-            if is_asked:
-                raise TerminatedError from error
+            if asked:
+                raise asked[-1] from error
             raise

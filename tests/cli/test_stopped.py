@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from bench.cli import TERMINATED, main
-from bench.cli.stopping import UNFINISHED, TerminatedError, ending_on_terminate, interrupt_behind, seconds_of
+from bench.cli.stopping import UNFINISHED, TerminatedError, ending_at_a_signal, interrupt_behind, seconds_of
 from bench.report.diagnosis.file_names import REPORT, VERDICT
 
 STARTED_S = 60.0  # within which a run is under way on a busy machine
@@ -146,16 +146,29 @@ def test_a_class_that_is_interrupted_while_it_is_made_ends_a_command(
     assert capsys.readouterr().err == "bench: terminated; nothing half-written was left behind.\n"
 
 
-def test_a_request_to_end_that_became_another_error_is_one() -> None:
+@pytest.mark.parametrize(("number", "asked"), [(signal.SIGTERM, TerminatedError), (signal.SIGINT, KeyboardInterrupt)])
+def test_a_request_to_end_that_became_another_error_is_one(
+    number: signal.Signals, asked: type[KeyboardInterrupt]
+) -> None:
     """While MuJoCo loaded EGL it came out as "ctypes.ArgumentError: argument 1: TerminatedError", with a traceback."""
 
     def hold() -> None:
         try:
-            os.kill(os.getpid(), signal.SIGTERM)
-        except TerminatedError:
+            os.kill(os.getpid(), number)
+        except KeyboardInterrupt:
             raise ValueError("argument 1: TerminatedError: ") from None  # as ctypes does; it keeps no cause either
 
-    with pytest.raises(TerminatedError), ending_on_terminate():
+    with pytest.raises(KeyboardInterrupt) as raised, ending_at_a_signal():
         hold()
-    with pytest.raises(ValueError, match="of its own"), ending_on_terminate():
+    assert raised.type is asked
+    with pytest.raises(ValueError, match="of its own"), ending_at_a_signal():
         raise ValueError("of its own")
+
+
+def test_ctrl_c_that_is_ignored_stays_ignored() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with ending_at_a_signal():
+            os.kill(os.getpid(), signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, before)
