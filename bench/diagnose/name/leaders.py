@@ -10,6 +10,7 @@ from bench.diagnose.name.search_space import SearchSpace
 
 NAMES = 2  # effort: other names of a finding that are simulated at last, until one cannot be told from it
 EXCHANGED = 4  # effort: findings that get another name each time, those with the likeliest names
+IN_ITS_PLACE = 0.5  # effort: of what a free shape explains, below which what is listed is not tried in its place
 GROWING = 12  # effort: subsets that are expanded to find what is missing beside all of a model
 MOST_PLAYS = 12  # effort: models with a play that are tried; one of 20 findings would be tried for minutes
 
@@ -143,12 +144,18 @@ def grown(about: SearchSpace, leaders: Sequence[Alternative]) -> tuple[int, ...]
 def without(
     about: SearchSpace, terms: Sequence[int], shape: tuple[int, ...], *, with_listed: bool
 ) -> tuple[tuple[int, ...], ...]:
-    """Return the terms of a model without its shape, as they are and with what is listed in the place of that."""
+    """Return the terms of a model without its shape, as they are and with what is listed in the place of that.
+
+    What is listed and promises little of what the shape explains is left out: no fit makes that up.
+    """
     alone = tuple(i for i in terms if i not in shape)
     if not with_listed:
         return (alone,)
-    listed = search(about.model, [alone], expanded=GROWING)[0].terms
-    return tuple(dict.fromkeys((alone, listed)))
+    best = search(about.model, [alone], expanded=GROWING)[0]
+    nothing, everything = (float(about.model.log_posterior(some)) for some in (alone, tuple(terms)))
+    if float(best.log_posterior) - nothing < IN_ITS_PLACE * (everything - nothing):
+        return (alone,)
+    return tuple(dict.fromkeys((alone, best.terms)))
 
 
 def scattering(
