@@ -66,6 +66,19 @@ def test_what_a_model_does_not_need_is_left_out_of_it(found: Diagnosis) -> None:
     assert model.log_posterior == pytest.approx(model.log_evidence - 5.0)
 
 
+def test_a_known_model_loses_the_one_cause_that_fell_short_and_keeps_the_others(found: Diagnosis) -> None:
+    """All of 30 findings were given up for one that wanted to be larger than plausible (recording B of the KR300)."""
+    linear, best = found.naming.linear, found.naming.models[0]
+    first, *others = best.causes
+    beyond = replace(best.fit, values=np.array([BEYOND * best.fit.unknowns[0].parameter.high, *best.fit.values[1:]]))
+    start = {key: value for key, value in best.fit.start.items() if key[:2] != first.key}
+    candidate = CandidateModel(best.causes, None, start, best.fit.nuisances, (-5.0,) * len(best.causes))
+    fitter = Fitter(linear, found.naming.null, SERIAL)
+    models = fitter.fitted([fitter.knows(replace(best, fit=beyond), candidate)])
+    assert models, "it was taken for the nominal model"
+    assert {cause.key for cause in others} <= models[0].keys
+
+
 def test_shapes_are_looked_for_once_where_models_share_them(monkeypatch: pytest.MonkeyPatch) -> None:
     """Models with two ripples were started five times each: two minutes of such fits before a first answer."""
     effects = catalogue()

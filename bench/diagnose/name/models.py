@@ -135,9 +135,14 @@ class Fitter:
         return list(unique.values())
 
     def knows(self, model: Model, candidate: CandidateModel) -> CandidateModel:
-        """Take a model that was fitted to the design already, and return its trial."""
-        every = tuple(range(len(candidate.causes)))
-        self.models[candidate.keys] = self._model(candidate, model.fit, every) or Model(self.null)
+        """Take a model that was fitted to the design already, and return its trial.
+
+        One of which a cause explains nothing any more, or wants to be larger than plausible, is fitted again without
+        that: the others are no worse for it.
+        """
+        known = self._model(candidate, model.fit, tuple(range(len(candidate.causes))))
+        if known:
+            self.models[candidate.keys] = known
         return candidate
 
     def fell_short(self, best: Model) -> dict[frozenset[Hashable], frozenset[Hashable]]:

@@ -209,7 +209,7 @@ class _Selection:
         plays = scattering(about, found[0], self.plays_behind, needed) if is_last else {}
         candidates = [present, *map(about.candidate_of, others), *plays.values()]
         self.progress(f"fitting {len(candidates) - 1} models")
-        models = fitter.fitted(candidates)
+        models = fitter.fitted(candidates) or [Model(self.null)]
         if is_last:
             models = with_other_names(about, subsets, fitter, models)
         first = likeliest(models)
