@@ -92,8 +92,8 @@ def ending_at_a_signal() -> Iterator[None]:
         asked.append(KeyboardInterrupt if number == signal.SIGINT else TerminatedError)
         raise asked[-1]
 
-    is_ignored = signal.getsignal(signal.SIGINT) is not signal.default_int_handler
-    with _hearing(heard, signal.SIGTERM, *(() if is_ignored else (signal.SIGINT,))):
+    is_python_s = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    with _hearing(heard, signal.SIGTERM, *((signal.SIGINT,) if is_python_s else ())):
         try:
             yield
         except Exception as error:  # whatever it is: after the signal it may be what became of it

@@ -37,6 +37,7 @@ from bench.robot.patching.plugin_room import LISTS
 from bench.robot.patching.pool import engine
 from bench.robot.patching.structure import CompiledStructure
 from bench.robot.plugins import entry_of, name_instances
+from bench.robot.recent import Recent
 
 MOST_STRUCTURES = 64  # kept compiled, besides the robot's own
 MOST_ROBOTS = 64  # remembered: one world asks several times for each of its robots, one for each payload or temperature
@@ -124,7 +125,7 @@ class Structure:
         self._parts = Parts(self._named)
         self._lock = RLock()
         self._last = local()
-        self._robots: OrderedDict[tuple[Hashable, ...], CompiledRobot] = OrderedDict()
+        self._robots: Recent[tuple[Hashable, ...], CompiledRobot] = Recent(MOST_ROBOTS)
         self._values: dict[tuple[Handle, str], Any] = {}
         self._blanks: dict[Add, Blank] = {}
         self._structures: OrderedDict[Hashable, CompiledStructure] = OrderedDict()
@@ -159,17 +160,7 @@ class Structure:
             RobotError: As `compile_spec`.
         """
         steps = tuple(steps)
-        key = tuple(step.key for step in steps)
-        with self._lock:
-            if key in self._robots:
-                self._robots.move_to_end(key)
-                return self._robots[key]
-        found = self._made(steps)
-        with self._lock:
-            self._robots[key] = found
-            if len(self._robots) > MOST_ROBOTS:
-                self._robots.popitem(last=False)
-        return found
+        return self._robots.get(tuple(step.key for step in steps), lambda: self._made(steps))
 
     def _made(self, steps: tuple[Step, ...]) -> CompiledRobot:
         try:

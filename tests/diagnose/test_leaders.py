@@ -78,7 +78,7 @@ def test_what_is_listed_is_tried_in_the_place_of_a_shape(rng: np.random.Generato
 
 
 def test_what_is_listed_and_explains_little_of_a_shape_is_not_tried(rng: np.random.Generator) -> None:
-    """Fifteen causes that made up for a third of it were fitted for minutes, of a cubic current sensor."""
+    """Nine causes that promised a quarter of it were fitted for a minute, in every round (a detent, seed 1021)."""
     columns, noise = rng.standard_normal((80, 3)), rng.standard_normal(80)
     columns[:, 1] += 0.5 * columns[:, 2]
     white = columns[:, [0, 2]] @ [6.0, 8.0] + noise

@@ -59,14 +59,14 @@ def _simulate(
     replay = Replay(plan.compiled, segments, plan.quantities)
     off, acting = plan.around.deviations, plan.around.acting
     p = len(plan.nuisances)
-    first_order = FirstOrder(replay, plan.around)
+    first_order = None if plan.simulates_torques else FirstOrder(replay, plan.around)
     worlds: dict[int, World] = {}
     for i in which:
         if i < p:
             nuisance = plan.nuisances[i]
             worlds[i] = World({**off, nuisance: off.get(nuisance, 0.0) + nuisance.sigma}, acting)
             continue
-        change = None if plan.simulates_torques else first_order.change(plan.acting[i - p])
+        change = first_order.change(plan.acting[i - p]) if first_order else None
         if change is None:
             worlds[i] = World(off, (*acting, plan.acting[i - p]))
         else:

@@ -75,10 +75,12 @@ def fit_of(
     fits = partial(refit, linear, candidate.causes, nuisances=nuisances, known=known, settles=False, progress=progress)
     try:
         if elsewhere := starts_elsewhere(candidate, known):
-            found = _best_of(partial(fits, renews=False), candidate.start, elsewhere)
-            found = fits(start=found.start, nuisances=found.nuisances, known=found)
+            best = _best_of(partial(fits, renews=False), candidate.start, elsewhere)
+            found = fits(start=best.start, nuisances=best.nuisances, known=best) if best else None
         else:
             found = fits(start=candidate.start)
+        if found is None:
+            return None
         while len(needed := needed_of(found)) < len(found.causes):
             found = refit(linear, needed, found.start, found.nuisances, found, settles=False, progress=progress)
     except NOT_SIMULATED:
@@ -89,22 +91,23 @@ def fit_of(
 
 def _best_of(
     fits: Callable[..., Fit], start: dict[Key, float], elsewhere: Iterable[tuple[dict[Key, float], Cause]]
-) -> Fit:
-    """Return the most probable fit of several starts: no derivative is taken twice, but which leads where is seen.
+) -> Fit | None:
+    """Return the most probable fit of several starts, no derivative taken twice; None where none can be simulated.
 
     Args:
         fits: Fits from a start.
         start: As the linearised model says.
         elsewhere: As of `starts_elsewhere`.
-
-    Raises:
-        ConvergenceError, RobotError: The model cannot be simulated from the first one.
     """
-    first = best = fits(start=start)
+    first: Fit | None = None
+    with suppress(*NOT_SIMULATED):
+        first = fits(start=start)
+    best = first
     for other, cause in elsewhere:
+        shared = {"known": first.elsewhere(cause)} if first else {}
         with suppress(*NOT_SIMULATED):
-            found = fits(start=other, known=first.elsewhere(cause))
-            if found.log_evidence > best.log_evidence:
+            found = fits(start=other, **shared)
+            if best is None or found.log_evidence > best.log_evidence:
                 best = found
     return best
 

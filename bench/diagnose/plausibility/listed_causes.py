@@ -70,7 +70,8 @@ def listed_causes(replay: Replay, recorded: Recorded, store: Store | None = None
     plan = Plan(compiled, replay.quantities, nuisances, tuple(acting), is_strict=False, simulates_torques=True)
     nominal, observed = replay.predict(NOMINAL), replay.observed
     seen = np.isfinite(observed)
-    changes = np.where(seen[:, :, None], changes_of(plan, replay.segments, store).astype(np.float64), 0.0)
+    changes = changes_of(plan, replay.segments, store).astype(np.float64)
+    changes[~seen] = 0.0
     changes[:, :, len(nuisances) :] /= [size.typical - size.null for *_, size in (*effects, *wrong)]
     balances = np.all(np.isfinite(changes), axis=(0, 1))
     count = len(nuisances) + len(effects)

@@ -4,11 +4,9 @@ A motion does not change: what it says of a world depends on that alone, so worl
 several threads.
 """
 
-from collections import OrderedDict
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +32,7 @@ from bench.effects.followed import Followed
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.robot.patched import Structure
+from bench.robot.recent import Recent
 from bench.simulate.bare import bare_spec
 from bench.simulate.plant import Trace
 from bench.simulate.prescribed import TOLERANCE, Prescribed
@@ -64,13 +63,12 @@ class MotionReplay:
         self.fitted = fitted_world(compiled)
         self._tolerance = tolerance
         self._structure = structure or Structure(compiled.robot, bare_spec(compiled.robot))
-        self._known: OrderedDict[Hashable, Trace] = OrderedDict()
-        self._lock = Lock()
+        self._known: Recent[Hashable, Trace] = Recent(MOST_KNOWN)
         self._rows = slices_of(count_of(segment) for segment in segments)
         self._recordings: dict[str, list[int]] = {}  # recording -> its segments
         for i, segment in enumerate(segments):
             self._recordings.setdefault(segment.recording, []).append(i)
-        self._plans: OrderedDict[Hashable, tuple[Course, ...]] = OrderedDict()
+        self._plans: Recent[Hashable, tuple[Course, ...]] = Recent(MOST_PLANS)
         nominal = self._courses(NOMINAL)
         # where links and passive hinges of the nominal robot balance; every search starts there
         self._found = np.zeros((sum(len(segment.motion) for segment in segments), 2, 0))
@@ -89,18 +87,7 @@ class MotionReplay:
         """
         if not world.changes_robot:
             return self._nominal
-        key = key_of_motion(world)
-        with self._lock:
-            if key in self._known:
-                self._known.move_to_end(key)
-                return self._known[key]
-        courses = self._courses(world)
-        trace = self._joined(courses, [self._moved_along(world, course) for course in courses])
-        with self._lock:
-            self._known[key] = trace
-            if len(self._known) > MOST_KNOWN:
-                self._known.popitem(last=False)
-        return trace
+        return self._known.get(key_of_motion(world), lambda: self._moved(world))
 
     def traces(self, world: World) -> list[Trace]:
         """Return the true motion in a world, segment by segment."""
@@ -174,17 +161,15 @@ class MotionReplay:
         world = self.whole(world)
         here = {recording: world_in(world, recording) for recording in self._recordings}
         models = tuple(model_of(here[s.recording], s.run, s.recording, s.conditions) for s in self.segments)
-        key = models, world.depends_on_conditions
-        with self._lock:
-            if key in self._plans:
-                self._plans.move_to_end(key)
-                return self._plans[key]
-        plan = courses_of(self.segments, models, with_temperatures=world.depends_on_conditions)
-        with self._lock:
-            self._plans[key] = plan
-            if len(self._plans) > MOST_PLANS:
-                self._plans.popitem(last=False)
-        return plan
+        by_weather = world.depends_on_conditions
+        return self._plans.get(
+            (models, by_weather), lambda: courses_of(self.segments, models, with_temperatures=by_weather)
+        )
+
+    def _moved(self, world: World) -> Trace:
+        """Return the true motion in a world, simulated."""
+        courses = self._courses(world)
+        return self._joined(courses, [self._moved_along(world, course) for course in courses])
 
     def _moved_along(self, world: World, course: Course) -> Trace:
         """Return the truth along a course, at what is read of it."""

@@ -4,7 +4,6 @@ The prediction of a `World` (`world.py`) is a simulation in MuJoCo each time; no
 robot of a world moves is `motion_replay.py`'s; here its instruments are read.
 """
 
-from collections import OrderedDict
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +24,7 @@ from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.robot.links import rigid_bodies
+from bench.robot.recent import Recent
 from bench.simulate.plant import Trace
 from bench.simulate.prescribed import TOLERANCE
 
@@ -51,8 +51,8 @@ class Replay(MotionReplay):
     ) -> None:
         super().__init__(compiled, segments, tolerance)
         self.quantities = quantities
-        self._earlier: OrderedDict[float, MotionReplay] = OrderedDict()  # by how many seconds
-        self._inertial: OrderedDict[bytes, Array] = OrderedDict()  # parameters of links, by what models have
+        self._earlier: Recent[float, MotionReplay] = Recent(MOST_EARLIER)  # by how many seconds
+        self._inertial: Recent[bytes, Array] = Recent(MOST_LINKS)  # parameters of links, by what models have
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -100,16 +100,7 @@ class Replay(MotionReplay):
         model = compiled.model
         parts = (model.body_mass, model.body_inertia, model.body_ipos, model.body_iquat, model.body_pos)
         key = b"".join(part.tobytes() for part in parts)
-        with self._lock:
-            if key in self._inertial:
-                self._inertial.move_to_end(key)
-                return self._inertial[key]
-        parameters = standard_parameters(rigid_bodies(compiled))
-        with self._lock:
-            self._inertial[key] = parameters
-            if len(self._inertial) > MOST_LINKS:
-                self._inertial.popitem(last=False)
-        return parameters
+        return self._inertial.get(key, lambda: standard_parameters(rigid_bodies(compiled)))
 
     def _averaged(self, world: World) -> Array | float:
         """Return what effects that change within a bin add to averaged torques, shape (T, n) [Nm] or [N]."""
@@ -151,17 +142,12 @@ class Replay(MotionReplay):
 
     def _earlier_by(self, seconds: float) -> MotionReplay:
         """Return the motion some time before each instant."""
-        with self._lock:
-            if seconds in self._earlier:
-                self._earlier.move_to_end(seconds)
-                return self._earlier[seconds]
-        segments = tuple(segment.earlier(seconds) for segment in self.segments)
-        motion = MotionReplay(self.compiled, segments, self._tolerance, self._structure)
-        with self._lock:
-            self._earlier[seconds] = motion
-            if len(self._earlier) > MOST_EARLIER:
-                self._earlier.popitem(last=False)
-        return motion
+
+        def motion() -> MotionReplay:
+            segments = tuple(segment.earlier(seconds) for segment in self.segments)
+            return MotionReplay(self.compiled, segments, self._tolerance, self._structure)
+
+        return self._earlier.get(seconds, motion)
 
     def _read(self, world: World, segments: tuple[Segment, ...], trace: Trace) -> Array:
         """Return the same for segments in which all of a world acts, but for what is known besides."""
