@@ -1,4 +1,7 @@
-"""A model against a campaign, without a refit: what it leaves, beside the nominal robot, noise and promises."""
+"""A model against a campaign, without a refit: what it leaves, beside the nominal robot, noise and promises.
+
+What may be anew in a recording, by what it leaves, is said beside that.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -21,10 +24,13 @@ from bench.predict.errors import channel_errors, worst_stretches
 from bench.predict.fit_anew import fit_anew
 from bench.predict.free import checked
 from bench.predict.freed import FreedFigure, beside_model, known_of
-from bench.predict.prediction import PredictedRecording, Prediction
+from bench.predict.prediction import MaybeAnew, PredictedRecording, Prediction
+from bench.predict.worth_freeing import worth_freeing
 from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
+
+SEEN = 0.1  # shown: of an error in some channel, by which what may be anew has to lower it
 
 
 def predict(
@@ -83,12 +89,19 @@ def _recording(
     there = measured(linear)
     noise = np.sqrt(floor_variance(linear))
     nominal_error = np.where(there, _left_by(nominal, linear), np.nan)
-    world, left, freed = NOMINAL, linear.residual, tuple[FreedFigure, ...]()
+    stated, world, left, freed = linear, NOMINAL, linear.residual, tuple[FreedFigure, ...]()
     if free:
-        linear, fit = fit_anew(linear, free)
+        linear, fit = fit_anew(stated, free)
         world, left, known = fit.world(linear), fit.residual, known_of(model)
         freed = tuple(beside_model(figure, known) for figure in fitted_figures(linear, fit))
     error = np.where(there, left, np.nan)
+    channels = channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free))
+    maybe_anew = []
+    for one in worth_freeing(stated, free):
+        would_leave = channel_errors(linear, np.where(there, one.residual, np.nan), nominal_error, noise, ())
+        left_then = tuple(channel.rms for channel in would_leave)
+        if any(then < (1 - SEEN) * now.rms for now, then in zip(channels, left_then, strict=True)):
+            maybe_anew.append(MaybeAnew(one.name, one.log_evidence, left_then))
     starts = {run.name: run.start_s for run in recording.runs}
     return PredictedRecording(
         name=name,
@@ -98,7 +111,8 @@ def _recording(
         nominal_error=nominal_error,
         noise=noise,
         freed=freed,
-        channels=channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free)),
+        maybe_anew=tuple(maybe_anew),
+        channels=channels,
         stretches=worst_stretches(linear, error, noise, starts),
         starts=starts,
     )

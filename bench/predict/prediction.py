@@ -78,6 +78,21 @@ class Stretch:
     floor: float
 
 
+@dataclass(frozen=True)
+class MaybeAnew:
+    """What would make a recording far more probable if it were fitted to it, by itself.
+
+    Attributes:
+        name: For `--free`.
+        log_evidence: Logarithm of how many times more probable [nats].
+        rms: What the model would leave, one for each of the recording's `channels`, in their units.
+    """
+
+    name: str
+    log_evidence: float
+    rms: tuple[float, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class PredictedRecording:
     """A recording and what a model says of it; T instants, c quantities.
@@ -90,6 +105,7 @@ class PredictedRecording:
         nominal_error: Shape (T, c), measured less what the nominal robot predicts.
         noise: Shape (T, c), standard deviation of what no model can predict; nan where not measured.
         freed: What was fitted anew, as differences from what the model has, with intervals.
+        maybe_anew: What else is worth freeing, the likeliest first; several may have one cause.
         channels: Every channel with a reading.
         starts: Name of each run -> when it began, on the clock of the recording [s].
         stretches: The worst stretch of each channel, that which is furthest above what no model can predict first.
@@ -102,6 +118,7 @@ class PredictedRecording:
     nominal_error: Array
     noise: Array
     freed: tuple[FreedFigure, ...]
+    maybe_anew: tuple[MaybeAnew, ...]
     channels: tuple[ChannelError, ...]
     stretches: tuple[Stretch, ...]
     starts: Mapping[str, float]

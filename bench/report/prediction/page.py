@@ -12,6 +12,8 @@ from bench.report.html import render
 from bench.report.prediction.pictures import pictures_of
 from bench.report.prediction.sentences import (
     ChannelRow,
+    anew_sentence,
+    anew_text,
     broken_sentence,
     exact_sentence,
     free_sentence,
@@ -33,6 +35,8 @@ class _Part:
     rows: tuple[ChannelRow, ...]
     freed: tuple[str, ...]
     exact: str
+    anew: tuple[str, ...]
+    anew_words: str
     stretches: tuple[str, ...]
     pictures: tuple[tuple[str, Picture], ...]
 
@@ -67,6 +71,8 @@ def _part(recording: PredictedRecording) -> _Part:
         rows=tuple(rows_of(recording)),
         freed=tuple(freed_text(figure) for figure in recording.freed),
         exact=exact_sentence(recording),
+        anew=tuple(anew_text(one, recording) for one in recording.maybe_anew),
+        anew_words=anew_sentence(recording),
         stretches=tuple(stretch_text(stretch, recording) for stretch in recording.stretches),
         pictures=pictures_of(recording),
     )

@@ -7,13 +7,14 @@ import numpy as np
 
 from bench.predict.free import FREE
 from bench.predict.freed import FreedFigure
-from bench.predict.prediction import ChannelError, PredictedRecording, Prediction, Stretch
+from bench.predict.predict import SEEN
+from bench.predict.prediction import ChannelError, MaybeAnew, PredictedRecording, Prediction, Stretch
 from bench.report.diagnosis.names import channel_name, listed
 from bench.report.diagnosis.numbers import shown, unit_name
 from bench.report.diagnosis.recording_clock import recording_clock_of
 
 ANSWERS = {"kept": "as promised", "less": "less than promised", "more": "more than promised", "not promised": ""}
-MOST_NAMED = 3  # channels in a headline
+MOST_NAMED = 3  # channels in a headline, and of what may be anew
 
 
 @dataclass(frozen=True)
@@ -155,6 +156,39 @@ def freed_text(figure: FreedFigure) -> str:
     stated = shown((factor * figure.sigma,), unit, factor * figure.sigma)[0] if np.isfinite(figure.sigma) else ""
     prior = f"; stated within {stated} {unit_name(unit)}" if stated else ""
     return f"{words}{prior}{trades}"
+
+
+def anew_sentence(recording: PredictedRecording) -> str:
+    """Return what the lines of what may be anew mean; "" where nothing may be."""
+    if not recording.maybe_anew:
+        return ""
+    return (
+        "May be anew in this recording: each fitted by itself makes it far more probable; several may have one cause, "
+        "and another cause may look like it. Nothing of this is in the errors above; `--free NAME` fits it and says "
+        "what it is."
+    )
+
+
+def anew_text(one: MaybeAnew, recording: PredictedRecording) -> str:
+    """Return what may be anew in a line: which errors it would change most, and by how much."""
+    channels = zip(recording.channels, one.rms, strict=True)
+    ratios = sorted(((rms / channel.rms, rms, channel) for channel, rms in channels if channel.rms), key=lambda x: x[0])
+    better = [entry for entry in ratios if entry[0] < 1 - SEEN]
+    worse = [entry for entry in reversed(ratios) if entry[0] > 1 + SEEN][:MOST_NAMED]
+    words = [_change(rms, channel, recording) for _, rms, channel in better[:MOST_NAMED]]
+    others = len(better) - MOST_NAMED
+    changes = listed(words + ([f"{others} other{'s' if others > 1 else ''} less"] if others > 0 else []), "and")
+    if worse:
+        changes += f", but {listed([_change(rms, channel, recording) for _, rms, channel in worse], 'and')}"
+    (evidence,) = shown((one.log_evidence,), "", one.log_evidence / 10)
+    return f"`--free {one.name}`, {FREE[one.name].words} (evidence +{evidence}): {changes}"
+
+
+def _change(rms: float, channel: ChannelError, recording: PredictedRecording) -> str:
+    before, after = (shown((value,), channel.unit, value / 10)[0] for value in (channel.rms, rms))
+    both = {one.kind for one in recording.channels if one.channel == channel.channel}
+    where = " at rest" if channel.kind == "static" and len(both) > 1 else ""
+    return f"{channel_name(channel.channel)}{where} {before} -> {after} {unit_name(channel.unit)}"
 
 
 def _signed(text: str) -> str:

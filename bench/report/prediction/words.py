@@ -7,6 +7,8 @@ from bench.predict.prediction import PredictedRecording, Prediction
 from bench.report.diagnosis.sentences import FLOOR
 from bench.report.prediction.file_names import NUMBERS, REPORT, recording_name
 from bench.report.prediction.sentences import (
+    anew_sentence,
+    anew_text,
     broken_sentence,
     exact_sentence,
     free_sentence,
@@ -37,6 +39,10 @@ def words_of(prediction: Prediction) -> Iterator[str]:
             yield f"  anew: {freed_text(figure)}"
         if words := exact_sentence(recording):
             yield f"  {words}"
+        if words := anew_sentence(recording):
+            yield f"  {words}"
+        for one in recording.maybe_anew:
+            yield f"  may be anew: {anew_text(one, recording)}"
         for stretch in recording.stretches[:WORST]:
             yield f"  worst: {stretch_text(stretch, recording)}"
 

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from bench.predict.prediction import PredictedRecording, Prediction
+from bench.predict.prediction import MaybeAnew, PredictedRecording, Prediction
 from bench.report.jsonable import to_jsonable
 from bench.report.prediction.file_names import NUMBERS, REPORT, recording_name
 from bench.report.prediction.page import page_of
@@ -52,8 +52,18 @@ def _recording(recording: PredictedRecording) -> dict[str, Any]:
         "name": recording.name,
         "channels": [asdict(channel) | {"answer": channel.answer} for channel in recording.channels],
         "stretches": [_without_instants(asdict(stretch)) for stretch in recording.stretches],
+        "maybe_anew": [_by_channel(one, recording) for one in recording.maybe_anew],
         "freed": [asdict(figure) | {"total": figure.total} for figure in recording.freed],
     }
+
+
+def _by_channel(one: MaybeAnew, recording: PredictedRecording) -> dict[str, Any]:
+    """Return what may be anew with what it would leave of each channel, of those in the order of the recording."""
+    left = [
+        {"channel": channel.channel, "kind": channel.kind, "rms": rms}
+        for channel, rms in zip(recording.channels, one.rms, strict=True)
+    ]
+    return {"free": one.name, "log_evidence": one.log_evidence, "channels": left}
 
 
 def _without_instants(stretch: dict[str, Any]) -> dict[str, Any]:

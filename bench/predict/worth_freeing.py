@@ -1,0 +1,57 @@
+"""What of a recording is worth freeing: what, fitted anew by itself, makes the recording far more probable.
+
+Standard errors are those that count what the model leaves with the thing free (`fit_anew.py`), the same with it and
+without. If nothing is anew, the expectation of such a ratio of probabilities is one, so it exceeds N with a probability
+of 1/N at most (Markov's inequality); N is the number of things tried over the rate of false hints. Several that pass
+may have one cause: a payload that was moved looks like offsets of torques, too.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.errors import NOT_SIMULATED, InputError
+from bench.predict.fit_anew import fit_anew, fitted_as
+from bench.predict.free import FREE
+from bench.record.campaign import Array
+
+FALSE_HINTS = 0.01  # declared: of recordings in which nothing is anew
+
+
+@dataclass(frozen=True, eq=False)
+class WorthFreeing:
+    """Something that may be anew in a recording.
+
+    Attributes:
+        name: In `FREE`.
+        log_evidence: Logarithm of how many times more probable the recording is with it free.
+        residual: Shape (T, c), what the model leaves with it free.
+    """
+
+    name: str
+    log_evidence: float
+    residual: Array
+
+
+def worth_freeing(linear: LinearisedModel, free: Sequence[str]) -> tuple[WorthFreeing, ...]:
+    """Return what else is worth freeing in a recording, each by itself, the likeliest first.
+
+    Args:
+        linear: The recording, linearised about the model.
+        free: What is free already.
+    """
+    tried = [one for name in FREE if name not in free and (one := _beside(linear, free, name))]
+    least = np.log(len(tried) / FALSE_HINTS) if tried else 0.0
+    return tuple(sorted((one for one in tried if one.log_evidence > least), key=lambda one: -one.log_evidence))
+
+
+def _beside(linear: LinearisedModel, free: Sequence[str], name: str) -> WorthFreeing | None:
+    """Return what freeing something beside others brings; None where the recording shows nothing of it."""
+    try:
+        wide, with_it = fit_anew(linear, (*free, name))
+        without = fitted_as(linear, free, wide.inflation)
+    except (InputError, *NOT_SIMULATED):
+        return None
+    return WorthFreeing(name, with_it.log_evidence - without.log_evidence, with_it.residual)

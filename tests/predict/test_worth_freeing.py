@@ -1,0 +1,62 @@
+"""What may be anew in a recording is said by what it would leave; where nothing is, nothing is said."""
+
+import numpy as np
+import pytest
+
+from bench.predict.predict import predict
+from bench.predict.prediction import PredictedRecording
+from bench.record.campaign import Campaign
+from bench.report.prediction.sentences import anew_text
+from bench.report.prediction.words import words_of
+from bench.report.prediction.write import json_of
+from bench.robot.compiled import CompiledRobot
+from tests.predict.conftest import campaign_of
+from tests.predict.test_predict import only, shifted
+
+ZERO = 5e-4  # [rad], of a link encoder: five times its stated uncertainty
+SEEDS = range(20, 24)
+
+
+def named(recording: PredictedRecording) -> list[str]:
+    return [one.name for one in recording.maybe_anew]
+
+
+def test_of_a_machine_as_it_was_nothing_is_said(nominal: CompiledRobot) -> None:
+    """One recording of a hundred may have a false hint; of four none is expected."""
+    for seed in SEEDS:
+        assert named(only(campaign_of(nominal, seed), nominal, nominal)) == []
+
+
+def test_a_zero_that_was_set_up_anew_is_named_alone(campaign: Campaign, nominal: CompiledRobot) -> None:
+    moved = shifted(campaign, "q_link_2_rad", ZERO)
+    found = only(moved, nominal, nominal)
+    assert named(found) == ["encoder_zero"]
+    free = only(moved, nominal, nominal, "encoder_zero")
+    assert named(free) == []
+    # what is said is what `--free` finds
+    np.testing.assert_allclose(found.maybe_anew[0].rms, [channel.rms for channel in free.channels], rtol=1e-9)
+
+
+def test_another_payload_is_named_first(nominal: CompiledRobot) -> None:
+    found = only(campaign_of(nominal, 2, "unstated_payload", mass=4.0, second_moment_y=0.05), nominal, nominal)
+    assert named(found)[0] == "payload"
+
+
+@pytest.mark.parametrize("lost", [0.05, 0.2])
+def test_gas_that_was_lost_is_named(nominal: CompiledRobot, lost: float) -> None:
+    found = only(campaign_of(nominal, 5, "gas_loss", lost=lost), nominal, nominal)
+    assert "gas_amount" in named(found)[:2]  # warmth does as well where the thermometer may err
+
+
+def test_it_is_told_and_written(campaign: Campaign, nominal: CompiledRobot) -> None:
+    prediction = predict(shifted(campaign, "q_link_2_rad", ZERO), nominal, nominal)
+    (found,) = prediction.recordings
+    (one,) = found.maybe_anew
+    text = anew_text(one, found)
+    assert text.startswith("`--free encoder_zero`, zeros of the link encoders against those of the motors (evidence +")
+    assert "link angle 2 0.0" in text
+    assert "motor torque" not in text  # which it does not change
+    assert f"  may be anew: {text}" in list(words_of(prediction))
+    (written,) = json_of(prediction)["recordings"][0]["maybe_anew"]
+    assert written["free"] == "encoder_zero"
+    assert [channel["rms"] for channel in written["channels"]] == list(one.rms)
