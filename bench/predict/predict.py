@@ -3,7 +3,7 @@
 What may be anew in a recording, by what it leaves, is said beside that.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,7 +24,7 @@ from bench.predict.errors import channel_errors, worst_stretches
 from bench.predict.fit_anew import fit_anew
 from bench.predict.free import checked
 from bench.predict.freed import FreedFigure, beside_model, known_of
-from bench.predict.prediction import MaybeAnew, PredictedRecording, Prediction
+from bench.predict.prediction import ChannelError, MaybeAnew, PredictedRecording, Prediction
 from bench.predict.worth_freeing import worth_freeing
 from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
@@ -74,34 +74,17 @@ def _recording(
     promises: Sequence[PredictedError],
     free: Sequence[str],
 ) -> PredictedRecording:
-    recording = with_payloads(recording)
-    quantities = (*quantities_of(recording.runs, model), *known_quantities(recording, model))
-    # cut as the diagnosis cut what its promises rest on: bins are as long as the nominal robot rings
-    segments = with_known_segments(segments_of(recording, nominal, quantities), recording, model, quantities)
-    if not segments or not quantities:
-        raise InputError(
-            f"recording {name or recording.runs[0].name}: has no channel that a replay predicts: log motor currents or "
-            "torques, a reflector, a link encoder, or the gas pressure, beside the motor angles."
-        )
-    linear = linearised_model_of(
-        Replay(model, segments, quantities), with_known_payload(nuisances_of(model, quantities), recording)
-    )
-    there = measured(linear)
-    noise = np.sqrt(floor_variance(linear))
-    nominal_error = np.where(there, _left_by(nominal, linear), np.nan)
-    stated, world, left, freed = linear, NOMINAL, linear.residual, tuple[FreedFigure, ...]()
+    stated = _linearised(name, recording, model, nominal)
+    there = measured(stated)
+    noise = np.sqrt(floor_variance(stated))
+    nominal_error = np.where(there, _left_by(nominal, stated), np.nan)
+    linear, world, left, freed = stated, NOMINAL, stated.residual, tuple[FreedFigure, ...]()
     if free:
         linear, fit = fit_anew(stated, free)
         world, left, known = fit.world(linear), fit.residual, known_of(model)
         freed = tuple(beside_model(figure, known) for figure in fitted_figures(linear, fit))
     error = np.where(there, left, np.nan)
     channels = channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free))
-    maybe_anew = []
-    for one in worth_freeing(stated, free):
-        would_leave = channel_errors(linear, np.where(there, one.residual, np.nan), nominal_error, noise, ())
-        left_then = tuple(channel.rms for channel in would_leave)
-        if any(then < (1 - SEEN) * now.rms for now, then in zip(channels, left_then, strict=True)):
-            maybe_anew.append(MaybeAnew(one.name, one.log_evidence, left_then))
     starts = {run.name: run.start_s for run in recording.runs}
     return PredictedRecording(
         name=name,
@@ -111,11 +94,47 @@ def _recording(
         nominal_error=nominal_error,
         noise=noise,
         freed=freed,
-        maybe_anew=tuple(maybe_anew),
+        maybe_anew=tuple(_maybe_anew(stated, free, channels)),
         channels=channels,
         stretches=worst_stretches(linear, error, noise, starts),
         starts=starts,
     )
+
+
+def _linearised(name: str, recording: Campaign, model: CompiledRobot, nominal: CompiledRobot) -> LinearisedModel:
+    """Return a recording, linearised about the model.
+
+    Raises:
+        InputError: It has nothing that a replay predicts.
+    """
+    recording = with_payloads(recording)
+    quantities = (*quantities_of(recording.runs, model), *known_quantities(recording, model))
+    # cut as the diagnosis cut what its promises rest on: bins are as long as the nominal robot rings
+    segments = with_known_segments(segments_of(recording, nominal, quantities), recording, model, quantities)
+    if not segments or not quantities:
+        raise InputError(
+            f"recording {name or recording.runs[0].name}: has no channel that a replay predicts: log motor currents or "
+            "torques, a reflector, a link encoder, or the gas pressure, beside the motor angles."
+        )
+    return linearised_model_of(
+        Replay(model, segments, quantities), with_known_payload(nuisances_of(model, quantities), recording)
+    )
+
+
+def _maybe_anew(stated: LinearisedModel, free: Sequence[str], channels: Sequence[ChannelError]) -> Iterator[MaybeAnew]:
+    """Yield what is worth freeing and lowers the error of a channel, the likeliest first.
+
+    Args:
+        stated: The recording, linearised about the model as it stands.
+        free: What is free already.
+        channels: What the model leaves with that.
+    """
+    nothing = np.full_like(stated.residual, np.nan)
+    for one in worth_freeing(stated, free):
+        left = np.where(measured(stated), one.residual, np.nan)
+        rms = tuple(channel.rms for channel in channel_errors(stated, left, nothing, nothing, ()))
+        if any(then < (1 - SEEN) * now.rms for now, then in zip(channels, rms, strict=True)):
+            yield MaybeAnew(one.name, one.log_evidence, rms)
 
 
 def _left_by(nominal: CompiledRobot, linear: LinearisedModel) -> Array:
