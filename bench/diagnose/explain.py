@@ -101,13 +101,14 @@ class Explained:
         return self.extension or self.naming.null
 
 
-def explained(task: Task, signatures: Signatures, reach: float = 1.0) -> Explained:
+def explained(task: Task, signatures: Signatures, reach: float = 1.0, *, learns: bool = True) -> Explained:
     """Return what explains a campaign, as far as time allows.
 
     Args:
         task: What is asked.
         signatures: Of the robot that is believed, not simulated yet.
         reach: Times what is plausible, that their causes go up to.
+        learns: False: nothing is learned, nor weighed on what was held out, where something is unlisted.
 
     Raises:
         InputError: The campaign has nothing that a replay predicts.
@@ -137,6 +138,8 @@ def explained(task: Task, signatures: Signatures, reach: float = 1.0) -> Explain
     try:
         if naming.stopped:
             raise Stopped(naming.stopped)
+        if naming.unlisted and not learns:
+            return found
         if naming.unlisted:
             progress("learning what is not listed")
             discrepancy = discrepancy_of(naming)
@@ -208,16 +211,18 @@ def beyond_plausible(task: Task, found: Explained, farther: Signatures) -> Expla
         farther: Signatures of causes that go farther.
     """
     task.progress(f"once more, with causes up to {LARGER:g} times as large as is plausible")
-    other = _once_more(task, found, farther, LARGER)
+    other = _once_more(task, found, farther, LARGER, learns=False)
     explains = bool(other.naming.models) and other.naming.unlisted is None
     is_as_good = explains and _misfit(other) < _misfit(found) + np.log(SAME)
     return other if other.unfinished or is_as_good else found
 
 
-def _once_more(task: Task, found: Explained, signatures: Signatures, reach: float = 1.0) -> Explained:
+def _once_more(
+    task: Task, found: Explained, signatures: Signatures, reach: float = 1.0, *, learns: bool = True
+) -> Explained:
     """Return what explains a campaign by other signatures; what was found, where that is stopped or not simulated."""
     try:
-        other = explained(task, signatures, reach)
+        other = explained(task, signatures, reach, learns=learns)
     except Stopped as stopped:
         return replace(found, unfinished=unfinished_of(found.naming, str(stopped), task.progress.now))
     except NOT_SIMULATED:
