@@ -2,8 +2,14 @@
 
 from math import pi
 
-from bench.effects.effect import Effect, Parameter
-from bench.effects.places import OnDrive
+import mujoco
+import numpy as np
+
+from bench.effects.effect import Effect, Parameter, Place
+from bench.effects.places import OnDrive, drives
+from bench.robot.compiled import CompiledRobot
+
+UPRIGHT = 0.999  # rounding: cosine between an axis and gravity, from where gravity never loads its gear
 
 
 class AngleLoadFriction(OnDrive):
@@ -18,6 +24,14 @@ class AngleLoadFriction(OnDrive):
         Parameter("coefficient", "", 0.0, 0.01, 0.06, "mu, mean level per transmitted torque"),
         Parameter("period", "rad", pi / 3, pi / 12, 2 * pi, "p", is_shape=True),
     )
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return the drives that gravity loads; elsewhere a gear transmits little but friction."""
+        model, data = compiled.model, mujoco.MjData(compiled.model)
+        mujoco.mj_kinematics(model, data)
+        down = model.opt.gravity / np.linalg.norm(model.opt.gravity)
+        is_loaded = np.abs(data.xaxis[compiled.at.joint] @ down) < UPRIGHT
+        return tuple(place for place in drives(compiled) if is_loaded[place.index])
 
 
 def second_unlisted() -> dict[str, Effect]:

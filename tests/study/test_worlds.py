@@ -85,3 +85,9 @@ def test_what_is_unlisted_is_in_no_catalogue() -> None:
     for world in WORLDS:
         assert unlisted_in(world)
         assert not set(unlisted_in(world)) & set(catalogue())
+
+
+def test_friction_of_load_and_angle_is_hidden_where_gravity_loads_a_gear(hh150: CompiledRobot) -> None:
+    """At joint 1, whose axis is upright, it is 6 % of what rubs there anyway, and friction is known to 10 %."""
+    places = unlisted_in("second")["angle_load_friction"].places(hh150)
+    assert [str(place) for place in places] == [f"joint {i}" for i in range(2, 7)]
