@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Acting
+from bench.hide.campaign import hide_campaign
 from bench.predict.predict import predict
 from bench.predict.prediction import PredictedRecording
 from bench.record.campaign import Campaign
@@ -12,8 +15,10 @@ from bench.report.prediction.write import json_of
 from bench.robot.compiled import CompiledRobot
 from tests.predict.conftest import campaign_of
 from tests.predict.test_predict import only, shifted
+from tests.simulate.rotation_small import small_rotation
 
 ZERO = 5e-4  # [rad], of a link encoder: five times its stated uncertainty
+MORE = 0.15  # of a Coulomb level
 SEEDS = range(20, 24)
 
 
@@ -40,6 +45,20 @@ def test_a_zero_that_was_set_up_anew_is_named_alone(campaign: Campaign, nominal:
 def test_another_payload_is_named_first(nominal: CompiledRobot) -> None:
     found = only(campaign_of(nominal, 2, "unstated_payload", mass=4.0, second_moment_y=0.05), nominal, nominal)
     assert named(found)[0] == "payload"
+
+
+def test_friction_of_a_colder_day_is_named_and_found(nominal: CompiledRobot) -> None:
+    effect = catalogue()["coulomb_level"]
+    acting = [Acting(effect, place, effect.complete({"change": MORE})) for place in effect.places(nominal)]
+    rng, scenario = np.random.default_rng(3), small_rotation(nominal.robot.folder)
+    recorded = hide_campaign(nominal.robot, scenario, acting, rng, background=False, tails=None).campaign
+    assert named(only(recorded, nominal, nominal))[0] == "friction"
+    found = only(recorded, nominal, nominal, "friction").freed
+    told = {figure.name: figure for figure in found}
+    assert all("friction of" in name for name in told)
+    first = told[f"motor-side Coulomb friction of {nominal.robot.figures.drives[0].joint}"]
+    assert first.low < MORE < first.high
+    assert first.high - first.low < MORE
 
 
 @pytest.mark.parametrize("lost", [0.05, 0.2])

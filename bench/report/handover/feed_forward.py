@@ -16,7 +16,8 @@ from bench.identify.arm import Arm
 from bench.record import csv_table
 from bench.record.campaign import Array
 from bench.record.finding import Finding
-from bench.report.handover.applied import Applied, viscous
+from bench.report.handover.applied import Applied
+from bench.report.handover.drag import drag_torque
 from bench.report.handover.motion_faults import clock_faults, derivative_faults
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion, Prescribed
@@ -129,7 +130,7 @@ def feed_forward(applied: Applied, motion: Motion) -> FeedForward:
     parts = {
         "links": np.array([arm.inverse_dynamics(*row) for row in rows]),
         "rotor": compiled.model.dof_armature[at.q_dof] * motion.acceleration,
-        "friction": viscous(compiled) * motion.velocity - trace.motor_friction - trace.link_friction,
+        "friction": drag_torque(compiled, motion.velocity) - trace.motor_friction - trace.link_friction,
         "balance": np.zeros_like(motion.q),
     }
     balance = compiled.counterbalance
