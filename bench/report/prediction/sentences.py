@@ -39,8 +39,8 @@ def headline(prediction: Prediction) -> str:
     answers = prediction.answers
     if not answers:
         return (
-            "This model promises nothing of a recording: it comes from no diagnosis, or from one that was not done or "
-            "had a single run. Its errors stand below."
+            "This model promises nothing of a recording: it comes from no diagnosis, or from one that ended before it "
+            "was done, or whose runs were too short to hold parts of them out. Its errors stand below."
         )
     kept, less, count = answers.count("kept"), answers.count("less"), len(answers)
     more = _broken(prediction)
