@@ -2,8 +2,10 @@
 
 Standard errors are those that count what the model leaves with the thing free (`fit_anew.py`), the same with it and
 without. If nothing is anew, the expectation of such a ratio of probabilities is one, so it exceeds N with a probability
-of 1/N at most (Markov's inequality); N is the number of things tried over the rate of false hints. Several that pass
-may have one cause: a payload that was moved looks like offsets of torques, too.
+of 1/N at most (Markov's inequality); N is the number of things tried over the rate of false hints.
+
+Several that pass may have one cause: gas that was lost looks like a payload, too. So the likeliest is free when the
+next is tried, and so on; what then brings nothing more is left out, unless it does as well as one that stays.
 """
 
 from collections.abc import Sequence
@@ -18,6 +20,8 @@ from bench.predict.free import FREE
 from bench.record.campaign import Array
 
 FALSE_HINTS = 0.01  # declared: of recordings in which nothing is anew
+AS_GOOD = 3.0  # declared: difference of log evidence, twenty to one, within which none of two is preferred
+AS_SIMULATED = 0.01  # assumed: the same as a part of it, where it is large and the replay is not as right as that
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +40,7 @@ class WorthFreeing:
 
 
 def worth_freeing(linear: LinearisedModel, free: Sequence[str]) -> tuple[WorthFreeing, ...]:
-    """Return what else is worth freeing in a recording, each by itself, the likeliest first.
+    """Return what else is worth freeing in a recording, with what each does by itself, the likeliest first.
 
     Args:
         linear: The recording, linearised about the model.
@@ -44,7 +48,20 @@ def worth_freeing(linear: LinearisedModel, free: Sequence[str]) -> tuple[WorthFr
     """
     tried = [one for name in FREE if name not in free and (one := _beside(linear, free, name))]
     least = np.log(len(tried) / FALSE_HINTS) if tried else 0.0
-    return tuple(sorted((one for one in tried if one.log_evidence > least), key=lambda one: -one.log_evidence))
+    passing = sorted((one for one in tried if one.log_evidence > least), key=lambda one: -one.log_evidence)
+    found, beside = list[WorthFreeing](), list[str]()
+    for one in passing:
+        more = _beside(linear, (*free, *beside), one.name) if beside else one
+        if more is not None and more.log_evidence > least:
+            beside.append(one.name)
+            found.append(one)
+        elif any(_is_as_good(one, other) for other in found):
+            found.append(one)
+    return tuple(found)
+
+
+def _is_as_good(one: WorthFreeing, best: WorthFreeing) -> bool:
+    return best.log_evidence - one.log_evidence < max(AS_GOOD, AS_SIMULATED * best.log_evidence)
 
 
 def _beside(linear: LinearisedModel, free: Sequence[str], name: str) -> WorthFreeing | None:

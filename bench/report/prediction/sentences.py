@@ -163,9 +163,9 @@ def anew_sentence(recording: PredictedRecording) -> str:
     if not recording.maybe_anew:
         return ""
     return (
-        "May be anew in this recording: each fitted by itself makes it far more probable; several may have one cause, "
-        "and another cause may look like it. Nothing of this is in the errors above; `--free NAME` fits it and says "
-        "what it is."
+        "May be anew in this recording, each with what the model would leave if it alone were fitted; what those above "
+        "it explain is left out, and another cause may look like it. Nothing of this is in the errors above; "
+        "`--free NAME` fits it and says what it is."
     )
 
 
