@@ -24,13 +24,11 @@ from bench.predict.errors import channel_errors, worst_stretches
 from bench.predict.fit_anew import fit_anew
 from bench.predict.free import checked
 from bench.predict.freed import FreedFigure, beside_model, is_told, known_of
-from bench.predict.prediction import ChannelError, MaybeAnew, PredictedRecording, Prediction
+from bench.predict.prediction import SEEN, ChannelError, MaybeAnew, PredictedRecording, Prediction
 from bench.predict.worth_freeing import worth_freeing
 from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
-
-SEEN = 0.1  # shown: of an error in some channel, by which what may be anew has to lower it
 
 
 def predict(

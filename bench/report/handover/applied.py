@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import mujoco
-import numpy as np
 
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.world import World, edits_in
@@ -52,12 +51,6 @@ def applied_robot(robot: Robot, payload_kg: float = 0.0) -> Applied:
     passive = tuple(name for name in names if name not in moved)
     stiff = compile_robot(robot, [*edits, _without(passive)]) if passive else changed
     return Applied(changed, spec, rigid_bodies(stiff), passive, world, conditions)
-
-
-def viscous(compiled: CompiledRobot) -> np.ndarray:
-    """Return viscous friction of motor and link side together, shape (n,) [Nm s/rad]."""
-    damping = compiled.model.dof_damping
-    return np.array(damping[compiled.at.q_dof] + damping[compiled.at.theta_dof])
 
 
 def _without(joints: tuple[str, ...]) -> SpecEdit:

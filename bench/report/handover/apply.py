@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from bench.record import csv_table
-from bench.report.handover.applied import Applied, viscous
+from bench.report.handover.applied import Applied
+from bench.report.handover.drag import drag_of
 from bench.report.handover.feed_forward import PARTS, FeedForward
 from bench.report.handover.urdf import urdf_of
 from bench.report.handover.urdf_gaps import gaps_of
@@ -85,7 +86,7 @@ def _write_drives(path: Path, applied: Applied) -> None:
         "stiffness_nm_per_rad": compiled.stiffness.tolist(),
         "coulomb_motor_nm": compiled.motor_coulomb.tolist(),
         "coulomb_link_nm": compiled.link_coulomb.tolist(),
-        "viscous_nm_s_per_rad": viscous(compiled).tolist(),
+        "viscous_nm_s_per_rad": drag_of(compiled)[:, 0].tolist(),
         "torque_limit_nm": model.actuator_forcerange[at.servo, 1].tolist(),
     }
     if compiled.robot.figures.instruments.current:

@@ -1,6 +1,7 @@
-"""Friction over speed, where it was learned as a polynomial: how large it is, and from where on it cannot be meant.
+"""Friction over speed, viscous or learned as a polynomial: how large it is, and from where on it cannot be meant.
 
-A polynomial goes on where nobody measured. One whose highest power takes away falls there for good, and drives at last.
+A polynomial goes on beyond the speeds at which it was learned. One whose highest power takes away falls for good from
+some speed on, and drives at last, as no friction does.
 """
 
 from collections.abc import Iterator
@@ -52,7 +53,7 @@ def learned_words(compiled: CompiledRobot) -> Iterator[str]:
             terms = " ".join(f"{x:+.4g} {sign}" for x, sign in zip(row.tolist(), SIGNS, strict=True) if x)
             torque, speed = ("N", "m/s") if compiled.is_slide[j] else ("Nm", "rad/s")
             far = falls_beyond(row)
-            ends = f", which falls beyond {far:.3g} {speed}: nobody measured there" if np.isfinite(far) else ""
+            ends = f", not to be used beyond {far:.3g} {speed}, where it falls for good" if np.isfinite(far) else ""
             yield f"{drive.joint} {terms} [{torque}]{ends}"
 
 
@@ -69,5 +70,5 @@ def beyond_learned(compiled: CompiledRobot, velocity: Array) -> Iterator[str]:
             unit = "m/s" if compiled.is_slide[j] else "rad/s"
             yield (
                 f"{drive.joint}: {speed:.4g} {unit}, and the friction that was learned over its speed falls beyond "
-                f"{far:.3g} {unit}, where nobody measured: torques there are too small"
+                f"{far:.3g} {unit} for good, as no friction does: do not use the torques there"
             )

@@ -5,7 +5,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from bench.report.handover.applied import Applied, viscous
+from bench.report.handover.applied import Applied
+from bench.report.handover.drag import drag_of
 from bench.robot.bodies import Array
 
 LEVEL = 1e-9  # cosine of the pitch, below which roll and yaw turn about the same axis and the yaw is taken as 0
@@ -33,7 +34,7 @@ def urdf_of(applied: Applied, name: str) -> str:
         link = ElementTree.SubElement(root, "link", name=links[i])
         if bodies.mass[i] > 0:
             _inertial(link, float(bodies.mass[i]), bodies.com[i], bodies.inertia[i])
-    coulomb, damping = compiled.motor_coulomb + compiled.link_coulomb, viscous(compiled)
+    coulomb, damping = compiled.motor_coulomb + compiled.link_coulomb, drag_of(compiled)[:, 0]
     for i, joint in enumerate(bodies.names):
         is_limited = bool(model.jnt_limited[at.joint[i]])
         kind = ("revolute" if is_limited else "continuous") if bodies.is_hinge[i] else "prismatic"

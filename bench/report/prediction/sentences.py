@@ -7,8 +7,7 @@ import numpy as np
 
 from bench.predict.free import FREE
 from bench.predict.freed import FreedFigure
-from bench.predict.predict import SEEN
-from bench.predict.prediction import ChannelError, MaybeAnew, PredictedRecording, Prediction, Stretch
+from bench.predict.prediction import SEEN, ChannelError, MaybeAnew, PredictedRecording, Prediction, Stretch
 from bench.report.diagnosis.names import channel_name, listed
 from bench.report.diagnosis.numbers import shown, unit_name
 from bench.report.diagnosis.recording_clock import recording_clock_of
@@ -100,10 +99,14 @@ def free_sentence(prediction: Prediction) -> str:
 
 def row_name(recording: PredictedRecording, channel: ChannelError) -> str:
     """Return the name of a channel, with "at rest" and the recording where that is not clear."""
+    of = f" ({recording.name})" if recording.name else ""
+    return f"{_name_in(recording, channel)}{of}"
+
+
+def _name_in(recording: PredictedRecording, channel: ChannelError) -> str:
     both = {one.kind for one in recording.channels if one.channel == channel.channel}
     where = " at rest" if channel.kind == "static" and len(both) > 1 else ""
-    of = f" ({recording.name})" if recording.name else ""
-    return f"{channel_name(channel.channel)}{where}{of}"
+    return f"{channel_name(channel.channel)}{where}"
 
 
 def rows_of(recording: PredictedRecording) -> Iterator[ChannelRow]:
@@ -186,9 +189,7 @@ def anew_text(one: MaybeAnew, recording: PredictedRecording) -> str:
 
 def _change(rms: float, channel: ChannelError, recording: PredictedRecording) -> str:
     before, after = (shown((value,), channel.unit, value / 10)[0] for value in (channel.rms, rms))
-    both = {one.kind for one in recording.channels if one.channel == channel.channel}
-    where = " at rest" if channel.kind == "static" and len(both) > 1 else ""
-    return f"{channel_name(channel.channel)}{where} {before} -> {after} {unit_name(channel.unit)}"
+    return f"{_name_in(recording, channel)} {before} -> {after} {unit_name(channel.unit)}"
 
 
 def _signed(text: str) -> str:

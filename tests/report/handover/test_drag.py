@@ -71,7 +71,7 @@ def test_whoever_moves_faster_is_told(learned: CompiledRobot) -> None:
     (words,) = beyond_learned(learned, fast)
     assert words.startswith("hinge_b: 2.4 rad/s, and the friction that was learned over its speed falls beyond 2 rad/s")
     (words,) = learned_words(learned)
-    assert words == "hinge_b +7.6 v +11 v|v| -4.3 v^3 [Nm], which falls beyond 2 rad/s: nobody measured there"
+    assert words == "hinge_b +7.6 v +11 v|v| -4.3 v^3 [Nm], not to be used beyond 2 rad/s, where it falls for good"
 
 
 def test_the_command_warns_and_writes_it(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
