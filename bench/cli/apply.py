@@ -37,6 +37,7 @@ class Apply:
         from bench.report.handover.drag import beyond_learned
         from bench.report.handover.feed_forward import feed_forward, read_motion
         from bench.report.handover.motion_faults import gaps
+        from bench.report.joint_campaign import UNFINISHED
         from bench.report.prediction.model import model_folder
         from bench.robot.figures import MOST_RATINGS
         from bench.robot.folder import load_robot
@@ -54,6 +55,8 @@ class Apply:
         table = feed_forward(applied, motion) if motion is not None else None
         with new_folder(self.out, README, replace=False) as folder:
             write_applied(applied, table, folder)
+        if robot.figures.fitted.unfinished:
+            print(f"warning  {robot.folder}: {'; '.join(UNFINISHED)}", file=sys.stderr)
         if self.payload_kg > rated:
             print(f"warning  {self.payload_kg:g} kg are more than the {rated:.3g} kg of the rating", file=sys.stderr)
         if motion is not None and table is not None:

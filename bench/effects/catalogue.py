@@ -13,6 +13,7 @@ from bench.effects.friction import (
     FrictionSide,
     FrictionTemperature,
     RollingFriction,
+    RollingLevel,
     Viscous,
     ViscousFriction,
 )
@@ -73,6 +74,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     Viscous,
     ViscousFriction,
     RollingFriction,
+    RollingLevel,
     Stribeck,
     LoadFriction,
     DirectionFriction,

@@ -8,12 +8,11 @@ import numpy as np
 from bench.actuators.laws import ROLLING_POWER
 from bench.effects.effect import REFERENCE_K, Array, Conditions, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
-from bench.effects.friction_elements import coulomb, element_name, give_side, scale_coulomb, set_coulomb
+from bench.effects.friction_elements import coulomb, give_side, rolling, scale_coulomb, scale_rolling, set_coulomb
 from bench.effects.places import OnDrive, drive_of, drives
 from bench.effects.sliding import sliding_friction
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
-from bench.robot.plugins import attributes_of
 
 ARMSTRONG = (
     "Armstrong-Helouvry, Dupont and Canudas de Wit, A survey of models, analysis tools and compensation methods, 1994"
@@ -22,6 +21,7 @@ BITTENCOURT = (
     "Bittencourt and Gunnarsson, Static friction in a robot joint: modeling and identification of load and "
     "temperature effects, 2012"
 )
+PALMGREN = "Palmgren, Ball and roller bearing engineering, 1959: M_0 ~ (nu n)^(2/3) (the SKF model has the power 0.6)"
 
 
 class _OnFriction(OnDrive):
@@ -138,6 +138,26 @@ class ViscousFriction(_OnFriction):
         return _drag(place, followed, values["coefficient"])
 
 
+class RollingLevel(_OnFriction):
+    """Rolling friction is not the nominal one."""
+
+    name = "rolling_level"
+    title = "rolling friction"
+    physics = "The lubricant between rolling parts opposes motion with (1 + x) r |v|^(2/3) on the motor side."
+    source = f"{PALMGREN}; range: as of viscous friction, assumed"
+    parameters = (Parameter("change", "", 0.0, 0.1, 0.8, "of rolling friction, relative", signed=True, least=-1.0),)
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        return with_rolling(compiled)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        change = values["change"]
+        return (lambda spec, robot: scale_rolling(spec, drive_of(robot, place), 1 + change)) if change else None
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        return _rolls(place, followed, values["change"] * float(followed.compiled.motor_rolling[place.index]))
+
+
 class RollingFriction(_WithCoulomb):
     """Friction of lubricated rolling contacts, which grows less than in proportion to speed.
 
@@ -151,32 +171,28 @@ class RollingFriction(_WithCoulomb):
         "Rolling parts that press through their lubricant rub with r |v|^(2/3), v in rad/s (m/s): friction bends over "
         "speed, where shear alone (viscous friction) makes it straight. It is put on the motor side."
     )
-    source = (
-        "Palmgren, Ball and roller bearing engineering, 1959: M_0 ~ (nu n)^(2/3) (the SKF model has the power 0.6); "
-        "range: 0.2 to 20 % of the torque limit, assumed"
-    )
+    source = f"{PALMGREN}; range: 0.2 to 20 % of the torque limit, assumed"
     is_additive = True
     parameters = (
         Parameter("rolling", "Nm", 0.0, 20.0, 2000.0, "r, at 1 rad/s; range for a drive of 10 kNm", least=0.0),
     )
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        """Return the drives with Coulomb and with viscous friction."""
-        return tuple(place for place in super().places(compiled) if viscous(compiled)[place.index] > 0)
+        """Return the drives with Coulomb and with viscous friction, and none of this yet."""
+        rich, coefficient = with_rolling(compiled), viscous(compiled)
+        return tuple(p for p in super().places(compiled) if coefficient[p.index] > 0 and p not in rich)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         more = values["rolling"]
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             drive = drive_of(robot, place)
-            there = attributes_of(spec, element_name(drive, "motor")).get("rolling", "0")
-            give_side(spec, robot, drive, "motor", rolling=float(there) + more)
+            give_side(spec, robot, drive, "motor", rolling=rolling(spec, drive) + more)
 
         return change if more else None
 
     def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
-        speed = followed.trace.q_velocity[:, place.index]
-        return Torques(motor=-values["rolling"] * np.sign(speed) * np.abs(speed) ** ROLLING_POWER)
+        return _rolls(place, followed, values["rolling"])
 
 
 class FrictionTemperature(_OnFriction):
@@ -185,8 +201,8 @@ class FrictionTemperature(_OnFriction):
     name = "friction_temperature"
     title = "friction falls with gear temperature"
     physics = (
-        "A warm lubricant is thinner: Coulomb and viscous friction of the drive become exp(-c (T_gear - 293.15 K)) of "
-        "their nominal values."
+        "A warm lubricant is thinner: Coulomb, viscous and rolling friction of the drive become "
+        "exp(-c (T_gear - 293.15 K)) of their nominal values."
     )
     source = f"{BITTENCOURT} (friction over temperature); range: DESIGN 6, 0.01 to 0.04 /K"
     parameters = (Parameter("decrease", "1/K", 0.0, 0.01, 0.04, "c, relative decrease per kelvin"),)
@@ -194,7 +210,7 @@ class FrictionTemperature(_OnFriction):
     depends_on_conditions = True
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        rich = {place.index for place in with_coulomb(compiled)}
+        rich = {place.index for place in (*with_coulomb(compiled), *with_rolling(compiled))}
         coefficient = viscous(compiled)
         return tuple(place for place in drives(compiled) if place.index in rich or coefficient[place.index] > 0)
 
@@ -205,6 +221,7 @@ class FrictionTemperature(_OnFriction):
             drive = drive_of(robot, place)
             scale_coulomb(spec, drive, factor)
             scale_viscous(spec, drive.rotor, factor)
+            scale_rolling(spec, drive, factor)
 
         return change if factor != 1 else None
 
@@ -259,10 +276,20 @@ def _drag(place: Place, followed: Followed, coefficient: float) -> Torques:
     return Torques(motor=-coefficient * followed.trace.q_velocity[:, place.index])
 
 
+def _rolls(place: Place, followed: Followed, rolling: float) -> Torques:
+    speed = followed.trace.q_velocity[:, place.index]
+    return Torques(motor=-rolling * np.sign(speed) * np.abs(speed) ** ROLLING_POWER)
+
+
 def with_coulomb(compiled: CompiledRobot) -> tuple[Place, ...]:
     """Return the drives with Coulomb friction on at least one side."""
     level = compiled.motor_coulomb + compiled.link_coulomb
     return tuple(place for place in drives(compiled) if level[place.index] > 0)
+
+
+def with_rolling(compiled: CompiledRobot) -> tuple[Place, ...]:
+    """Return the drives with rolling friction on the motor side."""
+    return tuple(place for place in drives(compiled) if compiled.motor_rolling[place.index] > 0)
 
 
 def scale_viscous(spec: mujoco.MjSpec, rotor: str, factor: float) -> None:

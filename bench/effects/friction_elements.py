@@ -4,6 +4,7 @@ from typing import Literal
 
 import mujoco
 
+from bench.robot.compiled import rolling_of
 from bench.robot.figures import Drive
 from bench.robot.folder import Robot
 from bench.robot.plugins import attributes_of, configure, number_of
@@ -31,6 +32,17 @@ def scale_coulomb(spec: mujoco.MjSpec, drive: Drive, factor: float) -> None:
     """Multiply the Coulomb levels of both sides."""
     for side in SIDES:
         set_coulomb(spec, drive, side, factor * coulomb(spec, drive, side))
+
+
+def rolling(spec: mujoco.MjSpec, drive: Drive) -> float:
+    """Return the rolling friction of the motor side at 1 rad/s (1 m/s) [Nm]."""
+    return rolling_of(attributes_of(spec, drive.motor_friction))
+
+
+def scale_rolling(spec: mujoco.MjSpec, drive: Drive, factor: float) -> None:
+    """Multiply the rolling friction of the motor side, if there is any."""
+    if there := rolling(spec, drive):
+        configure(spec, drive.motor_friction, rolling=factor * there)
 
 
 def give(spec: mujoco.MjSpec, robot: Robot, drive: Drive, **values: float | str) -> None:

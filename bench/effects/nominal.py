@@ -35,7 +35,7 @@ class NominalParameter:
         edit: From a deviation to the change of the model.
         is_factor: It is known to a factor.
         least: Least deviation.
-        is_viscous: It is viscous friction, which follows the temperature of its oil.
+        is_viscous: It is viscous or rolling friction, which follow the temperature of their oil.
         widened: Times that sigma is larger than what is stated of it (`uncertainty.links`).
         of_mass: It is the mass of a link, or where that sits: of what is there, not of what is bolted to it later.
     """
@@ -76,6 +76,9 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
             replace(_share(f"viscous friction of {joint}", friction, _joint_scaled(rotor, "damping")), is_viscous=True),
             _factor(f"stiffness of {joint}", float(of_drives.stiffness[j]), _stiffness(drive.element)),
         ]
+        if compiled.motor_rolling[j] > 0:
+            rolls = _share(f"rolling friction of {joint}", friction, _scaled(motor, "rolling"))
+            found.append(replace(rolls, is_viscous=True))
     for name in moving_bodies(compiled):
         if model.body(name).mass[0] > 0:
             found += [replace(one, of_mass=True) for one in _of_link(compiled, name)]

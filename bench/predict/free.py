@@ -38,8 +38,13 @@ FREE: Mapping[str, Free] = {
     "force_sensor": Free("gain and tilt of the force sensor", ("gain of the force sensor", "tilt of the force sensor")),
     "gas_thermometer": Free("error of the thermometer of the gas", ("thermometer of the gas",)),
     "friction": Free(
-        "friction of every drive, Coulomb and viscous",
-        ("motor-side Coulomb friction of", "link-side Coulomb friction of", "viscous friction of"),
+        "friction of every drive, Coulomb, viscous and rolling",
+        (
+            "motor-side Coulomb friction of",
+            "link-side Coulomb friction of",
+            "viscous friction of",
+            "rolling friction of",
+        ),
     ),
     "weights": Free(
         "what hangs or is bolted on, against what is written down", ("weights that hang", "weights bolted")

@@ -12,7 +12,12 @@ from bench.record.joined import joined, names_of
 from bench.record.rules.repeated_runs import no_campaign_twice
 from bench.report.campaigns import open_campaign
 from bench.robot.compiled import CompiledRobot
-from bench.robot.folder import Robot
+from bench.robot.folder import FIGURES_FILE, Robot
+
+UNFINISHED = (
+    "the diagnosis that fitted this robot ended before it was done",
+    "what was not looked for yet may sit in the wrong figures: give it more time, or hold it against least squares",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +27,7 @@ class CheckedCampaign:
     Attributes:
         campaign: Of several folders each is a recording of it, by the folder's name.
         compiled: Its robot.
-        warnings: What to look at: folder, and finding.
+        warnings: What to look at: folder, of the campaign or its robot, and finding.
         doubts: Failed plausibility checks likewise: channels that are hardly what their names say.
     """
 
@@ -64,9 +69,12 @@ def open_checked(folder: Path, robot: str | Robot) -> CheckedCampaign:
     campaign = report.usable()
     assert compiled  # a usable campaign comes with its robot
     doubts = (*report.doubts, *doubts_of(campaign, compiled, report.findings))
-    return CheckedCampaign(
-        campaign, compiled, tuple((folder, one) for one in report.warnings), tuple((folder, one) for one in doubts)
-    )
+    warnings = [(folder, one) for one in report.warnings]
+    if compiled.robot.figures.fitted.unfinished:
+        warnings.append(
+            (compiled.robot.folder, Finding("warning", FIGURES_FILE, None, "fitted.unfinished", *UNFINISHED))
+        )
+    return CheckedCampaign(campaign, compiled, tuple(warnings), tuple((folder, one) for one in doubts))
 
 
 def open_all(folders: Sequence[Path], robot: str | Robot) -> CheckedCampaigns:
@@ -78,7 +86,7 @@ def open_all(folders: Sequence[Path], robot: str | Robot) -> CheckedCampaigns:
     names = names_of(folders)
     opened = [open_checked(folder, robot) for folder in folders]
     campaigns = {name: one.campaign for name, one in zip(names, opened, strict=True)}
-    warnings = tuple(warning for one in opened for warning in one.warnings)
+    warnings = tuple(dict.fromkeys(warning for one in opened for warning in one.warnings))
     doubts = [doubt for one in opened for doubt in one.doubts]
     doubts += [(folders[names.index(name)], found) for name, found in no_campaign_twice(campaigns)]
     return CheckedCampaigns(campaigns, tuple(one.compiled for one in opened), warnings, tuple(doubts))

@@ -1,6 +1,6 @@
 """From a robot folder to a compiled MuJoCo model, with every address looked up once."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -33,6 +33,7 @@ class CompiledRobot:
         at: Addresses in the model.
         motor_coulomb, link_coulomb: Shape (n,) [Nm], Coulomb levels of the friction elements.
         motor_presliding, link_presliding: Shape (n,) [Nm/rad], stiffness of the friction elements while they hold.
+        motor_rolling: Shape (n,) [Nm], rolling friction of the motor side at 1 rad/s (1 m/s).
         counterbalance: Closed form of the counterbalance with the anchors and gas figures of the MJCF; None where there
             is none, and where its `gas_amount` is 0.
     """
@@ -44,6 +45,7 @@ class CompiledRobot:
     link_coulomb: NDArray[np.float64]
     motor_presliding: NDArray[np.float64]
     link_presliding: NDArray[np.float64]
+    motor_rolling: NDArray[np.float64]
     counterbalance: Counterbalance | None
 
     @property
@@ -167,8 +169,16 @@ def compile_spec(
         link_coulomb=link[0],
         motor_presliding=motor[1],
         link_presliding=link[1],
+        motor_rolling=np.array(
+            [rolling_of(attributes_of(spec, drive.motor_friction)) for drive in robot.figures.drives]
+        ),
         counterbalance=counterbalance_of(robot, spec, model, drawn, at),
     )
+
+
+def rolling_of(attributes: Mapping[str, str]) -> float:
+    """Return the rolling friction of a friction element from its attributes, 0 where it has none [Nm]."""
+    return float(attributes.get("rolling", "0"))
 
 
 def check_load_body(robot: Robot, data: mujoco.MjData, at: Addresses) -> None:

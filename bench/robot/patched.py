@@ -271,6 +271,7 @@ class Structure:
             for side in ("motor", "link")
             for figure in ("coulomb", "presliding")
         }
+        rolling = np.array(nominal.motor_rolling)
         for handle, config in overlay.configs.items():
             users = self.users.get(self.names["plugin"][handle.number], []) if self._is_own(handle) else []
             for index, actuator in enumerate(users):
@@ -278,12 +279,15 @@ class Structure:
                     side, drive = self._friction[actuator]
                     for figure, attribute in (("coulomb", FRICTION[0]), ("presliding", FRICTION[1])):
                         found[f"{side}_{figure}"][drive] = float(entry_of(config[attribute], index, len(users)))
+                    if side == "motor" and "rolling" in config:
+                        rolling[drive] = float(entry_of(config["rolling"], index, len(users)))
         return replace(
             nominal,
             motor_coulomb=found["motor_coulomb"],
             link_coulomb=found["link_coulomb"],
             motor_presliding=found["motor_presliding"],
             link_presliding=found["link_presliding"],
+            motor_rolling=rolling,
         )
 
     def _is_own(self, plugin: Handle) -> bool:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bench.effects.effect import Conditions
+from bench.effects.nominal import nominal_parameters
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on
@@ -81,6 +82,25 @@ def test_rolling_friction_bends_over_speed(hh150: Robot, speed: float) -> None:
         np.testing.assert_allclose(link[-1], -np.sign(speed) * compiled.link_coulomb, rtol=SLIDING)
 
 
+def test_rolling_friction_that_is_there_is_more_or_less(hh150: Robot) -> None:
+    """A model with rolling friction is offered its level, whether or not it has viscous friction beside it."""
+    nominal = compile_robot(hh150)
+    assert not CATALOGUE["rolling_level"].places(nominal)
+    rolls = edit_of("rolling_friction", nominal, {"rolling": 300.0}, 1)
+    there = compile_robot(hh150, [rolls, edit_of("viscous_level", nominal, {"change": -1.0}, 1)])
+    (place,) = CATALOGUE["rolling_level"].places(there)
+    assert place.index == 1
+    assert 1 not in [one.index for one in CATALOGUE["rolling_friction"].places(there)], "else it would have two names"
+    less = edit_of("rolling_level", there, {"change": -0.4})
+    np.testing.assert_allclose(compile_robot(hh150, [rolls, less]).motor_rolling[1], 180.0)
+    motor, _, _ = friction(hh150, [rolls, less], 0.1)
+    expected = nominal.motor_coulomb[1] + 180.0 * 0.1 ** (2 / 3)
+    np.testing.assert_allclose(motor[-1, 1], -expected, rtol=2e-3)
+    figures = {one.name: one for one in nominal_parameters(there)}
+    edit = figures[f"rolling friction of {hh150.figures.drives[1].joint}"].edit(-0.4)
+    np.testing.assert_allclose(compile_robot(hh150, [rolls, edit]).motor_rolling[1], 180.0)
+
+
 def test_stribeck(robot: Robot) -> None:
     compiled = compile_robot(robot)
     edit = edit_of("stribeck", compiled, {"rise": 0.4, "speed": 0.05}, 1)
@@ -139,6 +159,8 @@ def test_temperature(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
     np.testing.assert_allclose(changed.link_coulomb, factor * hh150_compiled.link_coulomb)
     at = hh150_compiled.at.q_dof
     np.testing.assert_allclose(changed.model.dof_damping[at], factor * hh150_compiled.model.dof_damping[at])
+    rolls = edit_of("rolling_friction", hh150_compiled, {"rolling": 300.0}, 1)
+    np.testing.assert_allclose(compile_robot(hh150, [rolls, edit]).motor_rolling, [0, 300.0 * factor[1], 0, 0, 0, 0])
 
 
 def test_friction_where_the_model_has_none(small: Robot) -> None:

@@ -125,7 +125,8 @@ def assert_same(patched: CompiledRobot, compiled: CompiledRobot) -> None:
     for name, value in forces(patched.model).items():
         largest = float(np.max(np.abs(second[name]), initial=0.0))
         np.testing.assert_allclose(value, second[name], rtol=AGREEMENT, atol=10 * AGREEMENT * largest, err_msg=name)
-    for name in ("motor_coulomb", "link_coulomb", "motor_presliding", "link_presliding", "stiffness", "play"):
+    levels = ("motor_coulomb", "link_coulomb", "motor_presliding", "link_presliding", "motor_rolling")
+    for name in (*levels, "stiffness", "play"):
         np.testing.assert_allclose(getattr(patched, name), getattr(compiled, name), rtol=AGREEMENT, err_msg=name)
     for name in vars(compiled.at):
         np.testing.assert_array_equal(getattr(patched.at, name), getattr(compiled.at, name), err_msg=name)

@@ -122,7 +122,7 @@ def limits_sentences(comparison: Comparison) -> Iterator[str]:
 def _change(change: Change, comparison: Comparison) -> Iterator[str]:
     course = course_words(change, comparison)
     for size in change.sizes:
-        yield f"  {size_text(size)}{f', {course}' if course else ''}"
+        yield f"  {size_text(size)}{f', {course}' if course else ''}   {size.words}".rstrip()
     if change.advice:
         yield f"  Check: {change.advice}."
     if change.level in NOT_THE_MACHINES:

@@ -85,13 +85,16 @@ def write_diagnosis(
 
 def _handed(diagnosis: Diagnosis, fit: Fit, folder: Path) -> Handed:
     """Write the robot as fitted; where what was fitted is no robot, say so, for the verdict is worth having alone."""
+    unfinished = diagnosis.verdict.unfinished
     try:
-        handed = hand_over(diagnosis.linear, fit, folder / ROBOT, folder / NOMINAL_MJCF)
+        handed = hand_over(
+            diagnosis.linear, fit, folder / ROBOT, folder / NOMINAL_MJCF, unfinished.why if unfinished else ""
+        )
     except RobotError as error:
         shutil.rmtree(folder / ROBOT, ignore_errors=True)
         (folder / NOMINAL_MJCF).unlink(missing_ok=True)  # there for the difference alone
         return Handed("", (f"everything: what was fitted is no robot: {error}",), float("nan"))
-    if diagnosis.verdict.unfinished:
+    if unfinished:
         with (folder / ROBOT / README).open("a", encoding="utf-8") as file:
             file.write(NOT_DONE)
     write_posterior(folder / ROBOT, posterior_of(diagnosis.linear, fit))

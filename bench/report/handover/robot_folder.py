@@ -52,7 +52,7 @@ class Handed:
     disagreement: float
 
 
-def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path) -> Handed:
+def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path, unfinished: str = "") -> Handed:
     """Write the robot as fitted.
 
     What acts by its changes alone (friction that joints held at rest) belongs to the campaign and is left out. Of what
@@ -64,6 +64,7 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path) ->
         fit: To all of it.
         folder: Of the new robot; made here.
         nominal: File for the nominal robot's MJCF as MuJoCo writes it, which the difference is against.
+        unfinished: Why the diagnosis ended before it was done.
 
     Raises:
         RobotError: The robot's files are no longer what they were when they were read.
@@ -83,7 +84,7 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path) ->
     missing += [f"{nuisance.name}: figures have no place for it" for nuisance in left]
     effects = (*robot.figures.fitted.effects, *(entry for _, entry in beside))
     title = robot.figures.title.removesuffix(AS_FITTED) + AS_FITTED
-    fitted = Fitted(readings=readings, weights=weights, effects=effects)
+    fitted = Fitted(readings=readings, weights=weights, effects=effects, unfinished=unfinished)
     figures = robot.figures.model_copy(update={"title": title, "fitted": fitted})
     figures = with_drive_readings(figures, linear, [*linear.replay.fitted.acting, *(one for one, _ in beside)])
     folder.mkdir()

@@ -52,8 +52,9 @@ def test_nothing_found_says_what_would_have_been_found() -> None:
 
 def test_terminal_gives_every_explanation_with_its_size() -> None:
     words = "\n".join(words_of(SET))
-    assert "lost +1.24 % (90 % interval 1.12 to 1.36)" in words
+    assert "lost +1.24 % (90 % interval 1.12 to 1.36)   share" in words, "a percentage says of what it is one"
     assert "offset -3.60 K (90 % interval -4.00 to -3.20)" in words
+    assert "lost +1.24 % (90 % interval 1.12 to 1.36) (share)" in page_of(SET, "HH-150", "")
 
 
 def test_what_holds_from_a_run_on_is_no_change_of_the_machine() -> None:

@@ -122,6 +122,8 @@ def test_a_robot_of_a_diagnosis_that_was_not_done_says_so(found: Diagnosis, fold
     stopped = replace(found, verdict=replace(found.verdict, unfinished=Unfinished("interrupted", "naming")))
     write_diagnosis(stopped, tmp_path)
     assert said in (tmp_path / ROBOT / "README.md").read_text()
+    assert not load_robot(folder / ROBOT).figures.fitted.unfinished
+    assert load_robot(tmp_path / ROBOT).figures.fitted.unfinished == "interrupted"
 
 
 def test_the_page_shows_the_pictures_and_no_script(folder: Path) -> None:
