@@ -26,9 +26,13 @@ def floating_point_errors_raise() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def no_store_of_the_user(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Commands that tests run, also in processes of their own, keep signatures in a folder of the test session."""
+    """Commands that tests run, also in processes of their own, keep signatures in a folder of the test session.
+
+    It is one for all of its workers: what one has simulated, another reads.
+    """
+    base = tmp_path_factory.getbasetemp()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("BENCH_STORE", str(tmp_path_factory.mktemp("store")))
+        patch.setenv("BENCH_STORE", str((base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "store"))
         yield
 
 

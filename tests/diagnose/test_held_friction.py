@@ -132,7 +132,7 @@ def test_a_first_rest_has_no_load_before_it() -> None:
     assert gave
 
 
-@pytest.mark.parametrize("joint", [1, 2, 6])
+@pytest.mark.parametrize("joint", [2, *(pytest.param(joint, marks=pytest.mark.study) for joint in (1, 6))])
 def test_friction_in_the_robot_in_time_turns_as_came_back_has_it(joint: int) -> None:
     """By the friction that the simulation holds, not by a fit of readings.
 

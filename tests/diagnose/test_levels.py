@@ -153,12 +153,17 @@ def test_an_encoder_that_is_zeroed_anew_is_no_scatter(both: Campaign) -> None:
     assert between * ZEROED == pytest.approx(3e-3, abs=3e-5)
 
 
-def test_payloads_that_differ_are_found_where_they_were_carried() -> None:
-    """Of three draws, so that intervals are held to what they promise: 4 of 6 hold but for one set of draws in 63."""
+@pytest.mark.parametrize(
+    ("draws", "least"),
+    [(((3, 4),), 1), pytest.param(((3, 4), (5, 6), (7, 8)), 4, marks=pytest.mark.study)],
+    ids=["one", "three"],
+)
+def test_payloads_that_differ_are_found_where_they_were_carried(draws: tuple[tuple[int, int], ...], least: int) -> None:
+    """Intervals are held to what they promise: 1 of 2 holds but for one draw in 100, 4 of 6 but for one set in 63."""
     true = {"A": 40.0, "B": 90.0}
     spread = {f"second_moment_{axis}": 1.0 for axis in "xyz"}
     held = []
-    for seeds in ((3, 4), (5, 6), (7, 8)):
+    for seeds in draws:
         made = {
             name: recording(seed, {"unstated_payload": {"mass": mass, **spread}}, zero)
             for (name, mass), seed, zero in zip(true.items(), seeds, (1e-3, -1e-3), strict=True)
@@ -170,7 +175,7 @@ def test_payloads_that_differ_are_found_where_they_were_carried() -> None:
             assert mass.name == "mass"
             held.append(mass.low < true[cause.place[-1]] < mass.high)
         assert "payload that is not stated (in recording B)" in "\n".join(words_of(diagnosis.verdict))
-    assert sum(held) >= 4
+    assert sum(held) >= least
 
 
 @pytest.mark.parametrize("change", [0.3, pytest.param(-0.2, marks=pytest.mark.study)])

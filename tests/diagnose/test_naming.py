@@ -66,7 +66,7 @@ def test_a_finding_on_whose_size_runs_disagree_is_refused(monkeypatch: pytest.Mo
     assert "scatter between runs" in refused[0].reason
 
 
-@pytest.mark.parametrize("rounds", [1, 2, 3])
+@pytest.mark.parametrize("rounds", [1, *(pytest.param(rounds, marks=pytest.mark.study) for rounds in (2, 3))])
 def test_a_search_that_does_not_settle_ends_with_findings_that_pay(
     rounds: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

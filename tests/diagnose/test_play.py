@@ -153,13 +153,14 @@ def test_play_of_an_unloaded_joint_is_named_alone_and_as_large_as_it_is(seed: in
     assert abs(best.values[0] - GAP) < 2 * best.sigma[0]
 
 
-def test_a_small_play_of_a_joint_that_stands_and_has_no_load_is_worth_naming() -> None:
+@pytest.mark.parametrize("seeds", [(3, 4), pytest.param((3, 4, 5, 6), marks=pytest.mark.study)], ids=["two", "four"])
+def test_a_small_play_of_a_joint_that_stands_and_has_no_load_is_worth_naming(seeds: tuple[int, ...]) -> None:
     """Its link stays where friction holds it; taken to be on its way at any small load, it cost 465 nats."""
     compiled, effect = nominal(), catalogue()["backlash"]
     acting = Acting(effect, effect.places(compiled)[JOINT], {"gap": 1.2e-4})
     session, gains = read_as(SessionScenario, "session-study"), []
     cause = Cause(effect, acting.place, effect.parameters_at(compiled, acting.place), ())
-    for seed in (3, 4, 5, 6):
+    for seed in seeds:
         campaign = hide_campaign(load_robot("hh150"), session, [acting], np.random.default_rng(seed)).campaign
         linear = linearised(campaign)
         found, without = refit(linear, (cause,), {(*cause.key, "gap"): 1e-4}), refit(linear, (), {})
@@ -167,7 +168,7 @@ def test_a_small_play_of_a_joint_that_stands_and_has_no_load_is_worth_naming() -
         print(f"seed {seed}: {gains[-1]:.1f} nats, {1e3 * found.values[0]:.3f} mrad of 0.12")
         assert gains[-1] > np.log(100)  # odds that a cause is given
         assert abs(found.values[0] - 1.2e-4) < 2 * found.sigma[0]
-    assert np.mean(gains) > 10
+    assert len(seeds) < 4 or np.mean(gains) > 10
 
 
 @pytest.mark.parametrize("seed", [3, *(pytest.param(seed, marks=pytest.mark.study) for seed in (4, 6))])

@@ -181,7 +181,7 @@ def test_a_study_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
     assert len(content["machines"]) == len(settings.trials)
 
 
-@pytest.mark.parametrize("world", ["messy", "second"])
+@pytest.mark.parametrize("world", [pytest.param("messy", marks=pytest.mark.study), "second"])
 def test_a_machine_is_recorded_diagnosed_and_predicted(world: MachineWorld) -> None:
     joint = answered(MachineTrial("machine", 0, 2, ("coulomb_level",), world), setup(), 5).joint
     assert joint
