@@ -159,15 +159,26 @@ def test_a_model_is_as_probable_when_it_is_found_as_when_it_is_known(found: Diag
 def test_what_is_simulated_wrong_by_a_share_is_known_no_better(found: Diagnosis, rng: np.random.Generator) -> None:
     """A payload of 2.5 kg was refused, for absurd figures explained it as well to a share that nobody simulates to."""
     linear = found.naming.linear
-    rough = 50.0 * rng.standard_normal(len(linear.white))
-    np.testing.assert_allclose(as_simulated(linear, np.zeros_like(rough), 0.02), 1.0, atol=1e-3)
-    wrong = as_simulated(linear, rough, 0.02)[1]
+    rough, far = (size * rng.standard_normal(len(linear.white)) for size in (50.0, 200.0))
+    np.testing.assert_allclose(as_simulated(linear, np.zeros_like(rough), far, 0.02), 1.0, atol=1e-3)
+    wrong = as_simulated(linear, rough, far, 0.02)[1]
     seen = wrong > 1.1
     assert np.count_nonzero(seen) > 3
     np.testing.assert_allclose(
         wrong[seen], np.hypot(1, 50.0 * 0.02), rtol=0.25
     )  # of some hundred neighbours that differ
-    assert np.all(as_simulated(linear, np.full_like(rough, 50.0), 0.02)[1, seen] > 2 * wrong[seen])  # alike: fewer
+    alike = np.full_like(rough, 50.0)  # so neighbours count once
+    assert np.all(as_simulated(linear, alike, far, 0.02)[1, seen] > 2 * wrong[seen])
+
+
+def test_what_is_simulated_wrong_is_in_what_a_model_leaves(found: Diagnosis, rng: np.random.Generator) -> None:
+    """A Stribeck effect of 190 nats was refused beside friction that nobody had stated, and came out as unlisted."""
+    linear = found.naming.linear
+    explained, noise = (size * rng.standard_normal(len(linear.white)) for size in (1000.0, 1.0))
+    wrong = as_simulated(linear, explained, noise, 0.02)[1]
+    seen = wrong > 1.1
+    assert np.count_nonzero(seen) > 3
+    np.testing.assert_allclose(wrong[seen], np.hypot(1, 1), rtol=0.25)
 
 
 def toy(signal: Array, *columns: Array) -> SearchSpace:

@@ -92,17 +92,20 @@ def left_by_nuisances(linear: LinearisedModel, white: Array) -> Array:
     return np.asarray(white - own @ np.linalg.solve(own.T @ own + RIDGE * np.eye(own.shape[1]), own.T @ white))
 
 
-def as_simulated(linear: LinearisedModel, explained: Array, share: float) -> Array:
+def as_simulated(linear: LinearisedModel, explained: Array, left: Array, share: float) -> Array:
     """Return by how much standard errors are too small where what a model explains is simulated wrong, shape (2, c).
 
-    Such errors change as slowly as what is explained: neighbours that are alike in that count once.
+    Such errors change as slowly as what is explained: neighbours that are alike in that count once. They are in what
+    the model leaves, for one finding of a few sizes takes away little of them: they are no larger than that.
 
     Args:
         linear: The campaign.
         explained: Shape (m,), what the model changes, whitened.
-        share: Of it, to which it is simulated.
+        left: Shape (m,), what it leaves, whitened.
+        share: Of what it changes, to which it is simulated.
     """
-    return np.sqrt(1 + share**2 * _by_quantity(linear, explained, np.ones(len(explained))))
+    wrong, missed_by_it = (_by_quantity(linear, one, np.ones(len(one))) for one in (explained, left))
+    return np.sqrt(1 + np.minimum(share**2 * wrong, missed_by_it))
 
 
 def _by_quantity(linear: LinearisedModel, left: Array, freedom: Array, *, counts_alike: bool = True) -> Array:

@@ -77,8 +77,9 @@ class SimulationError:
 
     @cached_property
     def _noisy(self) -> LinearisedModel:
-        explained = self.linear.whiten(self.null.residual - self.best.fit.residual)
-        return raised(self.linear, as_simulated(self.linear, explained, SIMULATED))
+        left = self.linear.whiten(self.best.fit.residual)
+        explained = self.linear.whiten(self.null.residual) - left
+        return raised(self.linear, as_simulated(self.linear, explained, left, SIMULATED))
 
     @cached_property
     def _with_noise(self) -> Model:
