@@ -151,6 +151,8 @@ class Friction:
         asymmetry: Relative surplus of the level in + direction, deficit in - direction.
         viscous_asymmetry: More of the level per speed in + direction, less in - direction [Nm s/rad].
         rolling: More of the level at 1 rad/s, growing with speed to the power 2/3 [Nm].
+        drag, drag_square, drag_cube: More of the level, times |v|, v^2 and |v|^3 [Nm] per power of [rad/s].
+        drag_speed: Up to where these hold [rad/s]; beyond, it goes on as steep as it is there, and falls no further.
         load_coefficient: Level per transmitted torque.
         element: Name of the tendon whose spring transmits the torque.
         ripple: Relative amplitude of the level over the angle.
@@ -165,6 +167,10 @@ class Friction:
     asymmetry: float = 0.0
     viscous_asymmetry: float = 0.0
     rolling: float = 0.0
+    drag: float = 0.0
+    drag_square: float = 0.0
+    drag_cube: float = 0.0
+    drag_speed: float = nan
     load_coefficient: float = 0.0
     element: str = ""
     ripple: float = 0.0
@@ -176,6 +182,7 @@ class Friction:
 
             coulomb (1 -+ asymmetry) (1 + static_rise exp(-(v / v_s)^2)) (1 + ripple sin(2 pi x / period + phase))
             + load_coefficient |load| + rolling |v|^(2/3)
+            + drag_at(|v|), at least 0
             + viscous_asymmetry v, that of the direction of motion, at least 0
 
         Args:
@@ -191,11 +198,21 @@ class Friction:
             coulomb *= 1 + self.ripple * np.sin(2 * np.pi * np.asarray(x) / self.ripple_period + self.ripple_phase)
         more = self.load_coefficient * np.abs(load) + self.rolling * np.abs(v) ** ROLLING_POWER
         minus, plus = coulomb * (1 - self.asymmetry) + more, coulomb * (1 + self.asymmetry) + more
+        if self.drag or self.drag_square or self.drag_cube:
+            drag = self.drag_at(np.abs(v))
+            minus, plus = np.maximum(minus + drag, 0), np.maximum(plus + drag, 0)
         uneven = self.viscous_asymmetry * np.asarray(v, dtype=float)
         forward = np.asarray(v) > 0
         minus = np.where(forward, minus, np.maximum(minus + uneven, 0))
         plus = np.where(forward, np.maximum(plus + uneven, 0), plus)
         return minus, plus
+
+    def drag_at(self, speed: ArrayLike) -> Array:
+        """Return drag |v| + drag_square v^2 + drag_cube |v|^3 [Nm] at |v| [rad/s], same shape; see `drag_speed`."""
+        top = np.minimum(speed, self.drag_speed)
+        level = top * (self.drag + top * (self.drag_square + top * self.drag_cube))
+        slope = self.drag + top * (2 * self.drag_square + top * 3 * self.drag_cube)
+        return np.asarray(level + (speed - top) * np.maximum(slope, 0))
 
     def force(self, x: ArrayLike, v: ArrayLike, load: ArrayLike = 0.0) -> Array:
         """Return the friction torque along a path from an unstressed start, shape (n,) [Nm]."""

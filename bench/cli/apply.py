@@ -34,7 +34,6 @@ class Apply:
         from bench.record.units import STANDARD_GRAVITY
         from bench.report.handover.applied import applied_robot
         from bench.report.handover.apply import DRIVES, README, TORQUES, beyond, summary, urdf_name, write_applied
-        from bench.report.handover.drag import beyond_learned
         from bench.report.handover.feed_forward import feed_forward, read_motion
         from bench.report.handover.motion_faults import gaps
         from bench.report.joint_campaign import UNFINISHED
@@ -60,8 +59,7 @@ class Apply:
         if self.payload_kg > rated:
             print(f"warning  {self.payload_kg:g} kg are more than the {rated:.3g} kg of the rating", file=sys.stderr)
         if motion is not None and table is not None:
-            fast = beyond_learned(applied.compiled, motion.velocity)
-            for words in (*gaps(motion.time, motion.q), *beyond(table, motion, applied), *fast):
+            for words in (*gaps(motion.time, motion.q), *beyond(table, motion, applied)):
                 print(f"warning  {words}", file=sys.stderr)
             for line in summary(table, applied.bodies.names):
                 print(line)

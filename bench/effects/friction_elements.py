@@ -65,7 +65,7 @@ def give_side(spec: mujoco.MjSpec, robot: Robot, drive: Drive, side: Side, **val
         configure(spec, own, **{key: value})
 
 
-_SHAPES = frozenset({"stribeck_velocity", "ripple_period", "element"})  # attributes that may not be zero
+_SHAPES = frozenset({"stribeck_velocity", "ripple_period", "drag_speed", "element"})  # attributes that may not be zero
 
 
 def _sharing(spec: mujoco.MjSpec, robot: Robot, actuator: str) -> list[tuple[Drive, Side]]:

@@ -5,17 +5,18 @@ import numpy as np
 
 from bench.actuators.laws import TorqueTable
 from bench.effects.effect import Array, Conditions, Parameter, Place, Values
-from bench.effects.friction_elements import Side, coulomb, element_name, set_coulomb
+from bench.effects.friction_elements import Side, coulomb, element_name, give_side, set_coulomb
 from bench.effects.learned import Learned
 from bench.effects.places import drive_of
 from bench.effects.plugin_actuators import add_torque_table
 from bench.robot.compiled import SpecEdit
 from bench.robot.figures import Drive
 from bench.robot.folder import Robot
-from bench.robot.plugins import number_of
+from bench.robot.plugins import attributes_of, number_of
 
 LEAST_SPACING = 0.1  # effort: of the largest speed; nodes that lie closer would make a polynomial swing
-MOST_COEFFICIENTS = 4  # exact: a friction level, and MuJoCo's damping up to the third power of speed
+DRAG = ("drag", "drag_square", "drag_cube")  # attributes of a friction element, by power of speed
+MOST_COEFFICIENTS = 1 + len(DRAG)  # exact: a friction level, and these
 STEEPEST = 2.5  # assumed: times the stiffness of the element; a gear error that stiffens it more is smoothed
 KNOTS = 241  # rounding: of a table along an element
 
@@ -110,13 +111,16 @@ class LearnedFriction(_Nodes):
 class LearnedDrag(_Nodes):
     """A torque over speed that turns round with the direction.
 
-    A polynomial through the nodes: a friction level and MuJoCo's damping. It goes on beyond the largest speed, where
-    nobody measured, and may even drive there.
+    A polynomial through the nodes. Beyond the largest speed, where nobody measured, it goes on as steep as it is there,
+    and where it falls there, it stays: friction never drives.
     """
 
     name = "learned_drag"
     title = "friction over speed, as learned"
-    physics = "Friction grows by a0 + a1 |v| + a2 v^2 + a3 |v|^3, as many terms as speeds at which it is given."
+    physics = (
+        "Friction grows by a0 + a1 |v| + a2 v^2 + a3 |v|^3, as many terms as speeds at which it is given; beyond the "
+        "largest it goes on as steep as it is there, and falls no further."
+    )
 
     @staticmethod
     def speeds(speeds: Array) -> Array:
@@ -141,10 +145,13 @@ class LearnedDrag(_Nodes):
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             drive = drive_of(robot, place)
-            level, *damping = _polynomial(self.nodes, -torque)
+            level, *drag = _polynomial(self.nodes, -torque)
             set_coulomb(spec, drive, self.side, max(coulomb(spec, drive, self.side) + level, 0.0))
-            joint = spec.joint(self.joint_of(drive))
-            joint.damping = np.asarray(joint.damping) + np.array([*damping, 0.0, 0.0, 0.0][:3])
+            there = attributes_of(spec, element_name(drive, self.side))
+            more = {key: float(there.get(key, "0")) + x for key, x in zip(DRAG, drag, strict=False)}
+            if any(more.values()):
+                top = max(float(self.nodes[-1]), float(there.get("drag_speed", "0")))
+                give_side(spec, robot, drive, self.side, **more, drag_speed=top)
 
         return change if np.any(torque) else None
 

@@ -17,7 +17,7 @@ from bench.simulate.prescribed import (
     Prescribed,
 )
 
-EXPLICIT = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)  # a drag that was learned may fall with speed; nothing moves
+EXPLICIT = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)  # damping may fall with speed; nothing moves
 
 
 class Reference:

@@ -69,6 +69,19 @@ def test_rolling_friction_grows_with_a_power_of_speed():
     np.testing.assert_allclose(law.force(x, np.array(speeds))[1:], expected, rtol=1e-12)
 
 
+def test_drag_goes_on_as_steep_as_it_is_and_falls_no_further():
+    """A cubic that a stranger's arm was handed fell from 36 Nm at 1.5 rad/s to 3.7 at 3.3, where 65.8 were right."""
+    x, speeds = np.array([0, 5, 0, 5, 0]) * SLIP, np.array([0, 1.0, -2.0, 3.0, -5.0])
+    steep, fallen = 4.0 + 2 * 3.0 * 2.0 - 3 * 0.5 * 4.0, 4.0 * 2 + 3.0 * 4 - 4.0 * 8
+    for cube, beyond in ((-0.5, (16.0, 16.0 + steep, 16.0 + 3 * steep)), (-4.0, (fallen,) * 3)):
+        law = Friction(
+            coulomb=LEVEL, presliding_stiffness=SIGMA, drag=4.0, drag_square=3.0, drag_cube=cube, drag_speed=2.0
+        )
+        expected = np.maximum(LEVEL + np.array([7.0 + cube, *beyond]), 0) * [-1, 1, -1, 1]
+        np.testing.assert_allclose(law.force(x, speeds)[1:], expected, rtol=1e-12, atol=1e-9)
+        np.testing.assert_allclose(follow(slider(law), x, v=speeds)[1:, 0], expected, rtol=1e-12, atol=1e-9)
+
+
 COULOMB = np.array([900, 650, 300, 60, 25, 15])  # [Nm], about twice what the weight asks for
 ARM = f"""
 <mujoco>

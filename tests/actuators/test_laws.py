@@ -48,14 +48,16 @@ def test_gas_spring(
 
 
 @reproducible
-@given(seeds, *[unit] * 6, st.tuples(*[unit] * 3))
-def test_friction(
-    seed: int, c: float, k: float, r: float, vs: float, a: float, lc: float, more: tuple[float, float, float]
-):
-    ripple, phase, rolling = more
+@given(seeds, *[unit] * 6, st.tuples(*[unit] * 7))
+def test_friction(seed: int, c: float, k: float, r: float, vs: float, a: float, lc: float, more: tuple[float, ...]):
+    ripple, phase, rolling, *drag, speed = more
     law = Friction(
         coulomb=400 * c,
         rolling=300 * rolling,
+        drag=200 * drag[0] - 100,
+        drag_square=100 * drag[1] - 50,
+        drag_cube=20 * drag[2] - 10,
+        drag_speed=0.1 + 10 * speed,
         presliding_stiffness=10 ** (4 + 4 * k),
         static_rise=0.5 * r,
         stribeck_velocity=10 ** (2 * vs - 2),

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from bench.actuators.laws import Friction
 from bench.effects.effect import Conditions, Place
 from bench.effects.friction_elements import Side
 from bench.effects.learned import Learned, values_at, values_of
@@ -16,8 +17,9 @@ from bench.effects.learned_torques import (
     LearnedTorque,
     LearnedTorsion,
 )
-from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.compiled import CompiledRobot, SpecEdit, read_spec
 from bench.robot.folder import Robot
+from bench.robot.plugins import attributes_of
 from tests.effects.rest import perfect_reading, rest, some_trace, sweep
 
 SECOND = Place("joint", 1, "joint_2")
@@ -87,6 +89,24 @@ def test_drag_goes_through_its_nodes_and_in_between_as_the_shape_in_which_it_was
     for speed, size in zip([*speeds[1:], 0.3], [*sizes[1:], between], strict=True):
         (with_it, _), (without, _) = (paid(small, e, sign * float(speed)) for e in ([edit], []))
         np.testing.assert_allclose(with_it[-1] - without[-1], -sign * size, rtol=0.02)
+
+
+def test_drag_adds_to_drag_and_does_not_fall_where_nobody_measured(small: Robot, small_compiled: CompiledRobot) -> None:
+    drag = LearnedDrag(*nodes(at=np.array([0.1, 0.2, 0.3])), "motor")
+    friction = small.figures.drives[1].motor_friction
+    spec = read_spec(small)
+    for sizes in ((-1.0, -2.0, -4.0), (0.0, -1.0, -1.0)):
+        edit_of(drag, sizes)(spec, small)
+    law = Friction(**{key: float(text) for key, text in attributes_of(spec, friction).items() if key != "element"})
+    level = small_compiled.motor_coulomb[1]
+    _, plus = law.levels(np.zeros(3), np.array([0.1, 0.2, 0.3]))
+    np.testing.assert_allclose(plus, level + np.array([1.0, 3.0, 5.0]), rtol=1e-9)
+    _, beyond = law.levels(np.zeros(3), np.array([0.3, 0.5, 2.0]))
+    assert np.all(np.diff(beyond) >= 0)
+    _, fallen = Friction(coulomb=level, presliding_stiffness=1e4, drag=-1.0, drag_speed=0.3).levels(
+        np.zeros(2), [0.3, 9]
+    )
+    np.testing.assert_allclose(fallen, level - 0.3)
 
 
 def test_speeds_of_a_polynomial_lie_apart() -> None:

@@ -11,6 +11,8 @@ typedef struct Friction {
   double asymmetry;
   double viscous_asymmetry;
   double rolling;
+  double drag[3];  // of |v|, v^2, |v|^3
+  double drag_speed;
   double load_coefficient;
   double ripple;
   double ripple_period;
@@ -26,6 +28,10 @@ static const Number kNumbers[] = {
     {"asymmetry", offsetof(Friction, asymmetry), 0, SIGNED_FRACTION},
     {"viscous_asymmetry", offsetof(Friction, viscous_asymmetry), 0, ANY},
     {"rolling", offsetof(Friction, rolling), 0, NONNEGATIVE},
+    {"drag", offsetof(Friction, drag[0]), 0, ANY},
+    {"drag_square", offsetof(Friction, drag[1]), 0, ANY},
+    {"drag_cube", offsetof(Friction, drag[2]), 0, ANY},
+    {"drag_speed", offsetof(Friction, drag_speed), UNSET, POSITIVE},
     {"load_coefficient", offsetof(Friction, load_coefficient), 0, NONNEGATIVE},
     {"ripple", offsetof(Friction, ripple), 0, FRACTION},
     {"ripple_period", offsetof(Friction, ripple_period), UNSET, POSITIVE},
@@ -33,6 +39,18 @@ static const Number kNumbers[] = {
 };
 
 static const char* const kTexts[] = {"element"};
+
+static int has_drag(const Friction* self) {
+  return self->drag[0] != 0 || self->drag[1] != 0 || self->drag[2] != 0;
+}
+
+// The polynomial up to drag_speed; beyond, it goes on as steep as it is there, and falls no further.
+static mjtNum drag_at(const Friction* self, mjtNum speed) {
+  mjtNum top = fmin(speed, self->drag_speed);
+  mjtNum level = top * (self->drag[0] + top * (self->drag[1] + top * self->drag[2]));
+  mjtNum slope = self->drag[0] + top * (2 * self->drag[1] + top * 3 * self->drag[2]);
+  return level + (speed - top) * fmax(slope, 0);
+}
 
 static void read(Element* element, Reader* reader) {
   Friction* self = (Friction*)element;
@@ -42,6 +60,9 @@ static void read(Element* element, Reader* reader) {
   }
   if (self->ripple > 0) {
     need(reader, "ripple_period", "is needed with ripple > 0");
+  }
+  if (has_drag(self)) {
+    need(reader, "drag_speed", "is needed with drag, drag_square or drag_cube");
   }
   if (self->load_coefficient > 0) {
     need(reader, "element", "is needed with load_coefficient > 0");
@@ -61,9 +82,10 @@ static mjtNum spring_torque(const mjModel* m, const mjData* d, int tendon) {
 static mjtNum force(Element* element, const mjModel* m, const mjData* d, const mjtNum* state, mjtNum* next) {
   const Friction* self = (const Friction*)element;
   mjtNum x = d->actuator_length[element->output];
+  mjtNum v = d->actuator_velocity[element->output];
   mjtNum coulomb = self->coulomb;
   if (self->static_rise > 0) {
-    mjtNum speed = d->actuator_velocity[element->output] / self->stribeck_velocity;
+    mjtNum speed = v / self->stribeck_velocity;
     coulomb *= 1 + self->static_rise * exp(-speed * speed);
   }
   if (self->ripple > 0) {
@@ -74,14 +96,18 @@ static mjtNum force(Element* element, const mjModel* m, const mjData* d, const m
     more = self->load_coefficient * fabs(spring_torque(m, d, self->tendon));
   }
   if (self->rolling > 0) {
-    more += self->rolling * pow(fabs(d->actuator_velocity[element->output]), 2.0 / 3.0);
+    more += self->rolling * pow(fabs(v), 2.0 / 3.0);
   }
   mjtNum level_minus = coulomb * (1 - self->asymmetry) + more;
   mjtNum level_plus = coulomb * (1 + self->asymmetry) + more;
+  if (has_drag(self)) {
+    mjtNum drag = drag_at(self, fabs(v));
+    level_minus = fmax(level_minus + drag, 0);
+    level_plus = fmax(level_plus + drag, 0);
+  }
   if (self->viscous_asymmetry != 0) {
-    mjtNum speed = d->actuator_velocity[element->output];
-    mjtNum* level = speed > 0 ? &level_plus : &level_minus;
-    *level = fmax(*level + self->viscous_asymmetry * speed, 0);
+    mjtNum* level = v > 0 ? &level_plus : &level_minus;
+    *level = fmax(*level + self->viscous_asymmetry * v, 0);
   }
   return hold(state, x, self->presliding_stiffness, level_minus, level_plus, next);
 }

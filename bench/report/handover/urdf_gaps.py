@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from bench.report.handover.applied import Applied
-from bench.report.handover.drag import learned_words
 from bench.robot.plugins import attributes_of
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], which readers of URDF take unless told
@@ -35,8 +34,6 @@ def gaps_of(applied: Applied) -> Iterator[str]:
     others = [str(one.name) for one in applied.spec.actuators if one.name not in named]
     if others:
         yield f"torques that were learned or added: {', '.join(others)}; `rest` in torque.csv has them"
-    if words := list(learned_words(compiled)):
-        yield f"friction that was learned over speed, in place of `damping`: {'; '.join(words)}"
     if not np.array_equal(model.opt.gravity, GRAVITY):
         yield f"gravity: ({', '.join(f'{x:g}' for x in model.opt.gravity)}) m/s^2 here"
     if figures.instruments.current:
