@@ -49,7 +49,7 @@ class Case:
     folder: Path
 
 
-@pytest.fixture(scope="module", params=list(HIDDEN))
+@pytest.fixture(scope="module", params=[pytest.param("detent", marks=pytest.mark.study), "snapping_cable"])
 def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Case:
     robot, effects = load_robot("hh150"), catalogue()
     compiled = compile_robot(robot)

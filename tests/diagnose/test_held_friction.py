@@ -179,6 +179,7 @@ def test_friction_that_was_turned_round_is_not_taken_from_a_hysteresis() -> None
     assert abs(found.values[0] - level) < 2 * found.sigma[0]
 
 
+@pytest.mark.study
 def test_without_friction_of_motors_that_turns_a_sound_robot_asks_for_hysteresis() -> None:
     """It was named at 0.67 to 0.80 beside errors of recordings that had nothing to do with it."""
     campaign = noise_free("session-study", 5)

@@ -128,6 +128,7 @@ def test_visits_of_which_nothing_was_read_have_nothing_in_common(linear: Lineari
     assert repeated == ()
 
 
+@pytest.mark.study
 def test_two_sound_recordings_show_no_error_of_a_reflector_under_force() -> None:
     """It was named in four of five pairs: each time, friction left links of the first pose in the same place."""
     days = joined({"may": noise_free("session-study", 904), "june": noise_free("session-study", 905)})
