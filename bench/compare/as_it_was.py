@@ -106,7 +106,8 @@ def _written(compiled: CompiledRobot, world: World, folder: Path) -> CompiledRob
     edits = edits_in(World(world.deviations, acting.in_model), Conditions.reference(compiled.n_joints))
     compile_spec(spec, robot, [*edits, payload_as_body])
     readings, weights, _ = figures_with(compiled, world.deviations)
-    effects = (*robot.figures.fitted.effects, *(entry for one in acting.beside if (entry := entry_of(one))))
-    fitted = Fitted(readings=readings, weights=weights, effects=effects)
+    before = robot.figures.fitted
+    effects = (*before.effects, *(entry for one in acting.beside if (entry := entry_of(one))))
+    fitted = Fitted(readings=readings, weights=weights, effects=effects, unfinished=before.unfinished)
     write_robot(robot, spec, robot.figures.model_copy(update={"fitted": fitted}), folder, "")
     return compile_robot(load_robot(folder))

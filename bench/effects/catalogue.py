@@ -7,16 +7,7 @@ from types import ModuleType
 
 from bench.effects.anchors import Anchor
 from bench.effects.effect import Effect
-from bench.effects.friction import (
-    CoulombFriction,
-    CoulombLevel,
-    FrictionSide,
-    FrictionTemperature,
-    RollingFriction,
-    RollingLevel,
-    Viscous,
-    ViscousFriction,
-)
+from bench.effects.friction import CoulombFriction, CoulombLevel, FrictionSide
 from bench.effects.friction_shape import DirectionFriction, DirectionViscous, FrictionRipple, LoadFriction, Stribeck
 from bench.effects.gas import (
     CounterbalanceGas,
@@ -28,6 +19,7 @@ from bench.effects.gas import (
 )
 from bench.effects.gear_kinematics import AxisCoupling, TransmissionError, WristCoupling
 from bench.effects.geometry import DressPack, FloorTilt, JointZero, LinkLength, ThermalGrowth
+from bench.effects.lubricant import FrictionTemperature, RollingFriction, RollingLevel, Viscous, ViscousFriction
 from bench.effects.masses import LinkCom, LinkInertia, LinkMass, RotorInertia, TorqueOffset
 from bench.effects.own import faults_of, guarded, line_in
 from bench.effects.payloads import PayloadCom, PayloadMass, UnstatedPayload

@@ -8,23 +8,15 @@ import numpy as np
 
 from bench.effects.effect import Array, Conditions, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
-from bench.effects.friction import ARMSTRONG, BITTENCOURT, scaled_friction, viscous, with_coulomb
+from bench.effects.friction import ARMSTRONG, BITTENCOURT, WithCoulomb, scaled_friction
 from bench.effects.friction_elements import give, give_side
+from bench.effects.lubricant import viscous
 from bench.effects.places import OnDrive, drive_of
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
 
-class _Shape(OnDrive):
-    """It shapes Coulomb friction that is there, so it needs some."""
-
-    family = "drive friction"
-
-    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        return with_coulomb(compiled)
-
-
-class Stribeck(_Shape):
+class Stribeck(WithCoulomb):
     """More friction at standstill than in motion."""
 
     name = "stribeck"
@@ -71,7 +63,7 @@ class LoadFriction(OnDrive):
         return change
 
 
-class DirectionFriction(_Shape):
+class DirectionFriction(WithCoulomb):
     """Friction differs between the directions."""
 
     name = "direction_friction"
@@ -99,7 +91,7 @@ class DirectionFriction(_Shape):
         return Torques(-values["asymmetry"] * np.abs(plain.motor), -values["asymmetry"] * np.abs(plain.link))
 
 
-class DirectionViscous(_Shape):
+class DirectionViscous(WithCoulomb):
     """Viscous friction differs between the directions."""
 
     name = "direction_viscous"
@@ -131,7 +123,7 @@ class DirectionViscous(_Shape):
         return change
 
 
-class FrictionRipple(_Shape):
+class FrictionRipple(WithCoulomb):
     """The level of friction varies over the joint's angle."""
 
     name = "friction_ripple"

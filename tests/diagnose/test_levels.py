@@ -21,8 +21,8 @@ from bench.diagnose.replay.world import NOMINAL, World, edits_in, model_of
 from bench.effects.catalogue import catalogue
 from bench.effects.drifts import DAY_K, VISCOUS
 from bench.effects.effect import Acting, Conditions, Place
-from bench.effects.friction import viscous
 from bench.effects.levels import places_of
+from bench.effects.lubricant import viscous
 from bench.record.campaign import Campaign
 from bench.record.joined import joined
 from bench.report.diagnosis.words import words_of

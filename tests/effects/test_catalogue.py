@@ -134,7 +134,7 @@ def test_another_edit_has_other_torques(tmp_path: Path, hh150_compiled: Compiled
     """Friction that a user makes of an entry of the catalogue is not first-order of what that entry does."""
     file = tmp_path / "own.py"
     file.write_text(
-        "from bench.effects.friction import ViscousFriction\n"
+        "from bench.effects.lubricant import ViscousFriction\n"
         "class Sticky(ViscousFriction):\n"
         "    name = 'sticky'\n"
         "    def edit(self, place, values, conditions):\n"
@@ -156,7 +156,7 @@ def test_wrong_torques_of_an_own_effect_are_named(
     file = tmp_path / "own.py"
     file.write_text(
         "from bench.effects.followed import Torques\n"
-        "from bench.effects.friction import ViscousFriction\n"
+        "from bench.effects.lubricant import ViscousFriction\n"
         "class Sticky(ViscousFriction):\n"
         "    name = 'sticky'\n"
         "    def edit(self, place, values, conditions):\n"

@@ -105,7 +105,7 @@ def as_simulated(linear: LinearisedModel, explained: Array, left: Array, share: 
         share: Of what it changes, to which it is simulated.
     """
     wrong, missed_by_it = (_by_quantity(linear, one, np.ones(len(one))) for one in (explained, left))
-    return np.sqrt(1 + np.minimum(share**2 * wrong, missed_by_it))
+    return np.asarray(np.sqrt(1 + np.minimum(share**2 * wrong, missed_by_it)))
 
 
 def _by_quantity(linear: LinearisedModel, left: Array, freedom: Array, *, counts_alike: bool = True) -> Array:
