@@ -21,14 +21,7 @@ from weakref import proxy
 import mujoco
 import numpy as np
 
-from bench.robot.compiled import (
-    FRICTION,
-    CompiledRobot,
-    SpecEdit,
-    check_load_body,
-    compile_spec,
-    counterbalance_of,
-)
+from bench.robot.compiled import CompiledRobot, SpecEdit, check_load_body, compile_spec, counterbalance_of
 from bench.robot.folder import Robot
 from bench.robot.patching.numbers import NotPatchableError
 from bench.robot.patching.overlay import SpecOverlay
@@ -41,6 +34,13 @@ from bench.robot.recent import Recent
 
 MOST_STRUCTURES = 64  # kept compiled, besides the robot's own
 MOST_ROBOTS = 64  # remembered: one world asks several times for each of its robots, one for each payload or temperature
+OF_FRICTION = {  # what a compiled robot has of its friction elements: side, and attribute
+    "motor_coulomb": ("motor", "coulomb"),
+    "link_coulomb": ("link", "coulomb"),
+    "motor_presliding": ("motor", "presliding_stiffness"),
+    "link_presliding": ("link", "presliding_stiffness"),
+    "motor_rolling": ("motor", "rolling"),
+}
 MOST_WAYS = 8  # first steps, for each of which the last robot's steps are remembered
 
 
@@ -266,28 +266,22 @@ class Structure:
         nominal = self._nominal
         if not overlay.configs:
             return nominal
-        found = {
-            f"{side}_{figure}": np.array(getattr(nominal, f"{side}_{figure}"))
-            for side in ("motor", "link")
-            for figure in ("coulomb", "presliding")
-        }
-        rolling = np.array(nominal.motor_rolling)
+        found = {name: np.array(getattr(nominal, name)) for name in OF_FRICTION}
         for handle, config in overlay.configs.items():
             users = self.users.get(self.names["plugin"][handle.number], []) if self._is_own(handle) else []
             for index, actuator in enumerate(users):
                 if actuator in self._friction:
                     side, drive = self._friction[actuator]
-                    for figure, attribute in (("coulomb", FRICTION[0]), ("presliding", FRICTION[1])):
-                        found[f"{side}_{figure}"][drive] = float(entry_of(config[attribute], index, len(users)))
-                    if side == "motor" and "rolling" in config:
-                        rolling[drive] = float(entry_of(config["rolling"], index, len(users)))
+                    for name, (of, attribute) in OF_FRICTION.items():
+                        if of == side:
+                            found[name][drive] = float(entry_of(config.get(attribute, "0"), index, len(users)))
         return replace(
             nominal,
             motor_coulomb=found["motor_coulomb"],
             link_coulomb=found["link_coulomb"],
             motor_presliding=found["motor_presliding"],
             link_presliding=found["link_presliding"],
-            motor_rolling=rolling,
+            motor_rolling=found["motor_rolling"],
         )
 
     def _is_own(self, plugin: Handle) -> bool:
