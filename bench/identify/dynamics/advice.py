@@ -56,12 +56,11 @@ def advise(found: FirstPass, quantities: Sequence[Quantity]) -> tuple[Motion, ..
     chosen: list[Motion] = []
     while open_ones and len(chosen) < MOST:
         combine = np.stack([one.combine for one in open_ones]) @ factor
-        gains = []
-        for added in information:
-            after = combine @ np.linalg.solve(inner + factor.T @ added @ factor, combine.T)
-            gains.append(
-                np.sqrt(np.maximum(np.diag(after), 0.0)) < np.array([one.prior_sigma for one in open_ones]) / np.sqrt(2)
-            )
+        now, *after = (
+            np.diag(combine @ np.linalg.solve(inner + factor.T @ added @ factor, combine.T))
+            for added in (np.zeros_like(information[0]), *information)
+        )
+        gains = [variance < now / 2 for variance in after]
         best = int(np.argmax([gain.sum() for gain in gains]))
         if not gains[best].any():
             break
@@ -81,8 +80,10 @@ def sentence(motion: Motion, found: FirstPass) -> str:
         f"at up to {motion.speed[j] * unit[j]:.0f} {'deg/s' if hinge[j] else 'mm/s'}"
         for j in motion.joints
     )
-    place = ", ".join(f"{value:.0f}" for value in motion.posture * unit)
-    return f"To tell {', '.join(motion.tells)}: add {SECONDS:.0f} s in which these swing about ({place}): {swings}."
+    own = ["" if np.all(hinge) else " deg" if one else " mm" for one in hinge]
+    values = ", ".join(f"{value:.0f}{name}" for value, name in zip(motion.posture * unit, own, strict=True))
+    place = f"({values}) deg" if np.all(hinge) else f"({values})"
+    return f"To tell {', '.join(motion.tells)}: add {SECONDS:.0f} s in which these swing about {place}: {swings}."
 
 
 def _candidates(found: FirstPass) -> Sequence[Motion]:

@@ -52,6 +52,8 @@ def limit_words(component: Component) -> str:
     unit = unit_words(component.unit)
     if best == worst or not np.isfinite(component.worst):
         return f"{best} {unit}".strip()
+    if component.worst > component.plausible:
+        return f"{best} {unit}, in some shapes at no plausible size"
     return f"{best} to {worst} {unit}, by its shape"
 
 

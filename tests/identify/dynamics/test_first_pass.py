@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.errors import InputError
-from bench.identify.dynamics.advice import advise, sentence
+from bench.identify.dynamics.advice import _information, advise, sentence
 from bench.identify.dynamics.consistency import inertial_parameters
 from bench.identify.dynamics.first_pass import FirstPass, first_pass
 from bench.identify.dynamics.prior import weighed
@@ -163,6 +163,26 @@ def test_a_joint_that_stands_is_not_told_and_a_motion_is_named_that_would_tell_i
     motions = advise(found, quantities(found))
     assert any("Coulomb friction (elbow)" in motion.tells and 2 in motion.joints for motion in motions)
     assert "elbow" in sentence(motions[0], found)
+
+
+def test_a_motion_that_is_proposed_halves_the_variance_of_what_it_tells() -> None:
+    """What was just short of told was "told" by any motion: the rotor of a quill by its base turning."""
+    nominal = robot(arm(), **UNCERTAIN)
+    found = first_pass(recorded(nominal, FRICTION, np.random.default_rng(5), runs=2, **SHORT), nominal)
+    short_of_it = [
+        replace(one, prior_sigma=0.9999 * np.sqrt(2) * one.sigma) for one in quantities(found) if one.kind == "inertia"
+    ]
+    motions = advise(found, short_of_it)
+    factor = found.prior.factor(replace(found.solution.widths, offset=(0,) * N, difference=(0,) * N))
+    known = np.eye(len(factor)) + factor.T @ found.solution.normal.gram @ factor
+    assert motions
+    for motion in motions:
+        more = known + factor.T @ _information(found, motion) @ factor
+        for one in short_of_it:
+            if one.name in motion.tells:
+                before, after = (np.linalg.solve(h, factor.T @ one.combine) for h in (known, more))
+                assert one.combine @ factor @ after < one.combine @ factor @ before / 2, (one.name, motion.joints)
+        known = more
 
 
 def test_currents_serve_with_the_torque_constant() -> None:
