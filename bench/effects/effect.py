@@ -176,7 +176,7 @@ class Effect(ABC):
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameters with the ranges and units that hold at a place; by default `parameters`.
 
-        Only `unit`, `low` and `high` may differ: a light drive has less friction in Nm than a heavy one.
+        Only `unit`, `words`, `low` and `high` may differ: a light drive has less friction in Nm than a heavy one.
         """
         return self.parameters
 

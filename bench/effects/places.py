@@ -107,14 +107,14 @@ def least_speed(compiled: CompiledRobot, index: int) -> float:
 
 
 def _scaled(parameter: Parameter, limit: float, speed: float, slides: bool) -> Parameter:
-    unit = parameter.unit
+    unit, words = parameter.unit, parameter.words
     scale = 1.0
     if "Nm" in unit:
         scale = HEAVY_TORQUE / limit if unit.endswith("/Nm") else limit / HEAVY_TORQUE
     if unit in _POWERS_OF_SPEED:
         scale *= (HEAVY_SPEED / speed) ** _POWERS_OF_SPEED[unit]
     if slides:
-        unit = unit.replace("Nm", "N").replace("rad", "m")
+        unit, words = unit.replace("Nm", "N").replace("rad", "m"), words.replace("at 1 rad/s", "at 1 m/s")
     if parameter.is_shape:  # keeps the value that is assumed first within the range
-        return replace(parameter, unit=unit)
-    return replace(parameter, unit=unit, low=scale * parameter.low, high=scale * parameter.high)
+        return replace(parameter, unit=unit, words=words)
+    return replace(parameter, unit=unit, words=words, low=scale * parameter.low, high=scale * parameter.high)

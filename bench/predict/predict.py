@@ -129,10 +129,13 @@ def _maybe_anew(stated: LinearisedModel, free: Sequence[str], channels: Sequence
     """
     nothing = np.full_like(stated.residual, np.nan)
     for one in worth_freeing(stated, free):
-        left = np.where(measured(stated), one.residual, np.nan)
-        rms = tuple(channel.rms for channel in channel_errors(stated, left, nothing, nothing, ()))
-        if any(then < (1 - SEEN) * now.rms for now, then in zip(channels, rms, strict=True)):
-            yield MaybeAnew(one.name, one.log_evidence, rms)
+        without, with_it = (
+            tuple(channel.rms for channel in channel_errors(stated, left, nothing, nothing, ()))
+            for left in (np.where(measured(stated), residual, np.nan) for residual in (one.before, one.residual))
+        )
+        before = without if one.beside else tuple(channel.rms for channel in channels)
+        if any(then < (1 - SEEN) * now for now, then in zip(before, with_it, strict=True)):
+            yield MaybeAnew(one.name, one.log_evidence, before, with_it, one.beside)
 
 
 def _left_by(nominal: CompiledRobot, linear: LinearisedModel) -> Array:

@@ -81,17 +81,21 @@ class Stretch:
 
 @dataclass(frozen=True)
 class MaybeAnew:
-    """What would make a recording far more probable if it were fitted to it, by itself.
+    """What would make a recording far more probable if it were fitted to it, by itself or beside others.
 
     Attributes:
         name: For `--free`.
         log_evidence: Logarithm of how many times more probable [nats].
-        rms: What the model would leave, one for each of the recording's `channels`, in their units.
+        before: What the model leaves without, one for each of the recording's `channels`, in their units.
+        rms: The same with it.
+        beside: What else is free both times, of what may be anew; none: it is fitted by itself.
     """
 
     name: str
     log_evidence: float
+    before: tuple[float, ...]
     rms: tuple[float, ...]
+    beside: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

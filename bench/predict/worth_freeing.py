@@ -5,11 +5,13 @@ without. If nothing is anew, the expectation of such a ratio of probabilities is
 of 1/N at most (Markov's inequality); N is the number of things tried over the rate of false hints.
 
 Several that pass may have one cause: gas that was lost looks like a payload, too. So the likeliest is free when the
-next is tried, and so on; what then brings nothing more is left out, unless it does as well as one that stays.
+next is tried, and so on; what then brings nothing more is left out, unless it does as well as one that stays. What does
+not pass by itself is tried once more beside all that was found: friction of a colder day shows nothing where another
+payload is most of what is left.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,16 +33,22 @@ class WorthFreeing:
     Attributes:
         name: In `FREE`.
         log_evidence: Logarithm of how many times more probable the recording is with it free.
-        residual: Shape (T, c), what the model leaves with it free.
+        before: Shape (T, c), what the model leaves without.
+        residual: Shape (T, c), what it leaves with it free.
+        beside: What else is free in both, of what was found.
     """
 
     name: str
     log_evidence: float
+    before: Array
     residual: Array
+    beside: tuple[str, ...] = ()
 
 
 def worth_freeing(linear: LinearisedModel, free: Sequence[str]) -> tuple[WorthFreeing, ...]:
     """Return what else is worth freeing in a recording, with what each does by itself, the likeliest first.
+
+    What passes only beside the others comes last, with what it does beside them.
 
     Args:
         linear: The recording, linearised about the model.
@@ -50,13 +58,25 @@ def worth_freeing(linear: LinearisedModel, free: Sequence[str]) -> tuple[WorthFr
     least = np.log(len(tried) / FALSE_HINTS) if tried else 0.0
     passing = sorted((one for one in tried if one.log_evidence > least), key=lambda one: -one.log_evidence)
     found, beside = list[WorthFreeing](), list[str]()
-    for one in passing:
+
+    def takes(one: WorthFreeing) -> bool:
+        """Take one, by itself or beside what was found, whichever says more; whether it brings anything beside that."""
         more = _beside(linear, (*free, *beside), one.name) if beside else one
-        if more is not None and more.log_evidence > least:
-            beside.append(one.name)
+        if more is None or more.log_evidence <= least:
+            return False
+        is_more = more.log_evidence > one.log_evidence
+        found.append(replace(more, beside=tuple(beside)) if is_more else one)
+        beside.append(one.name)
+        return True
+
+    for one in passing:
+        if not takes(one) and any(_is_as_good(one, other) for other in found):
             found.append(one)
-        elif any(_is_as_good(one, other) for other in found):
-            found.append(one)
+    if beside:
+        rest = [_beside(linear, (*free, *beside), one.name) or one for one in tried if one not in passing]
+        for one in sorted(rest, key=lambda one: -one.log_evidence):
+            if one.log_evidence > least:
+                takes(replace(one, log_evidence=-np.inf))  # by itself it says nothing
     return tuple(found)
 
 
@@ -71,4 +91,4 @@ def _beside(linear: LinearisedModel, free: Sequence[str], name: str) -> WorthFre
         without = fitted_as(linear, free, wide.inflation)
     except (InputError, *NOT_SIMULATED):
         return None
-    return WorthFreeing(name, with_it.log_evidence - without.log_evidence, with_it.residual)
+    return WorthFreeing(name, with_it.log_evidence - without.log_evidence, without.residual, with_it.residual)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import WHOLE, Conditions
+from bench.effects.effect import WHOLE, Conditions, Place
 from bench.effects.payloads import FARTHEST_M
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
@@ -109,3 +109,10 @@ def test_a_payload_is_added_to_what_the_model_carries_already(kr300: CompiledRob
 def test_nothing_is_taken_away_of_a_payload_that_is_not_there() -> None:
     with pytest.raises(RobotError, match="carries nothing that nobody stated"):
         compile_robot(load_robot("kr300"), [with_payload(mass=-1.0)])
+
+
+def test_words_of_a_slide_are_those_of_a_slide() -> None:
+    """Rolling friction of a quill was "26.9 N, at 1 rad/s"."""
+    compiled = compile_robot(load_robot("emps"))
+    (rolling,) = EFFECTS["rolling_friction"].parameters_at(compiled, Place("joint", 0, "joint1"))
+    assert (rolling.unit, rolling.words.split(";")[0]) == ("N", "r, at 1 m/s")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Acting
+from bench.effects.effect import WHOLE, Acting
 from bench.hide.campaign import hide_campaign
 from bench.predict.predict import predict
 from bench.predict.prediction import PredictedRecording
@@ -59,6 +59,23 @@ def test_friction_of_a_colder_day_is_named_and_found(nominal: CompiledRobot) -> 
     first = told[f"motor-side Coulomb friction of {nominal.robot.figures.drives[0].joint}"]
     assert first.low < MORE < first.high
     assert first.high - first.low < MORE
+
+
+@pytest.mark.parametrize("mass", [4.0, 8.0])
+def test_friction_is_named_beside_a_payload_that_is_most_of_what_is_left(nominal: CompiledRobot, mass: float) -> None:
+    """A stranger's arm with 12 % less friction on a day with another payload: the payload alone was named."""
+    level, payload = (catalogue()[name] for name in ("coulomb_level", "unstated_payload"))
+    acting = [Acting(level, place, level.complete({"change": 0.05})) for place in level.places(nominal)]
+    acting.append(Acting(payload, WHOLE, payload.complete({"mass": mass, "second_moment_y": 0.05})))
+    rng, scenario = np.random.default_rng(3), small_rotation(nominal.robot.folder)
+    recorded = hide_campaign(nominal.robot, scenario, acting, rng, background=False, tails=None).campaign
+    found = only(recorded, nominal, nominal)
+    assert named(found) == ["payload", "friction"]
+    friction = found.maybe_anew[1]
+    assert friction.beside == ("payload",)
+    assert "rolling, beside `--free payload` (evidence +" in anew_text(friction, found)
+    both = only(recorded, nominal, nominal, "payload", "friction")
+    np.testing.assert_allclose(friction.rms, [channel.rms for channel in both.channels], rtol=1e-3)
 
 
 @pytest.mark.parametrize("lost", [0.05, 0.2])

@@ -89,6 +89,8 @@ def _write_drives(path: Path, applied: Applied) -> None:
         "viscous_nm_s_per_rad": drag_of(compiled)[:, 0].tolist(),
         "torque_limit_nm": model.actuator_forcerange[at.servo, 1].tolist(),
     }
+    if np.any(compiled.motor_rolling):
+        columns["rolling_nm_at_1_rad_per_s"] = compiled.motor_rolling.tolist()
     if compiled.robot.figures.instruments.current:
         columns["torque_constant_nm_per_a"] = compiled.torque_constant.tolist()
     rows = [",".join(str(value) for value in row) for row in zip(*columns.values(), strict=True)]

@@ -8,6 +8,7 @@ from bench.report.handover.applied import Applied
 from bench.robot.plugins import attributes_of
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], which readers of URDF take unless told
+LAWS = "SI; names and laws: bench.friction in bench/actuators/README.md"
 ROUND = 4  # digits that are shown; drives.csv has all
 # Of a friction element: the level is in the URDF, the second is how a simulation holds it, the third a name
 NOT_LISTED = ("coulomb", "presliding_stiffness", "element")
@@ -51,7 +52,7 @@ def _friction(applied: Applied) -> Iterator[str]:
             laws = {key: text for key, text in found.items() if key not in NOT_LISTED and not _is_zero(text)}
             if laws:
                 words = ", ".join(f"{key.replace('_', ' ')} {float(text):.{ROUND}g}" for key, text in laws.items())
-                yield f"friction of {drive.joint}, {side} side, beyond its Coulomb level: {words}"
+                yield f"friction of {drive.joint}, {side} side, beyond its Coulomb level: {words} ({LAWS})"
 
 
 def _is_zero(text: str) -> bool:

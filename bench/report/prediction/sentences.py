@@ -139,7 +139,9 @@ def exact_sentence(recording: PredictedRecording) -> str:
         return ""
     return (
         "Each value is a difference from what the model has, with its 95 % interval. That takes all other figures of "
-        "the model as exact: how well the model's own value is known (figures.csv of its diagnosis) comes on top."
+        "the model as exact, and what drifts from day to day as it was (offsets of drives, friction; --free frees it): "
+        "an offset that holds up a load looks like a payload. How well the model's own value is known (figures.csv of "
+        "its diagnosis) comes on top."
     )
 
 
@@ -166,30 +168,34 @@ def anew_sentence(recording: PredictedRecording) -> str:
     if not recording.maybe_anew:
         return ""
     return (
-        "May be anew in this recording, each with what the model would leave if it alone were fitted; what those above "
-        "it explain is left out, and another cause may look like it. Nothing of this is in the errors above; "
-        "`--free NAME` fits it and says what it is."
+        "May be anew in this recording, each with what the model would leave if it alone were fitted, or it beside "
+        "those that are named with it; what those above it explain is left out, and another cause may look like it. "
+        "Nothing of this is in the errors above; `--free NAME` fits it and says what it is."
     )
 
 
 def anew_text(one: MaybeAnew, recording: PredictedRecording) -> str:
     """Return what may be anew in a line: which errors it would change most, and by how much."""
-    channels = zip(recording.channels, one.rms, strict=True)
-    ratios = sorted(((rms / channel.rms, rms, channel) for channel, rms in channels if channel.rms), key=lambda x: x[0])
+    channels = zip(recording.channels, one.before, one.rms, strict=True)
+    ratios = sorted(
+        ((rms / before, before, rms, channel) for channel, before, rms in channels if before), key=lambda one: one[0]
+    )
     better = [entry for entry in ratios if entry[0] < 1 - SEEN]
     worse = [entry for entry in reversed(ratios) if entry[0] > 1 + SEEN][:MOST_NAMED]
-    words = [_change(rms, channel, recording) for _, rms, channel in better[:MOST_NAMED]]
+    words = [_change(before, rms, channel, recording) for _, before, rms, channel in better[:MOST_NAMED]]
     others = len(better) - MOST_NAMED
     changes = listed(words + ([f"{others} other{'s' if others > 1 else ''} less"] if others > 0 else []), "and")
     if worse:
-        changes += f", but {listed([_change(rms, channel, recording) for _, rms, channel in worse], 'and')}"
+        poorer = [_change(before, rms, channel, recording) for _, before, rms, channel in worse]
+        changes += f", but {listed(poorer, 'and')}"
     (evidence,) = shown((one.log_evidence,), "", one.log_evidence / 10)
-    return f"`--free {one.name}`, {FREE[one.name].words} (evidence +{evidence}): {changes}"
+    beside = f", beside {listed([f'`--free {name}`' for name in one.beside], 'and')}" if one.beside else ""
+    return f"`--free {one.name}`, {FREE[one.name].words}{beside} (evidence +{evidence}): {changes}"
 
 
-def _change(rms: float, channel: ChannelError, recording: PredictedRecording) -> str:
-    before, after = (shown((value,), channel.unit, value / 10)[0] for value in (channel.rms, rms))
-    return f"{_name_in(recording, channel)} {before} -> {after} {unit_name(channel.unit)}"
+def _change(before: float, rms: float, channel: ChannelError, recording: PredictedRecording) -> str:
+    now, then = (shown((value,), channel.unit, value / 10)[0] for value in (before, rms))
+    return f"{_name_in(recording, channel)} {now} -> {then} {unit_name(channel.unit)}"
 
 
 def _signed(text: str) -> str:

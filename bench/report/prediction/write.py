@@ -58,12 +58,12 @@ def _recording(recording: PredictedRecording) -> dict[str, Any]:
 
 
 def _by_channel(one: MaybeAnew, recording: PredictedRecording) -> dict[str, Any]:
-    """Return what may be anew with what it would leave of each channel, of those in the order of the recording."""
+    """Return what may be anew with what is left of each channel without and with it, in the recording's order."""
     left = [
-        {"channel": channel.channel, "kind": channel.kind, "rms": rms}
-        for channel, rms in zip(recording.channels, one.rms, strict=True)
+        {"channel": channel.channel, "kind": channel.kind, "before": before, "rms": rms}
+        for channel, before, rms in zip(recording.channels, one.before, one.rms, strict=True)
     ]
-    return {"free": one.name, "log_evidence": one.log_evidence, "channels": left}
+    return {"free": one.name, "beside": one.beside, "log_evidence": one.log_evidence, "channels": left}
 
 
 def _without_instants(stretch: dict[str, Any]) -> dict[str, Any]:
