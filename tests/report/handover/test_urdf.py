@@ -116,6 +116,6 @@ def test_what_is_left_out_is_said(small_robot: Path, tmp_path: Path) -> None:
     (tmp_path / "b").mkdir()
     write_robot(robot, spec, robot.figures, tmp_path / "b", "")
     said = "\n".join(gaps_of(applied_robot(load_robot(tmp_path / "b"))))
-    assert "friction of hinge_b, motor side, beyond its Coulomb level: load coefficient 0.03\n" in said
+    assert "friction of hinge_b, motor side, beyond its Coulomb level: load coefficient 0.03 (SI; " in said
     assert "gravity: (0, 0, -9.8) m/s^2" in said
     assert "passive" not in said
