@@ -1,6 +1,6 @@
 """Feed-forward torques along a motion that a controller is going to command: a table, and what the torques are for."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,6 +52,16 @@ class FeedForward:
         return found | self.shown
 
 
+def _hint(missing: Sequence[str], columns: Mapping[str, Array]) -> str:
+    """Return why a motion may lack columns, "" where nothing is known: a slide counts in m, a hinge in rad."""
+    for name in missing:
+        start, unit = name.rsplit("_", 1)
+        other = f"{start}_{'rad' if unit == 'm' else 'm'}"
+        if other in columns:
+            return f"; it has {other}, but that joint is a {'slide, in m' if unit == 'm' else 'hinge, in rad'}"
+    return "; a measured motion is none: its noise would be in the accelerations" if "time_s" in columns else ""
+
+
 def read_motion(file: Path, compiled: CompiledRobot) -> Motion:
     """Read a motion to command.
 
@@ -74,8 +84,7 @@ def read_motion(file: Path, compiled: CompiledRobot) -> Motion:
     units = ["m" if slide else "rad" for slide in compiled.is_slide]
     names = [f"q_cmd_{j + 1}_{unit}" for j, unit in enumerate(units)]
     if missing := [name for name in ("time_s", *names) if name not in columns]:
-        hint = "; a measured motion is none: its noise would be in the accelerations" if "time_s" not in missing else ""
-        raise InputError(f"{file}: lacks {', '.join(missing)}{hint}.")
+        raise InputError(f"{file}: lacks {', '.join(missing)}{_hint(missing, columns)}.")
     time, q = columns["time_s"], np.stack([columns[name] for name in names], axis=1)
     problems = list(_faults(file, time, q, compiled, names))
     if problems:

@@ -129,6 +129,7 @@ def test_what_the_drive_shows_has_its_errors(found: Path, tmp_path: Path) -> Non
         ({"time_s": np.zeros(400)}, "time_s: has to grow"),
         ({"q_cmd_2_rad": np.full(400, 2.1)}, r"row 1: q_cmd_2_rad: 2.1 is outside of -2 to 2"),
         ({"q_cmd_2_rad": None}, "lacks q_cmd_2_rad; a measured motion is none"),
+        ({"q_cmd_2_rad": None, "q_cmd_2_m": np.zeros(400)}, "it has q_cmd_2_m, but that joint is a hinge, in rad"),
         ({"time_s": None}, r"lacks time_s\."),
         ({"time_s": 1e9 * sweep()["time_s"], "q_cmd_1_rad": RAMP}, r"time_s: goes on by 4e\+06 s.*give it in seconds"),
         ({"time_s": 1e-9 * sweep()["time_s"]}, r"time_s: goes on by 4e-12 s.*give it in seconds"),
