@@ -33,7 +33,7 @@ class FrictionOverSpeed:
     covariance: Array
 
 
-def lubricant(traverses: Sequence[Traverse]) -> FrictionOverSpeed:
+def friction_over_speed(traverses: Sequence[Traverse]) -> FrictionOverSpeed:
     """Fit a line to the friction of traverses of one joint.
 
     Raises:

@@ -58,25 +58,25 @@ def worth_freeing(linear: LinearisedModel, free: Sequence[str]) -> tuple[WorthFr
     least = np.log(len(tried) / FALSE_HINTS) if tried else 0.0
     passing = sorted((one for one in tried if one.log_evidence > least), key=lambda one: -one.log_evidence)
     found, beside = list[WorthFreeing](), list[str]()
-
-    def takes(one: WorthFreeing) -> bool:
-        """Take one, by itself or beside what was found, whichever says more; whether it brings anything beside that."""
-        more = _beside(linear, (*free, *beside), one.name) if beside else one
-        if more is None or more.log_evidence <= least:
-            return False
-        is_more = more.log_evidence > one.log_evidence
-        found.append(replace(more, beside=tuple(beside)) if is_more else one)
-        beside.append(one.name)
-        return True
-
     for one in passing:
-        if not takes(one) and any(_is_as_good(one, other) for other in found):
+        more = _beside(linear, (*free, *beside), one.name) if beside else one
+        if more and more.log_evidence > least:
+            # by itself, or beside what was found, whichever says more
+            found.append(max(one, replace(more, beside=tuple(beside)), key=lambda which: which.log_evidence))
+            beside.append(one.name)
+        elif any(_is_as_good(one, other) for other in found):
             found.append(one)
-    if beside:
-        rest = [_beside(linear, (*free, *beside), one.name) or one for one in tried if one not in passing]
-        for one in sorted(rest, key=lambda one: -one.log_evidence):
-            if one.log_evidence > least:
-                takes(replace(one, log_evidence=-np.inf))  # by itself it says nothing
+    known = list(beside)
+    rest = [
+        more for one in tried if known and one not in passing and (more := _beside(linear, (*free, *known), one.name))
+    ]
+    for first in sorted(rest, key=lambda one: -one.log_evidence):
+        if first.log_evidence <= least:
+            break
+        more = first if beside == known else _beside(linear, (*free, *beside), first.name)
+        if more and more.log_evidence > least:
+            found.append(replace(more, beside=tuple(beside)))
+            beside.append(first.name)
     return tuple(found)
 
 

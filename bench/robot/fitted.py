@@ -74,7 +74,7 @@ class Fitted(Strict):
     readings: FittedReadings = NO_READINGS
     weights: FittedWeights = NO_WEIGHTS
     effects: tuple[FittedEffect, ...] = ()
-    unfinished: str = Field("", max_length=200, description="why its diagnosis ended before it was done; else empty")
+    unfinished: str = Field("", description="why its diagnosis ended before it was done; else empty")
 
     def __hash__(self) -> int:
         """Return a hash although dictionaries have none: robots are keys of what is kept in memory."""

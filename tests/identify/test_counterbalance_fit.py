@@ -12,7 +12,7 @@ from bench.identify.counterbalance_check import predict, spread
 from bench.identify.counterbalance_fit import CounterbalanceFit, fit_counterbalance
 from bench.identify.gas_law_problem import GasLawProblem
 from bench.identify.gas_law_profile import intervals, minimum
-from bench.identify.traverse_friction import lubricant
+from bench.identify.traverse_friction import friction_over_speed
 from bench.identify.traverses import traverses
 from bench.record.campaign import Campaign
 from bench.scenario.files import read_scenario
@@ -83,7 +83,7 @@ def test_intervals_cover_over_200_seeds() -> None:
 def test_friction_from_opposite_traverses(session: Session, nominal: Nominal) -> None:
     """Ideal instruments: 60 Nm on each side, no viscous friction; the twist of the link side is worth some 0.1 %."""
     ideal = Campaign(session.campaign.robot, session.ideal)
-    found = lubricant(traverses(ideal, nominal.drives, nominal.bodies.gravity))
+    found = friction_over_speed(traverses(ideal, nominal.drives, nominal.bodies.gravity))
     assert found.coulomb == pytest.approx(120, rel=0.01)
     assert found.viscous == pytest.approx(0, abs=2.0)
 

@@ -35,6 +35,8 @@ def gaps_of(applied: Applied) -> Iterator[str]:
     others = [str(one.name) for one in applied.spec.actuators if one.name not in named]
     if others:
         yield f"torques that were learned or added: {', '.join(others)}; `rest` in torque.csv has them"
+    if np.any(model.dof_dampingpoly):
+        yield "viscous friction that does not grow with the speed itself"
     if not np.array_equal(model.opt.gravity, GRAVITY):
         yield f"gravity: ({', '.join(f'{x:g}' for x in model.opt.gravity)}) m/s^2 here"
     if figures.instruments.current:

@@ -9,23 +9,29 @@ from bench.cli import main
 from bench.effects.effect import Conditions, Place
 from bench.effects.learned import values_at
 from bench.effects.learned_torques import LearnedDrag
+from bench.report.handover.applied import applied_robot
 from bench.report.handover.drag import drag_torque
-from bench.robot.compiled import compile_robot, read_spec
-from bench.robot.folder import Robot, load_robot
+from bench.report.handover.urdf_gaps import gaps_of
+from bench.robot.compiled import read_spec
+from bench.robot.folder import load_robot
 from bench.robot.write import write_robot
 
 SPEEDS = np.array([0.5, 1.5])  # [rad/s]
 
 
-def test_damping_is_what_mujoco_makes_of_it(small_robot: Path) -> None:
+def test_damping_is_what_mujoco_makes_of_it_and_a_polynomial_is_said(small_robot: Path, tmp_path: Path) -> None:
     robot = load_robot(small_robot)
-    drive = robot.figures.drives[1]
-
-    def damped(spec: mujoco.MjSpec, _: Robot) -> None:
-        spec.joint(drive.rotor).damping = [7.6, 0.0, -4.3]
-        spec.joint(drive.joint).damping = [0.0, 11.0, 0.0]
-
-    learned = compile_robot(robot, [damped])
+    drive, spec = robot.figures.drives[1], read_spec(robot)
+    spec.joint(drive.rotor).damping = [7.6, 0.0, -4.3]
+    spec.joint(drive.joint).damping = [0.0, 11.0, 0.0]
+    spec.compile()
+    (tmp_path / "damped").mkdir()
+    write_robot(robot, spec, robot.figures, tmp_path / "damped", "")
+    damped = applied_robot(load_robot(tmp_path / "damped"))
+    said = "viscous friction that does not grow with the speed itself"
+    assert said in list(gaps_of(damped))
+    assert said not in list(gaps_of(applied_robot(robot)))
+    learned = damped.compiled
     model, at = learned.model, learned.at
     data = mujoco.MjData(model)
     for speed in (-2.5, 0.4, 1.7):

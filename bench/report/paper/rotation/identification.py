@@ -14,7 +14,7 @@ from bench.identify.balancing_torque import (
 )
 from bench.identify.counterbalance_check import Prediction, Spread, predict, spread
 from bench.identify.counterbalance_fit import CounterbalanceFit, fit_counterbalance
-from bench.identify.traverse_friction import FrictionOverSpeed, lubricant
+from bench.identify.traverse_friction import FrictionOverSpeed, friction_over_speed
 from bench.identify.traverses import Traverse, traverses
 from bench.report.campaigns import open_usable
 from bench.robot.bodies import Array, RigidBodies
@@ -89,7 +89,7 @@ def identify_rotation(folder: Path, validation: Path) -> RotationIdentification:
     return RotationIdentification(
         torques=torques,
         spread=spread(torques),
-        friction=lubricant([t for t in seen.traverses if t.joint == j]),
+        friction=friction_over_speed([t for t in seen.traverses if t.joint == j]),
         fit=fit,
         uncertain=fit_counterbalance(seen.torques(UNCERTAIN_MASSES), seen.geometry, names, limits),
         predictions=predict(fit, unseen.torques(Priors())),
