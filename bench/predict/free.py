@@ -28,6 +28,7 @@ class Free:
     effect: Effect | None = None
 
 
+COULOMB_FIGURES = ("motor-side Coulomb friction of", "link-side Coulomb friction of")
 FREE: Mapping[str, Free] = {
     "encoder_zero": Free("zeros of the link encoders against those of the motors", ("zero of link encoder",)),
     "current_offset": Free("offsets of the motor currents", ("current offset of",)),
@@ -39,12 +40,7 @@ FREE: Mapping[str, Free] = {
     "gas_thermometer": Free("error of the thermometer of the gas", ("thermometer of the gas",)),
     "friction": Free(
         "friction of every drive, Coulomb, viscous and rolling",
-        (
-            "motor-side Coulomb friction of",
-            "link-side Coulomb friction of",
-            "viscous friction of",
-            "rolling friction of",
-        ),
+        (*COULOMB_FIGURES, "viscous friction of", "rolling friction of"),
     ),
     "weights": Free(
         "what hangs or is bolted on, against what is written down", ("weights that hang", "weights bolted")

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.cross_validation.floor import floor_variance, measured
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
@@ -21,7 +20,7 @@ from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import NOMINAL
 from bench.errors import NOT_SIMULATED, InputError
 from bench.predict.errors import channel_errors, worst_stretches
-from bench.predict.fit_anew import fit_anew
+from bench.predict.fit_anew import freed_beside_the_day
 from bench.predict.free import checked
 from bench.predict.freed import FreedFigure, beside_model, is_told, known_of
 from bench.predict.prediction import SEEN, ChannelError, MaybeAnew, PredictedRecording, Prediction
@@ -78,9 +77,9 @@ def _recording(
     nominal_error = np.where(there, _left_by(nominal, stated), np.nan)
     linear, world, left, freed = stated, NOMINAL, stated.residual, tuple[FreedFigure, ...]()
     if free:
-        linear, fit = fit_anew(stated, free)
-        world, left, known = fit.world(linear), fit.residual, known_of(model)
-        freed = tuple(beside_model(figure, known) for figure in fitted_figures(linear, fit) if is_told(figure))
+        anew, known = freed_beside_the_day(stated, free), known_of(model)
+        linear, world, left = anew.linear, anew.world, anew.residual
+        freed = tuple(beside_model(figure, known) for figure in anew.figures if is_told(figure))
     error = np.where(there, left, np.nan)
     channels = channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free))
     starts = {run.name: run.start_s for run in recording.runs}
@@ -128,12 +127,14 @@ def _maybe_anew(stated: LinearisedModel, free: Sequence[str], channels: Sequence
         channels: What the model leaves with that.
     """
     nothing = np.full_like(stated.residual, np.nan)
+
+    def left_with(*freed: str) -> tuple[float, ...]:
+        left = np.where(measured(stated), freed_beside_the_day(stated, freed).residual, np.nan)
+        return tuple(channel.rms for channel in channel_errors(stated, left, nothing, nothing, ()))
+
     for one in worth_freeing(stated, free):
-        without, with_it = (
-            tuple(channel.rms for channel in channel_errors(stated, left, nothing, nothing, ()))
-            for left in (np.where(measured(stated), residual, np.nan) for residual in (one.before, one.residual))
-        )
-        before = without if one.beside else tuple(channel.rms for channel in channels)
+        before = left_with(*free, *one.beside) if one.beside else tuple(channel.rms for channel in channels)
+        with_it = left_with(*free, *one.beside, one.name)
         if any(then < (1 - SEEN) * now for now, then in zip(before, with_it, strict=True)):
             yield MaybeAnew(one.name, one.log_evidence, before, with_it, one.beside)
 

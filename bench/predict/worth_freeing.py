@@ -19,7 +19,6 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.errors import NOT_SIMULATED, InputError
 from bench.predict.fit_anew import fit_anew, fitted_as
 from bench.predict.free import FREE
-from bench.record.campaign import Array
 
 FALSE_HINTS = 0.01  # declared: of recordings in which nothing is anew
 AS_GOOD = 3.0  # declared: difference of log evidence, twenty to one, within which none of two is preferred
@@ -33,15 +32,11 @@ class WorthFreeing:
     Attributes:
         name: In `FREE`.
         log_evidence: Logarithm of how many times more probable the recording is with it free.
-        before: Shape (T, c), what the model leaves without.
-        residual: Shape (T, c), what it leaves with it free.
         beside: What else is free in both, of what was found.
     """
 
     name: str
     log_evidence: float
-    before: Array
-    residual: Array
     beside: tuple[str, ...] = ()
 
 
@@ -91,4 +86,4 @@ def _beside(linear: LinearisedModel, free: Sequence[str], name: str) -> WorthFre
         without = fitted_as(linear, free, wide.inflation)
     except (InputError, *NOT_SIMULATED):
         return None
-    return WorthFreeing(name, with_it.log_evidence - without.log_evidence, without.residual, with_it.residual)
+    return WorthFreeing(name, with_it.log_evidence - without.log_evidence)

@@ -138,10 +138,10 @@ def exact_sentence(recording: PredictedRecording) -> str:
     if not recording.freed:
         return ""
     return (
-        "Each value is a difference from what the model has, with its 95 % interval. That takes all other figures of "
-        "the model as exact, and what drifts from day to day as it was (offsets of drives, friction; --free frees it): "
-        "an offset that holds up a load looks like a payload. How well the model's own value is known (figures.csv of "
-        "its diagnosis) comes on top."
+        "Each value is a difference from what the model has, with its 95 % interval. That counts what is another one on "
+        "another day (offsets and constants of drives, friction, a tracker set up anew) as far as that drifts, and takes "
+        "all other figures of the model as exact. How well the model's own value is known (figures.csv of its diagnosis) "
+        "comes on top. Errors are those with what is free alone."
     )
 
 
