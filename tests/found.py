@@ -28,13 +28,19 @@ BINS = 120
 LOST = 0.12
 
 
-def write_found(robot: Path, folder: Path) -> Path:
-    """Write what a diagnosis hands over of the two-joint robot with a loss of gas, and return the folder."""
+def write_found(robot: Path, folder: Path, **changes: object) -> Path:
+    """Write what a diagnosis hands over of the two-joint robot with a loss of gas, and return the folder.
+
+    Args:
+        robot: Its folder.
+        folder: A new one.
+        changes: Of the rotation that is recorded.
+    """
     compiled = compile_robot(load_robot(robot))
     effect = catalogue()["gas_loss"]
     acting = [Acting(effect, WHOLE, {"lost": LOST})]
     rng = np.random.default_rng(1)
-    campaign = hide_campaign(compiled.robot, small_rotation(robot), acting, rng).campaign
+    campaign = hide_campaign(compiled.robot, small_rotation(robot, **changes), acting, rng).campaign
     quantities = quantities_of(campaign.runs, compiled)
     segments = segments_of(campaign, compiled, quantities, BINS)
     linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances_of(compiled, quantities))

@@ -19,6 +19,7 @@ from bench.diagnose.name.groups import groups_of
 from bench.record.campaign import Array
 
 WEEK = 7.0  # [days]
+NONE_TO_LOSE = "ask whether the robot had any of it before; the model has none that could become less"
 
 
 def explanations_of(background: Background, found: Found) -> tuple[Explanation, ...]:
@@ -70,6 +71,12 @@ def interval_of(value: float, sigma: float, step: float) -> Interval:
     return Interval(value, value - half, value + half)
 
 
+def advice_of(possible: Possible) -> str:
+    """Return what a person should look at where a change is named; "" where its title says that."""
+    assert possible.entry.cause
+    return possible.entry.cause.effect.advice or (NONE_TO_LOSE if np.any(possible.sign < 0) else "")
+
+
 def _change(background: Background, possible: Possible, mean: Array, sigma: Array) -> Change:
     candidate = possible.entry.what
     assert isinstance(candidate, Candidate)
@@ -87,7 +94,7 @@ def _change(background: Background, possible: Possible, mean: Array, sigma: Arra
         shape=dict(candidate.shape),
         course=profile.course,
         since=background.joint.recordings[profile.since].name,
-        advice=cause.effect.advice,
+        advice=advice_of(possible),
         nonlinearity=_nonlinearity(background, possible, mean),
     )
 

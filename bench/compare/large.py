@@ -61,7 +61,7 @@ def bounds_of(cause: Cause, compiled: CompiledRobot) -> tuple[Array, Array]:
 
     Of a size that has one sign as much may be gone as the model has.
     """
-    there = cause.effect.there_already(compiled)
+    there = cause.effect.there_already(compiled, cause.place)
     null = np.array([size.null for size in cause.sizes])
     low, high = np.array([Unknown(cause, size).bounds for size in cause.sizes]).T - null
     return low - np.array([there.get(size.name, 0.0) for size in cause.sizes]), high

@@ -16,6 +16,7 @@ from bench.diagnose.name.naming import shares_of
 from bench.diagnose.name.search import Alternative, SubsetPosterior, Term, alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import GREATER_PART
 from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
 
 MOST_TERMS = 1000  # that a search is given, the best by evidence: memory stays small with many recordings
 INVISIBLE = 1e-6  # norm of a whitened column per standard deviation of its size; a course in which it never acts
@@ -29,12 +30,14 @@ class Possible:
         entry: What.
         profile: How it runs over the recordings.
         prior: Shape (k,), standard deviations of its sizes, in steps.
+        sign: Shape (k,), of the columns whose size can only be positive (1) or negative (-1); 0: either.
         log_odds: Its prior odds: those that chance passes at the declared rate.
     """
 
     entry: Entry
     profile: Profile
     prior: Array
+    sign: Array
     log_odds: float
 
     @property
@@ -118,14 +121,16 @@ def find_changes(background: Background, profiles: Sequence[Profile], rate: floa
         seen = marginal.columns.squares > INVISIBLE**2
         entries = [entry for entry in background.entries if np.all(seen[entry.columns])]
         priors = {id(entry): priors_of(entry, marginal.diagonal) for entry in entries}
+        signs = {id(entry): signs_of(entry, background.joint.linear.replay.compiled) for entry in entries}
         blocks = [(entry.columns, *prior) for entry in entries for prior in priors[id(entry)]]
         threshold = family_threshold(marginal, blocks, rate / len(profiles), np.random.default_rng(0))
         screened.append(Screened(profile, threshold, np.where(seen, marginal.diagonal, 0.0)))
         for entry in entries:
             for prior, share in priors[id(entry)]:
-                odds = share - threshold - (0.0 if entry.cause else LEAST)
-                evidence = marginal.log_evidence(entry.columns, prior) + odds
-                possible.append((evidence, Possible(entry, profile, prior, odds)))
+                for sign, claims in signs[id(entry)]:
+                    odds = share - claims * threshold - (0.0 if entry.cause else LEAST)
+                    evidence = marginal.log_evidence(entry.columns, prior, sign) + odds
+                    possible.append((evidence, Possible(entry, profile, prior, sign, odds)))
     possible.sort(key=lambda one: -one[0])
     chosen = tuple(one for _, one in possible[:MOST_TERMS])
     model = _model(background, chosen) if len(profiles) > 1 else _model_of(marginal, chosen)
@@ -164,6 +169,23 @@ def priors_of(entry: Entry, information: Array) -> tuple[tuple[Array, float], ..
     return tuple((plausible * NARROWER**k, each) for k in range(count))
 
 
+def signs_of(entry: Entry, compiled: CompiledRobot) -> tuple[tuple[Array, int], ...]:
+    """Return which signs a change may have, shape (k,) each (0: either), and how many things are claimed by each.
+
+    A size that can have one sign only (friction per torque, a play) may fall by what the model has of it. Where that is
+    nothing, less of it says two things: that there was some, which the model lacks, and that it is gone.
+
+    Args:
+        entry: A cause with its shape, or a free shape.
+        compiled: The robot that changes are linear about.
+    """
+    grows = entry.sign
+    if entry.cause and np.any(grows):
+        there = entry.cause.effect.there_already(compiled, entry.cause.place)
+        grows = np.where([there.get(size.name, 0.0) > 0 for size in entry.cause.sizes], 0.0, grows)
+    return ((grows, 1), (-grows, 2)) if np.any(grows) else ((grows, 1),)
+
+
 def _products(background: Background, columns: Array) -> Marginal:
     return background.nuisances.products(background.white, Columns(columns))
 
@@ -192,10 +214,10 @@ def _model_of(marginal: Marginal, possible: Sequence[Possible]) -> SubsetPosteri
 
 
 def _term(possible: Possible, columns: Array) -> Term:
-    """Return a term of a search; a change may go either way, whatever the cause, and no farther than is plausible."""
+    """Return a term of a search; a change goes no farther than is plausible."""
     listed = possible.entry.cause is not None
     most = BEYOND * np.sqrt(3) * possible.entry.priors[0][0] if listed else None  # a prior is high/sqrt(3) wide
-    return Term(possible.key, columns, possible.prior, possible.log_odds, np.zeros(len(columns)), listed, most=most)
+    return Term(possible.key, columns, possible.prior, possible.log_odds, possible.sign, listed, most=most)
 
 
 def _probabilities(alternatives: Sequence[Alternative]) -> tuple[float, ...]:

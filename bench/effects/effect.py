@@ -187,12 +187,19 @@ class Effect(ABC):
         """
         return None
 
-    def there_already(self, compiled: CompiledRobot) -> Mapping[str, float]:
-        """Return how much of each of its sizes that have one sign a model has already and could lose; by default none.
+    def there_already(self, compiled: CompiledRobot, place: Place) -> Mapping[str, float]:
+        """Return how much of each of its sizes that have one sign a model has already at a place, and could lose.
 
-        With a size below none `edit` takes as much away.
+        By default what its figures hold as fitted. With a size below none `edit` takes as much away.
         """
-        return {}
+        where = place.name or "robot"
+        there: dict[str, float] = {}
+        for one in compiled.robot.figures.fitted.effects:
+            if one.effect == self.name and one.place == where:
+                for p in self.parameters:
+                    if p.name in one.values and not (p.signed or p.is_shape):
+                        there[p.name] = there.get(p.name, 0.0) + one.values[p.name] - p.null
+        return there
 
     def phase(self, place: Place, conditions: Conditions) -> Hashable:
         """Return what decides, of the time at which it acts, what `edit` does; by default nothing.

@@ -34,6 +34,11 @@ def scale_coulomb(spec: mujoco.MjSpec, drive: Drive, factor: float) -> None:
         set_coulomb(spec, drive, side, factor * coulomb(spec, drive, side))
 
 
+def given(spec: mujoco.MjSpec, drive: Drive, side: Side, attribute: str) -> float:
+    """Return an attribute of the element on one side that may be left out; 0 then."""
+    return float(attributes_of(spec, element_name(drive, side)).get(attribute, "0"))
+
+
 def rolling(spec: mujoco.MjSpec, drive: Drive) -> float:
     """Return the rolling friction of the motor side at 1 rad/s (1 m/s) [Nm]."""
     return rolling_of(attributes_of(spec, drive.motor_friction))

@@ -1,5 +1,6 @@
 """Friction of a drive: how its level depends on speed, load, direction and angle."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import atan2, hypot, pi
 
@@ -9,10 +10,10 @@ import numpy as np
 from bench.effects.effect import Array, Conditions, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
 from bench.effects.friction import ARMSTRONG, BITTENCOURT, WithCoulomb, scaled_friction
-from bench.effects.friction_elements import give, give_side
+from bench.effects.friction_elements import SIDES, give, give_side, given
 from bench.effects.lubricant import viscous
 from bench.effects.places import OnDrive, drive_of
-from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.compiled import CompiledRobot, SpecEdit, read_spec
 from bench.robot.folder import Robot
 
 
@@ -35,7 +36,19 @@ class Stribeck(WithCoulomb):
         rise, speed = values["rise"], values["speed"]
         if not rise:
             return None
-        return lambda spec, robot: give(spec, robot, drive_of(robot, place), stribeck_velocity=speed, static_rise=rise)
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            drive = drive_of(robot, place)
+            for side in SIDES:
+                more = rise + given(spec, drive, side, "static_rise")
+                give_side(spec, robot, drive, side, stribeck_velocity=speed, static_rise=more)
+
+        return change
+
+    def there_already(self, compiled: CompiledRobot, place: Place) -> Mapping[str, float]:
+        """Return the rise that a model has already."""
+        spec, drive = read_spec(compiled.robot), drive_of(compiled.robot, place)
+        return {"rise": max(given(spec, drive, side, "static_rise") for side in SIDES)}
 
 
 class LoadFriction(OnDrive):
@@ -58,9 +71,15 @@ class LoadFriction(OnDrive):
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             drive = drive_of(robot, place)
-            give_side(spec, robot, drive, "motor", element=drive.element, load_coefficient=coefficient)
+            more = coefficient + given(spec, drive, "motor", "load_coefficient")
+            give_side(spec, robot, drive, "motor", element=drive.element, load_coefficient=more)
 
         return change
+
+    def there_already(self, compiled: CompiledRobot, place: Place) -> Mapping[str, float]:
+        """Return the coefficient that a model has already."""
+        drive = drive_of(compiled.robot, place)
+        return {"coefficient": given(read_spec(compiled.robot), drive, "motor", "load_coefficient")}
 
 
 class DirectionFriction(WithCoulomb):
@@ -82,7 +101,14 @@ class DirectionFriction(WithCoulomb):
         asymmetry = values["asymmetry"]
         if not asymmetry:
             return None
-        return lambda spec, robot: give(spec, robot, drive_of(robot, place), asymmetry=asymmetry)
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            drive = drive_of(robot, place)
+            for side in SIDES:
+                more = asymmetry + given(spec, drive, side, "asymmetry")
+                give_side(spec, robot, drive, side, asymmetry=more)
+
+        return change
 
     def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
         plain = scaled_friction(place, followed, 1.0, 1.0)
@@ -118,7 +144,8 @@ class DirectionViscous(WithCoulomb):
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             drive = drive_of(robot, place)
             coefficient = float(np.ravel(spec.joint(drive.rotor).damping)[0])
-            give_side(spec, robot, drive, "motor", viscous_asymmetry=asymmetry * coefficient)
+            more = asymmetry * coefficient + given(spec, drive, "motor", "viscous_asymmetry")
+            give_side(spec, robot, drive, "motor", viscous_asymmetry=more)
 
         return change
 

@@ -123,7 +123,7 @@ class UnstatedPayload(GeometryAndMass):
 
         return change if mass or np.any(second) else None
 
-    def there_already(self, compiled: CompiledRobot) -> Mapping[str, float]:
+    def there_already(self, compiled: CompiledRobot, place: Place) -> Mapping[str, float]:
         """Return mass and second moments of what a model carries and nobody stated."""
         carried = added_body(read_spec(compiled.robot), UNSTATED)
         if carried is None:

@@ -1,5 +1,7 @@
 """Elasticity and play of a drive's transmission."""
 
+from collections.abc import Mapping
+
 import mujoco
 import numpy as np
 
@@ -7,8 +9,9 @@ from bench.actuators.laws import Friction, TorqueTable
 from bench.effects.effect import REFERENCE_K, Array, Conditions, Parameter, Place, Values
 from bench.effects.places import OnDrive, drive_of
 from bench.effects.plugin_actuators import add_friction, add_torque_table
-from bench.robot.compiled import SpecEdit
+from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
+from bench.robot.patching.numbers import UNSET_LENGTH
 
 STIFFEST = 0.1  # rounding: of the compliance as stated: however far a fit tries, a gear that gives stays one
 SATURATED = 8.0  # rounding: tanh(8) is 1 - 2e-7: a table that ends there ends level
@@ -119,9 +122,16 @@ class Backlash(_InElement):
         gap = values["gap"]
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
-            spec.tendon(drive_of(robot, place).element).springlength = [-gap / 2, gap / 2]
+            tendon = spec.tendon(drive_of(robot, place).element)
+            lengths = np.asarray(tendon.springlength)
+            rest = np.where(lengths == UNSET_LENGTH, 0.0, lengths)  # where q = theta it is 0
+            tendon.springlength = rest + np.array([-gap / 2, gap / 2])
 
         return change if gap else None
+
+    def there_already(self, compiled: CompiledRobot, place: Place) -> Mapping[str, float]:
+        """Return the gap that a model has already."""
+        return {"gap": float(compiled.play[place.index])}
 
 
 class Hysteresis(_InElement):

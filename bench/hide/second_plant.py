@@ -17,8 +17,9 @@ from bench.robot.links import rigid_bodies
 from bench.scenario.files import Experiment
 from bench.second.campaign import Hiding, Second, hide_in_second
 from bench.second.course import Sitting
-from bench.second.figures import Array, Figures, Friction, Gas, Lump, Readout, Servo, Spot, Springs
+from bench.second.figures import Array, Figures, Friction, Gas, Lump, Servo, Spot, Springs
 from bench.second.machine import Machine
+from bench.second.readout import Readout
 from bench.second.worlds import QUIET, World
 from bench.simulate.env import CONTROL_PERIOD
 

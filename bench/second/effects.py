@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from bench.errors import InputError, unknown_name
-from bench.second.figures import ROOM_K, Array, Channel, Figures, Friction, Lump
+from bench.second.figures import ROOM_K, Array, Figures, Friction, Lump
+from bench.second.readout import Channel
 
 GAUGE, FORCE_SENSOR = "gauge", "force sensor"  # channels that no drive has
 

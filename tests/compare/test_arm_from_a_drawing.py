@@ -12,6 +12,7 @@ from bench.compare.comparison import Comparison
 from bench.compare.recordings import recordings_of
 from bench.diagnose.extend.refit import refit
 from bench.effects.catalogue import catalogue
+from bench.effects.effect import WHOLE
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
@@ -85,7 +86,7 @@ def test_it_begins_with_what_the_drawing_leaves_out(arm: CompiledRobot, fitted: 
 
 def assert_carried(fitted: CompiledRobot, campaign: Campaign, load: Load) -> None:
     assert np.sqrt(np.mean(linearised(campaign, fitted).white ** 2)) < 2
-    assert catalogue()["unstated_payload"].there_already(fitted)["mass"] == pytest.approx(load[0], rel=0.05)
+    assert catalogue()["unstated_payload"].there_already(fitted, WHOLE)["mass"] == pytest.approx(load[0], rel=0.05)
 
 
 def test_it_has_a_payload_wherever_that_hangs(fitted_to_heavy: CompiledRobot, heavy: Campaign) -> None:

@@ -85,3 +85,8 @@ def swap(one: str, two: str) -> Change:
 
 def freeze(name: str) -> Change:
     return lambda columns: columns.update({name: np.full_like(columns[name], columns[name][0])})
+
+
+def in_motion(change: Change) -> Change:
+    """Return what changes the runs in motion alone."""
+    return lambda columns: change(columns) if "pose" not in columns else None

@@ -149,7 +149,7 @@ def test_a_payload_belongs_to_the_recording_in_which_it_was_found(robot: Compile
     handed = load_robot(tmp_path / "robot")
     machine = compile_robot(carrying_nothing(handed))
     assert np.sum(compile_robot(handed).model.body_mass) > np.sum(machine.model.body_mass)
-    assert not effect.there_already(machine)
+    assert not effect.there_already(machine, WHOLE)
     given = given_by(posterior, nuisances_of(machine, linear.quantities), machine)
     assert given.findings == given.held == ()
     assert "payload that is not stated: mass, as found before" in given.anew

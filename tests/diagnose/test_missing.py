@@ -11,16 +11,11 @@ from bench.errors import InputError
 from bench.record.campaign import Array, Campaign
 from bench.report.diagnosis.words import words_of
 from bench.robot.compiled import CompiledRobot
-from tests.diagnose.sweeps import LOADS, SWEEPS, changed, made, nominal
+from tests.diagnose.sweeps import LOADS, SWEEPS, changed, made
 
 CHOICE = ("coulomb_level", "viscous_level", "gas_loss", "friction_temperature", "tracker_frame", "force_gain")
 HIDDEN = {"coulomb_level": 0.6}
 TEMPERATURES = ("gear_temperature", "motor_temperature", "ambient_temperature")
-
-
-@pytest.fixture(scope="module")
-def robot() -> CompiledRobot:
-    return nominal()
 
 
 @pytest.fixture(scope="module")

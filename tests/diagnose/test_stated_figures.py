@@ -8,12 +8,6 @@ import pytest
 from bench.diagnose.plausibility.stated_figures import remarks_on
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot, robot_names
-from tests.diagnose.sweeps import nominal
-
-
-@pytest.fixture(scope="module")
-def robot() -> CompiledRobot:
-    return nominal()
 
 
 def stating(robot: CompiledRobot, path: tuple[str | int, ...], value: float) -> CompiledRobot:

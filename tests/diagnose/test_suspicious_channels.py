@@ -8,7 +8,7 @@ from bench.diagnose.plausibility.single_rows import overloads
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
-from tests.diagnose.sweeps import LOADS, SWEEPS, Change, changed, freeze, made, nominal, scale, swap
+from tests.diagnose.sweeps import LOADS, SWEEPS, Change, changed, freeze, made, scale, swap
 
 CURRENTS = tuple(f"current_{i}_a" for i in range(1, 7))
 TRACKER = tuple(f"reflector_1_{axis}_m" for axis in "xyz")
@@ -43,11 +43,6 @@ HIDDEN = {
     "polytropic_exponent": 1.6,
     "dress_pack": 169.0,
 }
-
-
-@pytest.fixture(scope="module")
-def robot() -> CompiledRobot:
-    return nominal()
 
 
 @pytest.fixture(scope="module")

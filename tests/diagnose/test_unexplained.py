@@ -18,15 +18,10 @@ from bench.robot.compiled import CompiledRobot
 from bench.scenario.files import read_as
 from bench.scenario.session import SessionScenario
 from bench.store.place import open_store
-from tests.diagnose.sweeps import made, nominal
+from tests.diagnose.sweeps import made
 
 RUN = "joint2-payload50-speed24-up"
 DRIVES = tuple(f"current_{j}_a" for j in range(1, 7))
-
-
-@pytest.fixture(scope="module")
-def robot() -> CompiledRobot:
-    return nominal()
 
 
 @pytest.fixture(scope="module")

@@ -29,6 +29,7 @@ from tests.found import write_found
 from tests.poison import (
     in_channels,
     in_commands,
+    in_cross_checks,
     in_files,
     in_loads,
     in_manifests,
@@ -49,9 +50,9 @@ LONGEST_S = 20.0  # the wall clock of one variant
 MOST_LINES = 50  # of a check; what is longer than a screen is not read
 SEED = 20261122
 FAMILIES: Sequence[Family] = (
-    *(*in_tables.FAMILIES, *in_channels.FAMILIES, *in_runs.FAMILIES, *in_manifests.FAMILIES, *in_files.FAMILIES),
-    *(*in_parquet.FAMILIES, *in_readings.FAMILIES, *in_models.FAMILIES, *in_robots.FAMILIES),
-    *(*in_scenarios.FAMILIES, *in_results.FAMILIES, *in_loads.FAMILIES, *in_commands.FAMILIES),
+    *(*in_tables.FAMILIES, *in_channels.FAMILIES, *in_cross_checks.FAMILIES, *in_runs.FAMILIES),
+    *(*in_manifests.FAMILIES, *in_files.FAMILIES, *in_parquet.FAMILIES, *in_readings.FAMILIES, *in_models.FAMILIES),
+    *(*in_robots.FAMILIES, *in_scenarios.FAMILIES, *in_results.FAMILIES, *in_loads.FAMILIES, *in_commands.FAMILIES),
 )
 PROMISE = PredictedError("current_1_a", "A", "motion", 4, 0.02, 0.01, 0.05)
 Kind = Literal["right", "silent", "wrong", "traceback", "hang"]

@@ -61,16 +61,36 @@ class Sheet:
         self.file.write_text("\n".join(",".join(row) for row in [self.names, *self.rows]) + "\n")
 
 
+def in_tables(change: Callable[[Sheet], object], name: str = "*.csv") -> Spoil:
+    """Return what changes every table, or one."""
+
+    def spoil(folder: Path) -> None:
+        for file in sorted(folder.glob(f"runs/{name}")):
+            sheet = Sheet(file)
+            change(sheet)
+            sheet.write()
+
+    return spoil
+
+
 def in_column(change: Callable[[np.ndarray], np.ndarray], *columns: str) -> Spoil:
     """Return what changes columns in every table that has them."""
 
+    def changed(sheet: Sheet) -> None:
+        for column in columns:
+            if column in sheet.names:
+                sheet.change(column, change)
+
+    return in_tables(changed)
+
+
+def exchanged(first: str, second: str) -> Spoil:
+    """Return what exchanges two columns in every table."""
+
     def spoil(folder: Path) -> None:
         for file in tables(folder):
-            sheet = Sheet(file)
-            for column in columns:
-                if column in sheet.names:
-                    sheet.change(column, change)
-            sheet.write()
+            text = file.read_text().replace(first, "@").replace(second, first)
+            file.write_text(text.replace("@", second))
 
     return spoil
 

@@ -1,55 +1,11 @@
 """Each fault in otherwise healthy data gives one finding, which names the column, the first row and the reason."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
-from bench.record.campaign import Array, Run
 from bench.record.rules import alignment
 from tests.record.build import ARM, STEP_S, examine, loading, motion, only, static, sweep
-
-Columns = dict[str, Array]
-Change = Callable[[Columns], object]
-
-
-def put(name: str, rows: slice | int, value: float) -> Change:
-    def change(columns: Columns) -> None:
-        columns[name] = columns[name].copy()
-        columns[name][rows] = value
-
-    return change
-
-
-def scale(name: str, factor: float, offset: float = 0.0) -> Change:
-    return lambda columns: columns.update({name: columns[name] * factor + offset})
-
-
-def copy(name: str, source: str) -> Change:
-    return lambda columns: columns.update({name: columns[source]})
-
-
-def rename(name: str, new: str) -> Change:
-    return lambda columns: columns.update({new: columns.pop(name)})
-
-
-def clip(name: str, level: float) -> Change:
-    return lambda columns: columns.update({name: np.minimum(columns[name], level)})
-
-
-def drop_rows(rows: slice | list[int]) -> Change:
-    return lambda columns: columns.update({name: np.delete(values, rows) for name, values in columns.items()})
-
-
-def shift(name: str, seconds: float) -> Change:
-    def change(columns: Columns) -> None:
-        columns[name] = np.interp(columns["time_s"] + seconds, columns["time_s"], columns[name])
-
-    return change
-
-
-def swap(first: str, second: str) -> Change:
-    return lambda columns: columns.update({first: columns[second], second: columns[first]})
+from tests.record.spoil import Change, Columns, clip, copy, drop_rows, put, rename, scale, shift, swap
 
 
 def lose_beam(columns: Columns) -> None:
@@ -94,8 +50,11 @@ def small_movement_in_degrees(columns: Columns) -> None:
     columns["q_motor_2_rad"] = np.rad2deg(columns["q_cmd_2_rad"])
 
 
-# Change to a sweep -> level, column, first row, words of the message or the remedy.
-MOTION: dict[str, tuple[Change, str, str, int | None, str]] = {
+# Change -> level, column, first row, words of the message or the remedy.
+Faults = dict[str, tuple[Change, str, str, int | None, str]]
+
+# Of a sweep.
+MOTION: Faults = {
     "nan": (put("current_2_a", 4, np.nan), "error", "current_2_a", 5, "row 5;"),
     "infinite": (put("current_2_a", slice(4, 7), np.inf), "error", "current_2_a", 5, "rows 5 to 7"),
     "logger's no value": (put("current_2_a", 4, 3.4e38), "error", "current_2_a", 5, "no reading"),
@@ -168,8 +127,8 @@ MOTION: dict[str, tuple[Change, str, str, int | None, str]] = {
     "tracker asleep": (park_tracker, "doubt", "reflector_1_x_m", None, "while the arm moves"),
 }
 
-# Change to a loading run -> the same.
-STATIC: dict[str, tuple[Change, str, str, int | None, str]] = {
+# Of a loading run.
+STATIC: Faults = {
     "no pose": (lambda columns: columns.pop("pose"), "error", "pose", None, "missing from a static run"),
     "no step": (lambda columns: columns.pop("load_step"), "error", "load_step", None, "missing from a static run"),
     "no approach": (lambda columns: columns.pop("approach"), "warning", "approach", None, "missing"),
@@ -207,8 +166,8 @@ STATIC: dict[str, tuple[Change, str, str, int | None, str]] = {
     "clock back": (put("time_s", 9, 1.0), "error", "time_s", 10, "backwards"),
 }
 
-# Change to a sweep of an arm that is known -> the same.
-KNOWN_ARM: dict[str, tuple[Change, str, str, int | None, str]] = {
+# Of a sweep of an arm that is known.
+KNOWN_ARM: Faults = {
     "third drive": (copy("current_3_a", "current_1_a"), "error", "current_3_a", None, "has 2 drives"),
     "degrees": (scale("q_link_2_rad", 6.0), "error", "q_link_2_rad", None, "no position of this joint"),
     "beyond limits": (scale("q_link_2_rad", 1.0, 1.9), "doubt", "q_link_2_rad", None, "-1.5 to 2.5"),
@@ -222,38 +181,25 @@ KNOWN_ARM: dict[str, tuple[Change, str, str, int | None, str]] = {
 }
 
 
-def check(run: Run, expected: tuple[str, str, int | None, str], *, is_arm_known: bool) -> None:
-    level, column, row, words = expected
-    finding = only(examine(run, ARM if is_arm_known else None))
+CASES = {
+    "in a sweep": (MOTION, sweep, motion, None),
+    "in loading": (STATIC, loading, static, None),
+    "against the arm": (KNOWN_ARM, sweep, motion, ARM),
+}
+
+
+@pytest.mark.parametrize(("where", "name"), [(where, name) for where, (faults, *_) in CASES.items() for name in faults])
+def test_fault(where: str, name: str) -> None:
+    faults, healthy, run_of, arm = CASES[where]
+    change, level, column, row, words = faults[name]
+    columns = healthy()
+    change(columns)
+    finding = only(examine(run_of(columns), arm))
     assert (finding.level, finding.column) == (level, column)
     assert words in f"{finding.message}; {finding.remedy}"
     if row is not None:
         assert finding.row == row
         assert finding.line == row + 1
-
-
-@pytest.mark.parametrize("name", MOTION)
-def test_fault_in_a_sweep(name: str) -> None:
-    change, *expected = MOTION[name]
-    columns = sweep()
-    change(columns)
-    check(motion(columns), tuple(expected), is_arm_known=False)
-
-
-@pytest.mark.parametrize("name", STATIC)
-def test_fault_in_loading(name: str) -> None:
-    change, *expected = STATIC[name]
-    columns = loading()
-    change(columns)
-    check(static(columns), tuple(expected), is_arm_known=False)
-
-
-@pytest.mark.parametrize("name", KNOWN_ARM)
-def test_fault_against_the_arm(name: str) -> None:
-    change, *expected = KNOWN_ARM[name]
-    columns = sweep()
-    change(columns)
-    check(motion(columns), tuple(expected), is_arm_known=True)
 
 
 def test_swapped_drives_are_both_named() -> None:

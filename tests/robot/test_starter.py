@@ -23,118 +23,6 @@ from bench.simulate.equilibrium import Equilibrium
 AGREEMENT = 1e-9  # of masses and gravity torques with the file's own
 FOLLOWS = 2e-3  # [rad], how near a started servo comes to its command within two seconds under a load
 
-STICK = """
-<mujoco>
-  <worldbody>
-    <body name="upper">
-      <joint name="j1" axis="0 1 0" range="-60 90"/><geom type="capsule" size="0.08" fromto="0 0 0 0 0 0.8" mass="40"/>
-      <body name="lower" pos="0 0 0.8">
-        <joint name="j2" axis="0 1 0" range="-90 90"/>
-        <geom type="capsule" size="0.06" fromto="0 0 0 0.7 0 0" mass="20"/>
-      </body>
-    </body>
-  </worldbody>
-</mujoco>
-"""
-# The habits of mujoco_menagerie: nested default classes, meshes in a folder, included files, position actuators, a
-# gripper of two fingers coupled by an equality, contact exclusions, a keyframe.
-MENAGERIE = """
-<mujoco model="twig">
-  <compiler angle="radian" meshdir="assets" autolimits="true"/>
-  <include file="defaults.xml"/>
-  <asset><mesh file="tri.obj"/></asset>
-  <worldbody>
-    <light pos="0 0 2"/>
-    <body name="base" childclass="arm">
-      <geom class="visual" mesh="tri"/>
-      <body name="l1" pos="0 0 0.2">
-        <inertial mass="4" pos="0 0 0.1" diaginertia="0.02 0.02 0.02"/>
-        <joint name="j1" axis="0 0 1"/>
-        <geom size="0.05"/>
-        <body name="l2" pos="0 0 0.2">
-          <inertial mass="3" pos="0 0 0.2" diaginertia="0.03 0.03 0.01"/>
-          <joint name="j2"/>
-          <body name="l3" pos="0 0 0.4">
-            <inertial mass="1" pos="0 0 0.1" diaginertia="0.002 0.002 0.0005"/>
-            <joint name="j3" class="small"/>
-            <site name="attachment_site" pos="0 0 0.2"/>
-            <body name="hand" pos="0 0 0.2">
-              <inertial mass="0.3" pos="0 0 0" diaginertia="1e-4 1e-4 1e-4"/>
-              <body name="f1" pos="0 0.02 0.05">
-                <joint name="finger1" type="slide" axis="0 1 0" range="0 0.04"/><geom size="0.01" mass="0.02"/>
-              </body>
-              <body name="f2" pos="0 -0.02 0.05">
-                <joint name="finger2" type="slide" axis="0 -1 0" range="0 0.04"/><geom size="0.01" mass="0.02"/>
-              </body>
-            </body>
-          </body>
-        </body>
-      </body>
-    </body>
-  </worldbody>
-  <contact><exclude body1="l1" body2="l2"/></contact>
-  <equality><joint joint1="finger1" joint2="finger2"/></equality>
-  <actuator>
-    <position name="a1" joint="j1" class="arm"/>
-    <position name="a2" joint="j2" class="arm"/>
-    <position name="a3" joint="j3" class="small"/>
-    <position name="grip" joint="finger1" class="small" ctrlrange="0 0.04"/>
-  </actuator>
-  <sensor><jointpos joint="finger1"/></sensor>
-  <keyframe><key name="home" qpos="0 0.5 0 0 0" ctrl="0 0.5 0 0"/></keyframe>
-</mujoco>
-"""
-DEFAULTS = """
-<mujocoinclude>
-  <default>
-    <joint damping="9" frictionloss="9" armature="9"/>
-    <default class="arm">
-      <joint axis="0 1 0" range="-2 2" armature="0.1" damping="1" frictionloss="2"/>
-      <position ctrlrange="-2 2" forcerange="-150 150" kp="2000"/>
-      <default class="small"><position forcerange="-30 30" kp="500"/><joint armature="0.05"/></default>
-      <default class="visual"><geom type="mesh" group="2" contype="0" conaffinity="0"/></default>
-    </default>
-  </default>
-</mujocoinclude>
-"""
-TETRAHEDRON = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
-URDF = """
-<robot name="lift">
-  <link name="base"/>
-  <link name="a">
-    <inertial><origin xyz="0 0 0.2"/><mass value="6"/>
-      <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
-    <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>
-  </link>
-  <link name="b">
-    <inertial><origin xyz="0.2 0 0"/><mass value="2"/>
-      <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
-  </link>
-  <link name="tool0"/>
-  <joint name="lift" type="prismatic"><parent link="base"/><child link="a"/><origin xyz="0 0 0.1"/><axis xyz="0 0 1"/>
-    <limit lower="-0.2" upper="1" effort="500" velocity="2"/></joint>
-  <joint name="turn" type="continuous"><parent link="a"/><child link="b"/><origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>
-    <dynamics damping="0.5" friction="0.2"/></joint>
-  <joint name="fixed" type="fixed"><parent link="b"/><child link="tool0"/><origin xyz="0.4 0 0"/></joint>
-</robot>
-"""
-
-
-@pytest.fixture
-def menagerie(tmp_path: Path) -> Path:
-    folder = tmp_path / "twig_arm"
-    (folder / "assets").mkdir(parents=True)
-    (folder / "assets" / "tri.obj").write_text(TETRAHEDRON)
-    (folder / "defaults.xml").write_text(DEFAULTS)
-    (folder / "twig.xml").write_text(MENAGERIE)
-    return folder / "twig.xml"
-
-
-@pytest.fixture
-def urdf(tmp_path: Path) -> Path:
-    (tmp_path / "lift.urdf").write_text(URDF)
-    return tmp_path / "lift.urdf"
-
 
 def works(folder: Path) -> None:
     """Let it rest, and move to a command under a load."""
@@ -184,11 +72,9 @@ def test_menagerie_arm(menagerie: Path, tmp_path: Path, capsys: pytest.CaptureFi
     assert "site 'attachment_site' of the file" in readme
 
 
-def test_an_arm_with_masses_in_its_shapes_alone(tmp_path: Path) -> None:
+def test_an_arm_with_masses_in_its_shapes_alone(stick: Path, tmp_path: Path) -> None:
     """Before such a file is compiled, the centre of mass of its last link is no number."""
-    file = tmp_path / "stick.xml"
-    file.write_text(STICK)
-    source = read_source(file)
+    source = read_source(stick)
     np.testing.assert_allclose(source.load_position, (0.35, 0, 0), atol=1e-9)
     robot = start_robot("stick", source, tmp_path / "stick").compiled.robot
     assert [drive.joint for drive in robot.figures.drives] == ["j1", "j2"]
@@ -205,10 +91,8 @@ def test_one_armature_for_weak_and_strong_drives_is_a_placeholder(menagerie: Pat
     assert any("armature 0.1 of the file stands there" in line for line in robot.robot.figures.assumed)
 
 
-def test_a_name_that_means_something_in_yaml_is_a_name(tmp_path: Path) -> None:
-    file = tmp_path / "stick.xml"
-    file.write_text(STICK)
-    assert start_robot("off", read_source(file), tmp_path / "off").compiled.robot.figures.title == "off"
+def test_a_name_that_means_something_in_yaml_is_a_name(stick: Path, tmp_path: Path) -> None:
+    assert start_robot("off", read_source(stick), tmp_path / "off").compiled.robot.figures.title == "off"
 
 
 def test_links_are_those_of_the_file(menagerie: Path, tmp_path: Path) -> None:
@@ -237,7 +121,8 @@ def test_urdf_with_a_slide(urdf: Path, tmp_path: Path) -> None:
 
 def test_urdf_with_a_link_that_hangs_on_no_joint(urdf: Path) -> None:
     """As ROS has it, too; the link stood in the model, fixed to the world, and "left out: nothing" was said."""
-    lost = URDF[: URDF.index('  <joint name="fixed"')] + "</robot>"
+    text = urdf.read_text()
+    lost = text[: text.index('  <joint name="fixed"')] + "</robot>"
     urdf.write_text(lost)
     with pytest.raises(
         RobotError, match=r"lift\.urdf: links 'base' and 'tool0' hang on no joint, and only the base may"

@@ -100,9 +100,10 @@ class Marginal:
         covariance = np.asarray(np.linalg.inv(self._penalised(columns, prior)), dtype=np.float64)
         return covariance @ self.scores[columns], covariance
 
-    def log_evidence(self, columns: Array, prior: Array) -> float:
-        """Return the logarithm of the Bayes factor of some columns with normal priors against the null model."""
-        return float(self.log_evidences(columns[None], prior[None])[0])
+    def log_evidence(self, columns: Array, prior: Array, sign: Array | None = None) -> float:
+        """Return the logarithm of the Bayes factor of some columns against the null model, as of `log_evidences`."""
+        signs = None if sign is None else sign[None]
+        return float(self.log_evidences(columns[None], prior[None], signs)[0])
 
     def log_evidences(self, columns: Array, prior: Array, sign: Array | None = None) -> Array:
         """Return the log evidence of E groups of k columns, shape (E,), for indices and priors of shape (E, k).
