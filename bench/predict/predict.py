@@ -23,7 +23,7 @@ from bench.errors import NOT_SIMULATED, InputError
 from bench.predict.errors import channel_errors, worst_stretches
 from bench.predict.fit_anew import fit_anew
 from bench.predict.free import checked
-from bench.predict.freed import FreedFigure, beside_model, is_told, known_of
+from bench.predict.freed import FreedFigure, beside_model, known_of
 from bench.predict.prediction import SEEN, ChannelError, MaybeAnew, PredictedRecording, Prediction
 from bench.predict.worth_freeing import worth_freeing
 from bench.record.campaign import Array, Campaign
@@ -80,7 +80,7 @@ def _recording(
     if free:
         linear, fit = fit_anew(stated, free)
         world, left, known = fit.world(linear), fit.residual, known_of(model)
-        freed = tuple(beside_model(figure, known) for figure in fitted_figures(linear, fit) if is_told(figure))
+        freed = tuple(beside_model(figure, known) for figure in fitted_figures(linear, fit) if figure.is_told)
     error = np.where(there, left, np.nan)
     channels = channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free))
     starts = {run.name: run.start_s for run in recording.runs}
