@@ -15,6 +15,7 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.given import Posterior, given_by
+from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.effects.drifts import COULOMB, DAY_K
 from bench.effects.effect import Acting, Place
@@ -158,3 +159,13 @@ def test_a_column_means_one_thing_in_every_row(nominal: CompiledRobot, first: Da
 
 def test_without_an_earlier_diagnosis_there_is_nothing_to_compare(first: Day) -> None:
     assert all(np.isnan(row.earlier) and not row.has_changed for row in first.rows.values())
+
+
+def test_what_was_found_before_counts_once_in_several_recordings(first: Day) -> None:
+    """What drifts has a part in each recording beside the one that lasts, from which each part is a difference."""
+    nuisances = given_by(first.posterior, nuisances_of(first.robot, first.linear.quantities), first.robot).nuisances
+    found = [one for one in with_recordings(nuisances, first.robot, ("may", "june")) if one.earlier]
+    drifting = {one.name for one in nuisances if one.own > 0 and one.lasting > 0}
+    assert any(one.name in drifting and one.recording is None for one in found)
+    assert not any(one.name in drifting and one.recording for one in found)
+    assert {one.name for one in found if one.recording} <= {one.name for one in nuisances if one.lasting == 0}
