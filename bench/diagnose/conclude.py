@@ -8,6 +8,7 @@ import numpy as np
 from bench.diagnose.cross_validation.held_out import HeldOut
 from bench.diagnose.extend.fit import BEYOND, Fit
 from bench.diagnose.extend.size import size_of
+from bench.diagnose.extend.told import told_sizes
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.limits import detection_limits
 from bench.diagnose.linearise.linearised_model import LinearisedModel
@@ -168,6 +169,7 @@ def _explanation(model: Model, fit: Fit, shares: Mapping[frozenset[Hashable], fl
 
 
 def _named(cause: Cause, fit: Fit) -> NamedCause:
+    told = told_sizes(cause, fit)
     parameters = tuple(
         ParameterValue(
             u.parameter.name,
@@ -176,6 +178,7 @@ def _named(cause: Cause, fit: Fit) -> NamedCause:
             float(value + NORMAL_95 * sigma),
             u.parameter.unit,
             u.parameter.words,
+            told.get(u.parameter.name, True),
         )
         for u, value, sigma in zip(fit.unknowns, fit.values, fit.sigma, strict=True)
         if u.cause is cause

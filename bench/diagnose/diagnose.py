@@ -8,6 +8,7 @@ from functools import cached_property
 from threadpoolctl import threadpool_limits
 
 from bench.diagnose.conclude import unfinished_of, verdict_of
+from bench.diagnose.cross_validation.figures import changed_figures
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.cross_validation.next_recording import predicted_error
 from bench.diagnose.experiment_design.propose import propose
@@ -137,13 +138,14 @@ def _concluded(task: Task, found: Explained, *, proposes: bool) -> Diagnosis:
                     proposals = propose(naming.linear, fits, executor)
             task.progress("what this campaign could not show")
             about = (signatures.compiled, found.segments, signatures.quantities, naming.screening, signatures.causes)
-            blind = undetectable_effects(*about, executor, naming.found)
+            blind = undetectable_effects(*about, executor, naming.found, naming.linear)
     except Stopped as stopped:
         unfinished = unfinished_of(naming, str(stopped), task.progress.now)
     missing = unseen_of(task.catalogue.values(), measured_by(task.campaign))
     verdict = verdict_of(naming, task.rate, missing, signatures.unbalanced, found.gain, proposals, found.discrepancy)
     links = (one.robot.figures.uncertainty.links for one in (signatures.compiled, task.compiled))
     verdict = replace(verdict, blind=blind, predicted=predicted, unfinished=unfinished, baseline=found.baseline)
+    verdict = replace(verdict, changed=changed_figures(found.about, found.fit))
     return Diagnosis(found.about, naming, replace(verdict, links=next(links) / next(links)), found.discrepancy)
 
 

@@ -10,7 +10,15 @@ SMALL = 0.2
 
 @dataclass(frozen=True)
 class ParameterValue:
-    """One parameter of a cause with its 95 % interval, in `unit`; `words` say what it is."""
+    """One parameter of a cause with its 95 % interval, in `unit`.
+
+    Attributes:
+        name: Of the catalogue.
+        value, low, high: As fitted, and the ends of its interval.
+        unit: SI.
+        words: What it is.
+        is_told: Whether the data say anything of it by itself; if not, value and interval are what was assumed.
+    """
 
     name: str
     value: float
@@ -18,6 +26,7 @@ class ParameterValue:
     high: float
     unit: str
     words: str = ""
+    is_told: bool = True
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from typing import Any
 
 from bench.diagnose.baseline.comparison import Baseline as Baseline  # part of the verdict
 from bench.diagnose.baseline.comparison import DriveErrors as DriveErrors  # part of the verdict
+from bench.diagnose.cross_validation.figures import FittedFigure as FittedFigure  # part of the verdict
 from bench.diagnose.cross_validation.held_out import ChannelGain as ChannelGain  # part of the verdict
 from bench.diagnose.cross_validation.held_out import PredictedError as PredictedError  # part of the verdict
 from bench.diagnose.cross_validation.held_out import RecordingGain as RecordingGain  # part of the verdict
@@ -150,6 +151,8 @@ class Verdict:
         baseline: Held-out errors of each drive's torque beside those of least squares; None: there is no first pass.
         links: Times that masses and centres of mass were taken to be less certain than stated, moments of inertia
             likewise; 1: as stated.
+        changed: Figures that are other ones than the diagnosis found from which this one started, however far they were
+            expected to drift: those of the robot first, then those of readings, the least expected first.
     """
 
     kind: str
@@ -173,6 +176,7 @@ class Verdict:
     unfinished: Unfinished | None = None
     baseline: Baseline | None = None
     links: float = 1.0
+    changed: tuple[FittedFigure, ...] = ()
 
     @property
     def other_explanations(self) -> tuple[Explanation, ...]:

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.diagnose.cross_validation.figures import FittedFigure
-from bench.diagnose.extend.size import NORMAL_95
 from bench.predict.another_payload import carried_by
 from bench.robot.compiled import CompiledRobot
 
 AXES = "xyz"
-LEAST_TOLD = 0.01  # shown: of the stated uncertainty, by which a recording has to narrow it, to be told
 
 
 @dataclass(frozen=True)
@@ -28,12 +26,6 @@ class FreedFigure(FittedFigure):
     def total(self) -> float:
         """What the recording has of it, in `unit`: that of the model and the difference; nan where that is unknown."""
         return self.model + self.found
-
-
-def is_told(figure: FittedFigure) -> bool:
-    """Whether a recording says anything of a figure: of one that it does not, the prior comes back as it was stated."""
-    half = (figure.high - figure.low) / 2
-    return not half > (1 - LEAST_TOLD) * NORMAL_95 * figure.sigma  # sigma is nan of what has no stated uncertainty
 
 
 def beside_model(figure: FittedFigure, known: Mapping[str, float]) -> FreedFigure:

@@ -22,7 +22,7 @@ from bench.errors import NOT_SIMULATED, InputError
 from bench.predict.errors import channel_errors, worst_stretches
 from bench.predict.fit_anew import freed_beside_the_day
 from bench.predict.free import checked
-from bench.predict.freed import FreedFigure, beside_model, is_told, known_of
+from bench.predict.freed import FreedFigure, beside_model, known_of
 from bench.predict.prediction import SEEN, ChannelError, MaybeAnew, PredictedRecording, Prediction
 from bench.predict.worth_freeing import worth_freeing
 from bench.record.campaign import Array, Campaign
@@ -79,7 +79,7 @@ def _recording(
     if free:
         anew, known = freed_beside_the_day(stated, free), known_of(model)
         linear, world, left = anew.linear, anew.world, anew.residual
-        freed = tuple(beside_model(figure, known) for figure in anew.figures if is_told(figure))
+        freed = tuple(beside_model(figure, known) for figure in anew.figures if figure.is_told)
     error = np.where(there, left, np.nan)
     channels = channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free))
     starts = {run.name: run.start_s for run in recording.runs}

@@ -7,8 +7,9 @@ import numpy as np
 from bench.diagnose.cross_validation.folds import folds_of
 from bench.diagnose.cross_validation.jackknife import jackknife_variance
 from bench.diagnose.cross_validation.leave_out import tangent_of
-from bench.diagnose.extend.fit import Fit, Unknown
+from bench.diagnose.extend.fit import Fit, Key, Unknown
 from bench.diagnose.extend.size import NORMAL_95
+from bench.diagnose.extend.told import is_narrower, told_sizes
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import torque_constant_of
 from bench.diagnose.replay.nuisances import Nuisance
@@ -21,20 +22,26 @@ TRADES = float(np.sqrt(0.5))
 
 @dataclass(frozen=True)
 class FittedFigure:
-    """One fitted parameter.
+    """One fitted parameter: `stated`, `earlier`, `found`, `low` and `high` are values of one and the same thing.
 
     Attributes:
         name: For people.
         kind: "figure" of robot or instruments, stated with an uncertainty; "finding": a parameter of a cause;
             "campaign": what belongs to these recordings and not to the robot, and is not handed over.
-        unit: SI; "" for a relative deviation.
-        stated: Value of the nominal robot; 0 for figures of which the deviation is given.
+        unit: SI; "" for a share of what is stated.
+        stated: What is stated of the robot, before any diagnosis; 0 for figures of which the deviation is given.
         found: As fitted.
         low, high: Ends of its 95 % interval.
-        sigma: Standard deviation with which it is stated; nan for a finding, which nobody stated.
-        sigmas: Found less stated, in standard deviations as stated; nan for a finding.
+        sigma: Standard deviation with which it was expected: about what is stated, or about what an earlier diagnosis
+            had found; of a share, of that; of what is known to a factor, that factor less 1. nan for a finding, which
+            nobody expected.
+        sigmas: How far from that it was found, in these standard deviations; nan for a finding.
         trades_with: Name of the parameter with whose estimate its own is correlated most, "" where that is weak.
         correlation: Of both estimates; nan where it is weak.
+        is_told: Whether data say anything of it by itself; if not, its value and interval are its prior's.
+        earlier: What an earlier diagnosis had found, from which this one started; nan where it says nothing of it.
+        has_changed: Whether it is another one than that diagnosis found, beyond what both know, however much it was
+            expected to drift.
     """
 
     name: str
@@ -48,10 +55,13 @@ class FittedFigure:
     sigmas: float
     trades_with: str
     correlation: float
+    is_told: bool = True
+    earlier: float = float("nan")
+    has_changed: bool = False
 
     @property
     def has_moved(self) -> bool:
-        """Whether it is a stated figure that was found further away than its uncertainty explains."""
+        """Whether it was found further away than its uncertainty explains from what is stated or was found before."""
         return self.kind == "figure" and abs(self.sigmas) > MOVED
 
 
@@ -76,6 +86,7 @@ def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...
     spread[:p] = np.minimum(spread[:p], 1.0)  # what is stated is known without any data
     np.fill_diagonal(correlation, 0.0)
     names = [*map(str, linear.nuisances), *map(_name, fit.unknowns)]
+    told = _told(fit)
     found = []
     for i in range(p + len(fit.unknowns)):
         partner = int(np.argmax(np.abs(correlation[i])))
@@ -84,37 +95,78 @@ def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...
             row = _figure(linear.nuisances[i], float(fit.nuisances[i]), float(spread[i]))
             constant = constants[i]
             row = row if constant is None else _of_constant(row, constant)
+            is_told = is_narrower(float(spread[i]), 1.0)
         else:
-            row = _finding(fit.unknowns[i - p], float(fit.values[i - p]), float(spread[i]))
+            unknown = fit.unknowns[i - p]
+            row = _finding(unknown, float(fit.values[i - p]), float(spread[i]))
+            is_told = told[unknown.key]
         rho = float(correlation[i, partner]) if is_strong else np.nan
-        found.append(FittedFigure(names[i], *row, names[partner] if is_strong else "", rho))
+        whose = names[partner] if is_strong else ""
+        found.append(FittedFigure(names[i], *row[:8], whose, rho, is_told, *row[8:]))
     found.sort(key=lambda one: (one.kind != "finding", -abs(one.sigmas) if one.kind != "finding" else 0.0))
     return tuple(found)
 
 
-_Row = tuple[str, str, float, float, float, float, float, float]
+def changed_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...]:
+    """Return what has changed since the diagnosis from which this one started, what is the robot's first.
+
+    Args:
+        linear: The campaign.
+        fit: To all of it.
+    """
+    if not any(nuisance.earlier for nuisance in linear.nuisances):
+        return ()
+    of_robot = {str(nuisance) for nuisance in linear.nuisances if nuisance.moves_robot}
+    changed = [figure for figure in fitted_figures(linear, fit) if figure.has_changed]
+    return tuple(sorted(changed, key=lambda figure: figure.name not in of_robot))
+
+
+_Row = tuple[str, str, float, float, float, float, float, float, float, bool]
 
 
 def _figure(nuisance: Nuisance, x: float, spread: float) -> _Row:
-    """Return what a row says of a deviation that is x standard deviations as stated, give or take `spread` of them."""
-    found, low, high = (nuisance.off_by(x + side * NORMAL_95 * spread) for side in (0, -1, 1))
-    kind = "figure" if nuisance.is_simulated else "campaign"
-    stated = nuisance.sigma / nuisance.widened
-    return kind, nuisance.unit, 0.0, found, low, high, stated, x * nuisance.widened
+    """Return what a row says of a deviation that is x standard deviations of its prior, give or take `spread` of them.
+
+    A factor is given as a share, and its standard deviation as that of the factor.
+    """
+    off, low, high = (nuisance.off_by(x + side * NORMAL_95 * spread) for side in (0, -1, 1))
+    kind, unit, earlier = "figure" if nuisance.is_simulated else "campaign", nuisance.unit, nuisance.earlier
+    if earlier is None:
+        stated = nuisance.sigma / nuisance.widened
+        return kind, unit, 0.0, off, low, high, stated, x * nuisance.widened, np.nan, False
+    share = earlier.expected / nuisance.sigma
+    sigma = nuisance.off_by(share) if nuisance.is_factor else earlier.expected
+    has_changed = bool(abs(x) > MOVED * np.hypot(earlier.known / nuisance.sigma, spread))
+    off, low, high = map(earlier.total, (off, low, high))
+    return kind, unit, 0.0, off, low, high, sigma, x / share, earlier.found, has_changed
 
 
 def _of_constant(row: _Row, constant: float) -> _Row:
-    """Return a row about the gain of what a drive reports as one about its torque constant [Nm/A], nan: relative."""
-    kind, _, _, found, low, high, sigma, sigmas = row
-    best, least, most = (1 / (1 + gain) if gain > -1 else np.inf for gain in (found, high, low))
+    """Return a row about the gain of what a drive reports as one about its torque constant.
+
+    Args:
+        row: What a drive reports is (1 + gain) of what it should.
+        constant: Of the robot that was taken, which has what an earlier diagnosis found [Nm/A]; nan: relative.
+    """
+    kind, _, _, found, low, high, sigma, sigmas, before, has_changed = row
+    best, least, most, then = (np.inf if gain <= -1 else 1 / (1 + gain) for gain in (found, high, low, before))
     if np.isnan(constant):
-        return kind, "", 0.0, best - 1, least - 1, most - 1, sigma, -sigmas
-    return kind, "Nm/A", constant, constant * best, constant * least, constant * most, constant * sigma, -sigmas
+        return kind, "", 0.0, best - 1, least - 1, most - 1, sigma, -sigmas, then - 1, has_changed
+    stated = constant if np.isnan(before) else constant * (1 + before)
+    best, least, most, then = (stated * part for part in (best, least, most, then))
+    return kind, "Nm/A", stated, best, least, most, constant * sigma, -sigmas, then, has_changed
 
 
 def _finding(unknown: Unknown, value: float, spread: float) -> _Row:
     half, parameter = NORMAL_95 * spread, unknown.parameter
-    return "finding", parameter.unit, parameter.null, value, value - half, value + half, np.nan, np.nan
+    null = float(parameter.null)
+    return "finding", parameter.unit, null, value, value - half, value + half, np.nan, np.nan, np.nan, False
+
+
+def _told(fit: Fit) -> dict[Key, bool]:
+    """Return, for each unknown of a fit, whether data say anything of it; a shape counts as told."""
+    sizes = {(*cause.key, name): told for cause in fit.causes for name, told in told_sizes(cause, fit).items()}
+    return {unknown.key: sizes.get(unknown.key, True) for unknown in fit.unknowns}
 
 
 def _name(unknown: Unknown) -> str:

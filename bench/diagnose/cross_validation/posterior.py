@@ -26,7 +26,8 @@ def posterior_of(linear: LinearisedModel, fit: Fit) -> Posterior:
     for i, nuisance in enumerate(linear.nuisances):
         if nuisance.is_simulated and nuisance.recording is None:
             value = float(fit.nuisances[i]) * nuisance.sigma
-            found.append(PosteriorParameter(nuisance.name, nuisance.unit, nuisance.sigma, value))
+            before = nuisance.earlier.found if nuisance.earlier else 0.0
+            found.append(PosteriorParameter(nuisance.name, nuisance.unit, nuisance.sigma, value, before=before))
             which.append(i)
             width.append(1.0)
     for j, unknown in enumerate(fit.unknowns):

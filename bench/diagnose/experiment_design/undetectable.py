@@ -11,6 +11,7 @@ import numpy as np
 
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.limits import detection_limits
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening
 from bench.diagnose.replay.noise import UNIFORM
 from bench.diagnose.replay.quantities import AXES, Quantity
@@ -41,11 +42,14 @@ class UndetectableEffect:
         places: Where.
         shown_by: Quantities of the campaign format that would show it in the same runs ("current", "reflector", ...);
             empty: it takes other runs.
+        taken_by: The data show what it would do, but fitted figures may be as far off and do the same: for each place
+            the one that takes most of it; empty: the data do not show it.
     """
 
     effect: str
     places: tuple[str, ...]
     shown_by: tuple[str, ...]
+    taken_by: tuple[str, ...] = ()
 
 
 def undetectable_effects(
@@ -56,6 +60,7 @@ def undetectable_effects(
     causes: Sequence[Cause],
     executor: Executor = SERIAL,
     found: Set[tuple[str, str]] = frozenset(),
+    linear: LinearisedModel | None = None,
 ) -> tuple[UndetectableEffect, ...]:
     """Return what a campaign cannot show.
 
@@ -67,6 +72,7 @@ def undetectable_effects(
         causes: That were looked for.
         executor: Where to simulate.
         found: Effect and place of what was found: the nominal robot may hide an effect that stands out beside others.
+        linear: The campaign, with the figures that are fitted; None: nobody asks which of them take an effect.
     """
     seen = _seen(screening, causes)
     unseen = [cause for cause in causes if cause.key not in seen and cause.key not in found]
@@ -82,19 +88,47 @@ def undetectable_effects(
         for i, predicted in enumerate(simulate_all(replay, worlds, executor)):
             if not isinstance(predicted, BenchError):
                 shown[i] = _clear(more, (predicted - nominal) / sigma)
-    grouped: dict[tuple[str, tuple[str, ...]], list[str]] = {}
+    taken = _taken(screening, linear, unseen) if linear else {}
+    grouped: dict[tuple[str, tuple[str, ...], bool], list[Cause]] = {}
     for cause, by in zip(unseen, shown, strict=True):
-        grouped.setdefault((cause.effect.name, by), []).append(str(cause.place))
-    return tuple(UndetectableEffect(effect, tuple(places), by) for (effect, by), places in grouped.items())
+        grouped.setdefault((cause.effect.name, by, cause.key in taken), []).append(cause)
+    return tuple(
+        UndetectableEffect(
+            effect,
+            tuple(str(cause.place) for cause in mine),
+            by,
+            tuple(taken[cause.key] for cause in mine if is_taken),
+        )
+        for (effect, by, is_taken), mine in grouped.items()
+    )
 
 
-def _seen(screening: Screening, causes: Iterable[Cause]) -> set[tuple[str, str]]:
-    """Return the causes that would have been found at a plausible size."""
+def _seen(screening: Screening, causes: Iterable[Cause], information: Array | None = None) -> set[tuple[str, str]]:
+    """Return the causes that would have been found at a plausible size, with the information of `detection_limits`."""
     largest: Mapping[tuple[str, str, str], float] = {
         (*cause.key, size.name): size.high for cause in causes for size in cause.sizes
     }
-    limits = detection_limits(screening)
-    return {(one.effect, one.place) for one in limits if one.limit <= largest[one.effect, one.place, one.parameter]}
+    limits = detection_limits(screening, information)
+    sizes = ((one, largest.get((one.effect, one.place, one.parameter), -np.inf)) for one in limits)
+    return {(one.effect, one.place) for one, high in sizes if one.limit <= high}
+
+
+def _taken(screening: Screening, linear: LinearisedModel, unseen: Sequence[Cause]) -> dict[tuple[str, str], str]:
+    """Return the causes that fitted figures hide -> name of the one that takes most of it.
+
+    The readings show them at a plausible size where all figures are right, and no more where these may be off. Of a
+    column x, the slope a of one figure takes (a^T x)^2 / a^T a.
+    """
+    columns, slopes = screening.tried.columns, linear.jacobian
+    squares = np.einsum("ij,ij->j", slopes, slopes)
+    takes_most = np.argmax(columns.with_slopes(slopes) ** 2 / np.where(squares > 0, squares, np.inf)[:, None], axis=0)
+    shown = _seen(screening, unseen, columns.squares)
+    found: dict[tuple[str, str], str] = {}
+    for entry in screening.entries:
+        if entry.cause and entry.cause.key in shown:
+            clearest = entry.columns[np.argmax(columns.squares[entry.columns])]
+            found.setdefault(entry.cause.key, str(linear.nuisances[takes_most[clearest]]))
+    return found
 
 
 def _absent(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[Quantity, ...]:

@@ -7,6 +7,7 @@ import numpy as np
 from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
 from bench.diagnose.linearise.screening import Screening
 from bench.effects.effect import Parameter
+from bench.record.campaign import Array
 
 
 @dataclass(frozen=True)
@@ -51,9 +52,14 @@ def smallest_found(information: float, prior: float, threshold: float) -> float:
     return float(np.sqrt((2 * threshold + np.log1p(known)) * (1 + known) / known / information))
 
 
-def detection_limits(screening: Screening) -> tuple[DetectionLimit, ...]:
-    """Return the limits of everything that was tried, over all shapes of each cause."""
-    known = screening.marginal.diagonal
+def detection_limits(screening: Screening, information: Array | None = None) -> tuple[DetectionLimit, ...]:
+    """Return the limits of everything that was tried, over all shapes of each cause.
+
+    Args:
+        screening: Of everything.
+        information: Shape (q,), on the size of each column; None: that of the data, nuisances integrated out.
+    """
+    known = screening.marginal.diagonal if information is None else information
     found: dict[tuple[str, str, str], list[float]] = {}
     sizes: dict[tuple[str, str, str], tuple[Cause, Parameter]] = {}
     for entry in screening.entries:

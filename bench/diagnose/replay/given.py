@@ -8,14 +8,17 @@ What was found and is another one in each recording, as a payload is, is integra
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.nuisances import Earlier, Nuisance
+from bench.diagnose.replay.posterior import Posterior as Posterior  # what is given
+from bench.diagnose.replay.posterior import PosteriorParameter as PosteriorParameter  # what is given
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.effects.catalogue import catalogue
+from bench.effects.drifts import COULOMB, DAY_K, VISCOUS
 from bench.effects.effect import Acting, Conditions, Effect, Place
 from bench.effects.fitted import acting_of
 from bench.errors import NOT_SIMULATED, RobotError
@@ -28,43 +31,14 @@ LABEL = "earlier diagnosis"
 REACH = 2.0  # declared: standard deviations of a finding, as far as which it has to make a model
 # rounding: of the information that is stated; what the earlier campaign says less about, it says nothing of
 UNTOLD = 1e-6
+# Friction that a diagnosis finds where the nominal model has none -> the figure that is all of it from then on, and how
+# far that drifts.
+DRIFTS = {
+    "coulomb_friction": ("motor-side Coulomb friction", COULOMB * DAY_K),
+    "viscous_friction": ("viscous friction", VISCOUS * DAY_K),
+    "rolling_friction": ("rolling friction", VISCOUS * DAY_K),
+}
 LEAST = 0.05  # rounding: of what was stated, to which a torque constant or a change may have shrunk
-
-
-@dataclass(frozen=True)
-class PosteriorParameter:
-    """A figure, or the size of a finding.
-
-    Attributes:
-        name: For people.
-        unit: "" for a relative deviation.
-        sigma: Standard deviation of its prior, in its unit.
-        found: As fitted.
-        effect, place, parameter: Of a finding, as `fitted.effects` has them; "" for a figure.
-        shapes: Of a finding, parameters that shape it.
-    """
-
-    name: str
-    unit: str
-    sigma: float
-    found: float
-    effect: str = ""
-    place: str = ""
-    parameter: str = ""
-    shapes: Mapping[str, float] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, eq=False)
-class Posterior:
-    """What a diagnosis knows; n parameters.
-
-    Attributes:
-        parameters: Figures, then sizes of findings.
-        covariance: Shape (n, n), in standard deviations of their priors.
-    """
-
-    parameters: tuple[PosteriorParameter, ...]
-    covariance: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,13 +68,17 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         nuisances: Of the robot, as stated.
         compiled: It.
     """
-    own = {(one.name, one.unit): i for i, one in enumerate(nuisances) if one.lasting > 0}
-    found, which, at, held, anew = list(nuisances), [], [], [], []
+    own = {(one.name, one.unit): i for i, one in enumerate(nuisances)}
+    found, which, at, held, anew = _of_found_friction(posterior, nuisances), [], [], [], []
     for i, one in enumerate(posterior.parameters):
         if not one.effect:
-            if (one.name, one.unit) in own:
+            mine = own.get((one.name, one.unit))
+            if mine is None or found[mine].earlier:
+                continue
+            found[mine] = _after(one, found[mine], np.inf)
+            if nuisances[mine].lasting > 0:
                 which.append(i)
-                at.append(own[one.name, one.unit])
+                at.append(mine)
             continue
         if is_anew(one):
             anew.append(one.name)
@@ -113,15 +91,51 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         at.append(len(found))
         found.append(nuisance)
     if not which:
-        return Given(tuple(nuisances), (), (), tuple(held), tuple(anew))
+        return Given(tuple(found), (), (), tuple(held), tuple(anew))
     kept = np.array([_kept(nuisances[i]) if i < len(nuisances) else 1.0 for i in at])
-    rows = _rows(np.outer(kept, kept) * posterior.covariance[np.ix_(which, which)] + np.diag(1 - kept**2))
+    known = posterior.covariance[np.ix_(which, which)]
+    expected = np.outer(kept, kept) * known + np.diag(1 - kept**2)
+    rows = _rows(expected)
     for column, i in enumerate(at):
-        sigma = found[i].sigma if found[i].is_factor else _sigma_about(posterior.parameters[which[column]])
-        found[i] = replace(found[i], sigma=sigma, said_before=tuple((rows[:, column] / sigma).tolist()))
+        one = posterior.parameters[which[column]]
+        sigma = found[i].sigma if found[i].is_factor else _sigma_about(one)
+        spread = np.sqrt([known[column, column], expected[column, column]])
+        after = _after(one, replace(found[i], sigma=sigma), *spread.tolist())
+        found[i] = replace(after, said_before=tuple((rows[:, column] / sigma).tolist()))
     names = [found[i].name for i in at]
     n = sum(i < len(nuisances) for i in at)
     return Given(tuple(found), tuple(names[:n]), tuple(names[n:]), tuple(held), tuple(anew))
+
+
+def _after(one: PosteriorParameter, nuisance: Nuisance, known: float, expected: float = 1.0) -> Nuisance:
+    """Return something that may be off with what an earlier diagnosis left of it.
+
+    Args:
+        one: As the earlier diagnosis has it.
+        nuisance: As it may be off in this one.
+        known: As of `Earlier`, in its standard deviations.
+        expected: Likewise.
+    """
+    off = nuisance.off_by(one.found / one.sigma) if nuisance.is_factor else one.found
+    left = Earlier(one.before, known * nuisance.sigma, expected * nuisance.sigma, one.is_share)
+    return replace(nuisance, earlier=replace(left, found=left.total(off)))
+
+
+def _of_found_friction(posterior: Posterior, nuisances: Sequence[Nuisance]) -> list[Nuisance]:
+    """Return what may be off, with friction that was found where nothing was stated as uncertain as days differ.
+
+    What is stated of friction is a share of what the nominal model has, which is nothing there: the level is as well
+    known as it was found. What is found in one recording differs from another one by the drifts of both.
+    """
+    found = list(nuisances)
+    at = {one.name: i for i, one in enumerate(nuisances)}
+    for one in posterior.parameters:
+        if one.effect in DRIFTS:
+            title, drift = DRIFTS[one.effect]
+            if (i := at.get(f"{title} of {one.place}")) is not None:
+                sigma = float(np.sqrt(2)) * drift
+                found[i] = replace(nuisances[i], sigma=sigma, earlier=Earlier(0.0, 0.0, sigma, is_share=True))
+    return found
 
 
 def is_anew(one: PosteriorParameter) -> bool:
@@ -196,8 +210,7 @@ def said_before(deviations: Mapping[Nuisance, float], rows: int) -> Array:
 
 def _sigma_about(one: PosteriorParameter) -> float:
     """Return the standard deviation of a prior about what was found; a relative deviation is one of that then."""
-    is_relative = one.parameter in ("", "change") and one.unit == ""
-    return one.sigma / max(1 + one.found, LEAST) if is_relative else one.sigma
+    return one.sigma / max(1 + one.found, LEAST) if one.is_share else one.sigma
 
 
 def _rows(covariance: Array) -> Array:

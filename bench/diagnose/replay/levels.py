@@ -68,8 +68,10 @@ def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nu
     if nuisance.lasting > 0:
         yield replace(nuisance, sigma=nuisance.lasting, between="same", own=0.0)
     if nuisance.own > 0:
+        earlier = None if nuisance.lasting > 0 else nuisance.earlier  # else it is counted in what lasts
+        own = replace(nuisance, sigma=nuisance.own, after_effects=nuisance.between == "drifts", earlier=earlier)
         for name in recordings:
-            yield replace(nuisance, sigma=nuisance.own, recording=name, after_effects=nuisance.between == "drifts")
+            yield replace(own, recording=name)
 
 
 def _coulomb_of_the_day(compiled: CompiledRobot) -> Iterator[Nuisance]:

@@ -26,6 +26,27 @@ UNKNOWN_ZERO = JointZero.parameters[0].high / 3**0.5
 OnReading = Callable[[float, Reading], Reading]
 
 
+@dataclass(frozen=True)
+class Earlier:
+    """What an earlier diagnosis left of something that may be off, in its unit; the robot of this one has that.
+
+    Attributes:
+        found: What was found, less what is stated; of what is known to a factor, as a share.
+        known: Standard deviation with which that was known of the recording in which it was found.
+        expected: Standard deviation with which it is expected of the next recording, as far as it drifts.
+        is_share: A deviation from it is a share of what was found.
+    """
+
+    found: float
+    known: float
+    expected: float
+    is_share: bool
+
+    def total(self, off: float) -> float:
+        """Return what is found now, less what is stated, where that is `off` from what was found."""
+        return self.found + off * (1 + self.found) if self.is_share else self.found + off
+
+
 @dataclass(frozen=True, eq=False)
 class Nuisance:
     """One thing that may be off; zero changes nothing.
@@ -47,6 +68,7 @@ class Nuisance:
         recording: Name of the only recording in which it acts; None: in all.
         after_effects: It changes the model with all that was found in it, such as friction; else the nominal one.
         said_before: What each reading of an earlier diagnosis changes by with one unit of it (`given.py`).
+        earlier: What that diagnosis left of it; None: there is none, or it says nothing of it.
     """
 
     name: str
@@ -63,6 +85,7 @@ class Nuisance:
         return self.name if self.recording is None else f"{self.name}{IN_RECORDING}{self.recording}"
 
     said_before: tuple[float, ...] = ()
+    earlier: Earlier | None = None
     own: float = 0.0
     is_factor: bool = False
     least: float = -np.inf

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from bench.diagnose.verdict import UndetectableEffect, Verdict
-from bench.report.diagnosis.names import effect_at, effect_name, listed
+from bench.report.diagnosis.names import effect_at, effect_name, listed, title_of
 
 INSTRUMENTS = {
     "current": "motor currents or torques (current_i_a, tau_motor_i_nm; of a slide tau_motor_i_n)",
@@ -40,11 +40,22 @@ def without_balance(verdict: Verdict) -> list[str]:
 
 def blind_sentences(verdict: Verdict) -> Iterator[str]:
     """Yield what this campaign could not have shown even at the largest plausible size, and what would have."""
-    for kind in dict.fromkeys(kind for spot in verdict.blind for kind in spot.shown_by):
-        shown = [spot for spot in verdict.blind if kind in spot.shown_by]
+    unseen = [spot for spot in verdict.blind if not spot.taken_by]
+    for kind in dict.fromkeys(kind for spot in unseen for kind in spot.shown_by):
+        shown = [spot for spot in unseen if kind in spot.shown_by]
         yield f"Not to be seen here; these runs with {_instruments((kind,))} would show: {_named(shown)}."
-    if other := [spot for spot in verdict.blind if not spot.shown_by]:
+    if other := [spot for spot in unseen if not spot.shown_by]:
         yield f"Not to be seen here; other joints, speeds, loads or hours may show: {_named(other)}."
+    taken = [spot for spot in verdict.blind if spot.taken_by]
+    if taken:
+        figures = sorted({title_of(name)[0] for spot in taken for name in spot.taken_by})
+        yield (
+            "No findings of their own here, for fitted figures may be as far off and change the readings in the same "
+            f"way: {_named(taken)}. What the figures came out as is in figures.csv ({listed(figures, 'and')})."
+        )
+    for kind in dict.fromkeys(kind for spot in taken for kind in spot.shown_by):
+        told = [spot for spot in taken if kind in spot.shown_by]
+        yield f"These runs with {_instruments((kind,))} would show more of: {_named(told)}."
 
 
 def _instruments(kinds: tuple[str, ...]) -> str:

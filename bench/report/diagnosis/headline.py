@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from bench.diagnose.named_causes import ParameterValue
 from bench.diagnose.verdict import AmbiguityGroup, NamedCause, Verdict
 from bench.report.diagnosis.baseline import missed_sentence
+from bench.report.diagnosis.changed import changed_sentence
 from bench.report.diagnosis.names import (
     capital,
     cause_name,
@@ -28,10 +29,12 @@ def headline(verdict: Verdict) -> str:
     """Return the verdict in one sentence of `MOST` characters; of one that is unfinished, that first.
 
     Large findings that are confirmed stand in it, the surest first; the others are counted, and named only where there
-    is no such finding. Where least squares predicts better for sure, a second sentence says so.
+    is no such finding. Where least squares predicts better for sure, a second sentence says so, and so does one where
+    figures have changed since the diagnosis from which this one started.
     """
     if not verdict.unfinished:
-        return f"{_headline(verdict, MOST)} {missed_sentence(verdict)}".strip()
+        more = (missed_sentence(verdict), changed_sentence(verdict))
+        return " ".join(filter(None, (_headline(verdict, MOST), *more)))
     ended = f"Unfinished ({verdict.unfinished.why}, during: {verdict.unfinished.during})"
     if verdict.kind == "nothing weighed":
         return f"{ended}: nothing was weighed yet, so nothing is known of any cause."
@@ -136,7 +139,7 @@ def _causes(group: AmbiguityGroup) -> list[str]:
 
 def _told(cause: NamedCause) -> ParameterValue:
     """Return the first size whose interval leaves out zero, the first of all if none does."""
-    return next((one for one in cause.parameters if not one.low <= 0 <= one.high), cause.parameters[0])
+    return next((one for one in cause.parameters if one.is_told and not one.low <= 0 <= one.high), cause.parameters[0])
 
 
 def _together(causes: Sequence[NamedCause], room: int, kind: str) -> str:

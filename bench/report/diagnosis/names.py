@@ -33,6 +33,7 @@ KINDS = {
     "known_gas_pressure": "gas pressure as known",
     "known_gas_temperature": "gas temperature as known",
 }
+BEFORE = ", as found before"  # after the name of a finding of an earlier diagnosis, which is a figure of the next one
 SINCE = " from run "  # before the run with which something sets in
 ACTS = {
     "link torque": "a torque on the link of {place}",
@@ -40,6 +41,7 @@ ACTS = {
     "gear angle": "an error of the gear of {place}",
     "reading": "an error of the readings of {place}",
 }
+UNTOLD = "these data do not tell it"  # of a parameter of which nothing but its prior is known
 PART_OF_UNLISTED = "a part of what is unlisted, which could hold it as well"
 SLIDES = {"torque": "force", "angle": "position"}  # what a turning drive has -> what a sliding one has
 
@@ -93,6 +95,13 @@ def place_name(place: str) -> str:
     if not where.startswith("run "):
         name = channel_name(name.removeprefix("robot ")).replace("_", " ")
     return f"{name}{since}{run}{within}{recording}".strip()
+
+
+def title_of(figure: str) -> tuple[str, str]:
+    """Return what a fitted figure is, and where: "viscous friction of J2" is viscous friction, J2."""
+    title, _, place = figure.rpartition(" of ")
+    found_before = figure.endswith(BEFORE)
+    return (title, place) if title and not found_before else (figure.removesuffix(BEFORE), "")
 
 
 def ordered(causes: Sequence[NamedCause]) -> list[NamedCause]:
@@ -190,8 +199,10 @@ def interval_of(parameter: ParameterValue) -> tuple[str, str, str]:
 
 
 def parameter_text(parameter: ParameterValue) -> str:
-    """Return a parameter in a line: "offset -38 K (-44 to -33)"."""
+    """Return a parameter in a line: "offset -38 K (-44 to -33)", without a value where the data tell none."""
     name = parameter.name.replace("_", " ")
+    if not parameter.is_told:
+        return f"{name}: {UNTOLD}"
     value, low, high = interval_of(parameter)
     return " ".join(filter(None, (name, value, unit_name(parameter.unit), f"({low} to {high})")))
 

@@ -9,10 +9,12 @@ from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.diagnose.verdict import ChannelGain, Verdict
 from bench.report.diagnosis.baseline import MODELS, baseline_words, behind_sentence, drive_rows, links_sentence
 from bench.report.diagnosis.blind import blind_sentences, not_looked_for, without_balance
+from bench.report.diagnosis.changed import changed_lines
 from bench.report.diagnosis.facts import Facts
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
     PART_OF_UNLISTED,
+    UNTOLD,
     capital,
     cause_name,
     channel_name,
@@ -146,6 +148,7 @@ def page_of(
         TEMPLATE,
         FILTERS,
         part_of_unlisted=PART_OF_UNLISTED,
+        untold=UNTOLD,
         floor_words=FLOOR,
         many=MANY,
         v=verdict,
@@ -164,7 +167,7 @@ def page_of(
         scatter_words=scatter_sentence(verdict),
         unlisted_name=unlisted_name(verdict.unlisted) if verdict.unlisted and has_shape else "",
         remainder_words=remainder_sentence(verdict),
-        undetectable_words=undetectable_sentence(verdict),
+        undetectable_words=undetectable_sentence(verdict, [spot for spot in verdict.blind if spot.taken_by]),
         detectable=[limit for limit in verdict.detectable if limit.is_plausible],
         cause_title=_cause_title(verdict),
         held_out_words=HELD_OUT.get(verdict.held_out_by, ""),
@@ -183,6 +186,7 @@ def page_of(
         expected=[one for one in verdict.predicted if one.kind == "motion"],
         files=made,
         moved=moved,
+        changed=list(changed_lines(verdict)),
         difference=_lines(difference),
     )
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from bench.diagnose.verdict import AmbiguityGroup, Verdict
 from bench.report.diagnosis.baseline import baseline_lines
 from bench.report.diagnosis.blind import blind_sentences, missing_sentences, without_balance
+from bench.report.diagnosis.changed import changed_lines
 from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, RECORDING, REPORT, ROBOT, VERDICT
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
@@ -54,6 +55,8 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     for explanation in verdict.other_explanations:
         name = name_beside(explanation, verdict.explanations[0])
         yield f"{percent(explanation.fitted_probability):>9}  altogether: {name}"
+    for line in changed_lines(verdict):
+        yield f"Changed since the earlier diagnosis: {line}"
     if words := open_names_sentence(verdict):
         yield words
     if remainder := remainder_sentence(verdict):

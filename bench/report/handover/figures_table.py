@@ -15,31 +15,39 @@ COLUMNS = tuple(field.name for field in fields(FittedFigure))
 
 
 def csv_of(figures: Iterable[FittedFigure]) -> str:
-    """Return the table as CSV, a row for each; SI units, as many digits as were fitted, empty where undefined."""
+    """Return the table as CSV, a row for each; SI units, as many digits as were fitted, empty where undefined.
+
+    What a column means stands in README.md, and is the same in every row; yes is 1, no is 0.
+    """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     for figure in figures:
         values = (getattr(figure, name) for name in COLUMNS)
-        writer.writerow("" if isinstance(value, float) and np.isnan(value) else value for value in values)
+        plain = (int(value) if isinstance(value, bool) else value for value in values)
+        writer.writerow("" if isinstance(value, float) and np.isnan(value) else value for value in plain)
     return text.getvalue()
 
 
 def moved_sentences(figures: Sequence[FittedFigure]) -> Iterator[str]:
-    """Yield a sentence for every stated figure that was found further away than its uncertainty explains."""
+    """Yield a sentence for every figure that was found further away than its stated uncertainty explains.
+
+    What has changed since an earlier diagnosis is said elsewhere (`report/diagnosis/changed.py`).
+    """
     for figure in figures:
-        if not figure.has_moved:
+        if not figure.has_moved or figure.has_changed:
             continue
-        far = f"{abs(figure.sigmas):.1f} times its stated uncertainty"
+        far = f"{abs(figure.sigmas):.1f} times its {'stated ' if np.isnan(figure.earlier) else ''}uncertainty"
         yield f"{figure.name}: {_size(figure)}, {far}{_trade(figure)}{_as_seen(figure)}"
 
 
 def _size(figure: FittedFigure) -> str:
     values, half = (figure.found, figure.low, figure.high), (figure.high - figure.low) / 2
     factor, unit = (1.0, figure.unit) if figure.unit else (100.0, "%")
-    stated, value, low, high = shown([factor * x for x in (figure.stated, *values)], unit, factor * half)
-    if figure.stated:
-        return f"{value} {unit_name(unit)} ({low} to {high}) instead of {stated}"
+    before = figure.stated if np.isnan(figure.earlier) else figure.earlier
+    then, value, low, high = shown([factor * x for x in (before, *values)], unit, factor * half)
+    if before:
+        return f"{value} {unit_name(unit)} ({low} to {high}) instead of {then}"
     sign = "" if value.startswith("-") else "+"
     return f"{sign}{value} {unit_name(unit)} ({low} to {high})"
 

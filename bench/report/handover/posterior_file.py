@@ -30,6 +30,7 @@ class _Parameter(Strict):
     place: str
     parameter: str
     shapes: dict[str, float]
+    before: float = 0.0
 
 
 class _Content(Strict):

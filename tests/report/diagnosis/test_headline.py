@@ -2,10 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from bench.diagnose.named_causes import ParameterValue
-from bench.diagnose.verdict import NamedCause, Unlisted
+from bench.diagnose.verdict import FittedFigure, NamedCause, Unlisted
 from bench.report.diagnosis.headline import MOST, headline
 from bench.report.diagnosis.words import words_of
 from tests.report.diagnosis.made import BESIDE, GAS, MASS, NOTHING, VERDICTS, WARM, ZERO, finding
@@ -168,3 +169,39 @@ def test_the_headline_shows_a_size_that_is_told() -> None:
     creep = NamedCause("tracker_creep", "creep", "tracker", sizes)
     words = headline(replace(VERDICTS["cause"], findings=(finding(creep),)))
     assert words.startswith("Creep (tracker): ry 0.001030 rad/h")
+
+
+def figure(name: str, unit: str, earlier: float, found: float, half: float, sigmas: float) -> FittedFigure:
+    values = (0.0, found, found - half, found + half, half, sigmas)
+    return FittedFigure(name, "figure", unit, *values, "", np.nan, True, earlier, has_changed=True)
+
+
+def test_what_has_changed_since_the_earlier_diagnosis_is_said() -> None:
+    """A day on which friction was 12 % lower had a verdict that named a payload alone."""
+    changed = (
+        figure("viscous friction of J2", "", 0.0, -0.128, 0.03, -0.6),
+        figure("viscous friction of J1", "", 0.0, -0.124, 0.02, -0.6),
+        figure("rotor inertia of J1", "", 0.25, 0.375, 0.05, 2.3),
+        figure("loss of gas: lost, as found before", "", 0.1, 0.2, 0.01, 9.0),
+        figure("current offset of J1", "A", 0.051, -0.0053, 0.0014, -2.2),
+    )
+    lines = list(words_of(replace(VERDICTS["cause"], changed=changed)))
+    assert lines[0] == (
+        "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152). Changed since the earlier diagnosis: viscous friction "
+        "(J1, J2), rotor inertia (J1), loss of gas: lost, current offset (J1)."
+    ).replace("lost, current", "lost and current")
+    said = [line for line in lines[1:] if line.startswith("Changed since the earlier diagnosis: ")]
+    assert [line.removeprefix("Changed since the earlier diagnosis: ") for line in said] == [
+        "viscous friction: J1 -12.4 % (-14.4 to -10.4; 0.6 times what was to be expected); "
+        "J2 -12.8 % (-15.8 to -9.8; 0.6 times what was to be expected)",
+        "rotor inertia: J1 +10.0 % (6.0 to 14.0; 2.3 times what was to be expected)",
+        "loss of gas: lost: 0.200 (0.190 to 0.210; 9.0 times what was to be expected) instead of 0.100",
+        "current offset: J1 -0.0053 A (-0.0067 to -0.0039; 2.2 times what was to be expected) instead of 0.0510",
+    ]
+
+
+def test_there_is_room_for_all_that_has_changed_below_the_headline() -> None:
+    changed = tuple(figure(f"figure number {i} of J1", "", 0.0, 0.1, 0.01, 3.0) for i in range(20))
+    first, *lines = words_of(replace(VERDICTS["cause"], changed=changed))
+    assert first.endswith(" and others.")
+    assert sum(line.startswith("Changed since") for line in lines) == 20

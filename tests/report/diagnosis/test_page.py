@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from bench.diagnose.verdict import Verdict
+from bench.diagnose.verdict import FittedFigure, Verdict
 from bench.report.diagnosis.numbers import WORKSHOP
 from bench.report.diagnosis.page import Pictures, page_of
 from bench.report.diagnosis.pictures import learned_picture
@@ -71,6 +71,22 @@ def test_figures_that_moved_are_named_and_escaped() -> None:
     page = page_of(*known, [f"stiffness of {HOSTILE}: +9.0 % (7.0 to 11.0)"])
     assert "Figures that moved" in page
     assert "Stiffness of &lt;script&gt;" in page
+
+
+def test_what_changed_and_what_is_not_told_is_on_the_page() -> None:
+    friction = FittedFigure(
+        f"viscous friction of {HOSTILE}", "figure", "", 0.0, -0.12, -0.14, -0.1, 0.2, -0.6, "", np.nan, True, 0.0, True
+    )
+    untold = replace(GAS.parameters[0], is_told=False)
+    group = finding(replace(GAS, parameters=(untold,)))
+    verdict = replace(VERDICTS["cause"], changed=(friction,), findings=(group,))
+    page = page_of(verdict, facts_for(verdict), Pictures(worst=()), {}, "")
+    assert "Changed since the earlier diagnosis</h2>" in page
+    assert "Viscous friction: &lt;script&gt;" in page
+    assert "these data do not tell it" in page
+    same = page_of(VERDICTS["cause"], facts_for(verdict), Pictures(worst=()), {}, "")
+    assert "earlier diagnosis" not in same
+    assert "do not tell it" not in same
 
 
 def test_explanations_say_why_more_evidence_is_no_more_probable() -> None:

@@ -85,6 +85,17 @@ def test_a_figure_that_moved_is_named_with_what_it_trades_against() -> None:
     ]
 
 
+def test_what_moved_from_an_earlier_diagnosis_stands_beside_that() -> None:
+    """A frame that is set up anew is held against what was found before; what has changed is said elsewhere."""
+    turned = FittedFigure(
+        "tracker frame, turn x", "figure", "rad", 0.0, 3e-3, 2.8e-3, 3.2e-3, 4e-4, 5.0, "", np.nan, earlier=1e-3
+    )
+    changed = replace(turned, has_changed=True)
+    assert list(moved_sentences([turned, changed])) == [
+        "tracker frame, turn x: 0.172 deg (0.160 to 0.183) instead of 0.057, 5.0 times its uncertainty"
+    ]
+
+
 def test_presliding_is_told_as_replays_see_it() -> None:
     """On five sound robots the motor side of joint 1 came out too soft each time."""
     soft = FittedFigure(

@@ -1,0 +1,57 @@
+"""What the data do not tell of a finding is not told: its value and interval are those of its prior."""
+
+import numpy as np
+import pytest
+
+from bench.diagnose.conclude import _named
+from bench.diagnose.extend.told import told_sizes
+from bench.diagnose.linearise.candidates import Cause
+from bench.effects.effect import WHOLE
+from bench.report.diagnosis.names import parameter_text
+from tests.diagnose.small_models import WAVE, Shift, X, Z, fit_alone
+
+CAUSE = Cause(Shift(), WHOLE, (X, Z), (WAVE,))
+PRIOR = X.high / np.sqrt(3)
+
+
+def covariance(information: np.ndarray, wider: float = 1.0) -> np.ndarray:
+    """Return the posterior covariance of x, z and the period for information in standard deviations of their priors."""
+    sigma = np.array([PRIOR, PRIOR, (WAVE.high - WAVE.low) / np.sqrt(3)])
+    posterior = np.linalg.inv(information + np.eye(3)) * np.outer(sigma, sigma)
+    return wider**2 * posterior
+
+
+@pytest.mark.parametrize(
+    ("information", "told"),
+    [
+        (np.diag([1e6, 1e6, 0.0]), [True, True]),
+        (np.diag([1e6, 0.0, 0.0]), [True, False]),
+        (np.diag([1e6, 1e-3, 0.0]), [True, False]),
+        (np.diag([1e6, 0.1, 0.0]), [True, True]),
+        # their sum alone, as of the second moments of a payload that turns about one axis
+        (1e7 * np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]]), [False, False]),
+        # the sum well and the difference badly
+        (np.array([[1e7, 1e7 - 1.0, 0.0], [1e7 - 1.0, 1e7, 0.0], [0.0, 0.0, 0.0]]), [True, True]),
+        # with a shape that trades against the size: its prior counts
+        (1e4 * np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 1.0]]), [True, True]),
+    ],
+)
+def test_a_size_is_told_by_data_alone(information: np.ndarray, told: list[bool]) -> None:
+    fit = fit_alone(CAUSE, (1e-3, 1e-3, 1.9), covariance(information))
+    assert list(told_sizes(CAUSE, fit).values()) == told
+
+
+def test_what_runs_disagree_about_by_more_than_its_prior_is_not_told() -> None:
+    fit = fit_alone(CAUSE, (1e-3, 1e-3, 1.9), covariance(np.diag([1e6, 0.1, 0.0]), wider=1.5))
+    assert list(told_sizes(CAUSE, fit).values()) == [True, False]
+
+
+def test_only_what_is_told_is_printed() -> None:
+    """A SCARA's payload had second moments of 0.00 kg m^2 (-0.72 to 0.72): priors, cut by their sum."""
+    sum_alone = 1e7 * np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    x, z, _ = _named(CAUSE, fit_alone(CAUSE, (1e-3, 1e-3, 1.9), covariance(sum_alone))).parameters
+    assert (x.is_told, z.is_told) == (False, False)
+    assert parameter_text(x) == "x: these data do not tell it"
+    x, z, _ = _named(CAUSE, fit_alone(CAUSE, (1e-3, 1e-3, 1.9), covariance(np.diag([1e6, 1e6, 0.0])))).parameters
+    assert (x.is_told, z.is_told) == (True, True)
+    assert parameter_text(x).startswith("x 1.000 mm (")
