@@ -138,10 +138,10 @@ def exact_sentence(recording: PredictedRecording) -> str:
     if not recording.freed:
         return ""
     return (
-        "Each value is a difference from what the model has, with its 95 % interval. That counts what is another one on "
-        "another day (offsets and constants of drives, friction, a tracker set up anew) as far as that drifts, and takes "
-        "all other figures of the model as exact. How well the model's own value is known (figures.csv of its diagnosis) "
-        "comes on top. Errors are those with what is free alone."
+        "Each value is a difference from what the model has, with its 95 % interval. That counts what is another one "
+        "on another day (offsets and constants of drives, friction, a tracker set up anew) as far as that drifts, and "
+        "takes all other figures of the model as exact. How well the model's own value is known (figures.csv of its "
+        "diagnosis) comes on top. Errors are those with what is free alone."
     )
 
 
