@@ -16,8 +16,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from bench.identify.directions import Flags, directions
+from bench.identify.drive_delay import BLOCKS, LATEST
 from bench.identify.drive_model import TINY, Motion, carrying, model_columns, shifted, solved
-from bench.identify.drive_scale import BLOCKS, LATEST, SAMPLES
+from bench.identify.turned_angles import SAMPLES
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
 

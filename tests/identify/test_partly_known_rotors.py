@@ -75,7 +75,8 @@ def test_a_rotor_that_is_known_counts_in_what_is_said_of_its_factor(
         unsure = partly.uncertainty.model_copy(update=exact | {"rotor_inertia": rotor_inertia})
         sigmas.append(scale_of(replace(partly, uncertainty=unsure), motion, motion.torque).sigma)
     assert np.all(sigmas[1][KNOWN] > 1.2 * sigmas[0][KNOWN])
-    np.testing.assert_allclose(sigmas[1][MISSING], sigmas[0][MISSING], rtol=ROUNDING)
+    # it tells less of the payload too, so of all factors
+    assert np.all(sigmas[1][MISSING] > sigmas[0][MISSING])
     np.testing.assert_allclose(sigmas[2], sigmas[1], rtol=ROUNDING)
 
 

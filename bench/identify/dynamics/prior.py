@@ -171,7 +171,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     mean[layout.links] = standard_parameters(arm.bodies)
     for i in range(n):
         own = slice(N_INERTIAL * i, N_INERTIAL * (i + 1))
-        figures[own, own] = _root(_link_covariance(arm, i, u.links * u.mass, u.links * u.centre_of_mass_m))
+        figures[own, own] = link_root(arm, i, u.links * u.mass, u.links * u.centre_of_mass_m)
 
     def put(where: slice | int, at: Array | float, sigma: Array | float, into: Array) -> None:
         index = np.arange(layout.size)[where]
@@ -212,8 +212,8 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     return Prior(mean, figures, friction, scale, offset, difference, free)
 
 
-def _link_covariance(arm: Arm, link: int, mass_sigma: float, centre_sigma: float) -> Array:
-    """Return the covariance of a link's inertial parameters, shape (10, 10).
+def link_root(arm: Arm, link: int, mass_sigma: float, centre_sigma: float) -> Array:
+    """Return L of a link's inertial parameters, shape (10, 10): nominal ones + L z with z standard normal.
 
     A relative error of the mass scales all of them; an error of the centre moves them; and who knows a centre to s
     knows lengths to s, so an inertia m r^2 to 2 m r s.
@@ -229,7 +229,7 @@ def _link_covariance(arm: Arm, link: int, mass_sigma: float, centre_sigma: float
         moved = mass * (2 * centre[axis] * np.eye(3) - np.outer(step, centre) - np.outer(centre, step))
         root[:, 1 + axis] = centre_sigma * np.array([0.0, *(mass * step), *moved[UPPER]])
     root[4:, 4:] = 2 * mass * gyration * centre_sigma * np.eye(6)
-    return root @ root.T
+    return _root(root @ root.T)
 
 
 def _root(covariance: Array) -> Array:

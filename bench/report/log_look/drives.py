@@ -99,7 +99,7 @@ def drives(
         if fitting:
             held = _measured(fitting, columns, remarks)
             found += [_left_out(line, held) for line in scaled(held.family, held.scale, nominal, remarks)]
-            turned |= set((np.flatnonzero(held.scale.turned) + 1).tolist())
+            turned |= set((np.flatnonzero(held.scale.angles.turned) + 1).tolist())
             questions += [
                 f"{source} {why}: left out below, look at that channel" for source, why in held.left_out.items()
             ]

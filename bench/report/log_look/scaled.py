@@ -57,30 +57,34 @@ def scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks:
 
 def _of_directions(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
     """Yield which angles are turned, and of which nobody can tell."""
-    names = nominal.bodies.names
+    names, angles = np.array(nominal.bodies.names), scale.angles
     at_once = most_at_once(len(names))
-    if at_once < len(names) and any(scale.turned[k] or _sign(scale, k) < 0 for k in range(len(names))):
+    if at_once < len(names) and any(angles.turned[k] or _sign(scale, k) < 0 for k in range(len(names))):
         number = "two" if at_once > 1 else "one"
         yield (
             f"of {len(names)} drives, angles that count the other way round were tried {number} at a time at most: "
             "where more are turned, signs below may be wrong; look at the robot"
         )
-    if not np.any(scale.turned):
-        return
-    who = ", ".join(name for name, turned in zip(names, scale.turned, strict=True) if turned)
-    yield f"angles of {who} count the other way round than the model's: their factors are turned below"
-    if np.any(scale.unsure):
-        others = ", ".join(name for name, unsure in zip(names, scale.unsure, strict=True) if unsure)
-        yield (
-            f"the direction of {others} is not told by torques (an arm and its mirror image need the same): look "
-            "at the robot; an angle and its torque or current are turned together"
-        )
+    if np.any(angles.turned):
+        who = ", ".join(names[angles.turned])
+        yield f"angles of {who} count the other way round than the model's: their factors are turned below"
+    slides = angles.alone & ~nominal.bodies.is_hinge
+    for unsure, why in (
+        (angles.unsure & ~slides, "an arm and its mirror image need the same"),
+        (slides, "but for its weight it needs the same, and friction or an offset of the reading may be as large"),
+    ):
+        if np.any(unsure):
+            yield (
+                f"the direction of {', '.join(names[unsure])} is not told by torques ({why}): look at the robot; an "
+                "angle and its torque or current are turned together"
+            )
 
 
 def _of_delay_and_payload(family: Family, scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
     """Yield against which payload readings were held, if it is told, and how late they are."""
     told = bool(np.any(scale.sigma <= UNTOLD))
-    payload = f" with {scale.payload:.3g} kg of payload, with which all drives agree best" if told else ""
+    mass = f"{scale.payload:.3g} +- {scale.payload_sigma:.2g} kg" if scale.payload_sigma else "0 kg"
+    payload = f" with {mass} of payload, with which all drives agree best" if told else ""
     yield (
         f"{family.shown}: held against the masses of the robot{payload}; they "
         f"{'lag' if scale.delay >= 0 else 'lead'} the angles by {1e3 * abs(scale.delay):.1f} +- "
