@@ -120,13 +120,13 @@ class SubsetPosterior:
         across = np.ascontiguousarray(reduced.T)
         rise = np.full(len(self.terms), -np.inf)
         for members, columns, prior, sign, odds, own in self._groups:
-            there = [across[column] for column in columns.T]  # E products of small matrices take longer
-            h = own - np.array([[np.einsum("ei,ei->e", one, two) for one in there] for two in there]).transpose(2, 0, 1)
+            there = across[columns]
+            h = own - there @ there.transpose(0, 2, 1)
             rise[members] = log_evidences_of(h, score[columns], prior, sign) + odds
         for i in which:
             rise[self._same[self.terms[i].key]] = -np.inf
         taken = {self.terms[i].key for i in which}
-        rise[[i for i, term in enumerate(self.terms) if not term.needs <= taken]] = -np.inf
+        rise[[i for i, needs in self._needing if not needs <= taken]] = -np.inf
         return rise
 
     def equations(self, which: Sequence[int]) -> tuple[Array, Array]:
@@ -150,6 +150,11 @@ class SubsetPosterior:
         for i, term in enumerate(self.terms):
             found.setdefault(term.key, []).append(i)
         return found
+
+    @cached_property
+    def _needing(self) -> list[tuple[int, frozenset[Hashable]]]:
+        """Terms that have a place beside others alone, and what these are."""
+        return [(i, term.needs) for i, term in enumerate(self.terms) if term.needs]
 
     @cached_property
     def _groups(self) -> list[tuple[Array, Array, Array, Array, Array, Array]]:
