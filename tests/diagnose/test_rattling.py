@@ -60,3 +60,8 @@ def test_a_landing_rings_until_it_fades() -> None:
     found = ringing(np.zeros((10, 1)), time, struck, np.full((10, 1), SWING))[:, 0]
     np.testing.assert_allclose(found[:3], 0.0)
     np.testing.assert_allclose(found[3:], 50 * np.exp(-DAMPING_RATIO * (time[3:] - time[3]) / SWING))
+
+
+def test_a_link_that_nothing_holds_flies_as_far_as_it_may() -> None:
+    """A stranger's slide whose torque passes through zero while it rings: "overflow encountered in divide"."""
+    assert flight_height(np.array([1e3]), np.array([0.0]), np.array([1e-9])) == np.inf

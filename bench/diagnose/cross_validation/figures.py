@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import norm
 
 from bench.diagnose.cross_validation.folds import folds_of
 from bench.diagnose.cross_validation.jackknife import jackknife_variance
@@ -15,6 +16,7 @@ from bench.diagnose.replay.fitted import torque_constant_of
 from bench.diagnose.replay.nuisances import Nuisance
 
 MOVED = 2.0  # declared: DESIGN 6.5: whatever moved beyond two standard deviations is named
+CHANCE = 0.05  # declared: of diagnoses since which nothing has changed, those that say so of a figure
 # exact: Of two estimates, from where on one is said to trade against the other: half of the variance of the one is
 # then gone when the other is known (rho^2 = 1/2).
 TRADES = float(np.sqrt(0.5))
@@ -87,12 +89,14 @@ def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...
     np.fill_diagonal(correlation, 0.0)
     names = [*map(str, linear.nuisances), *map(_name, fit.unknowns)]
     told = _told(fit)
+    compared = max(sum(nuisance.earlier is not None for nuisance in linear.nuisances), 1)
+    clear = float(norm.isf(CHANCE / (2 * compared)))
     found = []
     for i in range(p + len(fit.unknowns)):
         partner = int(np.argmax(np.abs(correlation[i])))
         is_strong = abs(correlation[i, partner]) > TRADES
         if i < p:
-            row = _figure(linear.nuisances[i], float(fit.nuisances[i]), float(spread[i]))
+            row = _figure(linear.nuisances[i], float(fit.nuisances[i]), float(spread[i]), clear)
             constant = constants[i]
             row = row if constant is None else _of_constant(row, constant)
             is_told = is_narrower(float(spread[i]), 1.0)
@@ -124,10 +128,11 @@ def changed_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ..
 _Row = tuple[str, str, float, float, float, float, float, float, float, bool]
 
 
-def _figure(nuisance: Nuisance, x: float, spread: float) -> _Row:
+def _figure(nuisance: Nuisance, x: float, spread: float, clear: float) -> _Row:
     """Return what a row says of a deviation that is x standard deviations of its prior, give or take `spread` of them.
 
-    A factor is given as a share, and its standard deviation as that of the factor.
+    A factor is given as a share, and its standard deviation as that of the factor. What differs from what was found
+    before by more than `clear` standard deviations of both has changed.
     """
     off, low, high = (nuisance.off_by(x + side * NORMAL_95 * spread) for side in (0, -1, 1))
     kind, unit, earlier = "figure" if nuisance.is_simulated else "campaign", nuisance.unit, nuisance.earlier
@@ -136,7 +141,7 @@ def _figure(nuisance: Nuisance, x: float, spread: float) -> _Row:
         return kind, unit, 0.0, off, low, high, stated, x * nuisance.widened, np.nan, False
     share = earlier.expected / nuisance.sigma
     sigma = nuisance.off_by(share) if nuisance.is_factor else earlier.expected
-    has_changed = bool(abs(x) > MOVED * np.hypot(earlier.known / nuisance.sigma, spread))
+    has_changed = bool(abs(x) > clear * np.hypot(earlier.known / nuisance.sigma, spread))
     off, low, high = map(earlier.total, (off, low, high))
     return kind, unit, 0.0, off, low, high, sigma, x / share, earlier.found, has_changed
 

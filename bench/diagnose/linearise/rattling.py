@@ -41,7 +41,7 @@ def rattling(compiled: CompiledRobot, segment: Segment, response: TorqueResponse
     slips = np.abs(response.link_load) + compiled.link_coulomb
     held = np.where(segment.standing, slips, np.abs(torque))
     rings = ringing(torque, time, crossing.landing * compiled.stiffness * swing, swing)
-    height = np.minimum(flight_height(rings, held, compiled.stiffness) / np.maximum(play, TINY), 1.0)
+    height = np.minimum(flight_height(rings, held, compiled.stiffness), play) / np.where(play > 0, play, 1.0)
     scatter = np.where(np.abs(crossing.places) < 1, PLACED, BOUNCES * height)
     found: Array = np.where(play > 0, scatter, 0.0)
     return found
@@ -66,12 +66,13 @@ def ringing(torque: Array, time: Array, struck: Array, swing: Array) -> Array:
 
 
 def flight_height(ringing: Array, push: Array, stiffness: Array) -> Array:
-    """Return how far links fly off their flanks [rad] or [m], any shapes; 0 where they stay.
+    """Return how far links fly off their flanks [rad] or [m], any shapes; 0 where they stay, inf where nothing holds.
 
     Args:
         ringing: [Nm] or [N], torque with which a link rings.
         push: [Nm] or [N], that holds it to its flank.
         stiffness: [Nm/rad] or [N/m], of its gear.
     """
-    height: Array = np.maximum(ringing**2 - push**2, 0.0) / (2 * stiffness * np.maximum(push, TINY))
+    with np.errstate(over="ignore"):
+        height: Array = np.maximum(ringing**2 - push**2, 0.0) / (2 * stiffness * np.maximum(push, TINY))
     return height

@@ -63,6 +63,7 @@ def mistakes_in(
         of_joints: Mistakes about angles too, tried once, where nothing else leaves all drives well.
         of_units: Whether a channel may be in another unit; few readings may be small for other reasons.
     """
+    picture = _without_idle(picture)
     for i, _ in enumerate(picture.names):
         before = misfit(picture)
         if np.max(before) < BAD:
@@ -76,6 +77,15 @@ def mistakes_in(
         for column in found.columns:
             yield doubt(column, found.message, found.remedy)
         picture = found.picture
+
+
+def _without_idle(picture: DrivePicture) -> DrivePicture:
+    """Return a picture without what drives read that stand all along while others move.
+
+    What is carried is told by those that move; where it sits, and so what the others hold, it leaves open.
+    """
+    idle = np.all(picture.standing, axis=0) & ~np.all(picture.standing)
+    return replace(picture, observed=np.where(idle, np.nan, picture.observed))
 
 
 def _likely(mistakes: Iterable[Mistake], before: Array) -> list[tuple[Array, Mistake]]:

@@ -26,8 +26,14 @@ def is_kept(drive: DriveFigures, key: str) -> bool:
     return drive.origins[key] in KEPT
 
 
-def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ...]:
-    """Return what was assumed, in the order in which it is worth replacing."""
+def assumptions(source: Source, drives: Sequence[DriveFigures], heaviest: float) -> tuple[str, ...]:
+    """Return what was assumed, in the order in which it is worth replacing.
+
+    Args:
+        source: What the file says.
+        drives: Figures of every drive.
+        heaviest: Payload that may be unstated [kg].
+    """
     found = []
     for key, words in WORDS.items():
         by_reason: dict[str, list[str]] = {}
@@ -48,7 +54,8 @@ def assumptions(source: Source, drives: Sequence[DriveFigures]) -> tuple[str, ..
     return (
         *found,
         "instruments: drives that report torque, noise and offset 0.2 % of the torque limit; encoders, a laser tracker",
-        "payload: recordings may leave one unstated, up to what the strongest drive holds at full reach",
+        f"payload: recordings may leave one unstated, up to {heaviest:g} kg (uncertainty.payload_kg), what the "
+        "strongest drive holds up at full reach",
         "uncertainty of masses, centres of mass and friction: that of a model taken from a drawing",
         "uncertainty of stiffness: a factor of four",
     )

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.errors import RobotError
 from bench.robot.bodies import Array
@@ -32,6 +33,9 @@ UNLIKE = 2.0
 RUBS_UNLIKE = 5.0
 BANDWIDTH = 2 * np.pi * 6.0  # [rad/s] of the servo on rotor and link together
 RESET = 0.2  # of the integral gain at which the servo would swing, J + M taken as one
+SLANTED = (
+    0.1  # assumed: of a lever, by which a load has to rise before its weight counts: an axis 6 degrees off upright
+)
 PRESLIDING = 1e-4  # [rad] or [m], where a friction element has reached its level
 # Of the torque limit: level for which a frictionless element is made stiff. Assumed: Coulomb friction of geared drives
 # is 1 to 10 % of it. Made for 1 %, friction of 5 % built up over half a milliradian and was found on the link side
@@ -100,12 +104,16 @@ class Survey:
         greatest_inertia: Shape (n,), M_jj at its largest.
         gravity: Shape (n,), greatest holding torque.
         reach: Greatest distance of the load point from the first joint [m].
+        lever: Of the load point from the first hinge [m]; of a robot without any from the first joint.
+        bears: Shape (n,), whether a drive has to hold what is carried up: an upright hinge and a level slide have not.
     """
 
     least_inertia: Array
     greatest_inertia: Array
     gravity: Array
     reach: float
+    lever: float
+    bears: NDArray[np.bool_]
 
 
 def survey(source: Source, model: mujoco.MjModel) -> Survey:
@@ -116,7 +124,9 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
     poses = np.vstack([home[None], rng.uniform(low, high, size=(POSES, len(home)))])
     order = [model.joint(joint.name).dofadr[0] for joint in source.joints]
     body, first = model.body(source.load_body).id, model.joint(source.joints[0].name).id
-    least, greatest, gravity, reach = [], [], [], []
+    hinges = [model.joint(joint.name).id for joint in source.joints if not joint.is_slide]
+    least, greatest, gravity, reach, lever, rise = [], [], [], [], [], []
+    jacobian = np.empty((3, model.nv))
     for pose in poses:
         data.qpos[order] = pose  # hinges and slides alone: qpos and qvel have the same order
         mujoco.mj_forward(model, data)
@@ -126,7 +136,12 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
         gravity.append(np.abs(data.qfrc_bias[order]))
         load_point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ source.load_position
         reach.append(np.linalg.norm(load_point - data.xanchor[first]))
-    return Survey(np.min(least, axis=0), np.max(greatest, axis=0), np.max(gravity, axis=0), float(np.max(reach)))
+        lever.append(np.linalg.norm(load_point - data.xanchor[hinges[0] if hinges else first]))
+        mujoco.mj_jac(model, data, jacobian, None, load_point, body)
+        rise.append(np.abs(jacobian[2, order]))
+    bears = np.max(rise, axis=0) > SLANTED * np.where([joint.is_slide for joint in source.joints], 1.0, np.max(lever))
+    extremes = np.min(least, axis=0), np.max(greatest, axis=0), np.max(gravity, axis=0)
+    return Survey(*extremes, float(np.max(reach)), float(np.max(lever)), bears)
 
 
 def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:

@@ -65,7 +65,7 @@ def start_robot(name: str, source: Source, folder: Path) -> Started:
         (partial / "scene.xml").write_text(scene_text(name), encoding="utf-8")
         (partial / FIGURES_FILE).write_text(figures_text(name, source, drives, found), encoding="utf-8")
         (partial / "log.yaml").write_text(log_text(source), encoding="utf-8")
-        (partial / "README.md").write_text(readme_text(name, source, drives), encoding="utf-8")
+        (partial / "README.md").write_text(readme_text(name, source, drives, found), encoding="utf-8")
         compiled = _compiled(source, partial)
         home = _rest(compiled, source)
         (partial / f"{name}.xml").write_text(with_home(mjcf, *home), encoding="utf-8")

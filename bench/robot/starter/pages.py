@@ -13,7 +13,8 @@ from bench.robot.starter.defaults import ROTOR_GUESSED, DriveFigures, Survey
 from bench.robot.starter.mjcf import names_of
 from bench.robot.starter.source import Source
 
-LOAD_SHARE = 0.2  # of the greatest torque, which the rated load takes at full reach
+LOAD_SHARE = 0.2  # assumed: of what the strongest drive holds, the rated load
+SHORTEST = 0.1  # assumed: [m], lever of a load, however short the arm
 DRAWING = {"mass": 0.05, "centre_of_mass_m": 5e-3, "geometry_m": 0.5e-3, "friction": 0.2}  # assumed
 # Of the stiffness, which no file has: a factor of four. Joints of the HH-150 lie within a factor of 2.1 of the guess,
 # data sheets of gears alone five times above it
@@ -42,19 +43,18 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
             "    # gear_ratio:  where logs have angles of the motors: turns of the motor to one of the joint",
             f"    speed_limit_rad_per_s: {drive.speed_limit:g}  # {drive.origins['speed_limit']}",
         ]
-    turning = [drive.torque_limit / max(found.reach, 0.1) for joint, drive in pairs if not joint.is_slide]
-    strongest = max(turning or [drive.torque_limit for drive in drives])
-    force, heaviest = LOAD_SHARE * strongest, strongest / STANDARD_GRAVITY
-    sigmas = [float(f"{SIGMA_SHARE * drive.torque_limit:.2g}") for drive in drives]
+    heaviest = held_kg(source, drives, found)
+    force = LOAD_SHARE * heaviest * STANDARD_GRAVITY
+    sigmas = [_rounded(SIGMA_SHARE * drive.torque_limit) for drive in drives]
     lines += [
         "",
         f"load_body: bench_load  # {source.load_origin}",
         "load_point: bench_load_point",
         "reflectors: [bench_reflector]  # default: in the load point; three or more that are not in line tell more",
         "",
-        "rating:  # default: a fifth of the strongest drive's torque, at full reach",
-        f"  force_n: {force:.2g}",
-        f"  moment_nm: {0.1 * force * max(found.reach, 0.1):.2g}",
+        "rating:  # default: a fifth of what the strongest drive holds, a hinge at full reach",
+        f"  force_n: {_rounded(force):g}",
+        f"  moment_nm: {_rounded(0.1 * force * max(found.lever, SHORTEST)):g}",
         "",
         "instruments:  # null: not there",
         "  tracker:",
@@ -77,13 +77,28 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
             **DRAWING,
             stiffness=STIFFNESS_GUESSED,
             rotor_inertia=_of_rotors(drives),
-            payload_kg=float(f"{heaviest:.2g}"),
+            payload_kg=heaviest,
         ),
         "",
         "assumed:  # bench check shows these lines; take out what you have replaced",
-        *(f"  - {in_quotes(line)}" for line in assumptions(source, drives)),
+        *(f"  - {in_quotes(line)}" for line in assumptions(source, drives, heaviest)),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.2g}")
+
+
+def held_kg(source: Source, drives: Sequence[DriveFigures], found: Survey) -> float:
+    """Return what the strongest drive holds up at full reach [kg], to two digits; of those that weight acts on."""
+    lever = max(found.lever, SHORTEST)
+    forces = [
+        drive.torque_limit / (1.0 if joint.is_slide else lever)
+        for joint, drive in zip(source.joints, drives, strict=True)
+    ]
+    bearing = [force for force, bears in zip(forces, found.bears, strict=True) if bears]
+    return _rounded(max(bearing or forces) / STANDARD_GRAVITY)
 
 
 def _of_rotors(drives: Sequence[DriveFigures]) -> float | list[float]:
@@ -132,7 +147,7 @@ def log_text(source: Source) -> str:
     return "\n".join(lines) + "\n"
 
 
-def readme_text(name: str, source: Source, drives: Sequence[DriveFigures]) -> str:
+def readme_text(name: str, source: Source, drives: Sequence[DriveFigures], found: Survey) -> str:
     """Return `README.md`: what was taken from the file, what was added, and what to replace first."""
     lines = [
         f"# {name}",
@@ -150,7 +165,7 @@ def readme_text(name: str, source: Source, drives: Sequence[DriveFigures]) -> st
         "What the file does not say. `bench check` repeats these lines for each campaign of this robot; replace the",
         "figure and take its line out of `assumed` in `figures.yaml`.",
         "",
-        *(f"- {line}" for line in assumptions(source, drives)),
+        *(f"- {line}" for line in assumptions(source, drives, held_kg(source, drives, found))),
         "",
         "## Joint by joint",
         "",
