@@ -20,7 +20,7 @@ from bench.identify.arm import Arm
 from bench.identify.drive_model import TINY, Motion
 from bench.identify.dynamics.noise import noise_of
 from bench.identify.dynamics.prior import link_root
-from bench.identify.dynamics.regressor import N_INERTIAL, link_regressor, payload_columns
+from bench.identify.dynamics.regressor import N_INERTIAL, NOT_NEGATIVE, link_regressor, payload_columns
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
 
@@ -28,7 +28,6 @@ STEPS = 30  # of Gauss-Newton at most; 6 to 16 are needed
 SETTLED = 1e-4  # relative: of the slopes, at which the search ends
 ROUNDING = 1e-10  # of a scaled normal matrix: what a drive does not tell at all is this uncertain, not infinitely
 CARRIED = slice(0, N_INERTIAL)  # z of the payload
-NOT_NEGATIVE = [0, 4, 6, 9]  # of these, mass and inertia about each axis (`dynamics/regressor.py`)
 FIGURES = slice(N_INERTIAL, None)  # z of links and rotors
 
 

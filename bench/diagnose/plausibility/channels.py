@@ -50,6 +50,7 @@ SURE_OF_CLOCK = 0.999  # level of the interval of a clock's rate: one healthy ca
 BEYOND_GUESS = {"speed limit": (180 / np.pi) ** 0.5, "torque limit": 1e3**0.5}
 TURNED = 0.5  # part of the misfit that is left with the sign turned, before friction is believed to give energy
 FEEBLE = 0.1  # of the torque that the model needs; friction only adds to it, no counterbalance takes so much away
+LINEAR = "a model that is linear in what links weigh leaves"
 ANOTHERS, FAR_BETTER = 0.8, 0.3  # variance explained by another joint's motion; part of the own misfit that this leaves
 
 
@@ -102,10 +103,11 @@ def _turned(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
     if turned:
         drives = [drive.joint for drive in compiled.robot.figures.drives]
         unit = "N" if compiled.is_slide[turned.drive] else "Nm"
+        model = "its weight, friction and the stated offset leave" if turned.bounded else LINEAR
         message = (
             f"{' or '.join(drives[j] for j in turned.indices)} moves against the model's sense of turning, torque and "
-            f"angle alike: with both turned, a model that is linear in what links weigh leaves {turned.after:.3g} "
-            f"{unit} of {drives[turned.drive]} instead of {turned.before:.3g}"
+            f"angle alike: with both turned, {model} {turned.after:.3g} {unit} of {drives[turned.drive]} instead of "
+            f"{turned.before:.3g}"
         )
         yield doubt(f"q_motor_{turned.indices[0] + 1}", message, "turn the sign of both, or the axis in the MJCF")
 

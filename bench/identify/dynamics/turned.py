@@ -4,20 +4,29 @@ The signs of an axis whose angle and torque are both turned agree with each othe
 gives it away is how it turns the axes behind it and the load of those before it. Whatever the links weigh, a model
 linear in their inertial parameters (Khalil and Dombre 2002, ch. 12) then fits far worse than with the axis turned back.
 
+Of a slide beside upright axes nothing but its weight tells, which a free offset holds up either way. Axes that this
+model tells as well either way are therefore held against what does not turn with them, as in `turned_angles.py`: links
+are no lighter than stated, rotors have inertia, friction takes energy whichever way a drive moves, and a reading is off
+by no more than is stated. A spring that no file has may break these bounds either way; so they count only where they
+cost a drive nothing with the axis turned back.
+
 The first pass (`equations.py`) filters every column at full rate, which is right to the noise. Here an error of half is
 looked for, in as many models as there are axes: filtered motion and torque at some instants do.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band, band_of
 from bench.identify.dynamics.equations import known_torque
-from bench.identify.dynamics.regressor import link_regressor
+from bench.identify.dynamics.regressor import N_INERTIAL, NOT_NEGATIVE, link_regressor
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
+from bench.identify.turned_angles import NINETY_NINE, ROUNDING
 from bench.record.campaign import Array, Campaign
 from bench.record.moving import TURNING
 from bench.robot.nominal_dynamics import NominalDynamics
@@ -27,6 +36,10 @@ TIMES_UNKNOWNS = 4  # declared: equations for each unknown, at least; fewer may 
 BETTER = 4.0  # declared: times that the variance a drive is left with falls: the error, to half
 NO_WORSE = 1.2  # declared: times that of another may rise; within which two axes explain as much
 SMALL = 1e-9  # rounding: of a scaled regression, so that what is not told stays small
+DRIVE, OFFSET = (
+    6,
+    4,
+)  # unknowns of each drive: rotor, friction forth and back, viscous friction, offset, gas; which is it
 
 
 @dataclass(frozen=True)
@@ -37,12 +50,14 @@ class Turned:
         indices: Of its drive; of several, any of which explains as much (an arm and its mirror image fit alike).
         drive: Whose error falls most with the axis turned back.
         before, after: Its root mean square error [Nm] or [N].
+        bounded: Whether it takes the bounds of masses, friction and offset to tell.
     """
 
     indices: tuple[int, ...]
     drive: int
     before: float
     after: float
+    bounded: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +68,52 @@ class _Instants:
     rows: np.ndarray[tuple[int], np.dtype[np.int64]]
     state: tuple[Array, Array, Array]
     torque: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Linear equations of n drives, with some axes turned; T instants, u unknowns.
+
+    Attributes:
+        columns: Shape (n, T, u), factors of the links' inertial parameters, then of six unknowns for each drive.
+        torque: Shape (n, T) [Nm].
+        moves: Shape (n, T) bool, the equations that are used.
+        lower, upper: Shape (u,), between which the unknowns of a robot can be.
+    """
+
+    columns: Array
+    torque: Array
+    moves: NDArray[np.bool_]
+    lower: Array
+    upper: Array
+
+    def free(self) -> Array:
+        """Return the mean squares that are left of drives, shape (n,); nan if they stay, or tell too little."""
+        return self._left(_mean_squares(self.torque, self.moves), None)
+
+    def bounded(self) -> Array:
+        """Return the same with unknowns between their bounds; drives count by what is left of them without."""
+        power = _mean_squares(self.torque, self.moves)
+        return self._left(np.maximum(self.free(), SMALL * power), (self.lower, self.upper))
+
+    def _left(self, noise: Array, bounds: tuple[Array, Array] | None) -> Array:
+        counts = [j for j, variance in enumerate(noise) if variance > 0]
+        matrix = [self.columns[j, self.moves[j]] / noise[j] ** 0.5 for j in counts]
+        values = [self.torque[j, self.moves[j]] / noise[j] ** 0.5 for j in counts]
+        stacked = np.concatenate(matrix) if counts else np.zeros((0, 1))
+        size = np.linalg.norm(stacked, axis=0)
+        told = np.count_nonzero(size) - len(counts)  # friction forth and back and an offset are two unknowns
+        if len(stacked) <= TIMES_UNKNOWNS * told:
+            return np.full(len(noise), np.nan)
+        size = np.where(size > 0, size, 1.0)
+        stacked /= size
+        root = np.linalg.cholesky(stacked.T @ stacked + SMALL * np.eye(len(size))).T
+        seen = np.linalg.solve(root.T, stacked.T @ np.concatenate(values))
+        if bounds is None:
+            found = np.linalg.solve(root, seen)
+        else:
+            found = lsq_linear(root, seen, tuple(ends * size for ends in bounds), method="bvls").x
+        return _mean_squares(self.torque - self.columns @ (found / size), self.moves)
 
 
 def turned_axis(campaign: Campaign, nominal: NominalDynamics) -> Turned | None:
@@ -66,24 +127,49 @@ def turned_axis(campaign: Campaign, nominal: NominalDynamics) -> Turned | None:
         InputError: No motion run has torques or currents, evenly sampled.
     """
     samples, arm = motion_samples(campaign, nominal), Arm(nominal.bodies)
-    band = band_of(samples, None)
-    parts = _instants(samples, band)
+    parts = _instants(samples, band_of(samples, None))
     n = nominal.n_joints
-    before = _left(parts, np.ones(n), arm, nominal)
-    found: dict[int, tuple[float, int, float]] = {}  # axis -> how many times less of which drive, and what is left
-    for j in range(n):
-        after = _left(parts, np.where(np.arange(n) == j, -1.0, 1.0), arm, nominal)
-        known = np.isfinite(before) & np.isfinite(after) & (after > 0)
-        if np.any(known) and np.all(after[known] < NO_WORSE * before[known]):
-            falls = np.where(known, before / np.where(known, after, 1.0), 0.0)
-            best = int(np.argmax(falls))
-            if falls[best] > BETTER:
-                found[j] = float(falls[best]), best, float(after[best] ** 0.5)
+    given, *turned = (_problem(parts, np.where(np.arange(n) == j, -1.0, 1.0), arm, nominal) for j in range(-1, n))
+    before, after = given.free(), {j: one.free() for j, one in enumerate(turned)}
+    if found := _best(before, after):
+        return found
+    alike = {j: free for j, free in after.items() if not nominal.bodies.is_hinge[j] and _no_worse(free, before)}
+    return _best(given.bounded(), {j: turned[j].bounded() for j in alike}, alike) if alike else None
+
+
+def _best(before: Array, after: Mapping[int, Array], free: Mapping[int, Array] | None = None) -> Turned | None:
+    """Return the axis with which turned back a drive is left with far less, and none with more.
+
+    Args:
+        before: Shape (n,), mean squares that are left of drives.
+        after: The same with an axis turned back.
+        free: The same without bounds, where these have them: the drive with far less is left with no more than that.
+    """
+    found: dict[int, tuple[float, int]] = {}  # axis -> how many times less of which drive
+    for j, left in after.items():
+        known = np.isfinite(before) & np.isfinite(left) & (left > 0)
+        if np.any(known) and _no_worse(left, before):
+            falls = np.where(known, before / np.where(known, left, 1.0), 0.0)
+            drive = int(np.argmax(falls))
+            if falls[drive] > BETTER and (free is None or left[drive] <= NO_WORSE * free[j][drive]):
+                found[j] = float(falls[drive]), drive
     if not found:
         return None
-    most, drive, left = max(found.values())
-    alike = tuple(j for j, (times, _, _) in found.items() if times * NO_WORSE > most)
-    return Turned(alike, drive, float(before[drive] ** 0.5), left)
+    axis = max(found, key=lambda j: found[j])
+    most, drive = found[axis]
+    alike = tuple(j for j, (times, _) in found.items() if times * NO_WORSE > most)
+    return Turned(alike, drive, float(before[drive] ** 0.5), float(after[axis][drive] ** 0.5), free is not None)
+
+
+def _no_worse(left: Array, than: Array) -> bool:
+    """Return whether no drive is left with more, of those that are told."""
+    known = np.isfinite(left) & np.isfinite(than)
+    return bool(np.all(left[known] <= NO_WORSE * than[known]))
+
+
+def _mean_squares(values: Array, moves: NDArray[np.bool_]) -> Array:
+    """Return the mean square of each drive where it moves, shape (n,), values of shape (n, T); nan where it stays."""
+    return np.array([np.mean(own[at] ** 2) if at.any() else np.nan for own, at in zip(values, moves, strict=True)])
 
 
 def _instants(samples: Sequence[MotionSamples], band: Band) -> list[_Instants]:
@@ -99,40 +185,48 @@ def _instants(samples: Sequence[MotionSamples], band: Band) -> list[_Instants]:
     return found
 
 
-def _left(parts: Sequence[_Instants], signs: Array, arm: Arm, nominal: NominalDynamics) -> Array:
-    """Return the mean squares that a linear model leaves of drives with axes turned, shape (n,); nan if they stay."""
-    links, own, torque = [], [], []
+def _problem(parts: Sequence[_Instants], signs: Array, arm: Arm, nominal: NominalDynamics) -> _Problem:
+    """Return the equations of drives with axes turned."""
+    columns, torque, speed = [], [], []
     for part in parts:
         q, v, a = (signs * values for values in part.state)
-        links.append(link_regressor(arm, q, v, a))
+        links = link_regressor(arm, q, v, a)
         gas = nominal.counterbalance.torque(q[:, nominal.counterbalance.joint]) if nominal.counterbalance else None
-        own.append(np.stack([a, np.sign(v), v, np.ones_like(v), _on(gas, nominal, v)], axis=2))
-        known = known_torque(arm, nominal, part.samples, (q, v, a), part.rows)
-        torque.append(signs * part.torque - known)
-    y, drives, tau = np.concatenate(links), np.concatenate(own), np.concatenate(torque)
-    speed = np.abs(drives[:, :, 2])
-    moves = np.isfinite(tau) & (speed > TURNING * np.max(speed, axis=0, initial=0.0))
-    n = tau.shape[1]
-    blocks, right = [], []
-    for j in range(n):
-        rows = moves[:, j]
-        scale = float(np.sqrt(np.mean(tau[rows, j] ** 2))) if rows.any() else 0.0
-        if scale > 0:
-            beside = np.zeros((int(rows.sum()), n, drives.shape[2]))
-            beside[:, j] = drives[rows, j]
-            blocks.append(np.concatenate([y[rows, j], beside.reshape(len(beside), -1)], axis=1) / scale)
-            right.append(tau[rows, j] / scale)
-    matrix = np.concatenate(blocks) if blocks else np.zeros((0, 1))
-    size = np.linalg.norm(matrix, axis=0)
-    if len(matrix) <= TIMES_UNKNOWNS * np.count_nonzero(size):
-        return np.full(n, np.nan)
-    values = np.concatenate(right)
-    matrix = matrix / np.where(size > 0, size, 1.0)
-    gram = matrix.T @ matrix + SMALL * np.eye(matrix.shape[1])
-    unknowns = np.linalg.solve(gram, matrix.T @ values) / np.where(size > 0, size, 1.0)
-    links_of, own_of = np.split(unknowns, [y.shape[2]])
-    left = tau - y @ links_of - np.einsum("tnk,nk->tn", drives, own_of.reshape(n, -1))
-    return np.array([np.mean(left[moves[:, j], j] ** 2) if moves[:, j].any() else np.nan for j in range(n)])
+        forth, back = np.sign(np.maximum(v, 0.0)), np.sign(np.minimum(v, 0.0))
+        own = np.stack([a, forth, back, v, np.ones_like(v), _on(gas, nominal, v)], axis=2)
+        beside = np.einsum("tjk,ji->tjik", own, np.eye(len(signs))).reshape(*v.shape, -1)
+        columns.append(np.concatenate([links, beside], axis=2))
+        torque.append(signs * part.torque - known_torque(arm, nominal, part.samples, (q, v, a), part.rows))
+        speed.append(np.abs(v))
+    tau, fast = np.concatenate(torque), np.concatenate(speed)
+    moves = np.isfinite(tau) & (fast > TURNING * np.max(fast, axis=0, initial=0.0))
+    most = np.max(np.abs(np.where(moves, tau, 0.0)), axis=0, initial=0.0)
+    lower, upper = _bounds(nominal, most)
+    return _Problem(np.swapaxes(np.concatenate(columns), 0, 1), tau.T, moves.T, lower, upper)
+
+
+def _bounds(nominal: NominalDynamics, most: Array) -> tuple[Array, Array]:
+    """Return between what the unknowns of a robot can be, at 99 %, lower and upper ends of shape (u,).
+
+    A payload, tools and hoses make links heavier than stated. Viscous friction may be negative, for friction falls with
+    speed.
+
+    Args:
+        nominal: The robot.
+        most: Shape (n,), largest torque of each drive [Nm].
+    """
+    n, unsure = nominal.n_joints, nominal.uncertainty
+    links, drives = np.full((n, N_INERTIAL), -np.inf), np.full((n, DRIVE), -np.inf)
+    links[:, NOT_NEGATIVE] = 0.0
+    lighter = NINETY_NINE * np.hypot(unsure.links * unsure.mass, np.max(nominal.torque_gain_sigma))
+    links[:, 0] = nominal.bodies.mass * max(0.0, 1 - lighter)
+    drives[:, :3] = 0.0  # rotor, and friction of either direction
+    offset = np.maximum(NINETY_NINE * nominal.torque_offset_sigma, ROUNDING * np.maximum(most, 1.0))
+    drives[:, OFFSET] = -offset
+    lower = np.concatenate([links.ravel(), drives.ravel()])
+    upper = np.full(len(lower), np.inf)
+    upper[links.size + OFFSET :: DRIVE] = offset
+    return lower, upper
 
 
 def _on(gas: Array | None, nominal: NominalDynamics, like: Array) -> Array:

@@ -56,9 +56,10 @@ def _turned(campaign: Campaign, nominal: NominalDynamics) -> Iterator[str]:
         return
     if turned:
         axes = " or ".join(f"axis {j + 1}" for j in turned.indices)
+        model = "its weight, friction and the stated offset leave" if turned.bounded else "a linear model leaves"
         yield (
             f"{axes} seems to count the other way round than the model's, angle and torque or current alike: with the "
-            f"factors of both turned, a linear model leaves {turned.after:.3g} of drive {turned.drive + 1} instead of "
+            f"factors of both turned, {model} {turned.after:.3g} of drive {turned.drive + 1} instead of "
             f"{turned.before:.3g}"
         )
 
