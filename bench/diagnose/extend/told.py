@@ -6,7 +6,7 @@ from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.candidates import Cause
 from bench.record.campaign import Array
 
-LEAST_TOLD = 0.01  # shown: of a prior's standard deviation, by which data have to narrow it, to say anything
+LEAST_TOLD = 0.01  # rounding: of a prior's standard deviation, by which data have to narrow it, to say anything
 # rounding: of the precision of a prior; information on a combination of sizes that is less than that is none
 UNTOLD = 1e-9
 
