@@ -38,6 +38,7 @@ from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.segments import MOST_BINS
+from bench.diagnose.replay.slow_motion import slow_motion
 from bench.diagnose.verdict import Proposal, UndetectableEffect, Verdict
 from bench.effects.effect import Effect
 from bench.errors import BenchError
@@ -145,7 +146,8 @@ def _concluded(task: Task, found: Explained, *, proposes: bool) -> Diagnosis:
     verdict = verdict_of(naming, task.rate, missing, signatures.unbalanced, found.gain, proposals, found.discrepancy)
     links = (one.robot.figures.uncertainty.links for one in (signatures.compiled, task.compiled))
     verdict = replace(verdict, blind=blind, predicted=predicted, unfinished=unfinished, baseline=found.baseline)
-    verdict = replace(verdict, changed=changed_figures(found.about, found.fit))
+    slow = slow_motion(found.about.segments, found.about.quantities, found.about.replay.compiled.is_slide)
+    verdict = replace(verdict, changed=changed_figures(found.about, found.fit), slow=slow)
     return Diagnosis(found.about, naming, replace(verdict, links=next(links) / next(links)), found.discrepancy)
 
 

@@ -32,6 +32,7 @@ from bench.diagnose.named_causes import Explanation as Explanation  # part of th
 from bench.diagnose.named_causes import NamedCause as NamedCause  # part of the verdict
 from bench.diagnose.named_causes import ParameterValue as ParameterValue  # part of the verdict
 from bench.diagnose.named_causes import PossibleCause as PossibleCause  # part of the verdict
+from bench.diagnose.replay.slow_motion import SlowMotion as SlowMotion  # part of the verdict
 
 CONFIRMED = 0.5  # declared: of searches without a part of the runs, that find a cause again: the majority
 UNLIKELY = 0.01  # declared: what is left out of the names of a finding and beside them: names hold 99 % (DESIGN 6.2)
@@ -153,6 +154,7 @@ class Verdict:
             likewise; 1: as stated.
         changed: Figures that are other ones than the diagnosis found from which this one started, however far they were
             expected to drift: those of the robot first, then those of readings, the least expected first.
+        slow: How much of the motion of each drive was compared.
     """
 
     kind: str
@@ -177,6 +179,7 @@ class Verdict:
     baseline: Baseline | None = None
     links: float = 1.0
     changed: tuple[FittedFigure, ...] = ()
+    slow: tuple[SlowMotion, ...] = ()
 
     @property
     def other_explanations(self) -> tuple[Explanation, ...]:

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.slow_motion import SlowMotion, slow_motion
 from bench.diagnose.replay.world import World
 from bench.predict.freed import FreedFigure
 from bench.record.campaign import Array
@@ -127,6 +128,11 @@ class PredictedRecording:
     channels: tuple[ChannelError, ...]
     stretches: tuple[Stretch, ...]
     starts: Mapping[str, float]
+
+    @property
+    def slow(self) -> tuple[SlowMotion, ...]:
+        """How much of the motion of each drive is compared."""
+        return slow_motion(self.linear.segments, self.linear.quantities, self.linear.replay.compiled.is_slide)
 
     @property
     def measured(self) -> Array:

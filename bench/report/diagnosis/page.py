@@ -47,6 +47,7 @@ from bench.report.diagnosis.sentences import (
     undetectable_sentence,
     unfinished_sentence,
 )
+from bench.report.diagnosis.slow import slow_sentence
 from bench.report.html import Filters, render
 
 TEMPLATE = "diagnosis/page.html.j2"
@@ -187,6 +188,7 @@ def page_of(
         files=made,
         moved=moved,
         changed=list(changed_lines(verdict)),
+        slow_words=slow_sentence(verdict.slow),
         difference=_lines(difference),
     )
 

@@ -39,6 +39,7 @@ from bench.report.diagnosis.sentences import (
     undetectable_sentence,
     unfinished_sentence,
 )
+from bench.report.diagnosis.slow import slow_sentence
 
 BEST_CHANNELS = 4
 BEST_PROPOSALS = 2
@@ -127,6 +128,8 @@ def _predicted(verdict: Verdict) -> Iterator[str]:
         )
     for one in drives:
         yield f"  {error_text(one)}"
+    if drives and (words := slow_sentence(verdict.slow)):
+        yield words
 
 
 def _limits(verdict: Verdict) -> Iterator[str]:

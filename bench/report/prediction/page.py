@@ -8,6 +8,7 @@ from bench.report.diagnosis.facts import versions
 from bench.report.diagnosis.names import capital
 from bench.report.diagnosis.pictures import Picture
 from bench.report.diagnosis.sentences import FLOOR
+from bench.report.diagnosis.slow import slow_sentence
 from bench.report.html import render
 from bench.report.prediction.pictures import pictures_of
 from bench.report.prediction.sentences import (
@@ -33,6 +34,7 @@ class _Part:
 
     name: str
     rows: tuple[ChannelRow, ...]
+    slow: str
     freed: tuple[str, ...]
     exact: str
     anew: tuple[str, ...]
@@ -69,6 +71,7 @@ def _part(recording: PredictedRecording) -> _Part:
     return _Part(
         name=recording.name,
         rows=tuple(rows_of(recording)),
+        slow=slow_sentence(recording.slow),
         freed=tuple(freed_text(figure) for figure in recording.freed),
         exact=exact_sentence(recording),
         anew=tuple(anew_text(one, recording) for one in recording.maybe_anew),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from bench.predict.prediction import PredictedRecording, Prediction
 from bench.report.diagnosis.sentences import FLOOR
+from bench.report.diagnosis.slow import slow_sentence
 from bench.report.prediction.file_names import NUMBERS, REPORT, recording_name
 from bench.report.prediction.sentences import (
     anew_sentence,
@@ -35,6 +36,8 @@ def words_of(prediction: Prediction) -> Iterator[str]:
         if recording.name:
             yield f"Recording {recording.name}:"
         yield from _table(recording, prediction.nominal)
+        if words := slow_sentence(recording.slow):
+            yield f"  {words}"
         for figure in recording.freed:
             yield f"  anew: {freed_text(figure)}"
         if words := exact_sentence(recording):
