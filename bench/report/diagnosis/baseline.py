@@ -19,8 +19,8 @@ MODELS = {  # fields of `DriveErrors` -> what they are called
     "diagnosed": "diagnosed model",
 }
 ONE_FRICTION = (
-    "Least squares takes friction to be the same in all recordings, and the payload where others do not surely predict "
-    "better."
+    "Least squares takes friction and offsets of drives to be the same in all recordings, and the payload where others "
+    "do not surely predict better."
 )
 NOTABLE = 1.05  # declared: ratio of errors, from where it is said
 DIGITS = 3
@@ -73,7 +73,7 @@ def baseline_lines(verdict: Verdict) -> Iterator[str]:
     rows = {title: [getattr(drive, name) for drive in baseline.drives] for name, title in MODELS.items()}
     yield from table_lines([f"drive {drive.drive}" for drive in baseline.drives], rows)
     if baseline.by == "recording":
-        yield f"{ONE_FRICTION} The diagnosed model does not."
+        yield f"{ONE_FRICTION} The diagnosed model has those of the recording that is held out, fitted to it."
     yield from filter(None, (missed_sentence(verdict) or behind_sentence(verdict), links_sentence(verdict)))
 
 

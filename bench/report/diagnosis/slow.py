@@ -16,7 +16,7 @@ def slow_sentence(slow: Sequence[SlowMotion]) -> str:
         return ""
     return (
         f"Slow motion is not compared, nor where drives turn round. What is: {'; '.join(said)}. Errors are of that. "
-        "What friction does below (Stribeck effect, presliding) does not show; sweeps at several slow speeds would tell."
+        "What friction does below (Stribeck effect, presliding) does not show; sweeps at several slow speeds would."
     )
 
 
