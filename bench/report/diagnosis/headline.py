@@ -68,7 +68,7 @@ def _headline(verdict: Verdict, room: int) -> str:
         kind = "that are not confirmed" if all(unsure) else "that are small or not confirmed"
         start = f"Only findings {kind}: " if any(unsure) else "Only small findings: "
         if verdict.unfinished and any(unsure):  # they have not failed: nothing was held against them
-            start = "Found so far, and not held against other data yet: "
+            start = "not yet checked on other data: "
         return f"{start}{fitting(names, 'and', room - len(start) - 1) or 'listed below'}."
     if verdict.unlisted:
         return "Nothing listed was found, but something is left that is too small to give a shape."
