@@ -226,3 +226,11 @@ def urdf(mesh: str = "") -> str:
     <axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="40" velocity="3.1"/></joint>
 </robot>
 """
+
+
+def named_log(file: Path, motion: Motion, position: str, reading: str, readings: Array) -> Path:
+    """Write a log in degrees whose columns are named by patterns, drives from 1."""
+    names = ["time", *(position.format(j) for j in (1, 2, 3)), *(reading.format(j) for j in (1, 2, 3))]
+    rows = np.column_stack([motion.time, np.rad2deg(motion.position), readings])
+    np.savetxt(file, rows, delimiter=",", header=",".join(names), comments="", fmt="%.8g")
+    return file

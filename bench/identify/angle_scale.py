@@ -3,21 +3,25 @@
 Angles of the motors are theta / f with an unknown f for each joint. Gravity goes with sin(theta), inertia and Coriolis
 torques with products of theta's derivatives: of all f only the right ones give torques of the shape that the drives
 report. Their size tells nothing, for torque constants are as unknown. For each drive
-y = c_m (M(theta, theta', theta'') + p L) + c_v v + c_s sign(v) + c_0 as in `drive_scale`; f, the payload p and the
-delay of the readings minimise what is left, each drive weighed with its own, by Gauss-Newton on the projected residual
-(variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413).
+y = c_m (M(theta, theta', theta'') + E z) + c_v v + c_s sign(v) + c_0 as in `drive_scale`; f, the mass and the moments z
+of a payload and the delay of the readings minimise what is left, each drive weighed with its own, by Gauss-Newton on
+the projected residual (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413). Moments are as
+uncertain as in `drive_fit.py`: a payload that hangs beside its axis has an inertia about it. Instants at which a drive
+turns round are left out, as in `drive_delay.py`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from bench.identify.directions import Flags, directions
-from bench.identify.drive_delay import BLOCKS, LATEST
-from bench.identify.drive_model import TINY, Motion, carrying, model_columns, shifted, solved
+from bench.identify.drive_delay import BLOCKS, LATEST, sliding
+from bench.identify.drive_fit import payload_errors
+from bench.identify.drive_model import TINY, Motion, model_columns, shifted, solved
+from bench.identify.dynamics.regressor import N_INERTIAL, NOT_NEGATIVE
 from bench.identify.turned_angles import SAMPLES
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
@@ -30,6 +34,8 @@ REWEIGHED = 3  # times that the noise of each drive is taken from what is left; 
 STEPS = 15  # of one search; it settles within ten
 AT_BOUND = 0.01  # relative: a scale that is so near to the edge of what was searched has not been found
 UNSEEN = 1e-6  # of the largest sensitivity: a scale with less has no part in the torque
+FARTHEST = 10.0  # standard deviations that a moment may be away; no bound, but searches need one
+KEPT = 32  # effort: scales of which columns are kept, for derivatives by payload and delay
 ROUND = 2 * np.pi  # [rad], of a joint without limits
 
 
@@ -74,16 +80,16 @@ def angle_scale(
     factor, sigma = np.ones(nominal.n_joints), np.where(sought, np.inf, 0.0)
     factor[problem.places] = problem.factors(best.x)[problem.places]
     sigma[problem.places] = _sigma(problem, best)
-    as_given = np.r_[np.zeros(len(problem.places)), 0.0, 0.0]
+    as_given = np.zeros_like(problem.start)
     (signs,) = problem.best_signs(as_given, 1)
     return AngleScale(factor, sigma, problem.share_left(best.signs, best.x), problem.share_left(signs, as_given))
 
 
 @dataclass(frozen=True)
 class _Problem:
-    """What is minimised; x holds log f of the joints at `places`, share of the heaviest payload, delay by LATEST.
+    """What is minimised; x holds log f of the joints at `places`, z, delay by LATEST.
 
-    `reading` has the drives that are `read` alone.
+    z is mass and moments of a payload by those of the heaviest one. `reading` has the drives that are `read` alone.
     """
 
     nominal: NominalDynamics
@@ -95,31 +101,62 @@ class _Problem:
 
     @property
     def start(self) -> Array:
-        return np.asarray(np.r_[self.bounds[1][:-2] + np.log(START / BEYOND), 0.0, 0.0])
+        return np.asarray(np.r_[self._most + np.log(START / BEYOND), np.zeros(N_INERTIAL + 1)])
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper ends of x."""
+        least = np.full(N_INERTIAL, -FARTHEST)
+        least[NOT_NEGATIVE] = -TINY
+        largest = np.r_[1.0 if self.nominal.payload > 0 else TINY, np.full(N_INERTIAL - 1, FARTHEST)]
+        return np.r_[self._most + np.log(LEAST_USED / BEYOND), least, -1.0], np.r_[self._most, largest, 1.0]
+
+    @property
+    def _most(self) -> Array:
+        """Largest log f at `places`."""
         limits = self.nominal.bodies.limits
         reach = np.where(limits[:, 1] > limits[:, 0], np.max(np.abs(limits), axis=1), ROUND)
-        most = np.log(BEYOND * reach / np.maximum(np.max(np.abs(self.angle), axis=0), TINY))[self.places]
-        heaviest = 1.0 if self.nominal.payload > 0 else TINY
-        return np.r_[most + np.log(LEAST_USED / BEYOND), -TINY, -1.0], np.r_[most, heaviest, 1.0]
+        most = np.log(BEYOND * reach / np.maximum(np.max(np.abs(self.angle), axis=0), TINY))
+        return np.asarray(most[self.places])
+
+    @property
+    def payload(self) -> slice:
+        """Where z stands in x."""
+        return slice(len(self.places), len(self.places) + N_INERTIAL)
 
     def factors(self, x: Array) -> Array:
         """Return the scale of all joints, shape (n,)."""
         factor = np.ones(self.nominal.n_joints)
-        factor[self.places] = np.exp(x[:-2])
+        factor[self.places] = np.exp(x[: len(self.places)])
         return np.asarray(factor)
 
     def left(self, signs: Array, x: Array, nominal: NominalDynamics | None = None) -> Array:
         """Return what the model leaves of the readings, shape (those that are read, samples)."""
-        nominal = nominal or self.nominal
-        every = max(1, len(self.time) // SAMPLES)
-        motion = Motion.along(self.time, self.angle).seen(signs * self.factors(x), every)
-        columns = carrying(model_columns(nominal, motion)[self.read], max(0.0, x[-2]) * self.nominal.payload)
-        seen = shifted(self.time, self.reading, LATEST * x[-1])[::every]
+        scale = tuple(float(value) for value in signs * self.factors(x))
+        own, payload = self._columns(scale) if nominal is None else self._along(nominal, np.array(scale))
+        torque = own[:, :, :1] + self.nominal.payload * payload @ x[self.payload, None]
+        columns = self._counts.T[:, :, None] * np.concatenate([torque, own[:, :, 1:]], axis=2)
+        seen = self._counts * shifted(self.time, self.reading, LATEST * x[-1])[:: self._every]
         return np.asarray(seen.T - np.einsum("jtc,jc->jt", columns, solved(columns, seen)))
+
+    @cached_property
+    def _counts(self) -> Array:
+        """1 where a drive that is read moves clearly, else 0: what friction does as it turns, no model here has."""
+        counts = sliding(Motion.along(self.time, self.angle))[:: self._every, self.read]
+        return np.where(np.any(counts > 0, axis=0), counts, 1.0)  # all of a drive that stands
+
+    @cached_property
+    def _columns(self) -> Callable[[tuple[float, ...]], tuple[Array, Array]]:
+        return lru_cache(KEPT)(lambda scale: self._along(self.nominal, np.array(scale)))
+
+    def _along(self, nominal: NominalDynamics, scale: Array) -> tuple[Array, Array]:
+        """Return columns of each drive that is read without a payload, and those of one, shape (k, T, c) each."""
+        motion = Motion.along(self.time, self.angle).seen(scale, self._every)
+        return model_columns(nominal, motion)[self.read, :, :-1], payload_errors(nominal, motion)[self.read]
+
+    @property
+    def _every(self) -> int:
+        return max(1, len(self.time) // SAMPLES)
 
     def share_left(self, signs: Array, x: Array) -> float:
         """Return the share of the readings' variance that is left, mean over drives."""
@@ -138,7 +175,10 @@ class _Problem:
 
 @dataclass(frozen=True)
 class _Fit:
-    """Where a search ended: directions, x, the noise of each drive, residual and its Jacobian, sum of logarithms."""
+    """Where a search ended: directions, x, the noise of each drive, residual and its Jacobian, sum of logarithms.
+
+    The last rows of residual and Jacobian are those of z by its uncertainty.
+    """
 
     signs: Array
     x: Array
@@ -150,41 +190,50 @@ class _Fit:
 
 def _fitted(problem: _Problem, signs: Array) -> _Fit:
     lower, upper = problem.bounds
-    x = problem.start
-    noise = np.std(problem.left(signs, x), axis=1)
+    x, carried = problem.start, problem.payload
+    noise, unsure = np.std(problem.left(signs, x), axis=1), np.ones(N_INERTIAL)
     for _ in range(REWEIGHED):
+
+        def residual(at: Array, noise: Array = noise, unsure: Array = unsure) -> Array:
+            return np.asarray(np.r_[(problem.left(signs, at) / noise[:, None]).ravel(), at[carried] / unsure])
+
         found = least_squares(
-            lambda at, noise=noise: (problem.left(signs, at) / noise[:, None]).ravel(),
+            residual,
             np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower)),
             bounds=(lower, upper),
             max_nfev=STEPS,
         )
         x, weighed = found.x, noise
         noise = np.maximum(np.std(problem.left(signs, x), axis=1), TINY)
+        mass = x[carried.start] ** 2 + np.linalg.pinv(found.jac.T @ found.jac)[carried.start, carried.start]
+        unsure = np.r_[1.0, np.full(N_INERTIAL - 1, max(min(1.0, mass), np.sqrt(TINY)) ** 0.5)]
     return _Fit(signs, x, weighed, found.fun, found.jac, float(np.sum(np.log(noise))))
 
 
 def _sigma(problem: _Problem, fit: _Fit) -> Array:
     """Return the standard deviation of log f at each place; inf where it was not found.
 
-    Statistics from the scores of blocks (a sandwich, for what is left is no white noise), and what each stated
-    uncertainty of masses, centres and rotors moves, to first order.
+    Statistics from the scores of blocks (a sandwich, for what is left is no white noise), what is not known of the
+    payload, and what each stated uncertainty of masses, centres and rotors moves, to first order.
     """
-    n, size = problem.reading.shape[1], len(fit.x)
+    n, size, places = problem.reading.shape[1], len(fit.x), len(problem.places)
     inverse = np.linalg.pinv(fit.jacobian.T @ fit.jacobian)
-    jacobian, residual = fit.jacobian.reshape(n, -1, size), fit.residual.reshape(n, -1)
+    seen, prior = np.split(fit.jacobian, [-N_INERTIAL])
+    left = fit.residual[:-N_INERTIAL]
+    jacobian, residual = seen.reshape(n, -1, size), left.reshape(n, -1)
     scores = [
         np.einsum("jtk,jt->k", jacobian[:, rows], residual[:, rows])
         for rows in np.array_split(np.arange(residual.shape[1]), BLOCKS)
     ]
-    covariance = inverse @ np.einsum("bk,bl->kl", scores, scores) @ inverse * BLOCKS / (BLOCKS - 1)
+    spread = np.einsum("bk,bl->kl", scores, scores) * BLOCKS / (BLOCKS - 1) + prior.T @ prior
+    covariance = inverse @ spread @ inverse
     for other in _within_uncertainty(problem.nominal):
-        moved = (problem.left(fit.signs, fit.x, other) / fit.noise[:, None]).ravel() - fit.residual
-        covariance += np.outer(shift := inverse @ (fit.jacobian.T @ moved), shift)
+        moved = (problem.left(fit.signs, fit.x, other) / fit.noise[:, None]).ravel() - left
+        covariance += np.outer(shift := inverse @ (seen.T @ moved), shift)
     lower, upper = problem.bounds
-    sensitivity = np.linalg.norm(fit.jacobian, axis=0)
+    sensitivity = np.linalg.norm(seen, axis=0)
     lost = (fit.x < lower + AT_BOUND) | (fit.x > upper - AT_BOUND) | (sensitivity < UNSEEN * np.max(sensitivity))
-    return np.where(lost, np.inf, np.sqrt(np.diag(covariance)))[:-2]
+    return np.where(lost, np.inf, np.sqrt(np.diag(covariance)))[:places]
 
 
 def _within_uncertainty(nominal: NominalDynamics) -> Iterator[NominalDynamics]:
