@@ -80,11 +80,12 @@ def mistakes_in(
 
 
 def _without_idle(picture: DrivePicture) -> DrivePicture:
-    """Return a picture without what drives read that stand all along while others move.
+    """Return a picture without what drives read that stand all along, and that friction may hold, while others move.
 
     What is carried is told by those that move; where it sits, and so what the others hold, it leaves open.
     """
-    idle = np.all(picture.standing, axis=0) & ~np.all(picture.standing)
+    stands = np.all(picture.standing, axis=0) & ~np.all(picture.standing)
+    idle = stands & np.all(~(np.abs(picture.observed - picture.model) > picture.slack), axis=0)
     return replace(picture, observed=np.where(idle, np.nan, picture.observed))
 
 
