@@ -61,7 +61,7 @@ def test_friction_of_a_colder_day_is_named_and_found(nominal: CompiledRobot) -> 
     assert first.high - first.low < MORE
 
 
-@pytest.mark.parametrize("mass", [4.0, 8.0])
+@pytest.mark.parametrize("mass", [4.0, pytest.param(8.0, marks=pytest.mark.study)])
 def test_friction_is_named_beside_a_payload_that_is_most_of_what_is_left(nominal: CompiledRobot, mass: float) -> None:
     """A stranger's arm with 12 % less friction on a day with another payload: the payload alone was named."""
     level, payload = (catalogue()[name] for name in ("coulomb_level", "unstated_payload"))
