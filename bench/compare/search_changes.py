@@ -13,8 +13,9 @@ from bench.diagnose.linearise.screening import NARROWER, Entry
 from bench.diagnose.linearise.threshold import LEAST, family_threshold
 from bench.diagnose.name.groups import IN_SET
 from bench.diagnose.name.naming import shares_of
-from bench.diagnose.name.search import Alternative, SubsetPosterior, Term, alternatives_of, exchanges, search
+from bench.diagnose.name.search import Alternative, alternatives_of, exchanges, search
 from bench.diagnose.name.search_space import GREATER_PART
+from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 

@@ -30,15 +30,23 @@ class Anew:
 
     Attributes:
         linear: The recording, with standard errors that count what is left.
+        fit: Of what is free, and of what is another one in each recording.
         world: What is free, as fitted.
         residual: Shape (T, c), measured less simulated with it; nan where not measured.
-        figures: What is free, with intervals that know of what is another one in each recording.
+        freed: Names of the figures that are free.
     """
 
     linear: LinearisedModel
+    fit: Fit
     world: World
     residual: Array
-    figures: tuple[FittedFigure, ...]
+    freed: frozenset[str]
+
+    @property
+    def figures(self) -> tuple[FittedFigure, ...]:
+        """What is free, with intervals that know of what is another one in each recording."""
+        found = fitted_figures(self.linear, self.fit)
+        return tuple(one for one in found if one.kind == "finding" or one.name in self.freed)
 
 
 def freed_beside_the_day(linear: LinearisedModel, free: Sequence[str]) -> Anew:
@@ -52,12 +60,11 @@ def freed_beside_the_day(linear: LinearisedModel, free: Sequence[str]) -> Anew:
         InputError, ConvergenceError, RobotError: As `fit_anew`.
     """
     alone = _with_figures(linear, free)
-    freed = {str(one) for one in alone.nuisances}
+    freed = frozenset(map(str, alone.nuisances))
     linear, fit = _settled(_with_the_day(linear, alone), free)
-    figures = tuple(one for one in fitted_figures(linear, fit) if one.kind == "finding" or one.name in freed)
     is_freed = np.array([str(one) in freed for one in linear.nuisances], dtype=bool)
     world = replace(fit, nuisances=np.where(is_freed, fit.nuisances, 0.0)).world(linear)
-    return Anew(linear, world, linear.observed - linear.replay.predict(world), figures)
+    return Anew(linear, fit, world, linear.observed - linear.replay.predict(world), freed)
 
 
 def fit_anew(linear: LinearisedModel, free: Sequence[str]) -> tuple[LinearisedModel, Fit]:

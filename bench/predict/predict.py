@@ -5,6 +5,7 @@ What may be anew in a recording, by what it leaves, is said beside that.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -128,6 +129,7 @@ def _maybe_anew(stated: LinearisedModel, free: Sequence[str], channels: Sequence
     """
     nothing = np.full_like(stated.residual, np.nan)
 
+    @cache
     def left_with(*freed: str) -> tuple[float, ...]:
         left = np.where(measured(stated), freed_beside_the_day(stated, freed).residual, np.nan)
         return tuple(channel.rms for channel in channel_errors(stated, left, nothing, nothing, ()))

@@ -17,7 +17,7 @@ from bench.diagnose.linearise.screening import widths_of
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.beside_unlisted import free_beside, group_beside, log_odds, log_odds_as_runs_say
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, Member
-from bench.diagnose.name.search import SubsetPosterior, Term
+from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 from bench.effects.effect import WHOLE
 from bench.record.campaign import Array
 from tests.diagnose.small_models import Shift, X, fit_alone

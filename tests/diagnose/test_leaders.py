@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from bench.diagnose.name.leaders import grown, leaders_of, other_names, rivals_of, scattering, without
-from bench.diagnose.name.search import Alternative, Subset, SubsetPosterior, Term
+from bench.diagnose.name.search import Alternative, Subset
+from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 
 
 def linearised() -> Any:

@@ -9,7 +9,8 @@ from scipy.integrate import trapezoid
 from scipy.stats import multivariate_normal, norm
 
 from bench.diagnose.linearise.marginal import Nuisances
-from bench.diagnose.name.search import WINDOW, SubsetPosterior, Term, alternatives_of, exchanges, search
+from bench.diagnose.name.search import WINDOW, alternatives_of, exchanges, search
+from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 
 M, P = 40, 3
 ODDS = -3.0

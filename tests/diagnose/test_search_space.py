@@ -18,9 +18,9 @@ from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry, tried_of, widths_of
 from bench.diagnose.name.candidate_model import CandidateModel, needed_of
 from bench.diagnose.name.models import Fitter
-from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.diagnose.name.search_space import SearchSpace, search_space
 from bench.diagnose.name.sizes import log_of_widths
+from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 from bench.effects.catalogue import catalogue
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array

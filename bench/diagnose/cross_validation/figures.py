@@ -1,6 +1,6 @@
 """Everything that was fitted, as a table: figures of robot and instruments, and parameters of what was found."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import norm
@@ -55,8 +55,8 @@ class FittedFigure:
     high: float
     sigma: float
     sigmas: float
-    trades_with: str
-    correlation: float
+    trades_with: str = ""
+    correlation: float = float("nan")
     is_told: bool = True
     earlier: float = float("nan")
     has_changed: bool = False
@@ -99,14 +99,12 @@ def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...
             row = _figure(linear.nuisances[i], float(fit.nuisances[i]), float(spread[i]), clear)
             constant = constants[i]
             row = row if constant is None else _of_constant(row, constant)
-            is_told = is_narrower(float(spread[i]), 1.0)
         else:
             unknown = fit.unknowns[i - p]
-            row = _finding(unknown, float(fit.values[i - p]), float(spread[i]))
-            is_told = told[unknown.key]
-        rho = float(correlation[i, partner]) if is_strong else np.nan
-        whose = names[partner] if is_strong else ""
-        found.append(FittedFigure(names[i], *row[:8], whose, rho, is_told, *row[8:]))
+            row = _finding(unknown, float(fit.values[i - p]), float(spread[i]), told[unknown.key])
+        if is_strong:
+            row = replace(row, trades_with=names[partner], correlation=float(correlation[i, partner]))
+        found.append(row)
     found.sort(key=lambda one: (one.kind != "finding", -abs(one.sigmas) if one.kind != "finding" else 0.0))
     return tuple(found)
 
@@ -125,47 +123,57 @@ def changed_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ..
     return tuple(sorted(changed, key=lambda figure: figure.name not in of_robot))
 
 
-_Row = tuple[str, str, float, float, float, float, float, float, float, bool]
-
-
-def _figure(nuisance: Nuisance, x: float, spread: float, clear: float) -> _Row:
-    """Return what a row says of a deviation that is x standard deviations of its prior, give or take `spread` of them.
+def _figure(nuisance: Nuisance, x: float, spread: float, clear: float) -> FittedFigure:
+    """Return a deviation that is x standard deviations of its prior, give or take `spread` of them.
 
     A factor is given as a share, and its standard deviation as that of the factor. What differs from what was found
     before by more than `clear` standard deviations of both has changed.
     """
     off, low, high = (nuisance.off_by(x + side * NORMAL_95 * spread) for side in (0, -1, 1))
     kind, unit, earlier = "figure" if nuisance.is_simulated else "campaign", nuisance.unit, nuisance.earlier
+    is_told = is_narrower(spread, 1.0)
     if earlier is None:
-        stated = nuisance.sigma / nuisance.widened
-        return kind, unit, 0.0, off, low, high, stated, x * nuisance.widened, np.nan, False
+        sigma, sigmas = nuisance.sigma / nuisance.widened, x * nuisance.widened
+        return FittedFigure(str(nuisance), kind, unit, 0.0, off, low, high, sigma, sigmas, is_told=is_told)
     share = earlier.expected / nuisance.sigma
     sigma = nuisance.off_by(share) if nuisance.is_factor else earlier.expected
     has_changed = bool(abs(x) > clear * np.hypot(earlier.known / nuisance.sigma, spread))
     off, low, high = map(earlier.total, (off, low, high))
-    return kind, unit, 0.0, off, low, high, sigma, x / share, earlier.found, has_changed
+    figure = FittedFigure(str(nuisance), kind, unit, 0.0, off, low, high, sigma, x / share, is_told=is_told)
+    return replace(figure, earlier=earlier.found, has_changed=has_changed)
 
 
-def _of_constant(row: _Row, constant: float) -> _Row:
-    """Return a row about the gain of what a drive reports as one about its torque constant.
+def _of_constant(figure: FittedFigure, constant: float) -> FittedFigure:
+    """Return a figure about the gain of what a drive reports as one about its torque constant.
 
     Args:
-        row: What a drive reports is (1 + gain) of what it should.
+        figure: What a drive reports is (1 + gain) of what it should.
         constant: Of the robot that was taken, which has what an earlier diagnosis found [Nm/A]; nan: relative.
     """
-    kind, _, _, found, low, high, sigma, sigmas, before, has_changed = row
-    best, least, most, then = (np.inf if gain <= -1 else 1 / (1 + gain) for gain in (found, high, low, before))
-    if np.isnan(constant):
-        return kind, "", 0.0, best - 1, least - 1, most - 1, sigma, -sigmas, then - 1, has_changed
-    stated = constant if np.isnan(before) else constant * (1 + before)
-    best, least, most, then = (stated * part for part in (best, least, most, then))
-    return kind, "Nm/A", stated, best, least, most, constant * sigma, -sigmas, then, has_changed
+    gains = figure.found, figure.high, figure.low, figure.earlier
+    found, low, high, earlier = (np.inf if gain <= -1 else 1 / (1 + gain) for gain in gains)
+    unit, stated, off, sigma = "", 0.0, 1.0, figure.sigma
+    if not np.isnan(constant):
+        stated = constant if np.isnan(figure.earlier) else constant * (1 + figure.earlier)
+        found, low, high, earlier = (stated * part for part in (found, low, high, earlier))
+        unit, off, sigma = "Nm/A", 0.0, constant * figure.sigma
+    return replace(
+        figure,
+        unit=unit,
+        stated=stated,
+        found=found - off,
+        low=low - off,
+        high=high - off,
+        sigma=sigma,
+        sigmas=-figure.sigmas,
+        earlier=earlier - off,
+    )
 
 
-def _finding(unknown: Unknown, value: float, spread: float) -> _Row:
-    half, parameter = NORMAL_95 * spread, unknown.parameter
-    null = float(parameter.null)
-    return "finding", parameter.unit, null, value, value - half, value + half, np.nan, np.nan, np.nan, False
+def _finding(unknown: Unknown, value: float, spread: float, is_told: bool) -> FittedFigure:
+    half, unit, null = NORMAL_95 * spread, unknown.parameter.unit, float(unknown.parameter.null)
+    low, high = value - half, value + half
+    return FittedFigure(_name(unknown), "finding", unit, null, value, low, high, np.nan, np.nan, is_told=is_told)
 
 
 def _told(fit: Fit) -> dict[Key, bool]:

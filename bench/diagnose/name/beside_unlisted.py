@@ -30,9 +30,10 @@ from bench.diagnose.name.discrepancy import ANGLE_NODES, Discrepancy
 from bench.diagnose.name.groups import IN_SET, LEVEL, AmbiguityGroup
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Naming
-from bench.diagnose.name.search import SubsetPosterior, Term, search
+from bench.diagnose.name.search import search
 from bench.diagnose.name.search_space import search_space
 from bench.diagnose.name.sizes import log_of_widths
+from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 
 FLAT = 1e3  # rounding: times its prior; a shape that is needed in any case holds whatever it can
 EXPANDED = 8  # effort: sums of shapes whose neighbours are looked at

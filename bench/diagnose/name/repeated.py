@@ -14,8 +14,9 @@ from bench.diagnose.cross_validation.folds import Folds, folds_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Tried
 from bench.diagnose.name.models import Model
-from bench.diagnose.name.search import SubsetPosterior, alternatives_of, search
+from bench.diagnose.name.search import alternatives_of, search
 from bench.diagnose.name.search_space import SearchSpace
+from bench.diagnose.name.subset_posterior import SubsetPosterior
 
 PARTS = 8  # effort: of the folds, each left out in turn; of 40 runs a part has five
 EXPANDED = 8  # effort: subsets that are expanded in each search, which begins with what was found

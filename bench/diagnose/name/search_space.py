@@ -21,8 +21,8 @@ from bench.diagnose.linearise.screening import WIDTHS, Entry, Tried, widths_of
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.candidate_model import CandidateModel
 from bench.diagnose.name.models import Model
-from bench.diagnose.name.search import SubsetPosterior, Term
 from bench.diagnose.name.sizes import log_of_widths
+from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 

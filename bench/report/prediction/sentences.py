@@ -92,8 +92,9 @@ def free_sentence(prediction: Prediction) -> str:
     """Return what was fitted to the recordings."""
     if not prediction.free:
         return "Nothing was fitted to the data."
+    anew = listed([FREE[name].words for name in prediction.free], "and")
     return (
-        f"Fitted anew to each recording, and nothing else: {listed([FREE[n].words for n in prediction.free], 'and')}."
+        f"Fitted anew to each recording, and nothing else: {anew}. What drifts anyway was beside it, and is taken out."
     )
 
 
