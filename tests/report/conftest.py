@@ -6,8 +6,10 @@ import pytest
 
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
+from bench.robot.nominal_dynamics import NominalDynamics
 from bench.simulate.session import Film
 from tests.report.films import made_film
+from tests.stranger_started import started
 
 
 @pytest.fixture(scope="session")
@@ -20,3 +22,9 @@ def compiled(small_robot: Path) -> CompiledRobot:
 def film(compiled: CompiledRobot) -> Film:
     """Film it with perfect instruments."""
     return made_film(compiled)
+
+
+@pytest.fixture(scope="session")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> NominalDynamics:
+    """Return the stranger's arm as `bench new-robot` starts it."""
+    return started(tmp_path_factory.mktemp("stranger"))

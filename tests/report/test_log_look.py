@@ -11,11 +11,11 @@ from bench.cli import main
 from bench.errors import CampaignError
 from bench.identify.drive_scale import drive_scale
 from bench.record.convert import convert
-from bench.record.log_format import LogFormat, read_log_format
 from bench.record.look.values import evenly
 from bench.report.log_look.look import look
 from bench.robot.nominal_dynamics import NominalDynamics
 from tests import stranger
+from tests.report.proposals import proposed
 from tests.stranger_started import erring, started
 
 SECONDS = 8.0
@@ -24,17 +24,6 @@ DRIVES = 3
 LOOKED_AT = 8  # logs; three factors each
 NINETY = 1.645  # standard deviations to either side that hold 90 %
 LEAST_HELD = 18  # of 24 intervals of 90 %: fewer come by chance once in 100 (binomial)
-
-
-@pytest.fixture(scope="module")
-def arm(tmp_path_factory: pytest.TempPathFactory) -> NominalDynamics:
-    """Return the stranger's arm as `bench new-robot` starts it."""
-    return started(tmp_path_factory.mktemp("stranger"))
-
-
-def proposed(tmp_path: Path, text: str) -> LogFormat:
-    (tmp_path / "log.yaml").write_text(text)
-    return read_log_format(tmp_path / "log.yaml")
 
 
 @pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", ",")])

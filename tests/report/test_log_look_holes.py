@@ -7,22 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.record.log_format import LogFormat, read_log_format
 from bench.report.log_look.look import look
 from bench.robot.nominal_dynamics import NominalDynamics
 from tests import seven_joints, stranger
-from tests.stranger_started import started
-
-
-@pytest.fixture(scope="module")
-def arm(tmp_path_factory: pytest.TempPathFactory) -> NominalDynamics:
-    """Return the stranger's arm as `bench new-robot` starts it."""
-    return started(tmp_path_factory.mktemp("stranger"))
-
-
-def proposed(tmp_path: Path, text: str) -> LogFormat:
-    (tmp_path / "log.yaml").write_text(text)
-    return read_log_format(tmp_path / "log.yaml")
+from tests.report.proposals import proposed
 
 
 def light_log(tmp_path: Path) -> tuple[Path, list[list[str]]]:

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from bench.identify.drive_scale import drive_scale
-from bench.record.log_format import LogFormat, read_log_format
 from bench.record.look.values import evenly
 from bench.report.log_look.look import look
 from bench.robot.nominal_dynamics import NominalDynamics
 from tests import scara
+from tests.report.proposals import proposed
 from tests.stranger_started import erring, started
 
 NINETY = 1.645  # exact: standard deviations to either side that hold 90 %
@@ -26,11 +26,6 @@ STICKING = (7.0, 3.0, 60.0, 0.35)  # [Nm], [N]: friction that holds the quill an
 def robot(tmp_path_factory: pytest.TempPathFactory) -> NominalDynamics:
     """Return the robot as `bench new-robot` starts it."""
     return replace(started(tmp_path_factory.mktemp("scara"), scara.mjcf()), torque_offset_sigma=OFFSET)
-
-
-def proposed(tmp_path: Path, text: str) -> LogFormat:
-    (tmp_path / "log.yaml").write_text(text)
-    return read_log_format(tmp_path / "log.yaml")
 
 
 def test_constants_beside_a_payload_that_hangs_beside_the_axis(robot: NominalDynamics) -> None:

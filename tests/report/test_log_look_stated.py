@@ -8,23 +8,16 @@ import numpy as np
 import pytest
 
 from bench.cli import main
-from bench.record.log_format import LogFormat, read_log_format
 from bench.record.look.names import families_by_name
 from bench.report.log_look.look import look
 from bench.robot.nominal_dynamics import NominalDynamics
 from tests import stranger
-from tests.stranger_started import started
+from tests.report.proposals import proposed
 
 JOINTS = (1, 2, 3)
 RATIO = np.array([50.0, 121.0, 200.0])
 CONSTANT = np.abs(stranger.CONSTANT)
 ESTIMATE = 0.1  # relative: masses as in the file, so constants are told to a few percent
-
-
-@pytest.fixture(scope="module")
-def arm(tmp_path_factory: pytest.TempPathFactory) -> NominalDynamics:
-    """Return the stranger's arm as `bench new-robot` starts it."""
-    return started(tmp_path_factory.mktemp("stranger"))
 
 
 @pytest.fixture(scope="module")
@@ -37,11 +30,6 @@ def log(file: Path, motion: stranger.Motion, position: str, reading: str, readin
     rows = np.column_stack([motion.time, motion.position, readings])
     np.savetxt(file, rows, delimiter=",", header=",".join(names), comments="", fmt="%.9g")
     return file
-
-
-def proposed(tmp_path: Path, text: str) -> LogFormat:
-    (tmp_path / "log.yaml").write_text(text)
-    return read_log_format(tmp_path / "log.yaml")
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("kNm", 1e3), ("Nmm", 1e-3), ("Nm", 1.0)])

@@ -10,7 +10,6 @@ import pytest
 from bench.cli import main
 from bench.identify.angle_scale import AngleScale
 from bench.record.convert import convert
-from bench.record.log_format import LogFormat, read_log_format
 from bench.record.look.families import Family
 from bench.report.log_look import gears
 from bench.report.log_look.angle_units import angle_unit
@@ -19,19 +18,13 @@ from bench.robot.nominal_dynamics import NominalDynamics, nominal_dynamics
 from bench.robot.starter.folder import start_robot
 from bench.robot.starter.source import read_source
 from tests import stranger
-from tests.stranger_started import started
+from tests.report.proposals import proposed
 
 DEGREE = np.pi / 180
 JOINTS = (1, 2, 3)
 RATIO = (50.0, 121.0, 200.0)
 SIGMAS = 3.0  # standard deviations by which an estimate may be off
 SLACK = 0.01  # relative: percentages are rounded to one
-
-
-@pytest.fixture(scope="module")
-def arm(tmp_path_factory: pytest.TempPathFactory) -> NominalDynamics:
-    """Return the stranger's arm as `bench new-robot` starts it."""
-    return started(tmp_path_factory.mktemp("stranger"))
 
 
 def log(
@@ -48,11 +41,6 @@ def log(
     head = ";".join(names) if header else ""
     np.savetxt(file, np.column_stack(columns), delimiter=";", header=head, comments="", fmt="%.8g")
     return file
-
-
-def proposed(tmp_path: Path, text: str) -> LogFormat:
-    (tmp_path / "log.yaml").write_text(text)
-    return read_log_format(tmp_path / "log.yaml")
 
 
 @pytest.fixture(scope="module")
