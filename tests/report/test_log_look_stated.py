@@ -80,7 +80,8 @@ def test_stated_gear_ratios_are_the_factors_of_motor_torques(
         r"gear_ratio of the figures is used, but this log contradicts it: j2 242 stated, (.*) by", text
     )
     size, sigma = re.fullmatch(r"([\d.]+) \+- (\d+) %", told).groups()
-    assert abs(float(size) / RATIO[1] - 1) < float(sigma) / 100 < ESTIMATE
+    assert abs(float(size) / RATIO[1] - 1) < 0.01  # of an arm as its file says, though its masses are free
+    assert float(sigma) / 100 < ESTIMATE
 
 
 def test_stated_torque_constants_are_not_estimated_again(
