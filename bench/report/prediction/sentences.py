@@ -93,9 +93,7 @@ def free_sentence(prediction: Prediction) -> str:
     if not prediction.free:
         return "Nothing was fitted to the data."
     anew = listed([FREE[name].words for name in prediction.free], "and")
-    return (
-        f"Fitted anew to each recording, and nothing else: {anew}. What drifts anyway was beside it, and is taken out."
-    )
+    return f"Fitted anew to each recording: {anew}; beside what drifts from day to day, which is taken out again."
 
 
 def row_name(recording: PredictedRecording, channel: ChannelError) -> str:
