@@ -34,7 +34,8 @@ MAY_IMPORT = {
     "diagnose": BELOW | {"store", "simulate", "effects", "identify"},
     "compare": BELOW | {"store", "simulate", "effects", "diagnose"},
     "predict": BELOW | {"simulate", "effects", "diagnose"},
-    "study": BELOW | {"store", "simulate", "scenario", "effects", "second", "hide", "diagnose", "compare", "predict"},
+    "study": BELOW
+    | {"store", "simulate", "scenario", "effects", "second", "hide", "identify", "diagnose", "compare", "predict"},
     "benchmark": BELOW | {"simulate", "scenario", "effects", "hide", "identify", "diagnose"},
     "report": BELOW
     | {"scenario", "simulate", "identify", "effects", "hide", "diagnose", "compare", "predict", "study"},

@@ -37,7 +37,7 @@ from bench.robot.folder import load_robot
 from bench.robot.write import write_robot
 
 MOST_FITS = 4  # effort: each with the derivatives about the one before
-SETTLED = 0.5  # log evidence; a fit that rises by less is settled, as in `settle.py`
+SETTLED = 0.5  # effort: log evidence; a fit that rises by less is settled, as in `settle.py`
 FITS = 2.0  # declared: times the noise, that stated figures leave of a robot whose drawing leaves nothing out
 
 

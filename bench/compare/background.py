@@ -18,11 +18,12 @@ from bench.diagnose.linearise.screening import Entry, Tried, tried_of
 from bench.errors import InputError
 from bench.record.campaign import Array
 
-# Share of the scatter of friction at rest, as a standard deviation, that is tried beside all of it. That is less than
-# currents resolve, so where rests repeat it stands for none; what lies between shows in differences (`noise.py`).
+# rounding: share of the scatter of friction at rest, as a standard deviation, that is tried beside all of it. That is
+# less than currents resolve, so where rests repeat it stands for none; what lies between shows in differences
+# (`noise.py`).
 HELD = 0.04
-ENOUGH = 0.4  # log of a variance; one that changes by less is settled: 1.2 in the standard error, as in a diagnosis
-ROUNDS = 2
+ENOUGH = 0.4  # effort: log of a variance; a lesser change is settled (1.2 in the standard error, as in a diagnosis)
+ROUNDS = 2  # effort: of estimating them
 
 
 @dataclass(frozen=True, eq=False)

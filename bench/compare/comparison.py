@@ -7,7 +7,7 @@ from typing import Any
 from bench.compare.profiles import Course
 from bench.effects.effect import Level
 
-NORMAL_90 = 1.645  # standard deviations, of the intervals of a comparison
+NORMAL_90 = 1.645  # exact: standard deviations, of the intervals of a comparison
 
 
 @dataclass(frozen=True)

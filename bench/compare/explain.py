@@ -18,7 +18,7 @@ from bench.diagnose.linearise.candidates import Candidate
 from bench.diagnose.name.groups import groups_of
 from bench.record.campaign import Array
 
-WEEK = 7.0  # [days]
+WEEK = 7.0  # exact: [days]
 NONE_TO_LOSE = "ask whether the robot had any of it before; the model has none that could become less"
 
 

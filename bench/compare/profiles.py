@@ -8,7 +8,7 @@ import numpy as np
 from bench.record.campaign import Array
 
 Course = Literal["step", "once", "trend"]
-FEWEST_FOR_TREND = 3  # recordings after; with two, a trend is hardly more than two steps
+FEWEST_FOR_TREND = 3  # declared: recordings after; with two, a trend is hardly more than two steps
 
 
 @dataclass(frozen=True, eq=False)

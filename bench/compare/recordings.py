@@ -10,7 +10,7 @@ from bench.errors import CampaignError
 from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
 
-DAY = 86400.0  # [s]
+DAY = 86400.0  # exact: [s]
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,9 @@ from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-MOST_TERMS = 1000  # that a search is given, the best by evidence: memory stays small with many recordings
-INVISIBLE = 1e-6  # norm of a whitened column per standard deviation of its size; a course in which it never acts
+MOST_TERMS = 1000  # effort: that a search is given, the best by evidence: memory stays small with many recordings
+# rounding: norm of a whitened column per standard deviation of its size, of a course in which it never acts
+INVISIBLE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)

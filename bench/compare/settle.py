@@ -8,8 +8,9 @@ from bench.compare.background import Background, settled_background
 from bench.compare.profiles import Profile
 from bench.compare.search_changes import Found, find_changes
 
-ROUNDS = 3
-SETTLED = 0.5  # log odds; noise that moves what is named by less is settled: a twelfth of what tells explanations apart
+ROUNDS = 3  # effort: of noise and names, in turn
+# effort: log odds; noise that moves what is named by less is settled, a twelfth of what tells explanations apart
+SETTLED = 0.5
 
 
 def settled_changes(background: Background, profiles: Sequence[Profile], rate: float) -> tuple[Background, Found]:

@@ -24,7 +24,7 @@ from bench.diagnose.replay.given import with_earlier
 from bench.diagnose.replay.known import with_known_segments
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, segments_of
-from bench.diagnose.verdict import Unfinished
+from bench.diagnose.verdict import CONFIRMED, Unfinished
 from bench.effects.effect import Effect
 from bench.effects.recorded import Recorded, recorded_in
 from bench.errors import NOT_SIMULATED, InputError
@@ -240,16 +240,26 @@ def _misfit(found: Explained) -> float:
 
 
 def extension_of(naming: Naming, discrepancy: Discrepancy | None) -> Fit | None:
-    """Return the model with what was found, listed or learned; None where there is nothing to add."""
+    """Return the model with what was found, listed or learned; None where there is nothing to add.
+
+    What is handed over is fitted as it is handed over. A robot has no place for an error of its recording: what such
+    an error took of a misfit is missing there. Confirmed, it belongs to the channel; where most searches do not find it
+    again, what is left is fitted without it.
+    """
     if discrepancy and discrepancy.is_gain:
         return discrepancy.fit
     best = naming.models[0] if naming.models else None
     if best is None or not best.causes:
         return None
-    if best.shape is None:
-        return best.fit
+    doubtful = {one.cause.key for one in naming.findings if one.repeats < CONFIRMED}
     beside = best.listed_fit(naming.linear)  # what was fitted beside a shape that is not handed over
-    alone = refit(naming.linear, beside.causes, beside.start, beside.nuisances, beside)
+    causes = tuple(one for one in beside.causes if one.effect.level == "machine" or one.key not in doubtful)
+    if best.shape is None and causes == beside.causes:
+        return best.fit
+    if not causes:
+        return None
+    known = beside if causes == beside.causes else None
+    alone = refit(naming.linear, causes, beside.start, beside.nuisances, known)
     return with_jackknife(naming.linear, alone)
 
 

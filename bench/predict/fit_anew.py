@@ -21,7 +21,7 @@ from bench.effects.drifts import COULOMB, DAY_K
 from bench.predict.free import COULOMB_FIGURES, freed_causes, freed_figures
 from bench.record.campaign import Array
 
-ROUNDS = 6  # as in a diagnosis
+ROUNDS = 6  # effort: as in a diagnosis
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from bench.diagnose.replay.world import World
 from bench.predict.freed import FreedFigure
 from bench.record.campaign import Array
 
-SEEN = 0.1  # shown: of an error in some channel, by which what may be anew has to lower it
+SEEN = 0.1  # declared: of an error in some channel, by which what may be anew has to lower it
 Answer = Literal["kept", "less", "more", "not promised"]
 
 

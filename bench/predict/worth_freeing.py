@@ -16,13 +16,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.name.simulation_error import SIMULATED
 from bench.errors import NOT_SIMULATED, InputError
 from bench.predict.fit_anew import fit_anew, fitted_as
 from bench.predict.free import FREE
 
 FALSE_HINTS = 0.01  # declared: of recordings in which nothing is anew
 AS_GOOD = 3.0  # declared: difference of log evidence, twenty to one, within which none of two is preferred
-AS_SIMULATED = 0.01  # assumed: the same as a part of it, where it is large and the replay is not as right as that
+# derived: the same as a part of it; two that act alike, each simulated wrong by a share e, differ by (2 e)^2 of what
+# they explain (`name/simulation_error.py`)
+AS_SIMULATED = 4 * SIMULATED**2
 
 
 @dataclass(frozen=True, eq=False)

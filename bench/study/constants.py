@@ -11,8 +11,11 @@ from dataclasses import dataclass
 from fnmatch import fnmatch
 from types import ModuleType
 
+import bench.compare
 import bench.diagnose
 import bench.effects
+import bench.identify.dynamics
+import bench.predict
 
 # What a diagnosis takes from elsewhere; effects that are only hidden, or that only print, are no part of it.
 ELSEWHERE = ("bench.record.moving", "bench.record.held_out")
@@ -49,7 +52,7 @@ class Constant:
 
 def constants_of(pattern: str = "*") -> tuple[Constant, ...]:
     """Return the constants whose words match a pattern such as "name.*", "effects.*" or "*.PROMISING"."""
-    packages = (bench.diagnose, bench.effects)
+    packages = (bench.diagnose, bench.effects, bench.identify.dynamics, bench.compare, bench.predict)
     infos = (info for one in packages for info in pkgutil.walk_packages(one.__path__, f"{one.__name__}."))
     names = [*(info.name for info in infos if info.name not in APART), *ELSEWHERE]
     every = (constant for name in names for constant in _constants(importlib.import_module(name)))

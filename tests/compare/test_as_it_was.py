@@ -3,12 +3,18 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from bench.compare.as_it_was import as_it_was
 from bench.record.campaign import Campaign
-from bench.robot.compiled import CompiledRobot
+from bench.record.convert import convert
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import load_robot
+from bench.robot.logs import log_format_of
+from bench.robot.plugins import configure
 from tests.diagnose.noise_free import linearised
 from tests.diagnose.sweeps import SWEEP, made, nominal
+from tests.recordings import write_kr300
 
 CURRENT_2 = 1
 
@@ -37,6 +43,19 @@ def test_of_a_machine_nothing_is_left_on_another_day_but_what_drifts(tmp_path: P
         print(f"{1e3 * nominal_errors[-1]:.0f}, fitted {1e3 * errors[-1]:.0f}")
     assert np.ptp(errors) < 0.1 * np.mean(errors)
     assert np.ptp(nominal_errors) > 0.5 * np.mean(nominal_errors)
+
+
+def test_the_gas_that_a_model_leaves_out_is_fitted(tmp_path: Path, rng: np.random.Generator) -> None:
+    """Links and torque constants stood for it: 178 kg of an upper arm of 339, and half of what a payload changed by."""
+    write_kr300(tmp_path / "may.csv", rng, seconds=5.0)
+    compiled = compile_robot(load_robot("kr300"))
+    campaign = convert(tmp_path / "may.csv", log_format_of(compiled.robot), "kr300").campaign
+    assert campaign
+    fitted = as_it_was(campaign, compiled, tmp_path)
+    full = compile_robot(load_robot("kr300"), [lambda spec, _: configure(spec, "cbs", gas_amount=1.0)])
+    assert fitted.counterbalance
+    assert full.counterbalance
+    assert fitted.counterbalance.gas_constant / full.counterbalance.gas_constant == pytest.approx(0.9, abs=0.05)
 
 
 def test_where_nothing_can_be_fitted_the_robot_stays(tmp_path: Path) -> None:

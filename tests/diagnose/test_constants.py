@@ -19,7 +19,7 @@ ORIGINS = {
 }
 MOST = 40  # fewer are assumed, all along the way to a verdict (issue 15)
 PACKAGE = Path(bench.__file__).parent
-ON_THE_WAY = ("diagnose", "effects", "record/moving.py", "record/held_out.py")
+ON_THE_WAY = ("diagnose", "effects", "record/moving.py", "record/held_out.py", "identify/dynamics", "compare", "predict")
 # What is asked before a verdict, and proposed after it; effects that are only hidden, and how effects are listed
 APART = ("diagnose/plausibility/", "diagnose/experiment_design/", "effects/unlisted.py", "effects/listing.py")
 

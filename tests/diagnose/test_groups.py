@@ -101,3 +101,19 @@ def test_what_is_superfluous_beside_another_name_stands_for_nothing() -> None:
     gas, offset = groups_of(("gas", "offset"), posterior, CAUSES)
     assert gas.keys == {"gas", "heat"}
     assert offset.keys == {"offset"}
+
+
+def test_what_is_no_better_than_nothing_is_no_name() -> None:
+    """A scale of a torque at even odds had 95 other names, of 0.3 % each: whatever else might act besides nothing."""
+    posterior: dict[Keys, float] = {
+        frozenset({"gas", "offset"}): 10.0,
+        frozenset({"gas"}): 9.9,
+        frozenset({"gas", "friction"}): 9.95,  # it is likelier that it acts than that nothing does
+        frozenset({"gas", "slope"}): 5.0,
+        frozenset({"gas", "far"}): 9.0,
+    }
+    _, offset = groups_of(("gas", "offset"), posterior, CAUSES)
+    assert offset.keys == {"offset", "friction"}
+    weights = {key: float(np.exp(value)) for key, value in posterior.items()}
+    of_both = sum(weight for key, weight in weights.items() if key & offset.keys)
+    assert offset.probability == pytest.approx(of_both / sum(weights.values()))

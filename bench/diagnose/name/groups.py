@@ -2,7 +2,7 @@
 
 With five findings of which each has three names, there are 243 explanations; a reader wants five findings with three
 names each. The names of a finding are those causes that, exchanged for it, give a model that the data cannot tell from
-the best, with whatever names the other findings have.
+the best, with whatever names the other findings have, and that are likelier than nothing in its place.
 """
 
 from collections.abc import Hashable, Mapping, Sequence, Set
@@ -72,6 +72,8 @@ def groups_of(
         new, gone = after - before, before - after
         key = next((key for key in best if key in gone), None)  # of several, it stands for the one that explains most
         if len(new) != 1 or new & every or key is None:
+            continue
+        if posterior.get(after - new, -np.inf) >= posterior[after]:  # it adds nothing, and says that nothing is there
             continue
         if before == every or before.isdisjoint(exchanges[key]):  # with another of its names, nothing is missing
             found = _Exchange(before, after, {before, after} <= simulated)

@@ -10,12 +10,12 @@ from bench.identify.dynamics.quantities import Quantity
 from bench.identify.dynamics.regressor import N_INERTIAL, link_regressor, payload_columns
 from bench.record.campaign import Array
 
-SECONDS = 20.0  # of a motion that is proposed
-RATE = 20.0  # [Hz], at which its information is counted; it sways far more slowly
-REACH = 0.4  # of a joint's range, either way from its middle
-SPEED = 0.6  # of a joint's speed limit: what a careful operator runs
-POSTURES = 8  # of the joints that stand still meanwhile
-MOST = 3  # motions that are proposed
+SECONDS = 20.0  # declared: of a motion that is proposed
+RATE = 20.0  # effort: [Hz], at which its information is counted; it sways far more slowly
+REACH = 0.4  # declared: of a joint's range, either way from its middle
+SPEED = 0.6  # declared: of a joint's speed limit: what a careful operator runs
+POSTURES = 8  # effort: of the joints that stand still meanwhile
+MOST = 3  # declared: motions that are proposed
 
 
 @dataclass(frozen=True)

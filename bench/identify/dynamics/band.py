@@ -18,14 +18,13 @@ from bench.identify.dynamics.samples import MotionSamples
 from bench.record.campaign import Array
 from bench.record.moving import TRAVELS
 
-BANDWIDTH = 0.99  # share of the power of the velocity that lies below the bandwidth of a motion (assumed)
-TORQUE_CUTOFF = 10.0  # bandwidths up to which columns and torque are kept: the rule of Gautier and Janot's IDIM-LS
-POSITION_CUTOFF = (
-    2.0  # times that, so that differentiation does not shape what is kept; on EMPS this makes 80 and 40 Hz
-)
-ORDER = 4  # of each Butterworth filter, run forth and back
-LEAST = 30  # samples that are kept of all runs; fewer tell no drive from its friction (assumed)
-HIGHEST = 0.8  # of half the sampling rate; a cut-off beyond that filters nothing
+BANDWIDTH = 0.99  # derived: of the velocity's power lies below the bandwidth (occupied bandwidth, ITU-R SM.443)
+TORQUE_CUTOFF = 10.0  # derived: bandwidths up to which columns and torque are kept (IDIM-LS, Gautier and Janot)
+# derived: times that, so that differentiation does not shape what is kept (likewise)
+POSITION_CUTOFF = 2.0
+ORDER = 4  # derived: of each Butterworth filter, run forth and back (likewise)
+LEAST = 30  # declared: samples that are kept of all runs; fewer are refused, for they tell no drive from its friction
+HIGHEST = 0.8  # rounding: of half the sampling rate; a cut-off beyond that filters nothing
 
 
 @dataclass(frozen=True)

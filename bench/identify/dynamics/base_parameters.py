@@ -15,8 +15,9 @@ from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL, NAMES, UNITS, link_regressor, payload_columns
 from bench.record.campaign import Array
 
-DEPENDENT = 1e-8  # of a column's length; random motions leave 1e-13 of a dependent one and 1e-3 of an independent one
-SHOWN = 1e-6  # coefficients below that are rounding
+# rounding: of a column's length; random motions leave 1e-13 of a dependent one and 1e-3 of an independent one
+DEPENDENT = 1e-8
+SHOWN = 1e-6  # rounding: coefficients below that are rounding
 
 
 @dataclass(frozen=True)

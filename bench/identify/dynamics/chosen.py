@@ -13,7 +13,7 @@ from bench.identify.dynamics.prior import NARROWEST, NONE, Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
 from bench.identify.dynamics.solve import Solution, solve
 
-ROUNDS = 2  # of asking by how much the model errs beside its data; a third changes a tenth of that
+ROUNDS = 2  # effort: of asking by how much the model errs beside its data; a third changes a tenth of that
 
 
 def with_its_delay(

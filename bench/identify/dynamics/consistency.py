@@ -17,16 +17,15 @@ from bench.identify.dynamics.regressor import N_INERTIAL
 from bench.record.campaign import Array
 
 NOT_NEGATIVE = ("rotor", "coulomb", "viscous")  # columns of the drives
-THIN = (
-    1e-4  # of a nominal body's trace: how far below zero an eigenvalue may be, for nominal plates and points are there
-)
-SMALL = 0.1  # of the largest payload, and of friction's uncertainty: where the search begins
-SHARPER = 0.2  # factor between one barrier and the next
-CLOSE = 1e-3  # half squared standard deviations that the end may be away from the best
-MOST_STEPS = 400  # of Newton; 30 to 80 are needed
-ENOUGH = 0.1  # of the decrease that the gradient promises; a step is halved until it gives that (Armijo's rule)
-SHORTEST = 1e-12  # step: rounding
-CENTRED = 0.1  # of the barrier: squared Newton decrement at which the next one is tried
+# rounding: of a nominal body's trace, how far below zero an eigenvalue may be, for nominal plates and points are there
+THIN = 1e-4
+SMALL = 0.1  # effort: of the largest payload, and of friction's uncertainty: where the search begins
+SHARPER = 0.2  # effort: factor between one barrier and the next
+CLOSE = 1e-3  # rounding: half squared standard deviations that the end may be away from the best
+MOST_STEPS = 400  # effort: of Newton; 30 to 80 are needed
+ENOUGH = 0.1  # effort: of the decrease that the gradient promises; a step is halved until it gives that (Armijo's rule)
+SHORTEST = 1e-12  # rounding: of a step
+CENTRED = 0.1  # effort: of the barrier: squared Newton decrement at which the next one is tried
 
 
 @dataclass(frozen=True)

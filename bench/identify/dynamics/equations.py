@@ -24,9 +24,8 @@ from bench.robot.nominal_dynamics import NominalDynamics
 
 DRIVE_COLUMNS = ("rotor", "coulomb", "viscous", "viscous_difference", "offset")
 GAS_SHAPE = ("critical_length", "dead_centre", "rho", "b")  # of `Counterbalance`
-MOSTLY = (
-    0.8  # share of what a thinned sample is made of in which a joint has to move (assumed; half blurs the turns in)
-)
+# assumed: share of what a thinned sample is made of in which a joint has to move; half blurs the turns in
+MOSTLY = 0.8
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from bench.identify.dynamics.equations import Equations
 from bench.record.campaign import Array
 from bench.record.held_out import BLOCKS, GAP, MOST_FOLDS
 
-SAME_PATH = 0.5  # share of the instants of one that lie on the path of the other: more than by crossing it (assumed)
-
-ALONG = np.cos(np.deg2rad(20.0))  # of the angle between paths that run along each other (assumed; two that cross in a
-# plane at any angle pass in 2 of 9 places, less than half)
-AT_REST = 0.1  # of the step between two points, below which a path has no direction (assumed)
+SAME_PATH = 0.5  # declared: more than this share of one, that is most of it, lies on the path of the other
+# derived: cosine of the angle between paths that run along each other; of directions in a plane at random two ninths do
+# (20 of 90 degrees), fewer than `SAME_PATH`
+ALONG = np.cos(np.deg2rad(20.0))
+AT_REST = 0.1  # rounding: of the step between two points, below which a path has no direction
 
 
 @dataclass(frozen=True)

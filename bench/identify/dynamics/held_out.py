@@ -15,9 +15,9 @@ from bench.identify.dynamics.rival import Rival
 from bench.identify.dynamics.solve import Solution
 from bench.record.campaign import Array
 
-SAME = 1.02  # errors that differ by less are the same (assumed)
-MUCH = 1.1  # a drive that is predicted worse by more is predicted worse, however few folds say so (assumed)
-ROUNDING = 1e-9  # of what was subtracted
+SAME = 1.02  # declared: errors that differ by less are the same
+MUCH = 1.1  # declared: a drive that is predicted worse by more is predicted worse, however few folds say so
+ROUNDING = 1e-9  # rounding: of what was subtracted
 SURE = 0.95  # declared: one-sided, by Student's t, for folds are few
 
 

@@ -9,8 +9,8 @@ from scipy.linalg import matmul_toeplitz
 
 from bench.record.campaign import Array
 
-MOST_LAGS = 10  # of the autoregression at most; its order is chosen by Akaike's criterion (assumed to suffice)
-NEARLY_ONE = 0.99  # a pole nearer to the unit circle would remember longer than 100 rows, which no data here can tell
+MOST_LAGS = 10  # effort: of the autoregression at most; its order is chosen by Akaike's criterion
+NEARLY_ONE = 0.99  # effort: a pole nearer to the unit circle remembers more than 100 rows, which no data here tell
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from bench.identify.dynamics.prior import AS_STATED, Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
 from bench.record.campaign import Array
 
-ROUNDING = 1e-12  # of a sum of squares; what is left below that when its terms are taken away again
+ROUNDING = 1e-12  # rounding: of a sum of squares; what is left below that when its terms are taken away again
 
 
 @dataclass(frozen=True)

@@ -12,15 +12,15 @@ from bench.record.campaign import Array, Campaign
 from bench.record.known import PAYLOAD
 from bench.robot.nominal_dynamics import NominalDynamics
 
-UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))  # Pinocchio's order of the six entries of an inertia
+UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))  # exact: Pinocchio's order of the six entries of an inertia
 
 
-WIDER = np.sqrt(10.0)  # between one width and the next that is tried
+WIDER = np.sqrt(10.0)  # effort: between one width and the next that is tried
 
-WIDEST = 6  # a thousand times what was stated: as good as unknown
+WIDEST = 6  # effort: a thousand times what was stated; as good as unknown
 NARROWEST = -4  # a hundredth of the whole torque: less would claim to know that there is none (assumed)
-AS_STATED = 0
-NONE = NARROWEST - 1  # no difference of the directions at all
+AS_STATED = 0  # exact: once what was stated
+NONE = NARROWEST - 1  # exact: no difference of the directions at all
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from bench.identify.arm import Arm
 from bench.record.campaign import Array
 from bench.robot.bodies import RigidBodies, read_only
 
-N_INERTIAL = 10  # m, m c (3), and the inertia about the joint frame's origin: xx, xy, yy, xz, yz, zz
+N_INERTIAL = 10  # exact: m, m c (3), and the inertia about the joint frame's origin: xx, xy, yy, xz, yz, zz
 NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
-NOT_NEGATIVE = [0, 4, 6, 9]  # of these, mass and inertia about each axis
+NOT_NEGATIVE = [0, 4, 6, 9]  # exact: of these, mass and inertia about each axis
 TINY = 1e-12  # rounding: [kg m^2]; constraints let bodies be thinner than that
 UNITS = ("kg", "kg m", "kg m", "kg m", *("kg m^2",) * 6)
 

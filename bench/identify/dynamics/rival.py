@@ -10,9 +10,8 @@ from bench.identify.dynamics.parameters import Layout
 from bench.record.campaign import Array
 
 FRICTION = ("coulomb", "viscous", "offset")
-CONDITION = (
-    1e3  # of the column-scaled regression, beyond which directions are left at zero: ten times what Gautier allows
-)
+# derived: of the column-scaled regression, beyond which directions are left at zero; ten times what Gautier allows
+CONDITION = 1e3
 
 
 @dataclass(frozen=True)

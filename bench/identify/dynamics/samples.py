@@ -10,12 +10,10 @@ from bench.record.campaign import Array, Campaign, Run
 from bench.record.carried import load_with_weight, with_payloads
 from bench.robot.nominal_dynamics import NominalDynamics
 
-UNEVEN = 0.05  # of the median step, as in `rigid_motion_fit`: time stamps may round, a lost sample may not pass for one
-FEWEST = 60  # samples of a stretch without gaps; below that, filters see little but its ends (assumed)
-
-LONGEST = (
-    25_000  # samples of a stretch: its equations of six axes take 72 MB, and as much again while they are filtered
-)
+UNEVEN = 0.05  # declared: of the median step; time stamps may round, a lost sample may not pass for one
+FEWEST = 60  # declared: samples of a stretch without gaps; below that, filters see little but its ends
+# effort: samples of a stretch; its equations of six axes take 72 MB, and as much again while they are filtered
+LONGEST = 25_000
 
 
 @dataclass(frozen=True)

@@ -18,12 +18,12 @@ from bench.identify.dynamics.prior import Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
 from bench.record.campaign import Array
 
-PASSES = (
-    4  # of weighting and linearising; gain and gas shape are corrections of some per cent: errors go with their cubes
-)
-LATEST = 0.25  # of a period of the cut-off, either way, within which a delay is looked for
-DELAYS = 17  # tried over this range before the best is refined
-FINE = 1e-6  # [s], to which it is refined
+# effort: of weighting and linearising; gain and gas shape are corrections of some per cent, errors go with their cubes
+PASSES = 4
+# derived: of a period of the cut-off, either way, within which a delay is looked for; what is later looks turned round
+LATEST = 0.25
+DELAYS = 17  # effort: tried over this range before the best is refined
+FINE = 1e-6  # rounding: [s], to which it is refined
 
 
 @dataclass(frozen=True)

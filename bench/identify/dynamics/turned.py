@@ -36,10 +36,8 @@ TIMES_UNKNOWNS = 4  # declared: equations for each unknown, at least; fewer may 
 BETTER = 4.0  # declared: times that the variance a drive is left with falls: the error, to half
 NO_WORSE = 1.2  # declared: times that of another may rise; within which two axes explain as much
 SMALL = 1e-9  # rounding: of a scaled regression, so that what is not told stays small
-DRIVE, OFFSET = (
-    6,
-    4,
-)  # unknowns of each drive: rotor, friction forth and back, viscous friction, offset, gas; which is it
+# exact: unknowns of each drive (rotor, friction forth and back, viscous friction, offset, gas), and which the offset is
+DRIVE, OFFSET = 6, 4
 
 
 @dataclass(frozen=True)
