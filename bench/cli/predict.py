@@ -49,6 +49,7 @@ class Predict:
         from bench.predict.promises import read_promises
         from bench.record.folder import new_folder
         from bench.report.prediction.file_names import NUMBERS
+        from bench.report.prediction.model import known_of
         from bench.report.prediction.words import places_of, words_of
         from bench.report.prediction.write import write_prediction
 
@@ -58,7 +59,9 @@ class Predict:
         with ExitStack() as stack:
             folder = stack.enter_context(new_folder(self.out, NUMBERS, replace=False)) if self.out else None
             shown = stack.enter_context(phases())
-            prediction: Prediction = predict(campaign, model, nominal, promises, self.free, shown.phase)
+            prediction: Prediction = predict(
+                campaign, model, nominal, promises, self.free, known_of(model.robot.folder), shown.phase
+            )
             if folder:
                 shown.phase("writing")
                 write_prediction(prediction, folder, self.command)

@@ -19,6 +19,7 @@ from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
 from bench.effects.drifts import COULOMB, DAY_K
 from bench.predict.free import COULOMB_FIGURES, freed_causes, freed_figures
+from bench.predict.model_errors import ModelErrors
 from bench.record.campaign import Array
 
 ROUNDS = 6  # effort: as in a diagnosis
@@ -42,11 +43,22 @@ class Anew:
     residual: Array
     freed: frozenset[str]
 
-    @property
-    def figures(self) -> tuple[FittedFigure, ...]:
-        """What is free, with intervals that know of what is another one in each recording."""
-        found = fitted_figures(self.linear, self.fit)
-        return tuple(one for one in found if one.kind == "finding" or one.name in self.freed)
+    def figures(self, errors: ModelErrors | None = None) -> tuple[tuple[FittedFigure, FittedFigure | None], ...]:
+        """Return what is free, with intervals that know of what is another one in each recording.
+
+        Args:
+            errors: Of the model; None: it is taken as exact.
+
+        Returns:
+            Each once with the interval of its difference from what the recordings of the model had, and once with that
+            of its difference from the model as it stands, if errors are given.
+        """
+        if errors is None:
+            rows = [(one, None) for one in fitted_figures(self.linear, self.fit)]
+        else:
+            beside = errors.variances(self.linear, self.fit, self.freed)
+            rows = list(zip(*(fitted_figures(self.linear, self.fit, one) for one in beside), strict=True))
+        return tuple((one, other) for one, other in rows if one.kind == "finding" or one.name in self.freed)
 
 
 def freed_beside_the_day(linear: LinearisedModel, free: Sequence[str]) -> Anew:

@@ -16,11 +16,16 @@ AXES = "xyz"
 class FreedFigure(FittedFigure):
     """One value that was fitted anew: `found`, `low` and `high` are differences from what the model has.
 
+    The interval is that of the difference between the recordings, this one and those that the model was made of.
+
     Attributes:
         model: What the model has, in `unit`; nan where it has no such number.
+        total_low, total_high: 95 % interval of `total`; nan where nobody knows how well the model is known.
     """
 
     model: float = float("nan")
+    total_low: float = float("nan")
+    total_high: float = float("nan")
 
     @property
     def total(self) -> float:
@@ -28,9 +33,17 @@ class FreedFigure(FittedFigure):
         return self.model + self.found
 
 
-def beside_model(figure: FittedFigure, known: Mapping[str, float]) -> FreedFigure:
-    """Return a figure with what the model has of it, as of `known_of`."""
-    return FreedFigure(**vars(figure), model=known.get(figure.name, np.nan))
+def beside_model(figure: FittedFigure, in_all: FittedFigure | None, known: Mapping[str, float]) -> FreedFigure:
+    """Return a figure with what the model has of it, as of `known_of`.
+
+    Args:
+        figure: With the interval of its difference.
+        in_all: With that of both together, less what the model has; None where the model is taken as exact.
+        known: What the model has.
+    """
+    model = known.get(figure.name, np.nan)
+    low, high = (in_all.low, in_all.high) if in_all else (np.nan, np.nan)
+    return FreedFigure(**vars(figure), model=model, total_low=model + low, total_high=model + high)
 
 
 def known_of(compiled: CompiledRobot) -> Mapping[str, float]:

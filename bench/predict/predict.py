@@ -15,6 +15,7 @@ from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
 from bench.diagnose.replay.known import known_quantities, with_known_payload, with_known_segments
 from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.posterior import Posterior
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -24,6 +25,7 @@ from bench.predict.errors import channel_errors, worst_stretches
 from bench.predict.fit_anew import freed_beside_the_day
 from bench.predict.free import checked
 from bench.predict.freed import FreedFigure, beside_model, known_of
+from bench.predict.model_errors import model_errors
 from bench.predict.prediction import SEEN, ChannelError, MaybeAnew, PredictedRecording, Prediction
 from bench.predict.worth_freeing import worth_freeing
 from bench.record.campaign import Array, Campaign
@@ -37,6 +39,7 @@ def predict(
     nominal: CompiledRobot,
     promises: Sequence[PredictedError] = (),
     free: Sequence[str] = (),
+    posterior: Posterior | None = None,
     progress: Callable[[str], None] = lambda words: None,
 ) -> Prediction:
     """Hold a model against every recording of a campaign; nothing about one recording depends on the others.
@@ -47,6 +50,7 @@ def predict(
         nominal: The robot to compare it with.
         promises: What the model promises of a recording.
         free: Names of what may be anew in each recording, from `FREE`; it is fitted, and nothing else.
+        posterior: What the model's diagnosis knew of it; None: what is free is fitted as if the rest were exact.
         progress: Called with what is done next.
 
     Raises:
@@ -60,7 +64,8 @@ def predict(
             progress(f"predicting {name}".rstrip())
             runs = tuple(run for run in campaign.runs if run.recording == name)
             known = tuple(one for one in campaign.known if one.recording in ("", name))
-            found.append(_recording(name, replace(campaign, runs=runs, known=known), model, nominal, promises, names))
+            one = replace(campaign, runs=runs, known=known)
+            found.append(_recording(name, one, model, nominal, promises, names, posterior))
     return Prediction(model.robot.figures.title, nominal.robot.name, names, tuple(found))
 
 
@@ -71,6 +76,7 @@ def _recording(
     nominal: CompiledRobot,
     promises: Sequence[PredictedError],
     free: Sequence[str],
+    posterior: Posterior | None,
 ) -> PredictedRecording:
     stated = _linearised(name, recording, model, nominal)
     there = measured(stated)
@@ -78,9 +84,10 @@ def _recording(
     nominal_error = np.where(there, _left_by(nominal, stated), np.nan)
     linear, world, left, freed = stated, NOMINAL, stated.residual, tuple[FreedFigure, ...]()
     if free:
-        anew, known = freed_beside_the_day(stated, free), known_of(model)
+        anew, has = freed_beside_the_day(stated, free), known_of(model)
         linear, world, left = anew.linear, anew.world, anew.residual
-        freed = tuple(beside_model(figure, known) for figure in anew.figures if figure.is_told)
+        rows = anew.figures(model_errors(stated, posterior) if posterior else None)
+        freed = tuple(beside_model(figure, in_all, has) for figure, in_all in rows if figure.is_told)
     error = np.where(there, left, np.nan)
     channels = channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free))
     starts = {run.name: run.start_s for run in recording.runs}
@@ -92,6 +99,7 @@ def _recording(
         nominal_error=nominal_error,
         noise=noise,
         freed=freed,
+        is_exact=posterior is None,
         maybe_anew=tuple(_maybe_anew(stated, free, channels)),
         channels=channels,
         stretches=worst_stretches(linear, error, noise, starts),

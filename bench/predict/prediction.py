@@ -111,6 +111,8 @@ class PredictedRecording:
         nominal_error: Shape (T, c), measured less what the nominal robot predicts.
         noise: Shape (T, c), standard deviation of what no model can predict; nan where not measured.
         freed: What was fitted anew, as differences from what the model has, with intervals.
+        is_exact: Whether these intervals take all other figures of the model as exact; else they count how well its
+            diagnosis knew them.
         maybe_anew: What else is worth freeing, the likeliest first; several may have one cause.
         channels: Every channel with a reading.
         starts: Name of each run -> when it began, on the clock of the recording [s].
@@ -124,6 +126,7 @@ class PredictedRecording:
     nominal_error: Array
     noise: Array
     freed: tuple[FreedFigure, ...]
+    is_exact: bool
     maybe_anew: tuple[MaybeAnew, ...]
     channels: tuple[ChannelError, ...]
     stretches: tuple[Stretch, ...]

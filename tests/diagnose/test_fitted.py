@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import yaml
 
-from bench.diagnose.replay.fitted import figures_with, fitted_world
-from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.fitted import figures_with, fitted_world, torque_constant_of
+from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.perfect_instruments import ideal_reading
 from bench.diagnose.replay.quantities import Quantity
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -114,3 +114,11 @@ def test_every_error_of_an_instrument_has_its_place_in_the_figures(
     nothing = (NOTHING.readings.model_dump_json(), NOTHING.weights.model_dump_json())
     assert nothing not in found
     assert len(found) == len(nuisances)
+
+
+def test_the_constant_of_a_slide_is_a_force_by_current(compiled: CompiledRobot) -> None:
+    """The table of a gantry said 83 Nm/A of a drive that pushes 83 N/A."""
+    for robot, joint, unit in ((compile_robot(load_robot("emps")), "carriage", "N/A"), (compiled, "hinge_a", "Nm/A")):
+        found = torque_constant_of(robot, Nuisance(f"torque constant of {joint}", "", 0.02, on_reading=lambda x, r: r))
+        assert found is not None
+        assert found[1] == unit

@@ -10,7 +10,7 @@ from bench.identify.arm import Arm
 from bench.identify.drive_model import Motion, carrying, link_torque, model_columns, solved
 from bench.identify.drive_scale import DriveScale
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.prior import Widths, prior_of
+from bench.identify.dynamics.prior import prior_of
 from bench.robot.nominal_dynamics import NominalDynamics
 from bench.robot.starter.defaults import ROTOR_GUESSED
 from tests import stranger
@@ -102,7 +102,8 @@ def test_the_first_pass_knows_each_drive_as_it_is_stated(partly: NominalDynamics
     unsure = partly.uncertainty.model_copy(update={"friction": (0.1, 0.2, 0.3), "stiffness": (3.0, 0.03, 1.0)})
     arm = replace(partly, uncertainty=unsure, coulomb=np.array([9.0, 12.0, 3.0]), viscous=np.array([4.0, 6.0, 1.5]))
     layout, one = Layout(DRIVES, has_payload=False, has_gas=False), np.ones(DRIVES)
-    factor = prior_of(layout, arm, Arm(arm.bodies), one, one).factor(Widths.usual(DRIVES))
+    prior = prior_of(layout, arm, Arm(arm.bodies), one, one)
+    factor = prior.factor(prior.usual())
     sigma = np.sqrt(np.diag(factor @ factor.T))
     rotor = np.array([0.1, 0.1, 0.1])
     rotor[MISSING] = ROTOR_GUESSED

@@ -79,6 +79,11 @@ ZERO = FreedFigure(
             "11.898 kg in all",
         ),
         (
+            replace(PAYLOAD, total_low=11.1, total_high=12.7),
+            "change of the payload: mass: +4.946 kg (+4.912 to +4.980) relative to the 6.952 kg of the model, so "
+            "11.898 kg (11.100 to 12.700) in all",
+        ),
+        (
             replace(PAYLOAD, model=np.nan),
             "change of the payload: mass: +4.946 kg (+4.912 to +4.980) relative to what the model has",
         ),

@@ -65,7 +65,7 @@ def test_the_weight_of_a_quill_tells_which_way_it_counts(
     text = look(log.written(tmp_path / "x.csv", signs), nominal=robot).text
     form = proposed(tmp_path, text)
     assert form.columns["q_motor_3_m"].factor == form.columns["current_3_a"].factor == signs[2]
-    assert ("angles of J3 count the other way round" in text) is (signs[2] < 0)
+    assert ("positions of J3 count the other way round" in text) is (signs[2] < 0)
     assert not re.search(r"the direction of [J\d, ]*J3[J\d, ]* is not told", text)
 
 

@@ -14,6 +14,7 @@ from bench.diagnose.extend.told import is_narrower, told_sizes
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import torque_constant_of
 from bench.diagnose.replay.nuisances import Nuisance
+from bench.record.campaign import Array
 
 MOVED = 2.0  # declared: DESIGN 6.5: whatever moved beyond two standard deviations is named
 CHANCE = 0.05  # declared: of diagnoses since which nothing has changed, those that say so of a figure
@@ -67,7 +68,7 @@ class FittedFigure:
         return self.kind == "figure" and abs(self.sigmas) > MOVED
 
 
-def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...]:
+def fitted_figures(linear: LinearisedModel, fit: Fit, beside: Array | None = None) -> tuple[FittedFigure, ...]:
     """Return all parameters of a fit, findings first, then figures, those that moved most first.
 
     Their intervals count how much runs disagree (`jackknife.py`), as those of findings do wherever they are told.
@@ -75,6 +76,8 @@ def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...
     Args:
         linear: The campaign.
         fit: To all of it.
+        beside: Shape (p + k,), variance of each parameter that comes on top of what the campaign leaves, of a nuisance
+            in standard deviations of its prior; None: nothing does.
     """
     p, compiled = len(fit.nuisances), linear.replay.compiled
     constants = [torque_constant_of(compiled, nuisance) for nuisance in linear.nuisances]
@@ -87,8 +90,9 @@ def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...
     spread = np.maximum(by_noise, np.sqrt(jackknife_variance(tangent, *folds_of(linear).of_rows(linear))))
     spread[:p] = np.minimum(spread[:p], 1.0)  # what is stated is known without any data
     np.fill_diagonal(correlation, 0.0)
-    names = [*map(str, linear.nuisances), *map(_name, fit.unknowns)]
+    names = [*map(str, linear.nuisances), *(unknown.words for unknown in fit.unknowns)]
     told = _told(fit)
+    wide = spread if beside is None else np.sqrt(spread**2 + beside)
     compared = max(sum(nuisance.earlier is not None for nuisance in linear.nuisances), 1)
     clear = float(norm.isf(CHANCE / (2 * compared)))
     found = []
@@ -96,12 +100,13 @@ def fitted_figures(linear: LinearisedModel, fit: Fit) -> tuple[FittedFigure, ...
         partner = int(np.argmax(np.abs(correlation[i])))
         is_strong = abs(correlation[i, partner]) > TRADES
         if i < p:
-            row = _figure(linear.nuisances[i], float(fit.nuisances[i]), float(spread[i]), clear)
+            row = _figure(linear.nuisances[i], float(fit.nuisances[i]), float(wide[i]), clear)
+            row = replace(row, is_told=is_narrower(float(spread[i]), 1.0))
             constant = constants[i]
-            row = row if constant is None else _of_constant(row, constant)
+            row = row if constant is None else _of_constant(row, *constant)
         else:
             unknown = fit.unknowns[i - p]
-            row = _finding(unknown, float(fit.values[i - p]), float(spread[i]), told[unknown.key])
+            row = _finding(unknown, float(fit.values[i - p]), float(wide[i]), told[unknown.key])
         if is_strong:
             row = replace(row, trades_with=names[partner], correlation=float(correlation[i, partner]))
         found.append(row)
@@ -143,12 +148,13 @@ def _figure(nuisance: Nuisance, x: float, spread: float, clear: float) -> Fitted
     return replace(figure, earlier=earlier.found, has_changed=has_changed)
 
 
-def _of_constant(figure: FittedFigure, constant: float) -> FittedFigure:
+def _of_constant(figure: FittedFigure, constant: float, of_constants: str) -> FittedFigure:
     """Return a figure about the gain of what a drive reports as one about its torque constant.
 
     Args:
         figure: What a drive reports is (1 + gain) of what it should.
-        constant: Of the robot that was taken, which has what an earlier diagnosis found [Nm/A]; nan: relative.
+        constant: Of the robot that was taken, which has what an earlier diagnosis found; nan: relative.
+        of_constants: Unit of constants, Nm/A or of a slide N/A.
     """
     gains = figure.found, figure.high, figure.low, figure.earlier
     found, low, high, earlier = (np.inf if gain <= -1 else 1 / (1 + gain) for gain in gains)
@@ -156,7 +162,7 @@ def _of_constant(figure: FittedFigure, constant: float) -> FittedFigure:
     if not np.isnan(constant):
         stated = constant if np.isnan(figure.earlier) else constant * (1 + figure.earlier)
         found, low, high, earlier = (stated * part for part in (found, low, high, earlier))
-        unit, off, sigma = "Nm/A", 0.0, constant * figure.sigma
+        unit, off, sigma = of_constants, 0.0, constant * figure.sigma
     return replace(
         figure,
         unit=unit,
@@ -173,17 +179,10 @@ def _of_constant(figure: FittedFigure, constant: float) -> FittedFigure:
 def _finding(unknown: Unknown, value: float, spread: float, is_told: bool) -> FittedFigure:
     half, unit, null = NORMAL_95 * spread, unknown.parameter.unit, float(unknown.parameter.null)
     low, high = value - half, value + half
-    return FittedFigure(_name(unknown), "finding", unit, null, value, low, high, np.nan, np.nan, is_told=is_told)
+    return FittedFigure(unknown.words, "finding", unit, null, value, low, high, np.nan, np.nan, is_told=is_told)
 
 
 def _told(fit: Fit) -> dict[Key, bool]:
     """Return, for each unknown of a fit, whether data say anything of it; a shape counts as told."""
     sizes = {(*cause.key, name): told for cause in fit.causes for name, told in told_sizes(cause, fit).items()}
     return {unknown.key: sizes.get(unknown.key, True) for unknown in fit.unknowns}
-
-
-def _name(unknown: Unknown) -> str:
-    cause = unknown.cause
-    is_everywhere = cause.place.kind == "robot" and cause.place.recording is None
-    where = "" if is_everywhere else f" ({cause.place})"
-    return f"{cause.effect.title}{where}: {unknown.parameter.name.replace('_', ' ')}"

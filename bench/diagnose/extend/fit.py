@@ -37,6 +37,14 @@ class Unknown:
         return (*self.cause.key, self.parameter.name)
 
     @property
+    def words(self) -> str:
+        """What it is, for people."""
+        cause = self.cause
+        is_everywhere = cause.place.kind == "robot" and cause.place.recording is None
+        where = "" if is_everywhere else f" ({cause.place})"
+        return f"{cause.effect.title}{where}: {self.parameter.name.replace('_', ' ')}"
+
+    @property
     def sigma(self) -> float:
         """Standard deviation of its prior."""
         p = self.parameter

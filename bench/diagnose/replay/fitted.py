@@ -82,15 +82,16 @@ def figures_with(
         ) from error
 
 
-def torque_constant_of(compiled: CompiledRobot, nuisance: Nuisance) -> float | None:
-    """Return the torque constant that a deviation of readings is about [Nm/A]; nan where the drive reports torque.
+def torque_constant_of(compiled: CompiledRobot, nuisance: Nuisance) -> tuple[float, str] | None:
+    """Return the torque constant that a deviation of readings is about, and its unit; nan where drives report torque.
 
     What a drive reports grows by x where its constant falls to 1 / (1 + x) of what is stated. None: it is about
     something else.
     """
-    for drive in compiled.robot.figures.drives:
+    for drive, slides in zip(compiled.robot.figures.drives, compiled.is_slide, strict=True):
         if nuisance.name == f"torque constant of {drive.joint}":
-            return np.nan if _changes_torque(compiled, nuisance) else drive.torque_constant_nm_per_a
+            constant = np.nan if _changes_torque(compiled, nuisance) else drive.torque_constant_nm_per_a
+            return constant, "N/A" if slides else "Nm/A"
     return None
 
 

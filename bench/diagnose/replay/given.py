@@ -83,7 +83,7 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         if is_anew(one):
             anew.append(one.name)
             continue
-        nuisance = _of_finding(one, REACH * float(np.sqrt(posterior.covariance[i, i])) * one.sigma, compiled)
+        nuisance = finding_on_top(one, REACH * float(np.sqrt(posterior.covariance[i, i])) * one.sigma, compiled)
         if nuisance is None:
             held.append(one.name)
             continue
@@ -98,7 +98,7 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
     rows = _rows(expected)
     for column, i in enumerate(at):
         one = posterior.parameters[which[column]]
-        sigma = found[i].sigma if found[i].is_factor else _sigma_about(one)
+        sigma = found[i].sigma if found[i].is_factor else sigma_about(one)
         spread = np.sqrt([known[column, column], expected[column, column]])
         after = _after(one, replace(found[i], sigma=sigma), *spread.tolist())
         found[i] = replace(after, said_before=tuple((rows[:, column] / sigma).tolist()))
@@ -208,7 +208,7 @@ def said_before(deviations: Mapping[Nuisance, float], rows: int) -> Array:
     return said
 
 
-def _sigma_about(one: PosteriorParameter) -> float:
+def sigma_about(one: PosteriorParameter) -> float:
     """Return the standard deviation of a prior about what was found; a relative deviation is one of that then."""
     return one.sigma / max(1 + one.found, LEAST) if one.is_share else one.sigma
 
@@ -222,7 +222,7 @@ def _rows(covariance: Array) -> Array:
     return rows
 
 
-def _of_finding(one: PosteriorParameter, reach: float, compiled: CompiledRobot) -> Nuisance | None:
+def finding_on_top(one: PosteriorParameter, reach: float, compiled: CompiledRobot) -> Nuisance | None:
     """Return a finding's size as something that may be off, on top of what the model has; None where it cannot be.
 
     It has to make a model as far as `reach` to either side.

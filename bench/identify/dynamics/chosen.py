@@ -57,7 +57,7 @@ def _held_out_widths(solution: Solution, beside: Missed, prior: Prior, folds: Fo
     if tried.misfit <= beside.misfit:
         solution, beside = as_read, tried
     for drive, width in enumerate(solution.widths.offset):
-        if width == NARROWEST or solution.noise[drive] is None:
+        if width == solution.widths.least(drive) or solution.noise[drive] is None:
             continue
         without = replace(solution, widths=solution.widths.holding(drive))
         tried = missed(without, prior, folds)

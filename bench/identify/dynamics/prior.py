@@ -20,7 +20,8 @@ WIDER = np.sqrt(10.0)  # effort: between one width and the next that is tried
 WIDEST = 6  # effort: a thousand times what was stated; as good as unknown
 NARROWEST = -4  # a hundredth of the whole torque: less would claim to know that there is none (assumed)
 AS_STATED = 0  # exact: once what was stated
-NONE = NARROWEST - 1  # exact: no difference of the directions at all
+# exact: nothing beyond what is stated, of an offset; of a difference of the directions, none at all
+NONE = NARROWEST - 1
 
 
 @dataclass(frozen=True)
@@ -33,10 +34,14 @@ class Widths:
     Attributes:
         figures: Of masses, centres and rotors; 0 or more, for what is stated is at least as uncertain as stated.
         friction: Of friction that is stated, likewise.
-        offset: For each drive, of its torque offset, which a first pass most easily takes for gravity; 0 or less.
+        offset: For each drive, of its torque offset beyond what is stated, which a first pass most easily takes for
+            gravity; 0 or less.
         difference: For each drive, of viscous friction that differs between the directions; 0 or less. At `NONE`, where
             it begins, there is none: it bends in what a model misses at low speed.
         held: Drives whose width of the offset stays at its least.
+        stated: Drives of whose offset an uncertainty is stated: there is nothing beyond it (`NONE`) until the evidence
+            wants more.
+        stated_offset: Of what is stated of offsets, as of figures: offsets that data tell widen those of other drives.
         scale: Of the scales of torques; 0 as stated, or `NARROWEST`: torques are as they are read.
     """
 
@@ -45,16 +50,17 @@ class Widths:
     offset: tuple[int, ...]
     difference: tuple[int, ...]
     held: frozenset[int] = frozenset()
+    stated: frozenset[int] = frozenset()
+    stated_offset: int = AS_STATED
     scale: int = AS_STATED
 
-    @classmethod
-    def usual(cls, n: int) -> "Widths":
-        """Return those of n drives to begin with: figures as stated, offsets as free as friction, no differences."""
-        return cls(0, 0, (0,) * n, (NONE,) * n)
+    def least(self, drive: int) -> int:
+        """Return the least width of a drive's offset."""
+        return NONE if drive in self.stated else NARROWEST
 
     def holding(self, drive: int) -> "Widths":
         """Return these with the offset of one more drive held."""
-        return replace(self, offset=_with(self.offset, drive, NARROWEST), held=self.held | {drive})
+        return replace(self, offset=_with(self.offset, drive, self.least(drive)), held=self.held | {drive})
 
     def differing(self, drive: int, width: int) -> "Widths":
         """Return these with another width of a drive's difference between the directions."""
@@ -62,11 +68,18 @@ class Widths:
 
     def neighbours(self) -> tuple["Widths", ...]:
         """Return the widths one step away."""
-        found = [replace(self, figures=self.figures + way) for way in (1, -1) if 0 <= self.figures + way <= WIDEST]
-        found += [replace(self, friction=self.friction + way) for way in (1, -1) if 0 <= self.friction + way <= WIDEST]
+        found = []
+        for way in (1, -1):
+            for other in (
+                replace(self, figures=self.figures + way),
+                replace(self, friction=self.friction + way),
+                replace(self, stated_offset=self.stated_offset + way),
+            ):
+                if all(AS_STATED <= width <= WIDEST for width in other._of_what_is_stated()):
+                    found.append(other)
         for i, width in enumerate(self.offset):
             for changed in (width + 1, width - 1):
-                if NARROWEST <= changed <= 0 and i not in self.held:
+                if self.least(i) <= changed <= 0 and i not in self.held:
                     found.append(replace(self, offset=_with(self.offset, i, changed)))
         return tuple(found)
 
@@ -77,9 +90,15 @@ class Widths:
         return figures, friction, *self.by_drive()
 
     def by_drive(self) -> tuple[tuple["Widths", ...], ...]:
-        """Return all values of the width of each offset, then of each difference, with the others as they are."""
+        """Return all values of the width of each offset, then of each difference, with the others as they are.
+
+        An offset with nothing beyond what is stated has one width: where data do not tell it, what is stated does.
+        """
         drives = range(len(self.offset))
-        offsets = (tuple(replace(self, offset=_with(self.offset, i, k)) for k in range(NARROWEST, 1)) for i in drives)
+        unsure = [i for i in drives if i not in self.stated or self.offset[i] != NONE]
+        offsets = (
+            tuple(replace(self, offset=_with(self.offset, i, k)) for k in range(self.least(i), 1)) for i in unsure
+        )
         differences = (tuple(self.differing(i, k) for k in range(NONE, 1)) for i in drives)
         return *offsets, *differences
 
@@ -88,7 +107,10 @@ class Widths:
         return self._total() > other._total()
 
     def _total(self) -> int:
-        return sum((self.figures, self.friction, *self.offset, *self.difference))
+        return sum((*self._of_what_is_stated(), *self.offset, *self.difference))
+
+    def _of_what_is_stated(self) -> tuple[int, int, int]:
+        return self.figures, self.friction, self.stated_offset
 
 
 def _with(values: tuple[int, ...], place: int, value: int) -> tuple[int, ...]:
@@ -97,14 +119,15 @@ def _with(values: tuple[int, ...], place: int, value: int) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Prior:
-    """Normal: parameters = mean + L z with z standard normal, and L the sum of three parts by their widths.
+    """Normal: parameters = mean + L z with z standard normal, and L the sum of its parts by their widths.
 
     Attributes:
         mean: Shape (p,), nominal figures.
         figures: Shape (p, p), of link and rotor inertia.
         friction: Shape (p, p), of friction that is stated.
         scale: Shape (p, p), of the scales of torques.
-        offset: Shape (n, p, p), of each drive's offset.
+        stated_offset: Shape (p, p), of offsets as far as they are stated.
+        offset: Shape (n, p, p), of each drive's offset beyond that.
         difference: Shape (n, p, p), of each drive's viscous friction that differs between the directions.
         free: Shape (p, p), of all others.
     """
@@ -113,17 +136,26 @@ class Prior:
     figures: Array
     friction: Array
     scale: Array
+    stated_offset: Array
     offset: Array
     difference: Array
     free: Array
 
+    def usual(self) -> Widths:
+        """Return the widths to begin with: as stated, other offsets as free as friction, no differences."""
+        stated = frozenset(i for i, own in enumerate(self.offset) if np.any(self.stated_offset[np.diag(own) > 0]))
+        n = len(self.offset)
+        return Widths(0, 0, tuple(NONE if i in stated else 0 for i in range(n)), (NONE,) * n, stated=stated)
+
     def factor(self, widths: Widths) -> Array:
         """Return L, shape (p, p)."""
-        offset = np.tensordot(WIDER ** np.array(widths.offset, dtype=float), self.offset, axes=1)
-        uneven = np.array([0.0 if width == NONE else WIDER ** float(width) for width in widths.difference])
+        offset, uneven = (
+            np.tensordot([0.0 if width == NONE else WIDER ** float(width) for width in each], part, axes=1)
+            for each, part in ((widths.offset, self.offset), (widths.difference, self.difference))
+        )
         stated = WIDER**widths.figures * self.figures + WIDER**widths.friction * self.friction
-        stated = stated + WIDER ** float(widths.scale) * self.scale
-        return np.asarray(stated + offset + np.tensordot(uneven, self.difference, axes=1) + self.free)
+        stated = stated + WIDER**widths.stated_offset * self.stated_offset + WIDER ** float(widths.scale) * self.scale
+        return np.asarray(stated + offset + uneven + self.free)
 
     def covariance(self, widths: Widths) -> Array:
         """Return the covariance before the data, shape (p, p), with any width of offsets and differences alike.
@@ -156,7 +188,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     """Return the prior of a robot.
 
     Masses, centres, rotors, friction, gas and stiffness are known as `uncertainty` of the figures says; friction that
-    is not stated is free up to what the whole torque of a joint could be.
+    is not stated is free up to what the whole torque of a joint could be, and so is an offset that is not.
 
     Args:
         layout: Of the parameters.
@@ -167,7 +199,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     """
     u, drives, n = nominal.uncertainty, nominal.drive_uncertainty, layout.n
     mean = np.zeros(layout.size)
-    figures, friction, scale, free = (np.zeros((layout.size, layout.size)) for _ in range(4))
+    figures, friction, scale, stated_offset, free = (np.zeros((layout.size, layout.size)) for _ in range(5))
     mean[layout.links] = standard_parameters(arm.bodies)
     for i in range(n):
         own = slice(N_INERTIAL * i, N_INERTIAL * (i + 1))
@@ -185,7 +217,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     for name, stated, most in (("coulomb", nominal.coulomb, torque_rms), ("viscous", nominal.viscous, drag)):
         put(layout.of_drives(name), stated, drives.friction * stated, friction)
         put(layout.of_drives(name), stated, np.where(stated > 0, 0.0, most), free)
-    put(layout.of_drives("offset"), 0.0, nominal.torque_offset_sigma, free)
+    put(layout.of_drives("offset"), 0.0, nominal.torque_offset_sigma, stated_offset)
     put(layout.gain, 0.0, nominal.torque_gain_sigma, scale)
     if layout.has_payload:
         side = nominal.payload_side
@@ -209,7 +241,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     for into, name, most in ((offset, "offset", torque_rms), (difference, "viscous_difference", drag)):
         where = every[layout.of_drives(name)]
         into[np.arange(n), where, where] = most
-    return Prior(mean, figures, friction, scale, offset, difference, free)
+    return Prior(mean, figures, friction, scale, stated_offset, offset, difference, free)
 
 
 def link_root(arm: Arm, link: int, mass_sigma: float, centre_sigma: float) -> Array:

@@ -74,7 +74,7 @@ def solve(
         begin: Widths to begin with, by default the usual; what they hold, and differences between directions, stay.
     """
     size, parameters, delay = len(prior.mean), prior.mean, 0.0
-    widths = begin or Widths.usual(len(rows))
+    widths = begin or prior.usual()
     noise = [_as_measured(one) for one in rows]
     for trial in range(2 * PASSES):
         # By variance alone at first. Then the memory is known and counts; were it found anew each time, a drive that

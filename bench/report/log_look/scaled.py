@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.identify.directions import most_at_once
 from bench.identify.drive_scale import AT_MOST, DriveScale
@@ -67,7 +68,10 @@ def _of_directions(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]
         )
     if np.any(angles.turned):
         who = ", ".join(names[angles.turned])
-        yield f"angles of {who} count the other way round than the model's: their factors are turned below"
+        yield (
+            f"{moved_by(nominal, angles.turned)} of {who} count the other way round than the model's: "
+            "their factors are turned below"
+        )
     slides = angles.alone & ~nominal.bodies.is_hinge
     for unsure, why in (
         (angles.unsure & ~slides, "an arm and its mirror image need the same"),
@@ -75,8 +79,8 @@ def _of_directions(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]
     ):
         if np.any(unsure):
             yield (
-                f"the direction of {', '.join(names[unsure])} is not told by torques ({why}): look at the robot; an "
-                "angle and its torque or current are turned together"
+                f"the direction of {', '.join(names[unsure])} is not told by torques ({why}): look at the robot; "
+                f"{moved_by(nominal, unsure)} and torques or currents are turned together"
             )
 
 
@@ -238,6 +242,12 @@ def _contradictions(key: str, stated: Array, scale: DriveScale, nominal: Nominal
             f"{key} of the figures is used, but this log contradicts it: {'; '.join(off)}. Look at that figure, the "
             "unit, the payload and the masses"
         )
+
+
+def moved_by(nominal: NominalDynamics, drives: NDArray[np.bool_]) -> str:
+    """Return what is read of the way of some drives: angles of hinges, positions of slides."""
+    hinges = nominal.bodies.is_hinge[drives]
+    return " and ".join(word for word, there in (("angles", hinges), ("positions", ~hinges)) if np.any(there))
 
 
 def _each(family: Family) -> Iterator[tuple[int, str, int]]:

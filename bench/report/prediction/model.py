@@ -1,8 +1,11 @@
-"""Which robot a person means who asks for a prediction."""
+"""Which robot a person means who asks for a prediction, and what is known of it."""
 
 from pathlib import Path
 
+from bench.diagnose.replay.posterior import Posterior
+from bench.errors import RobotError
 from bench.report.diagnosis.file_names import ROBOT
+from bench.report.handover.posterior_file import read_posterior
 from bench.robot.folder import FIGURES_FILE
 
 
@@ -11,3 +14,11 @@ def model_folder(model: str) -> str:
     handed = Path(model) / ROBOT
     is_robot = (Path(model) / FIGURES_FILE).is_file()
     return str(handed) if not is_robot and (handed / FIGURES_FILE).is_file() else model
+
+
+def known_of(folder: Path) -> Posterior | None:
+    """Return what the diagnosis knew that handed a robot over; None of one that none did, or that was changed since."""
+    try:
+        return read_posterior(folder)
+    except RobotError:
+        return None

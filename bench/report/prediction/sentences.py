@@ -136,11 +136,16 @@ def exact_sentence(recording: PredictedRecording) -> str:
     """Return what fitted values are relative to, and on what their intervals rest; "" where nothing was fitted."""
     if not recording.freed:
         return ""
+    model = (
+        "takes all other figures of the model as exact, for there is no diagnosis that says how well they are known"
+        if recording.is_exact
+        else "how well the diagnosis knew the model: it is that of what differs between this recording and those that "
+        "the model was made of, and the one in all is that of this recording"
+    )
     return (
         "Each value is a difference from what the model has, with its 95 % interval. That counts what is another one "
         "on another day (offsets and constants of drives, friction, a tracker set up anew) as far as that drifts, and "
-        "takes all other figures of the model as exact. How well the model's own value is known (figures.csv of its "
-        "diagnosis) comes on top. Errors are those with what is free alone."
+        f"{model}. Errors are those with what is free alone."
     )
 
 
@@ -152,8 +157,10 @@ def freed_text(figure: FreedFigure) -> str:
     words = f"{figure.name}: {value} {unit_name(unit)} ({low} to {high}) relative to "
     if np.isfinite(figure.model):
         half = (values[2] - values[1]) / 2
-        model, total = shown((factor * figure.model, factor * figure.total), unit, half)
-        words += f"the {model} {unit_name(unit)} of the model, so {total} {unit_name(unit)} in all"
+        totals = (figure.model, figure.total, figure.total_low, figure.total_high)
+        model, total, lowest, highest = shown([factor * x for x in totals], unit, half)
+        within = f" ({lowest} to {highest})" if np.isfinite(figure.total_low) else ""
+        words += f"the {model} {unit_name(unit)} of the model, so {total} {unit_name(unit)}{within} in all"
     else:
         words += "what the model has"
     trades = f"; trades against {figure.trades_with} ({figure.correlation:+.2f})" if figure.trades_with else ""

@@ -15,13 +15,13 @@ from tests.identify.dynamics.rigid_world import Friction, N, arm, fourier, recor
 FRICTION = Friction(np.array([12.0, 9.0, 4.0]), np.array([15.0, 10.0, 6.0]), np.array([0.5, -1.0, 6.0]))
 
 
-def one_way(rng: np.random.Generator, name: str) -> Run:
+def one_way(rng: np.random.Generator, name: str, friction: Friction = FRICTION) -> Run:
     """Return a run in which the elbow turns one way only, faster and slower."""
     time, q, velocity, acceleration = fourier(rng, rate=100.0)
     speed, swing, w = 0.15, 0.1, 2 * np.pi * 0.3
     q[:, 2] = speed * (time - time.mean()) + swing / w * np.sin(w * time)
     velocity[:, 2], acceleration[:, 2] = speed + swing * np.cos(w * time), -swing * w * np.sin(w * time)
-    torque = torque_of(robot(arm()), q, velocity, acceleration) + FRICTION.torque(velocity)
+    torque = torque_of(robot(arm()), q, velocity, acceleration) + friction.torque(velocity)
     torque += rng.standard_normal(torque.shape)
     columns = {"time_s": time}
     columns |= {f"q_motor_{j + 1}_rad": q[:, j] for j in range(N)}
@@ -33,7 +33,8 @@ def test_what_one_direction_does_not_tell_is_not_claimed() -> None:
     """Of a joint that turns one way, friction and offset are one number: neither is known to 1 % of its torque."""
     rng = np.random.default_rng(1)
     runs = tuple(replace(one_way(rng, f"run{k}"), start_s=100.0 * k) for k in range(3))
-    found = first_pass(Campaign("rigid", runs), robot(arm(), mass=0.02, centre_of_mass_m=0.005), find_delay=False)
+    nobody_knows = replace(robot(arm(), mass=0.02, centre_of_mass_m=0.005), torque_offset_sigma=np.zeros(N))
+    found = first_pass(Campaign("rigid", runs), nobody_knows, find_delay=False)
     told = {one.name: one for one in quantities(found)}
     quantile = found.quantile(0.9)
     for name, truth in (("torque offset (elbow)", 6.0), ("Coulomb friction (elbow)", 4.0)):
@@ -42,6 +43,37 @@ def test_what_one_direction_does_not_tell_is_not_claimed() -> None:
     low, high = told["torque offset (shoulder)"].interval(quantile)
     assert low <= -1.0 <= high
     assert high - low < 3.0  # [Nm]: both directions tell it
+
+
+def test_an_offset_that_data_do_not_tell_is_as_well_known_as_stated() -> None:
+    """A gantry's payload of 12 kg was -2 to 25 kg, for an offset stated to 15 N could have been 113 N."""
+    stated, inside = 1.0, []
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        true = replace(FRICTION, offset=stated * np.sqrt(3) * rng.uniform(-1, 1, N))
+        runs = tuple(replace(one_way(rng, f"run{k}", true), start_s=100.0 * k) for k in range(2))
+        nominal = replace(robot(arm(), mass=0.02, centre_of_mass_m=0.005), torque_offset_sigma=np.full(N, stated))
+        found = first_pass(Campaign("rigid", runs), nominal, find_delay=False)
+        told = {one.name: one for one in quantities(found)}
+        offset, coulomb = told["torque offset (elbow)"], told["Coulomb friction (elbow)"]
+        assert offset.sigma < 1.1 * stated
+        assert offset.sigma > 0.5 * stated  # nothing else tells it
+        assert not offset.told
+        assert coulomb.sigma < 1.5 * stated
+        for one, truth in ((offset, true.offset[2]), (coulomb, true.coulomb[2])):
+            low, high = one.interval(found.quantile(0.9))
+            inside.append(low <= truth <= high)
+    assert sum(inside) >= 7  # of 10 that go in pairs: 90 % each
+
+
+def test_offsets_that_are_larger_than_stated_widen_those_that_data_do_not_tell() -> None:
+    rng = np.random.default_rng(3)
+    true = replace(FRICTION, offset=np.array([9.0, -12.0, 6.0]))
+    runs = tuple(replace(one_way(rng, f"run{k}", true), start_s=100.0 * k) for k in range(2))
+    nominal = replace(robot(arm(), mass=0.02, centre_of_mass_m=0.005), torque_offset_sigma=np.full(N, 1.0))
+    found = first_pass(Campaign("rigid", runs), nominal, find_delay=False)
+    low, high = {one.name: one for one in quantities(found)}["torque offset (elbow)"].interval(found.quantile(0.9))
+    assert low <= 6.0 <= high
 
 
 def uneven(extra: float) -> Campaign:
