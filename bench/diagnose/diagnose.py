@@ -14,7 +14,6 @@ from bench.diagnose.cross_validation.next_recording import predicted_error
 from bench.diagnose.experiment_design.propose import propose
 from bench.diagnose.experiment_design.undetectable import undetectable_effects
 from bench.diagnose.explain import (
-    LARGER,
     Explained,
     Phases,
     Task,
@@ -117,8 +116,7 @@ def diagnose(
                 task, found, lambda robot: signatures_of(campaign, robot, catalogue, store, given)
             )
         if is_open(found):
-            farther = signatures_of(campaign, found.signatures.compiled, catalogue, store, given, LARGER)
-            found = beyond_plausible(task, found, farther)
+            found = beyond_plausible(task, found)
         return _concluded(task, found, proposes=proposes)
 
 
@@ -157,7 +155,6 @@ def signatures_of(
     catalogue: Mapping[str, Effect],
     store: Store | None = None,
     given: Posterior | None = None,
-    reach: float = 1.0,
 ) -> Signatures:
     """Return the signatures of a campaign; nothing is simulated yet.
 
@@ -167,13 +164,12 @@ def signatures_of(
         catalogue: Effects.
         store: Where signatures are kept between processes; None: nowhere.
         given: What is known from before.
-        reach: Times what is plausible, that causes are looked for up to.
     """
     quantities = (*quantities_of(campaign.runs, compiled), *known_quantities(campaign, compiled))
     nuisances = nuisances_of(compiled, quantities)
     if given:
         nuisances = given_by(given, nuisances, compiled).nuisances
         quantities = (*quantities, EARLIER) if rows_of(nuisances) else quantities
-    causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled), reach)
+    causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled))
     nuisances = with_known_payload(with_recordings(nuisances, compiled, campaign.recordings), campaign)
     return Signatures(compiled, quantities, nuisances, causes, store=store)

@@ -1,6 +1,6 @@
 """What explains a campaign, with a robot as it is stated; where that is not enough, with links that nobody knows."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -101,13 +101,16 @@ class Explained:
         return self.extension or self.naming.null
 
 
-def explained(task: Task, signatures: Signatures, reach: float = 1.0, *, learns: bool = True) -> Explained:
+def explained(
+    task: Task, signatures: Signatures, reach: float = 1.0, earlier: Sequence[Fit] = (), *, learns: bool = True
+) -> Explained:
     """Return what explains a campaign, as far as time allows.
 
     Args:
         task: What is asked.
-        signatures: Of the robot that is believed, not simulated yet.
+        signatures: Of the robot that is believed; what is not known of them is simulated.
         reach: Times what is plausible, that their causes go up to.
+        earlier: Fits of the campaign with other priors, to begin from.
         learns: False: nothing is learned, nor weighed on what was held out, where something is unlisted.
 
     Raises:
@@ -133,7 +136,7 @@ def explained(task: Task, signatures: Signatures, reach: float = 1.0, *, learns:
     measured = measured_by(campaign)
     around = Neighbourhood(compiled, task.catalogue, measured, task.rate, task.executor, recorded, reach)
     linear, screening = around.weighed(linear, signatures.causes, sensitivities)
-    naming = name_cause(linear, screening, around.about, progress, task.executor)
+    naming = name_cause(linear, screening, around.about, progress, task.executor, earlier)
     found = Explained(signatures, segments, naming, naming.linear)
     try:
         if naming.stopped:
@@ -199,8 +202,12 @@ def is_open(found: Explained) -> bool:
     return is_missed or float(np.max(np.abs(found.fit.nuisances), initial=0.0)) > REACH
 
 
-def beyond_plausible(task: Task, found: Explained, farther: Signatures) -> Explained:
+def beyond_plausible(task: Task, found: Explained) -> Explained:
     """Return what explains a campaign if causes may be several times as large as is plausible, where nothing else does.
+
+    Only priors differ. What causes change to first order is known from before, and fits begin at those that were found
+    (but for plays, which are looked for from the largest size): the likelihood is the same, each fit ends where its
+    posterior is largest, and what is weighed and held out is weighed and held out anew.
 
     Friction may be three times what is stated, and most of the gas may be gone. That is told as what it looks like, to
     be checked first: another cause, a figure or a channel may be as wrong.
@@ -208,21 +215,27 @@ def beyond_plausible(task: Task, found: Explained, farther: Signatures) -> Expla
     Args:
         task: What is asked.
         found: What explains the campaign with plausible causes.
-        farther: Signatures of causes that go farther.
     """
     task.progress(f"once more, with causes up to {LARGER:g} times as large as is plausible")
-    other = _once_more(task, found, farther, LARGER, learns=False)
+    earlier = [m.fit for m in found.naming.models if not any(cause.effect.scatters for cause in m.causes)]
+    other = _once_more(task, found, found.signatures.farther(LARGER), LARGER, earlier, learns=False)
     explains = bool(other.naming.models) and other.naming.unlisted is None
     is_as_good = explains and _misfit(other) < _misfit(found) + np.log(SAME)
     return other if other.unfinished or is_as_good else found
 
 
 def _once_more(
-    task: Task, found: Explained, signatures: Signatures, reach: float = 1.0, *, learns: bool = True
+    task: Task,
+    found: Explained,
+    signatures: Signatures,
+    reach: float = 1.0,
+    earlier: Sequence[Fit] = (),
+    *,
+    learns: bool = True,
 ) -> Explained:
     """Return what explains a campaign by other signatures; what was found, where that is stopped or not simulated."""
     try:
-        other = explained(task, signatures, reach, learns=learns)
+        other = explained(task, signatures, reach, earlier, learns=learns)
     except Stopped as stopped:
         return replace(found, unfinished=unfinished_of(found.naming, str(stopped), task.progress.now))
     except NOT_SIMULATED:

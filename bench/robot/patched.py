@@ -11,8 +11,7 @@ An edit is given something that looks like the `MjSpec` and notes what the edit 
   than a copy, and what it may refuse, so that the message is the same. Edits of a user's own are never patched.
 """
 
-from collections import OrderedDict
-from collections.abc import Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, replace
 from threading import RLock, local
 from typing import Any, cast
@@ -33,7 +32,7 @@ from bench.robot.plugins import entry_of, name_instances
 from bench.robot.recent import Recent
 
 MOST_STRUCTURES = 64  # kept compiled, besides the robot's own
-MOST_ROBOTS = 64  # remembered: one world asks several times for each of its robots, one for each payload or temperature
+MOST_ROBOTS = 12  # remembered, so that most models of a pool are free: a world asks again for each of its robots
 OF_FRICTION = {  # what a compiled robot has of its friction elements: side, and attribute
     "motor_coulomb": ("motor", "coulomb"),
     "link_coulomb": ("link", "coulomb"),
@@ -71,11 +70,11 @@ class Step:
 
     Attributes:
         key: Steps with equal keys do the same.
-        edits: In order.
+        edits: Makes them, in order; called where the step is taken.
     """
 
     key: Hashable
-    edits: tuple[SpecEdit, ...]
+    edits: Callable[[], tuple[SpecEdit, ...]]
 
 
 class _Way:
@@ -97,7 +96,7 @@ class _Way:
         del self._taken[same:]
         self._overlay.take_back(self._taken[-1][1] if self._taken else 0)
         for step in steps[same:]:
-            for edit in step.edits:
+            for edit in step.edits():
                 edit(cast(mujoco.MjSpec, self._overlay), robot)
             self._taken.append((step.key, self._overlay.length))
         return self._overlay
@@ -128,7 +127,7 @@ class Structure:
         self._robots: Recent[tuple[Hashable, ...], CompiledRobot] = Recent(MOST_ROBOTS)
         self._values: dict[tuple[Handle, str], Any] = {}
         self._blanks: dict[Add, Blank] = {}
-        self._structures: OrderedDict[Hashable, CompiledStructure] = OrderedDict()
+        self._structures: Recent[Hashable, CompiledStructure] = Recent(MOST_STRUCTURES)
         self.names = {kind: [str(part.name) for part in parts] for kind, parts in self._parts.lists.items()}
         self.handles = {
             kind: {name: Handle(kind, i) for i, name in enumerate(names)} for kind, names in self.names.items()
@@ -168,23 +167,18 @@ class Structure:
             with self._lock:
                 return self._patched(overlay)
         except NotPatchableError:
-            return compile_spec(self._spec.copy(), self._folder, [edit for step in steps for edit in step.edits])
+            return compile_spec(self._spec.copy(), self._folder, [edit for step in steps for edit in step.edits()])
 
     def _noted(self, steps: tuple[Step, ...]) -> SpecOverlay:
         """Return what some steps do, which is the caller's until this thread asks for another robot."""
-        ways: OrderedDict[Hashable, _Way] = self._last.__dict__.setdefault("ways", OrderedDict())
-        first = steps[0].key if steps else None
-        if first not in ways:
-            ways[first] = _Way(SpecOverlay(proxy(self)))
-        ways.move_to_end(first)
-        if len(ways) > MOST_WAYS:
-            ways.popitem(last=False)
-        return ways[first].followed(steps, self._folder)
+        ways: Recent[Hashable, _Way] = self._last.__dict__.setdefault("ways", Recent(MOST_WAYS))
+        way = ways.get(steps[0].key if steps else None, lambda: _Way(SpecOverlay(proxy(self))))
+        return way.followed(steps, self._folder)
 
     def data_for(self, compiled: CompiledRobot) -> mujoco.MjData:
         """Return data for a robot that was made here, as they were left; nobody else has them meanwhile."""
         with self._lock:
-            for structure in (self._own, *reversed(self._structures.values())):
+            for structure in (self._own, *self._structures.latest()):
                 if structure.at is compiled.at:
                     return structure.data_as_left()
         return mujoco.MjData(compiled.model)
@@ -254,12 +248,7 @@ class Structure:
             for name in LISTS
         )
         key = tuple(overlay.operations), lists
-        if key not in self._structures:
-            self._structures[key] = CompiledStructure(self._folder, self._named, overlay)
-            if len(self._structures) > MOST_STRUCTURES:
-                self._structures.popitem(last=False)
-        self._structures.move_to_end(key)
-        return self._structures[key]
+        return self._structures.get(key, lambda: CompiledStructure(self._folder, self._named, overlay))
 
     def _with_friction(self, overlay: SpecOverlay) -> CompiledRobot:
         """Return the nominal robot with the levels and stiffnesses of the friction elements that an overlay notes."""

@@ -4,7 +4,7 @@ import gc
 import weakref
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import mujoco
@@ -49,7 +49,7 @@ class Both:
         self.nominal = self.structure.robot(())
 
     def patched(self, edits: Iterable[SpecEdit]) -> CompiledRobot:
-        return self.structure.robot(Step(edit, (edit,)) for edit in edits)
+        return self.structure.robot(Step(edit, partial(tuple, (edit,))) for edit in edits)
 
     def compiled(self, edits: Iterable[SpecEdit]) -> CompiledRobot:
         spec = self.spec.copy()
@@ -288,6 +288,6 @@ def test_a_robot_that_was_asked_for_just_now_is_not_made_again(both: Both) -> No
     assert both.patched(edits[:1]) is first
     assert both.patched(edits[1:]) is second
     for i in range(patched_module.MOST_ROBOTS):  # others are forgotten at last
-        both.structure.robot([Step(i, tuple(edits[:1]))])
+        both.structure.robot([Step(i, partial(tuple, edits[:1]))])
     assert both.patched(edits[:1]) is not first
     assert_same(both.patched(edits[:1]), first)

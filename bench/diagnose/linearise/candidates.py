@@ -52,15 +52,28 @@ class Cause:
             return f"{self.effect.title} {str(self.place).removeprefix('robot').strip()}".strip()
         return f"{self.effect.title} ({self.place})"
 
+    def farther(self, reach: float) -> "Cause":
+        """Return the cause with sizes that go so many times as far."""
+        sizes = tuple(replace(size, high=reach * size.high) for size in self.sizes)
+        return replace(self, sizes=sizes, reach=reach * self.reach)
+
     def acting(self, values: Mapping[str, float]) -> Acting:
         """Return the cause with some of its parameters given."""
         return Acting(self.effect, self.place, self.effect.complete(values))
+
+    def typical(self, size: Parameter) -> float:
+        """Return the value of one of its sizes at which it is simulated: a plausible one, however far the cause goes.
+
+        What a size changes to first order does not depend on how far it may go.
+        """
+        return replace(size, high=size.high / self.reach).typical
 
     def beside(self, size: Parameter) -> dict[str, float]:
         """Return what acts as well where one of the sizes is simulated alone: the other size that it needs, if any."""
         if size.quotient is None:
             return {}
-        return {other.name: other.null + other.high for other in self.sizes if other.name == size.quotient.by}
+        others = (other for other in self.sizes if other.name == size.quotient.by)
+        return {other.name: other.null + other.high / self.reach for other in others}
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,9 +122,8 @@ def causes_of(
             continue
         for place in places_of(effect, compiled, recorded):
             parameters = effect.parameters_at(compiled, place)
-            sizes = tuple(replace(one, high=reach * one.high) for one in parameters if not one.is_shape)
-            shapes = tuple(parameter for parameter in parameters if parameter.is_shape)
-            found.append(Cause(effect, place, sizes, shapes, reach))
+            sizes, shapes = (tuple(one for one in parameters if one.is_shape is shapes) for shapes in (False, True))
+            found.append(Cause(effect, place, sizes, shapes).farther(reach))
     return tuple(found)
 
 
@@ -161,7 +173,7 @@ def candidates_of(
         i += len(cause.sizes)
         if not kept:
             continue
-        step = np.array([size.typical - size.null for size, _ in kept])
+        step = np.array([cause.typical(size) - size.null for size, _ in kept])
         prior = np.array([size.high for size, _ in kept]) / np.sqrt(3) / np.abs(step)
         columns = np.array([column for _, column in kept])
         visible = norms[columns] * prior > INVISIBLE

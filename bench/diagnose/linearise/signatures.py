@@ -5,6 +5,7 @@ They are simulated once for every stretch of a session; a study looks them up af
 """
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,7 +68,8 @@ class Signatures:
         self.store = store
         single = [(cause, shape, size) for cause, shape in plan_of(causes) for size in cause.sizes]
         self.plan = tuple(
-            cause.acting({**shape, **cause.beside(size), size.name: size.typical}) for cause, shape, size in single
+            cause.acting({**shape, **cause.beside(size), size.name: cause.typical(size)})
+            for cause, shape, size in single
         )
         self._beside = {
             i: cause.acting({**shape, **beside})
@@ -78,6 +80,12 @@ class Signatures:
         self._loads: dict[str, Array] = {}  # as written down; where they differ, so do signatures
         self._lost: set[int] = set()
         self._changes: dict[str, Digits] = {}  # shape (T of the stretch, c, p + causes), nan where there is no balance
+
+    def farther(self, reach: float) -> "Signatures":
+        """Return the same of causes that go so many times as far; what is known of them stays."""
+        found = copy(self)
+        found.causes = tuple(cause.farther(reach) for cause in self.causes)
+        return found
 
     @property
     def unbalanced(self) -> tuple[str, ...]:

@@ -31,6 +31,7 @@ class CandidateModel:
         start: First values of the parameters.
         nuisances: First values, shape (p,), without those of the shape; None: zeros.
         log_odds: Logarithm of the prior odds of each cause, in their order, and of the shape, if there is one.
+        known: Fit near the start, whose derivatives will do as long as they promise what comes true; or None.
     """
 
     causes: tuple[Cause, ...]
@@ -38,6 +39,7 @@ class CandidateModel:
     start: dict[Key, float]
     nuisances: Array | None
     log_odds: tuple[float, ...]
+    known: Fit | None = None
 
     @property
     def keys(self) -> frozenset[Hashable]:
@@ -63,18 +65,16 @@ def with_shape(linear: LinearisedModel, shape: Block) -> LinearisedModel:
     )
 
 
-def fit_of(
-    plain: LinearisedModel, known: Fit | None, candidate: CandidateModel, progress: Progress
-) -> tuple[Fit, tuple[int, ...]] | None:
+def fit_of(plain: LinearisedModel, candidate: CandidateModel, progress: Progress) -> tuple[Fit, tuple[int, ...]] | None:
     """Return the best fit, and which causes it needs and allows; None where nothing balances along the motion."""
-    linear, nuisances = plain, candidate.nuisances
+    linear, nuisances, known = plain, candidate.nuisances, candidate.known
     if candidate.shape:
         linear = with_shape(plain, candidate.shape)
         if nuisances is not None:
             nuisances = np.concatenate([nuisances, np.zeros(len(linear.nuisances) - len(nuisances))])
     fits = partial(refit, linear, candidate.causes, nuisances=nuisances, known=known, settles=False, progress=progress)
     try:
-        if elsewhere := starts_elsewhere(candidate, known):
+        if elsewhere := starts_elsewhere(candidate):
             best = _best_of(partial(fits, renews=False), candidate.start, elsewhere)
             found = fits(start=best.start, nuisances=best.nuisances, known=best) if best else None
         else:
@@ -132,13 +132,13 @@ def needed_of(fit: Fit) -> tuple[Cause, ...]:
     return tuple(cause for cause in fit.causes if fit.acts(cause) and fit.allows(cause))
 
 
-def starts_elsewhere(candidate: CandidateModel, known: Fit | None) -> list[tuple[dict[Key, float], Cause]]:
+def starts_elsewhere(candidate: CandidateModel) -> list[tuple[dict[Key, float], Cause]]:
     """Return where to start besides, as the linearised model may be far off, each with the cause that is elsewhere.
 
     Between the shapes tried, where those lie far apart; and from the largest size of a play, for less of it explains
     as well with more noise, so a fit may stay at the smaller of two sizes.
     """
-    old = {cause.key for cause in known.causes} if known else set()
+    old = {cause.key for cause in candidate.known.causes} if candidate.known else set()
     starts = []
     for cause in candidate.causes:
         if cause.key in old:

@@ -96,6 +96,8 @@ class Fitter:
         executor: Where to fit.
         known: Fit near all of them, whose derivatives will do as long as they promise what comes true; or None.
         settles: Whether fits that may decide are brought to their ends by derivatives about themselves.
+        earlier: Fits of the campaign with other priors. Where `known` is none, a fit begins at that of these which has
+            most causes in common with it, and with its derivatives.
         models: Keys -> model; None where it finds no balance, is not plausible, or does not need one of its causes.
     """
 
@@ -104,6 +106,7 @@ class Fitter:
     executor: Executor
     known: Fit | None = None
     settles: bool = True
+    earlier: Sequence[Fit] = ()
     models: dict[frozenset[Hashable], Model | None] = field(default_factory=dict)
 
     def fitted(self, candidates: Sequence[CandidateModel]) -> list[Model]:
@@ -162,15 +165,28 @@ class Fitter:
 
         Where shapes have to be looked for, the first one does so for all that have the same causes.
         """
-        if len(new) < 2 or new[0].shape or not starts_elsewhere(new[0], self.known):
-            return in_order(self.executor, partial(fit_of, self.linear, self.known), new)
-        (first,) = in_order(self.executor, partial(fit_of, self.linear, self.known), new[:1])
-        known, others = self.known, list(new[1:])
+        new = [self._begun(candidate) for candidate in new]
+        fits = partial(fit_of, self.linear)
+        if len(new) < 2 or new[0].shape or not starts_elsewhere(new[0]):
+            return in_order(self.executor, fits, new)
+        (first,) = in_order(self.executor, fits, new[:1])
+        others = list(new[1:])
         if first:
             fit, kept = first
             known = fit.with_causes(tuple(new[0].causes[i] for i in kept))
-            others = [replace(one, start=one.start | known.start) for one in others]
-        return [first, *in_order(self.executor, partial(fit_of, self.linear, known), others)]
+            others = [replace(one, start=one.start | known.start, known=known) for one in others]
+        return [first, *in_order(self.executor, fits, others)]
+
+    def _begun(self, candidate: CandidateModel) -> CandidateModel:
+        """Return a candidate with the fit near it that is known."""
+        if self.known:
+            return replace(candidate, known=self.known)
+        keys = {cause.key for cause in candidate.causes}
+        shared = {i: sum(cause.key in keys for cause in fit.causes) for i, fit in enumerate(self.earlier)}
+        if not any(shared.values()):
+            return candidate
+        nearest = self.earlier[max(shared, key=shared.__getitem__)]
+        return replace(candidate, start=candidate.start | nearest.start, known=nearest)
 
     def _model(self, candidate: CandidateModel, fit: Fit, kept: tuple[int, ...]) -> Model | None:
         causes = tuple(candidate.causes[i] for i in kept)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
 
+from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
 from bench.diagnose.linearise.candidates import Cause
@@ -47,6 +48,7 @@ def name_cause(
     renew: Renew,
     progress: Callable[[str], None] = lambda words: None,
     executor: Executor = SERIAL,
+    earlier: Sequence[Fit] = (),
 ) -> Naming:
     """Name what is wrong with the nominal model, or what of it was found when the work was stopped.
 
@@ -56,8 +58,9 @@ def name_cause(
         renew: Weighs everything anew about an extended model.
         progress: Called with what is done next.
         executor: Where to fit.
+        earlier: Fits of the campaign with other priors, to begin from.
     """
-    selection, why = _Selection(linear, screening, renew, progress, executor), ""
+    selection, why = _Selection(linear, screening, renew, progress, executor, earlier), ""
     try:
         selection.begin()
         selection.run()
@@ -73,10 +76,7 @@ class _Selection:
 
     Attributes:
         linear: The campaign about the best model, or about the one before that found a balance.
-        screening: Everything that was tried against the nominal model.
-        renew: Weighs everything anew about an extended model.
-        progress: Called with what is done next.
-        executor: Where to fit.
+        screening, renew, progress, executor, earlier: As of `name_cause`.
         models: Those that the last search simulated, the most probable first.
         findings: Of the best model, each held against what was held out.
         refusals: What did not pay.
@@ -92,6 +92,7 @@ class _Selection:
     renew: Renew
     progress: Callable[[str], None]
     executor: Executor
+    earlier: Sequence[Fit] = ()
     models: tuple[Model, ...] = ()
     findings: dict[Hashable, Finding] = field(default_factory=dict)
     refusals: Refusals = field(default_factory=Refusals)
@@ -197,12 +198,11 @@ class _Selection:
         visited = search(about.model, [about.present], about.shape, most=most)
         subsets = {one.terms: one for one in (*visited, *exchanges(about.model, visited[0], about.shape))}
         found = alternatives_of(about.model, subsets.values())
-        causes = [about.cause(i) for i in found[0].best.terms]
-        self.promising = tuple(cause for cause in causes if cause)
+        self.promising = tuple(cause for i in found[0].best.terms if (cause := about.cause(i)))
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
 
         known = self.best.fit if self.best.keys and not self.best.shape else None
-        fitter = Fitter(self.linear, self.null, self.executor, known, settles=is_last)
+        fitter = Fitter(self.linear, self.null, self.executor, known, settles=is_last, earlier=self.earlier)
         present = fitter.knows(self.best, about.candidate_of(about.present))
         others = proposed(about, found, LEADERS if is_last else LEADERS // 2, adds=adds, is_last=is_last)
         needed = partial(is_needed_in_motion, self.linear, about)

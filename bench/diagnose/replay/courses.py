@@ -1,4 +1,4 @@
-"""What each model of a world follows: segments that have payload, run and time in common where those count."""
+"""What each model of a world follows: segments that have payload, run and time in common; and how it moved there."""
 
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -12,6 +12,7 @@ from bench.diagnose.replay.winding import MotionSpline
 from bench.diagnose.replay.world import World, log_error_of
 from bench.effects.effect import Conditions
 from bench.record.campaign import Array
+from bench.simulate.plant import Trace
 from bench.simulate.prescribed import Motion
 
 
@@ -40,6 +41,22 @@ class Course:
     segments: tuple[int, ...]
     spline: MotionSpline
     spread: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """How the robot of a world moved; K instants that are read, n drives.
+
+    Attributes:
+        trace: The truth at these.
+        excess: Shape (K, n) [Nm] or [N], what averaged torques have more than those of the averaged motion.
+    """
+
+    trace: Trace
+    excess: Array
+
+    def __getitem__(self, rows: slice | NDArray[np.intp]) -> "Moved":
+        return Moved(self.trace[rows], self.excess[rows])
 
 
 def courses_of(

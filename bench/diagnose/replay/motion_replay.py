@@ -11,7 +11,7 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.replay.courses import Course, count_of, courses_of, true_conditions
+from bench.diagnose.replay.courses import Course, Moved, count_of, courses_of, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.instants import at_each_instant, slices_of
 from bench.diagnose.replay.jacobians import reflector_jacobians
@@ -25,12 +25,15 @@ from bench.diagnose.replay.world import (
     log_error_of,
     model_of,
     moved,
+    rates_along,
     steps_of,
 )
-from bench.effects.effect import Conditions
+from bench.effects.effect import Acting, Conditions
 from bench.effects.followed import Followed
+from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
+from bench.robot.links import rigid_bodies
 from bench.robot.patched import Structure
 from bench.robot.recent import Recent
 from bench.simulate.bare import bare_spec
@@ -39,6 +42,8 @@ from bench.simulate.prescribed import TOLERANCE, Prescribed
 
 MOST_KNOWN = 4  # effort: motions kept, for worlds that only read differently
 MOST_PLANS = 64  # effort: ways kept in which worlds share models, 0.1 MB each for 700 instants of six joints
+MOST_RATES = 16  # effort: errors of encoders, of which what they add to speeds and accelerations is kept
+MOST_LINKS = 64  # effort: sets of inertial parameters kept
 
 
 class MotionReplay:
@@ -63,7 +68,9 @@ class MotionReplay:
         self.fitted = fitted_world(compiled)
         self._tolerance = tolerance
         self._structure = structure or Structure(compiled.robot, bare_spec(compiled.robot))
-        self._known: Recent[Hashable, Trace] = Recent(MOST_KNOWN)
+        self._known: Recent[Hashable, Moved] = Recent(MOST_KNOWN)
+        self._rates: Recent[Hashable, tuple[Array, Array]] = Recent(MOST_RATES)
+        self._inertial: Recent[bytes, Array] = Recent(MOST_LINKS)  # parameters of links, by what models have
         self._rows = slices_of(count_of(segment) for segment in segments)
         self._recordings: dict[str, list[int]] = {}  # recording -> its segments
         for i, segment in enumerate(segments):
@@ -81,6 +88,14 @@ class MotionReplay:
 
     def trace(self, world: World) -> Trace:
         """Return the true motion in a world at all instants that are read, segment after segment.
+
+        Raises:
+            ConvergenceError, RobotError: As `predict`.
+        """
+        return self.moved(world).trace
+
+    def moved(self, world: World) -> Moved:
+        """Return how the robot of a world moved at all instants that are read, segment after segment.
 
         Raises:
             ConvergenceError, RobotError: As `predict`.
@@ -166,26 +181,27 @@ class MotionReplay:
             (models, by_weather), lambda: courses_of(self.segments, models, with_temperatures=by_weather)
         )
 
-    def _moved(self, world: World) -> Trace:
-        """Return the true motion in a world, simulated."""
+    def _moved(self, world: World) -> Moved:
+        """Return how the robot of a world moved, simulated."""
         courses = self._courses(world)
         return self._joined(courses, [self._moved_along(world, course) for course in courses])
 
-    def _moved_along(self, world: World, course: Course) -> Trace:
-        """Return the truth along a course, at what is read of it."""
+    def _moved_along(self, world: World, course: Course) -> Moved:
+        """Return how the robot of a world moved along a course, at what is read of it."""
         if not world_in(world, course.recording).changes_robot:
             return self._nominal[course.rows]
         return self._followed(world, course)[0]
 
-    def _followed(self, world: World, course: Course) -> tuple[Trace, Array]:
-        """Return the truth along a course, at what is read of it, and what the search found at all its instants."""
+    def _followed(self, world: World, course: Course) -> tuple[Moved, Array]:
+        """Return what is read of a course, and what the search found at all its instants."""
         compiled = self._robot_along(world, course)
         world = world_in(world, course.recording)
         robot = Prescribed(compiled, self._structure.data_for(compiled), self._tolerance)
         error = log_error_of(world, course.run)
         segments = [self.segments[i] for i in course.segments]
-        as_fitted, _ = moved(course.motion, self.fitted, segments=segments)
-        motion, shift = moved(as_fitted, world, error.hung if error else 1.0, segments)
+        rates_of = partial(self._rates_along, course)
+        as_fitted, _ = moved(course.motion, self.fitted, rates_of=rates_of)
+        motion, shift = moved(as_fitted, world, error.hung if error else 1.0, rates_of)
         trace, found, load = robot.follow(motion, self._guess(robot, course, shift))
         if np.any(course.spline.inner):
             speed, bend = course.spline.rates(load / compiled.stiffness)
@@ -193,7 +209,27 @@ class MotionReplay:
             trace = self._at_the_middle(trace, course, bend[motion.read])
         rows = slices_of(count_of(segment) for segment in segments)
         stretches = [(here, None if s.is_static else s.standing) for s, here in zip(segments, rows, strict=True)]
-        return expected(compiled, trace, stretches), found
+        return Moved(expected(compiled, trace, stretches), self._excess(compiled, segments, rows)), found
+
+    def _rates_along(self, course: Course, acting: Acting) -> tuple[Array, Array]:
+        """Return what an error of the encoders adds to speeds and accelerations along a course, shape (T, n) each."""
+        key = acting.effect, acting.place, tuple(acting.values.items()), course.segments
+        return self._rates.get(key, lambda: rates_along([self.segments[i] for i in course.segments], acting))
+
+    def _excess(self, compiled: CompiledRobot, segments: Sequence[Segment], rows: Sequence[slice]) -> Array:
+        """Return what averaged torques of segments have more, each in its rows, shape (K, n)."""
+        found = np.zeros((rows[-1].stop, compiled.n_joints))
+        for segment, mine in zip(segments, rows, strict=True):
+            if segment.average_excess:
+                found[mine] = segment.average_excess.torque(self._inertial_parameters(compiled))
+        return found
+
+    def _inertial_parameters(self, compiled: CompiledRobot) -> Array:
+        """Return the inertial parameters of the links of a world's robot, with what is bolted on, shape (10 n,)."""
+        model = compiled.model
+        parts = (model.body_mass, model.body_inertia, model.body_ipos, model.body_iquat, model.body_pos)
+        key = b"".join(part.tobytes() for part in parts)
+        return self._inertial.get(key, lambda: standard_parameters(rigid_bodies(compiled)))
 
     def _at_the_middle(self, trace: Trace, course: Course, bend: Array) -> Trace:
         """Return a trace with links where they are in the middle of a bin, not where averaged torques hold them.
@@ -220,12 +256,13 @@ class MotionReplay:
             guess[:, 0, : self.compiled.n_joints] += shift
         return guess
 
-    def _joined(self, courses: Iterable[Course], traces: list[Trace]) -> Trace:
-        """Return the traces of courses as one, in the order of the campaign."""
-        if len(traces) == 1:
-            return traces[0]
+    def _joined(self, courses: Iterable[Course], parts: list[Moved]) -> Moved:
+        """Return what was read of courses as one, in the order of the campaign."""
+        if len(parts) == 1:
+            return parts[0]
         order = np.argsort(np.concatenate([course.rows for course in courses]))
-        return Trace.concatenate(traces)[order]
+        trace = Trace.concatenate([part.trace for part in parts])
+        return Moved(trace, np.concatenate([part.excess for part in parts]))[order]
 
     def _robot_along(self, world: World, course: Course) -> CompiledRobot:
         """Return the robot that follows a course."""

@@ -20,15 +20,12 @@ from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import World
 from bench.effects.effect import Effect
 from bench.effects.levels import acts_in
-from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
-from bench.robot.links import rigid_bodies
 from bench.robot.recent import Recent
 from bench.simulate.plant import Trace
 from bench.simulate.prescribed import TOLERANCE
 
-MOST_LINKS = 64  # effort: sets of inertial parameters kept
 MOST_EARLIER = 16  # effort: motions kept; a world with a delay of each of six drives asks for six
 
 
@@ -52,7 +49,6 @@ class Replay(MotionReplay):
         super().__init__(compiled, segments, tolerance)
         self.quantities = quantities
         self._earlier: Recent[float, MotionReplay] = Recent(MOST_EARLIER)  # by how many seconds
-        self._inertial: Recent[bytes, Array] = Recent(MOST_LINKS)  # parameters of links, by what models have
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -71,7 +67,7 @@ class Replay(MotionReplay):
     def read(self, world: World, trace: Trace) -> Array:
         """Return what the instruments of a world show of a motion, shape (T, c), segment after segment."""
         trace = self._with_late_torques(world, trace)
-        trace = replace(trace, motor_torque=trace.motor_torque + self._average_excess(world) - self._averaged(world))
+        trace = replace(trace, motor_torque=trace.motor_torque + self.moved(world).excess - self._averaged(world))
         given, world = world, self.whole(world)
         if not world.is_told_apart:
             shown = self._read(world, self.segments, trace)
@@ -84,23 +80,6 @@ class Replay(MotionReplay):
         if any(quantity.is_known for quantity in self.quantities):
             self._say_known(shown, given, trace)
         return shown
-
-    def _average_excess(self, world: World) -> Array:
-        """Return what averaged torques have more than those of the averaged motion, shape (T, n) [Nm] or [N]."""
-        excess = np.zeros((self.shape[0], self.compiled.n_joints))
-        for course in self._courses(world):
-            known = {i: more for i in course.segments if (more := self.segments[i].average_excess)}
-            parameters = self._inertial_parameters(self._robot_along(world, course)) if known else np.zeros(0)
-            for i, more in known.items():
-                excess[self._rows[i]] = more.torque(parameters)
-        return excess
-
-    def _inertial_parameters(self, compiled: CompiledRobot) -> Array:
-        """Return the inertial parameters of the links of a world's robot, with what is bolted on, shape (10 n,)."""
-        model = compiled.model
-        parts = (model.body_mass, model.body_inertia, model.body_ipos, model.body_iquat, model.body_pos)
-        key = b"".join(part.tobytes() for part in parts)
-        return self._inertial.get(key, lambda: standard_parameters(rigid_bodies(compiled)))
 
     def _averaged(self, world: World) -> Array | float:
         """Return what effects that change within a bin add to averaged torques, shape (T, n) [Nm] or [N]."""

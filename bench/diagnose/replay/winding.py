@@ -7,11 +7,12 @@ takes, with f_0 the mode of the link on its gear: a tenth at a third of f_0.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
+from scipy.linalg.lapack import dgttrf, dgttrs
 
 from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
@@ -28,23 +29,25 @@ class MotionSpline:
 
     Attributes:
         step: Shape (T,) [s], from each instant to the next of its spline; 0 where it has none.
-        bands: Shape (3, T), the equations of second derivatives, diagonal by diagonal.
         inner: Shape (T,) bool, instants between two others of their spline.
     """
 
     step: Array
-    bands: Array
     inner: NDArray[np.bool_]
 
     @classmethod
     def through(cls, segments: Sequence[Segment]) -> Self:
         """Return those through the motions of segments, one after the other."""
         step = np.concatenate([_steps(segment) for segment in segments])
-        before = np.append(0.0, step[:-1])
-        inner = (step > 0) & (before > 0)
-        upper, lower = np.where(inner, step, 0.0), np.where(inner, before, 0.0)
-        middle = np.where(inner, 2 * (step + before), 1.0)
-        return cls(step, np.stack([np.append(0.0, upper[:-1]), middle, np.append(lower[1:], 0.0)]), inner)
+        return cls(step, (step > 0) & (np.append(0.0, step[:-1]) > 0))
+
+    @cached_property
+    def _factors(self) -> list[NDArray[Any]]:
+        """The equations of second derivatives, which are tridiagonal, factorised as `dgttrs` has them."""
+        before = np.append(0.0, self.step[:-1])
+        upper, lower = np.where(self.inner, self.step, 0.0), np.where(self.inner, before, 0.0)
+        middle = np.where(self.inner, 2 * (self.step + before), 1.0)
+        return list(dgttrf(lower[1:], middle, upper[:-1])[:-1])
 
     def rates(self, values: Array) -> tuple[Array, Array]:
         """Return first and second derivatives over time, shape (T, n) each; zero where there is no spline.
@@ -53,13 +56,13 @@ class MotionSpline:
         over its neighbours with weights 1, 10, 1 it is right to the fourth order.
 
         Args:
-            values: Shape (T, n).
+            values: Shape (T, n), T at least 3.
         """
         step, inner = self.step[:-1, None], self.inner[:, None]
         slope = np.divide(np.diff(values, axis=0), step, out=np.zeros_like(values[1:]), where=step > 0)
         turn = np.zeros_like(values)
         turn[1:-1] = np.where(inner[1:-1], 6 * np.diff(slope, axis=0), 0.0)
-        bent = solve_banded((1, 1), self.bands, turn, check_finite=False)
+        bent, _ = dgttrs(*self._factors, turn)
         first = np.zeros_like(values)
         first[:-1] = slope - step * (2 * bent[:-1] + bent[1:]) / 6
         ends = np.flatnonzero((self.step[1:] == 0) & (self.step[:-1] > 0)) + 1

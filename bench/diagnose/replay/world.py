@@ -1,6 +1,6 @@
 """A hypothesis about robot and instruments, and what it does to the robot's model and motion."""
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -54,7 +54,7 @@ NOMINAL = World()
 
 def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
     """Return the changes of the model in a world: deviations, payload, effects, drifts of the day, in this order."""
-    return [edit for step in steps_of(world, conditions) for edit in step.edits]
+    return [edit for step in steps_of(world, conditions) for edit in step.edits()]
 
 
 def key_of_motion(world: World) -> Hashable:
@@ -79,26 +79,23 @@ def steps_of(world: World, conditions: Conditions) -> list[Step]:
     """Return the same, as steps that another world may have in common with this one."""
     share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_payload)
     payload_kg = share * conditions.payload_kg
-    steps = [
-        _deviating(world, after_effects=False),
-        Step(payload_kg, (bolt_on(payload_kg),) if payload_kg else ()),
-    ]
+    off = [(nuisance, value) for nuisance, value in world.deviations.items() if nuisance.edit and value]
+    figures, drifts = ([one for one in off if one[0].after_effects is after] for after in (False, True))
+    steps = [_deviating(figures), Step(payload_kg, lambda: (bolt_on(payload_kg),) if payload_kg else ())]
     during = conditions.key
     for acting in world.acting:
-        edit = acting.effect.edit(acting.place, acting.values, conditions)
         key = acting.effect, acting.place, tuple(acting.values.items()), during
-        steps.append(Step(key, (edit,) if edit else ()))
-    drifts = _deviating(world, after_effects=True)
-    return [*steps, drifts] if drifts.edits else steps
+        steps.append(Step(key, partial(_acting, acting, conditions)))
+    return [*steps, _deviating(drifts)] if drifts else steps
 
 
-def _deviating(world: World, *, after_effects: bool) -> Step:
-    off = [
-        (nuisance, value)
-        for nuisance, value in world.deviations.items()
-        if nuisance.edit and value and nuisance.after_effects is after_effects
-    ]
-    return Step(tuple(off), tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit))
+def _deviating(off: Sequence[tuple[Nuisance, float]]) -> Step:
+    return Step(tuple(off), lambda: tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit))
+
+
+def _acting(acting: Acting, conditions: Conditions) -> tuple[SpecEdit, ...]:
+    edit = acting.effect.edit(acting.place, acting.values, conditions)
+    return (edit,) if edit else ()
 
 
 def model_of(world: World, run: str, recording: str, conditions: Conditions) -> Hashable:
@@ -121,8 +118,11 @@ def log_error_of(world: World, run: str) -> LogError | None:
     return found
 
 
+Rates = Callable[[Acting], tuple[Array, Array]]
+
+
 def moved(
-    motion: Motion, world: World, hung: float = 1.0, segments: Sequence[Segment] = ()
+    motion: Motion, world: World, hung: float = 1.0, rates_of: Rates | None = None
 ) -> tuple[Motion, Array | None]:
     """Return the true motion where encoders and weights are wrong, and how far off the motors are, shape (T, n).
 
@@ -130,23 +130,28 @@ def moved(
         motion: As it was recorded.
         world: In which it happened.
         hung: True wrench at the load point over the written one.
-        segments: Which it goes through, in order; their samples tell what an error of the angles makes of speeds and
-            accelerations. Without them these are taken as they stand.
+        rates_of: Returns what an error of the angles adds to speeds and accelerations, shape (T, n) each, as samples of
+            the motion tell; None: these are taken as they stand.
     """
     share = hung * (1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_wrench))
     if share != 1.0:
         motion = replace(motion, wrench=share * motion.wrench)
     shift = None
     for acting in world.acting:
-        wrong = partial(acting.effect.encoder_error, acting.place, acting.values)
-        error = wrong(motion.q, motion.velocity)
+        error = acting.effect.encoder_error(acting.place, acting.values, motion.q, motion.velocity)
         if error is not None:
             motion = replace(motion, q=motion.q - error)
-            if segments:
-                rates = [one.rates_of(wrong) for one in segments]
-                speed, acceleration = (np.concatenate(parts) for parts in zip(*rates, strict=True))
+            if rates_of:
+                speed, acceleration = rates_of(acting)
                 motion = replace(
                     motion, velocity=motion.velocity - speed, acceleration=motion.acceleration - acceleration
                 )
             shift = -error if shift is None else shift - error
     return motion, shift
+
+
+def rates_along(segments: Sequence[Segment], acting: Acting) -> tuple[Array, Array]:
+    """Return what an error of the encoders adds to speeds and accelerations of segments, shape (T, n) each."""
+    rates = [one.rates_of(partial(acting.effect.encoder_error, acting.place, acting.values)) for one in segments]
+    speed, acceleration = (np.concatenate(parts) for parts in zip(*rates, strict=True))
+    return speed, acceleration
