@@ -18,7 +18,7 @@ UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))  # exact: Pinocchio's order of 
 WIDER = np.sqrt(10.0)  # effort: between one width and the next that is tried
 
 WIDEST = 6  # effort: a thousand times what was stated; as good as unknown
-NARROWEST = -4  # a hundredth of the whole torque: less would claim to know that there is none (assumed)
+NARROWEST = -4  # assumed: a hundredth of the whole torque; less would claim to know that there is none
 AS_STATED = 0  # exact: once what was stated
 # exact: nothing beyond what is stated, of an offset; of a difference of the directions, none at all
 NONE = NARROWEST - 1
