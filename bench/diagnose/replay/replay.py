@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnose.replay.courses import count_of, true_conditions
+from bench.diagnose.replay.average_friction import average_friction
+from bench.diagnose.replay.courses import Course, count_of, true_conditions
 from bench.diagnose.replay.given import EARLIER, LABEL, said_before
 from bench.diagnose.replay.known import known_value
 from bench.diagnose.replay.late import read_late
@@ -92,8 +93,15 @@ class Replay(MotionReplay):
             known = {i: more for i in course.segments if (more := self.segments[i].average_excess)}
             parameters = self._inertial_parameters(self._robot_along(world, course)) if known else np.zeros(0)
             for i, more in known.items():
-                excess[self._rows[i]] = more.torque(parameters)
+                excess[self._rows[i]] = more.torque(parameters) + self._average_friction(world, course, i)
         return excess
+
+    def _average_friction(self, world: World, course: Course, i: int) -> Array:
+        """Return what friction has more for being averaged in a segment of a course, shape (T, n) [Nm] or [N]."""
+        segment = self.segments[i]
+        assert segment.path
+        speed = segment.motion.velocity[segment.motion.read]
+        return average_friction(self._robot_along(world, course), segment.path, speed)
 
     def _inertial_parameters(self, compiled: CompiledRobot) -> Array:
         """Return the inertial parameters of the links of a world's robot, with what is bolted on, shape (10 n,)."""

@@ -1,0 +1,54 @@
+"""Where the friction of a joint may be between its levels: it stands, or has turned round and not come far since.
+
+A friction element is a spring until its joint has come as far as takes its force from one level to the other, however
+fast; from there on it slides, however slowly.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.effects.nominal import factor_of
+from bench.record.campaign import Array
+from bench.robot.compiled import CompiledRobot
+from bench.robot.starter.defaults import PRESLIDING
+
+STANDS = 1e-4  # rounding: [rad/s] or [m/s]; below it a joint counts as standing
+SURELY = 2.0  # declared: standard deviations of the presliding stiffness that are waited for
+
+
+def presliding_travel(compiled: CompiledRobot) -> Array:
+    """Return after how far a joint that turned round slides again, shape (n,) [rad] or [m].
+
+    That is 2 f_C over the stiffness with which an element holds, as well as that is known (`uncertainty.presliding`),
+    and no less than for the stiffness that a robot has of which nobody stated any.
+    """
+    sigma = compiled.robot.figures.uncertainty.presliding
+    sides = (
+        (compiled.motor_coulomb, compiled.motor_presliding),
+        (compiled.link_coulomb, compiled.link_presliding),
+    )
+    gives = [level / stiffness for level, stiffness in sides]
+    longer = factor_of(SURELY * sigma, sigma) if sigma > 0 else 1.0
+    return np.asarray(2 * longer * np.maximum(np.maximum(*gives), PRESLIDING))
+
+
+def between_levels(angles: Array, time: Array, window: int, travel: Array) -> NDArray[np.bool_]:
+    """Return at which samples the friction of a joint may be between its levels, shape (rows, n).
+
+    A run that begins in motion is taken to have come far enough.
+
+    Args:
+        angles: Shape (rows, n) [rad] or [m].
+        time: Shape (rows,) [s].
+        window: Samples over which a speed is taken. As the average over them it changes its sign where the joint turns
+            round, and nowhere else; a parabola through them overshoots where a joint slows down suddenly.
+        travel: Shape (n,), after which friction slides, from `presliding_travel`.
+    """
+    rows = np.arange(len(angles))
+    ahead, behind = np.minimum(rows + window // 2, rows[-1]), np.maximum(rows - window // 2, 0)
+    speed = (angles[ahead] - angles[behind]) / (time[ahead] - time[behind])[:, None]
+    way = np.where(np.abs(speed) < STANDS, 0.0, np.sign(speed))
+    turns = np.diff(way, axis=0, prepend=way[:1]) != 0
+    since = np.maximum.accumulate(np.where(turns, rows[:, None], -1), axis=0)
+    come = np.abs(angles - np.take_along_axis(angles, np.maximum(since, 0), axis=0))
+    return np.asarray((way == 0) | ((since >= 0) & (come < travel)))
