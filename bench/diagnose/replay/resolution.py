@@ -19,7 +19,7 @@ from bench.record.campaign import Array
 from bench.record.moving import FEWEST_ROWS
 
 LEAST_WINDOW = FEWEST_ROWS
-FEWEST_STEPS = 8  # declared: differences between values that have to be whole steps, to be steps
+FEWEST_STEPS = 8  # declared: different values, and different ways from sample to sample, by which steps are told
 WHOLE = 0.1  # rounding: of a step, by which multiples of it may be off in the last digits of a log
 WIDER = 1.2  # effort: ratio of neighbouring windows that are tried
 # effort: of the noise of a torque, that windows may add to it: in all a thirtieth more. With a half, an eighth, a
@@ -42,14 +42,19 @@ def angle_noise(angles: Array) -> Array:
 
 
 def step_of(values: Array) -> float:
-    """Return of what the differences between values, shape (rows,), are multiples; 0 where of nothing."""
+    """Return of what the differences between values, shape (rows,), are multiples; 0 where of nothing.
+
+    At one constant speed samples lie evenly without any encoder, so that says nothing.
+    """
     every = np.unique(values)
     apart = np.diff(every)
     apart = apart[apart > np.sqrt(np.finfo(float).eps) * np.ptp(values)]  # else one value, in another last digit
     if len(apart) < FEWEST_STEPS:
         return 0.0
-    steps = (every - every[0]) / np.min(apart)
-    return float(np.min(apart)) if np.all(np.abs(steps - np.rint(steps)) < WHOLE) else 0.0
+    step = float(np.min(apart))
+    steps = (every - every[0]) / step
+    is_stepped = np.all(np.abs(steps - np.rint(steps)) < WHOLE)
+    return step if is_stepped and len(np.unique(np.rint(np.diff(values) / step))) >= FEWEST_STEPS else 0.0
 
 
 def _roughness(angles: Array) -> Array:

@@ -35,7 +35,7 @@ def presliding_travel(compiled: CompiledRobot) -> Array:
 def between_levels(angles: Array, time: Array, window: int, travel: Array) -> NDArray[np.bool_]:
     """Return at which samples the friction of a joint may be between its levels, shape (rows, n).
 
-    A run that begins in motion is taken to have come far enough.
+    Nobody knows how a joint came to where a run begins, so it may have stood there.
 
     Args:
         angles: Shape (rows, n) [rad] or [m].
@@ -49,6 +49,6 @@ def between_levels(angles: Array, time: Array, window: int, travel: Array) -> ND
     speed = (angles[ahead] - angles[behind]) / (time[ahead] - time[behind])[:, None]
     way = np.where(np.abs(speed) < STANDS, 0.0, np.sign(speed))
     turns = np.diff(way, axis=0, prepend=way[:1]) != 0
-    since = np.maximum.accumulate(np.where(turns, rows[:, None], -1), axis=0)
-    come = np.abs(angles - np.take_along_axis(angles, np.maximum(since, 0), axis=0))
-    return np.asarray((way == 0) | ((since >= 0) & (come < travel)))
+    since = np.maximum.accumulate(np.where(turns, rows[:, None], 0), axis=0)
+    come = np.abs(angles - np.take_along_axis(angles, since, axis=0))
+    return np.asarray((way == 0) | (come < travel))
