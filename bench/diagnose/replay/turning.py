@@ -1,7 +1,8 @@
-"""Where the friction of a joint may be between its levels: it stands, or has turned round and not come far since.
+"""Where the friction of a joint may be between its levels: it stands, is about to, or has not come far since.
 
 A friction element is a spring until its joint has come as far as takes its force from one level to the other, however
-fast; from there on it slides, however slowly.
+fast; from there on it slides, however slowly, until the joint turns round. Where a joint comes to stand, friction goes
+over to what it holds at rest, which is anything between its levels.
 """
 
 import numpy as np
@@ -35,7 +36,7 @@ def presliding_travel(compiled: CompiledRobot) -> Array:
 def between_levels(angles: Array, time: Array, window: int, travel: Array) -> NDArray[np.bool_]:
     """Return at which samples the friction of a joint may be between its levels, shape (rows, n).
 
-    Nobody knows how a joint came to where a run begins, so it may have stood there.
+    Nobody knows how a joint came to where a run begins or went on from where it ends, so it may have stood there.
 
     Args:
         angles: Shape (rows, n) [rad] or [m].
@@ -48,7 +49,20 @@ def between_levels(angles: Array, time: Array, window: int, travel: Array) -> ND
     ahead, behind = np.minimum(rows + window // 2, rows[-1]), np.maximum(rows - window // 2, 0)
     speed = (angles[ahead] - angles[behind]) / (time[ahead] - time[behind])[:, None]
     way = np.where(np.abs(speed) < STANDS, 0.0, np.sign(speed))
+    last, following = _last_turn(way, rows), _next_turn(way, rows)
+    come, left = (np.abs(angles - np.take_along_axis(angles, there, axis=0)) for there in (last, following))
+    lasts = np.take_along_axis(following, following, axis=0) - following  # samples; a turn has one or two without speed
+    stops = (np.take_along_axis(way, following, axis=0) == 0) & (lasts >= window)
+    ends = following == rows[-1]
+    return np.asarray((way == 0) | (come < travel) | ((stops | ends) & (left < travel)))
+
+
+def _last_turn(way: Array, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return the row at which each joint began to go as it does, shape (rows, n)."""
     turns = np.diff(way, axis=0, prepend=way[:1]) != 0
-    since = np.maximum.accumulate(np.where(turns, rows[:, None], 0), axis=0)
-    come = np.abs(angles - np.take_along_axis(angles, since, axis=0))
-    return np.asarray((way == 0) | (come < travel))
+    return np.asarray(np.maximum.accumulate(np.where(turns, rows[:, None], 0), axis=0))
+
+
+def _next_turn(way: Array, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return the first row at which it goes otherwise, or the last one of the run, shape (rows, n)."""
+    return np.asarray(np.minimum(rows[-1] - _last_turn(way[::-1], rows)[::-1] + 1, rows[-1]))
