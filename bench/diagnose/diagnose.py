@@ -12,7 +12,7 @@ from bench.diagnose.cross_validation.figures import changed_figures
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.cross_validation.next_recording import predicted_error
 from bench.diagnose.experiment_design.propose import propose
-from bench.diagnose.experiment_design.undetectable import undetectable_effects
+from bench.diagnose.experiment_design.undetectable import undetectable_beside, undetectable_effects
 from bench.diagnose.explain import (
     Explained,
     Phases,
@@ -138,6 +138,9 @@ def _concluded(task: Task, found: Explained, *, proposes: bool) -> Diagnosis:
             task.progress("what this campaign could not show")
             about = (signatures.compiled, found.segments, signatures.quantities, naming.screening, signatures.causes)
             blind = undetectable_effects(*about, executor, naming.found, naming.linear)
+            with suppress(BenchError):  # a model that finds no balance with another instrument
+                world = found.fit.world(found.about)
+                blind += undetectable_beside(*about[:3], naming, signatures.causes, world, executor)
     except Stopped as stopped:
         unfinished = unfinished_of(naming, str(stopped), task.progress.now)
     missing = unseen_of(task.catalogue.values(), measured_by(task.campaign))

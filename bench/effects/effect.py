@@ -137,6 +137,7 @@ class Effect(ABC):
             one "anew" each time, as a payload is, and looked for in each recording by itself, as errors of the level
             "recording" or "run" are; or it "drifts", so it is looked for in all of them together and in each.
         advice: What a person should look at where it is found; "" where that is the part which the title names.
+        motion: Which motion shows it where a campaign does not, in words; "" where that depends.
         depends_on_conditions: Whether its `edit` is another one at other temperatures.
         covers: Names of effects that say a part of it: where it is found, these are not unseen.
         is_additive: Whether its `torques` are the same where the effect acts already; those of an effect that scales a
@@ -155,6 +156,7 @@ class Effect(ABC):
     level: ClassVar[Level] = "machine"
     between: ClassVar[Between] = "same"
     advice: ClassVar[str] = ""
+    motion: ClassVar[str] = ""
     depends_on_conditions: ClassVar[bool] = False
     is_additive: ClassVar[bool] = False
     covers: ClassVar[tuple[str, ...]] = ()

@@ -26,6 +26,7 @@ class Stribeck(WithCoulomb):
         "At low speed no lubricant film carries: the level rises to f_C (1 + r exp(-(v/v_s)^2)), on both sides of the "
         "elastic element."
     )
+    motion = "sweeps of these joints at several slow steady speeds"
     source = f"{ARMSTRONG}; Bona and Indri, Friction compensation in robotics: an overview, 2005; range: DESIGN 6"
     parameters = (
         Parameter("rise", "", 0.0, 0.1, 0.5, "r, rise at standstill, relative"),

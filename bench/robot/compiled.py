@@ -34,6 +34,8 @@ class CompiledRobot:
         motor_coulomb, link_coulomb: Shape (n,) [Nm], Coulomb levels of the friction elements.
         motor_presliding, link_presliding: Shape (n,) [Nm/rad], stiffness of the friction elements while they hold.
         motor_rolling: Shape (n,) [Nm], rolling friction of the motor side at 1 rad/s (1 m/s).
+        motor_rise, link_rise: Shape (n,), by which share the friction elements hold more at standstill.
+        motor_stribeck, link_stribeck: Shape (n,) [rad/s] or [m/s], at which 1/e of that is left; 0 where there is none.
         counterbalance: Closed form of the counterbalance with the anchors and gas figures of the MJCF; None where there
             is none, and where its `gas_amount` is 0.
     """
@@ -46,6 +48,10 @@ class CompiledRobot:
     motor_presliding: NDArray[np.float64]
     link_presliding: NDArray[np.float64]
     motor_rolling: NDArray[np.float64]
+    motor_rise: NDArray[np.float64]
+    link_rise: NDArray[np.float64]
+    motor_stribeck: NDArray[np.float64]
+    link_stribeck: NDArray[np.float64]
     counterbalance: Counterbalance | None
 
     @property
@@ -157,10 +163,14 @@ def compile_spec(
         raise RobotError(problems)
     mujoco.mj_kinematics(model, drawn)
     check_load_body(robot, drawn, at)
-    motor, link = (
-        np.array(numbers_of(spec, [getattr(drive, part) for drive in robot.figures.drives], FRICTION)).T
-        for part in ("motor_friction", "link_friction")
-    )
+    elements = {
+        side: [getattr(drive, f"{side}_friction") for drive in robot.figures.drives] for side in ("motor", "link")
+    }
+    motor, link = (np.array(numbers_of(spec, names, FRICTION)).T for names in elements.values())
+
+    def shape(side: str, attribute: str) -> NDArray[np.float64]:
+        return np.array([float(attributes_of(spec, name).get(attribute, "0")) for name in elements[side]])
+
     return CompiledRobot(
         robot=robot,
         model=model,
@@ -169,9 +179,11 @@ def compile_spec(
         link_coulomb=link[0],
         motor_presliding=motor[1],
         link_presliding=link[1],
-        motor_rolling=np.array(
-            [rolling_of(attributes_of(spec, drive.motor_friction)) for drive in robot.figures.drives]
-        ),
+        motor_rolling=np.array([rolling_of(attributes_of(spec, name)) for name in elements["motor"]]),
+        motor_rise=shape("motor", "static_rise"),
+        link_rise=shape("link", "static_rise"),
+        motor_stribeck=shape("motor", "stribeck_velocity"),
+        link_stribeck=shape("link", "stribeck_velocity"),
         counterbalance=counterbalance_of(robot, spec, model, drawn, at),
     )
 

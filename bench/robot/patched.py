@@ -39,6 +39,10 @@ OF_FRICTION = {  # what a compiled robot has of its friction elements: side, and
     "motor_presliding": ("motor", "presliding_stiffness"),
     "link_presliding": ("link", "presliding_stiffness"),
     "motor_rolling": ("motor", "rolling"),
+    "motor_rise": ("motor", "static_rise"),
+    "link_rise": ("link", "static_rise"),
+    "motor_stribeck": ("motor", "stribeck_velocity"),
+    "link_stribeck": ("link", "stribeck_velocity"),
 }
 MOST_WAYS = 8  # first steps, for each of which the last robot's steps are remembered
 
@@ -255,7 +259,7 @@ class Structure:
         nominal = self._nominal
         if not overlay.configs:
             return nominal
-        found = {name: np.array(getattr(nominal, name)) for name in OF_FRICTION}
+        found: dict[str, Any] = {name: np.array(getattr(nominal, name)) for name in OF_FRICTION}
         for handle, config in overlay.configs.items():
             users = self.users.get(self.names["plugin"][handle.number], []) if self._is_own(handle) else []
             for index, actuator in enumerate(users):
@@ -264,14 +268,7 @@ class Structure:
                     for name, (of, attribute) in OF_FRICTION.items():
                         if of == side:
                             found[name][drive] = float(entry_of(config.get(attribute, "0"), index, len(users)))
-        return replace(
-            nominal,
-            motor_coulomb=found["motor_coulomb"],
-            link_coulomb=found["link_coulomb"],
-            motor_presliding=found["motor_presliding"],
-            link_presliding=found["link_presliding"],
-            motor_rolling=found["motor_rolling"],
-        )
+        return replace(nominal, **found)
 
     def _is_own(self, plugin: Handle) -> bool:
         return plugin.number < len(self.names["plugin"])

@@ -1,6 +1,8 @@
 """A campaign that lacks something is diagnosed as far as it goes, and the verdict says what was missing."""
 
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -8,9 +10,11 @@ from bench.diagnose.diagnose import diagnose
 from bench.diagnose.verdict import Verdict
 from bench.effects.catalogue import catalogue
 from bench.errors import InputError
+from bench.paths import models_dir
 from bench.record.campaign import Array, Campaign
 from bench.report.diagnosis.words import words_of
-from bench.robot.compiled import CompiledRobot
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import load_robot
 from tests.diagnose.sweeps import LOADS, SWEEPS, changed, made
 
 CHOICE = ("coulomb_level", "viscous_level", "gas_loss", "friction_temperature", "tracker_frame", "force_gain")
@@ -108,3 +112,30 @@ def test_nothing_to_go_by_is_an_error_that_says_what_to_log(
     effects = catalogue()
     with pytest.raises(InputError, match="log motor currents or torques"):
         diagnose(lacking(sweeps, *kinds), robot, {name: effects[name] for name in ("coulomb_level", "gas_loss")})
+
+
+@pytest.mark.parametrize("ramp", [0.1, 0.6])
+@pytest.mark.parametrize("is_stated", [True, False])
+def test_friction_of_slow_motion_is_not_to_be_seen_in_fast_one(is_stated: bool, ramp: float, tmp_path: Path) -> None:
+    """A rise at standstill does not show in sweeps that start and stop within a bin, and half of it in longer ramps.
+
+    Nor beside friction that was found: a stranger's gantry has none in its file, and a Stribeck effect that did not
+    show was not listed either.
+    """
+    folder = Path(shutil.copytree(models_dir() / "hh150", tmp_path / "hh150"))
+    mjcf = folder / "hh150.xml"
+    if not is_stated:
+        mjcf.write_text(mjcf.read_text().replace(" 309.2 309.2", " 0 309.2").replace(" 132.5 132.5", " 0 132.5"))
+    effects = {name: catalogue()[name] for name in ("coulomb_friction", "stribeck")}
+    campaign = made(SWEEPS.model_copy(update={"ramp_s": ramp}), seed=3)
+    verdict = diagnose(campaign, compile_robot(load_robot(folder)), effects).verdict
+    assert named(verdict) == ([] if is_stated else ["coulomb_friction"])
+    (spot,) = (one for one in verdict.blind if one.effect == "stribeck" and "joint 2" in one.places)
+    (line,) = (line for line in words_of(verdict) if "several slow steady speeds would show" in line)
+    if ramp < 0.2:
+        assert not spot.below
+        assert "Stribeck effect (joint" in line
+    else:
+        assert spot.unit == "rad/s"
+        assert 0.003 < spot.below[spot.places.index("joint 2")] < 0.05
+        assert "Stribeck effect (joint 2) of a speed below " in line

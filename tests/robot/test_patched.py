@@ -20,7 +20,7 @@ from bench.effects.unlisted import unlisted
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec
 from bench.robot.folder import Robot, load_robot
-from bench.robot.patched import Step, Structure, Unpatched
+from bench.robot.patched import OF_FRICTION, Step, Structure, Unpatched
 from bench.robot.plugins import configure
 from bench.simulate.bare import bare_spec
 from bench.simulate.payload import bolt_on
@@ -125,8 +125,7 @@ def assert_same(patched: CompiledRobot, compiled: CompiledRobot) -> None:
     for name, value in forces(patched.model).items():
         largest = float(np.max(np.abs(second[name]), initial=0.0))
         np.testing.assert_allclose(value, second[name], rtol=AGREEMENT, atol=10 * AGREEMENT * largest, err_msg=name)
-    levels = ("motor_coulomb", "link_coulomb", "motor_presliding", "link_presliding", "motor_rolling")
-    for name in (*levels, "stiffness", "play"):
+    for name in (*OF_FRICTION, "stiffness", "play"):
         np.testing.assert_allclose(getattr(patched, name), getattr(compiled, name), rtol=AGREEMENT, err_msg=name)
     for name in vars(compiled.at):
         np.testing.assert_array_equal(getattr(patched.at, name), getattr(compiled.at, name), err_msg=name)

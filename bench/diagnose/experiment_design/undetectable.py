@@ -4,15 +4,17 @@ Each such effect is simulated along the same motion, with every instrument that 
 many of its standard errors, it is named; where none would, other runs are needed.
 """
 
-from collections.abc import Iterable, Mapping, Sequence, Set
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.limits import detection_limits
+from bench.diagnose.linearise.limits import detection_limits, least_shape_seen
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.linearise.screening import Screening
+from bench.diagnose.linearise.marginal import Nuisances
+from bench.diagnose.linearise.screening import Screening, tried_of
+from bench.diagnose.name.naming import Naming
 from bench.diagnose.replay.noise import UNIFORM
 from bench.diagnose.replay.quantities import AXES, Quantity
 from bench.diagnose.replay.replay import Replay
@@ -44,12 +46,19 @@ class UndetectableEffect:
             empty: it takes other runs.
         taken_by: The data show what it would do, but fitted figures may be as far off and do the same: for each place
             the one that takes most of it; empty: the data do not show it.
+        below: Where a part of its shapes alone would have been seen, for each place from which value of its shape
+            parameter on; empty: it would not have been seen at all.
+        shape: Name of that parameter; "" where `below` is empty.
+        unit: Of that.
     """
 
     effect: str
     places: tuple[str, ...]
     shown_by: tuple[str, ...]
     taken_by: tuple[str, ...] = ()
+    below: tuple[float, ...] = ()
+    shape: str = ""
+    unit: str = ""
 
 
 def undetectable_effects(
@@ -61,6 +70,7 @@ def undetectable_effects(
     executor: Executor = SERIAL,
     found: Set[tuple[str, str]] = frozenset(),
     linear: LinearisedModel | None = None,
+    beside: World = NOMINAL,
 ) -> tuple[UndetectableEffect, ...]:
     """Return what a campaign cannot show.
 
@@ -68,23 +78,26 @@ def undetectable_effects(
         compiled: The nominal robot.
         segments: The campaign.
         quantities: That it has.
-        screening: Of everything, against the nominal model.
+        screening: Of everything, against the nominal model, or that of `beside`.
         causes: That were looked for.
         executor: Where to simulate.
         found: Effect and place of what was found: the nominal robot may hide an effect that stands out beside others.
         linear: The campaign, with the figures that are fitted; None: nobody asks which of them take an effect.
+        beside: What acts besides.
     """
     seen = _seen(screening, causes)
+    partly = tuple(_partly_seen(screening, [one for one in causes if one.key in seen and one.key not in found]))
     unseen = [cause for cause in causes if cause.key not in seen and cause.key not in found]
     more = _absent(compiled, quantities)
     if not unseen:
-        return ()
+        return partly
     shown: list[tuple[str, ...]] = [()] * len(unseen)
     if more:
         replay = Replay(compiled, segments, more)
-        sigma = _sigma(compiled, more, replay.predict(NOMINAL))
-        worlds = [World(acting=(cause.acting({s.name: s.null + s.high for s in cause.sizes}),)) for cause in unseen]
-        nominal = replay.predict(NOMINAL)
+        nominal = replay.predict(beside)
+        sigma = _sigma(compiled, more, nominal)
+        largest = [cause.acting({s.name: s.null + s.high for s in cause.sizes}) for cause in unseen]
+        worlds = [replace(beside, acting=(*beside.acting, acting)) for acting in largest]
         for i, predicted in enumerate(simulate_all(replay, worlds, executor)):
             if not isinstance(predicted, BenchError):
                 shown[i] = _clear(more, (predicted - nominal) / sigma)
@@ -92,7 +105,7 @@ def undetectable_effects(
     grouped: dict[tuple[str, tuple[str, ...], bool], list[Cause]] = {}
     for cause, by in zip(unseen, shown, strict=True):
         grouped.setdefault((cause.effect.name, by, cause.key in taken), []).append(cause)
-    return tuple(
+    wholly = (
         UndetectableEffect(
             effect,
             tuple(str(cause.place) for cause in mine),
@@ -101,6 +114,56 @@ def undetectable_effects(
         )
         for (effect, by, is_taken), mine in grouped.items()
     )
+    return (*wholly, *partly)
+
+
+def undetectable_beside(
+    compiled: CompiledRobot,
+    segments: tuple[Segment, ...],
+    quantities: tuple[Quantity, ...],
+    naming: Naming,
+    causes: Sequence[Cause],
+    beside: World,
+    executor: Executor = SERIAL,
+) -> tuple[UndetectableEffect, ...]:
+    """Return what a campaign cannot show of what has a place beside findings alone: friction that was found may rise.
+
+    Args:
+        compiled: The nominal robot.
+        segments: The campaign.
+        quantities: That it has.
+        naming: What was found.
+        causes: That were looked for on the nominal robot.
+        beside: The best model.
+        executor: Where to simulate.
+    """
+    known = {cause.key for cause in causes}
+    entries = [one for one in (naming.tried.entries if naming.tried else ()) if one.cause]
+    new = [one for one in entries if one.cause and one.cause.key not in known | naming.found]
+    if not new:
+        return ()
+    findings = [one for one in entries if one.cause and one.cause.key in naming.found]
+    background = [naming.linear.jacobian, *(one.what.columns * one.what.plausible for one in findings)]
+    tried = tried_of([one.what for one in new])
+    marginal = Nuisances(np.concatenate(background, axis=1)).products(naming.linear.white, tried.columns)
+    screening = Screening(marginal, tried.entries, naming.screening.threshold, tried)
+    every = tuple({one.cause.key: one.cause for one in new if one.cause}.values())
+    return undetectable_effects(
+        compiled, segments, quantities, screening, every, executor, naming.found, naming.linear, beside
+    )
+
+
+def _partly_seen(screening: Screening, causes: Iterable[Cause]) -> Iterator[UndetectableEffect]:
+    """Yield the causes of whose shapes the lower ones would not have been seen, where a known motion shows them."""
+    grouped: dict[tuple[str, str, str], list[tuple[Cause, float]]] = {}
+    for cause in causes:
+        if cause.effect.motion and len(cause.shapes) == 1:
+            (shape,), least = cause.shapes, least_shape_seen(screening, cause)
+            if shape.low < least < np.inf:
+                grouped.setdefault((cause.effect.name, shape.name, shape.unit), []).append((cause, least))
+    for (effect, name, unit), mine in grouped.items():
+        places, below = tuple(str(cause.place) for cause, _ in mine), tuple(least for _, least in mine)
+        yield UndetectableEffect(effect, places, (), below=below, shape=name, unit=unit)
 
 
 def _seen(screening: Screening, causes: Iterable[Cause], information: Array | None = None) -> set[tuple[str, str]]:

@@ -1,5 +1,6 @@
 """How large an effect must be to be found in a campaign: from the instruments, what may be off, and the threshold."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,9 +60,32 @@ def detection_limits(screening: Screening, information: Array | None = None) -> 
         screening: Of everything.
         information: Shape (q,), on the size of each column; None: that of the data, nuisances integrated out.
     """
+    sizes = {
+        (*entry.cause.key, size.name): (entry.cause, size)
+        for entry in screening.entries
+        if entry.cause
+        for size in entry.cause.sizes
+    }
+    found = {key: [limit for _, limit in limits] for key, limits in _limits_of_shapes(screening, information).items()}
+    return tuple(_over_shapes(key, limits, *sizes[key]) for key, limits in found.items() if np.isfinite(np.min(limits)))
+
+
+def least_shape_seen(screening: Screening, cause: Cause) -> float:
+    """Return the least value of the shape parameter of a cause that has one at which a plausible size would be found.
+
+    inf where it would at none, and the least that is plausible where it would at all.
+    """
+    (shape,), size = cause.shapes, cause.sizes[0]
+    limits = _limits_of_shapes(screening).get((*cause.key, size.name), [])
+    return min((values[shape.name] for values, limit in limits if limit <= size.high), default=float("inf"))
+
+
+def _limits_of_shapes(
+    screening: Screening, information: Array | None = None
+) -> dict[tuple[str, str, str], list[tuple[Mapping[str, float], float]]]:
+    """Return effect, place and size of everything that was tried -> each of its shapes with the limit for that."""
     known = screening.marginal.diagonal if information is None else information
-    found: dict[tuple[str, str, str], list[float]] = {}
-    sizes: dict[tuple[str, str, str], tuple[Cause, Parameter]] = {}
+    found: dict[tuple[str, str, str], list[tuple[Mapping[str, float], float]]] = {}
     for entry in screening.entries:
         what = entry.what
         if not isinstance(what, Candidate):
@@ -72,9 +96,8 @@ def detection_limits(screening: Screening, information: Array | None = None) -> 
                 for prior, share in entry.priors
             )
             limit = min(smallest) * abs(float(step))
-            found.setdefault((*what.cause.key, size.name), []).append(limit)
-            sizes[*what.cause.key, size.name] = what.cause, size
-    return tuple(_over_shapes(key, limits, *sizes[key]) for key, limits in found.items() if np.isfinite(np.min(limits)))
+            found.setdefault((*what.cause.key, size.name), []).append((what.shape, limit))
+    return found
 
 
 def _over_shapes(key: tuple[str, str, str], limits: list[float], cause: Cause, size: Parameter) -> DetectionLimit:

@@ -13,7 +13,7 @@ from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.linearise.screening import Screening
+from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.search import Alternative
@@ -59,6 +59,7 @@ class Naming:
         groups: Of each listed finding of the best model, what could stand in its place.
         promising: Causes that the last search found likely and that were not fitted.
         stopped: Why the search ended early; "" where it did not.
+        tried: Everything that was tried on the best model, as `linear` whitens it; None: there is none.
     """
 
     kind: Kind
@@ -70,6 +71,7 @@ class Naming:
     groups: tuple[AmbiguityGroup, ...] = ()
     promising: tuple[Cause, ...] = ()
     stopped: str = ""
+    tried: Tried | None = None
 
     @property
     def unlisted(self) -> Block | None:

@@ -128,6 +128,7 @@ class _Selection:
             groups=self._groups(ranked),
             promising=self.promising if stopped else (),
             stopped=stopped,
+            tried=None if is_null else self.tried,
         )
 
     def _groups(self, ranked: Sequence[Finding]) -> tuple[AmbiguityGroup, ...]:
@@ -200,7 +201,6 @@ class _Selection:
         found = alternatives_of(about.model, subsets.values())
         self.promising = tuple(cause for i in found[0].best.terms if (cause := about.cause(i)))
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
-
         known = self.best.fit if self.best.keys and not self.best.shape else None
         fitter = Fitter(self.linear, self.null, self.executor, known, settles=is_last, earlier=self.earlier)
         present = fitter.knows(self.best, about.candidate_of(about.present))

@@ -13,11 +13,14 @@ from collections.abc import Callable
 import numpy as np
 from scipy.ndimage import correlate1d
 
+from bench.diagnose.replay.noise import UNIFORM
 from bench.diagnose.replay.smooth_derivative import averaging_kernel, noise_gain
 from bench.record.campaign import Array
 from bench.record.moving import FEWEST_ROWS
 
 LEAST_WINDOW = FEWEST_ROWS
+FEWEST_STEPS = 8  # declared: different values, and different ways from sample to sample, by which steps are told
+WHOLE = 0.1  # rounding: of a step, by which multiples of it may be off in the last digits of a log
 WIDER = 1.2  # effort: ratio of neighbouring windows that are tried
 # effort: of the noise of a torque, that windows may add to it: in all a thirtieth more. With a half, an eighth, a
 # diagnosis of fine torque sensors predicted worse than least squares, whose low-pass adds less
@@ -29,9 +32,33 @@ BLOCK = 64  # effort: samples over which noise is averaged; the median block cou
 def angle_noise(angles: Array) -> Array:
     """Return the standard deviation of readings of motor angles, steps of the encoders included, shape (n,).
 
+    A joint that goes on by whole steps of its encoder from sample to sample shows no noise, and errs by as much as any
+    other wherever it speeds up.
+
     Args:
         angles: Shape (rows, n), equidistant samples.
     """
+    return np.maximum(_roughness(angles), [UNIFORM * step_of(column) for column in angles.T])
+
+
+def step_of(values: Array) -> float:
+    """Return of what the differences between values, shape (rows,), are multiples; 0 where of nothing.
+
+    At one constant speed samples lie evenly without any encoder, so that says nothing.
+    """
+    every = np.unique(values)
+    apart = np.diff(every)
+    apart = apart[apart > np.sqrt(np.finfo(float).eps) * np.ptp(values)]  # else one value, in another last digit
+    if len(apart) < FEWEST_STEPS:
+        return 0.0
+    step = float(np.min(apart))
+    steps = (every - every[0]) / step
+    is_stepped = np.all(np.abs(steps - np.rint(steps)) < WHOLE)
+    return step if is_stepped and len(np.unique(np.rint(np.diff(values) / step))) >= FEWEST_STEPS else 0.0
+
+
+def _roughness(angles: Array) -> Array:
+    """Return the standard deviation of readings by their sixth differences, shape (n,)."""
     rows = len(angles) - ORDER
     if rows < BLOCK:
         return np.zeros(angles.shape[1])

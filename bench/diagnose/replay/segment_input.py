@@ -62,6 +62,10 @@ class Path:
         """
         return np.stack([weights @ speed[rows] for rows, weights in map(self.as_torque, groups)])
 
+    def mean_of(self, values: Array) -> Array:
+        """Return values at every sample, shape (rows, ...), averaged as the torques that are read, shape (T, ...)."""
+        return np.asarray(self._averages[1] @ values)
+
     def inner(self, group: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the rows of a group whose accelerations make its own, each of which is an average itself.
 

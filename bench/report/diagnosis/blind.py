@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 
 from bench.diagnose.verdict import UndetectableEffect, Verdict
-from bench.report.diagnosis.names import effect_at, effect_name, listed, title_of
+from bench.report.diagnosis.names import effect_at, effect_name, listed, motion_of, title_of
+from bench.report.diagnosis.numbers import shown, unit_name
 
 INSTRUMENTS = {
     "current": "motor currents or torques (current_i_a, tau_motor_i_nm; of a slide tau_motor_i_n)",
@@ -40,12 +41,16 @@ def without_balance(verdict: Verdict) -> list[str]:
 
 def blind_sentences(verdict: Verdict) -> Iterator[str]:
     """Yield what this campaign could not have shown even at the largest plausible size, and what would have."""
-    unseen = [spot for spot in verdict.blind if not spot.taken_by]
+    unseen = [spot for spot in verdict.blind if not (spot.taken_by or _is_shown_by_motion(spot))]
     for kind in dict.fromkeys(kind for spot in unseen for kind in spot.shown_by):
         shown = [spot for spot in unseen if kind in spot.shown_by]
         yield f"Not to be seen here; these runs with {_instruments((kind,))} would show: {_named(shown)}."
     if other := [spot for spot in unseen if not spot.shown_by]:
         yield f"Not to be seen here; other joints, speeds, loads or hours may show: {_named(other)}."
+    slow = [spot for spot in verdict.blind if _is_shown_by_motion(spot)]
+    for motion in dict.fromkeys(motion_of(spot.effect) for spot in slow):
+        there = [spot for spot in slow if motion_of(spot.effect) == motion]
+        yield f"Not to be seen here; {motion} would show: {', '.join(map(_of_shapes, there))}."
     taken = [spot for spot in verdict.blind if spot.taken_by]
     if taken:
         figures = sorted({title_of(name)[0] for spot in taken for name in spot.taken_by})
@@ -56,6 +61,22 @@ def blind_sentences(verdict: Verdict) -> Iterator[str]:
     for kind in dict.fromkeys(kind for spot in taken for kind in spot.shown_by):
         told = [spot for spot in taken if kind in spot.shown_by]
         yield f"These runs with {_instruments((kind,))} would show more of: {_named(told)}."
+
+
+def _is_shown_by_motion(spot: UndetectableEffect) -> bool:
+    return bool(motion_of(spot.effect)) and not (spot.taken_by or spot.shown_by)
+
+
+def _of_shapes(spot: UndetectableEffect) -> str:
+    """Return "Stribeck effect (joint 2)", or "Stribeck effect (joint 1) of a speed below 0.02 m/s"."""
+    if not spot.below:
+        return effect_at(spot.effect, list(spot.places))
+    said = []
+    for place, value in zip(spot.places, spot.below, strict=True):
+        (number,) = shown((value,), spot.unit, value / 10)
+        below = f"of a {spot.shape.replace('_', ' ')} below {number} {unit_name(spot.unit)}"
+        said.append(f"{effect_at(spot.effect, [place])} {below}")
+    return ", ".join(said)
 
 
 def _instruments(kinds: tuple[str, ...]) -> str:

@@ -76,6 +76,12 @@ def effect_name(effect: str) -> str:
     return _titles().get(effect, effect.replace("_", " "))
 
 
+def motion_of(effect: str) -> str:
+    """Return which motion shows an effect where a campaign does not; "" where that depends, or of one of their own."""
+    known = catalogue()
+    return known[effect].motion if effect in known else ""
+
+
 @cache
 def _titles() -> dict[str, str]:
     return {name: effect.title for name, effect in catalogue().items()}

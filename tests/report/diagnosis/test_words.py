@@ -162,6 +162,16 @@ def test_nothing_found_says_what_would_have_been() -> None:
     assert "Not detectable at a plausible size: Stribeck effect (joints 1, 2): rise of some shapes." in words_of(blind)
 
 
+def test_slow_motion_that_would_show_an_effect_is_said() -> None:
+    slow = UndetectableEffect("stribeck", ("joint 1",), (), below=(0.019,), shape="speed", unit="m/s")
+    blind = (UndetectableEffect("stribeck", ("joint 2", "joint 3"), ()), slow)
+    (line,) = (one for one in words_of(replace(VERDICTS["nothing"], blind=blind)) if "Not to be seen" in one)
+    assert line == (
+        "Not to be seen here; sweeps of these joints at several slow steady speeds would show: Stribeck effect "
+        "(joints 2, 3), Stribeck effect (joint 1) of a speed below 0.0190 m/s."
+    )
+
+
 def test_a_remainder_without_a_shape_is_said() -> None:
     lines = list(words_of(VERDICTS["a remainder"]))
     assert not any("unlisted" in line for line in lines)
