@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import bench.diagnose.replay.replay as replay_module
+import bench.diagnose.replay.motion_replay as replay_module
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -31,9 +31,9 @@ def test_a_rise_at_standstill_that_bins_pass_over_is_averaged(monkeypatch: pytes
     (segment,) = segments
     effect = catalogue()["stribeck"]
     world = World(acting=(Acting(effect, effect.places(compiled)[JOINT], {"rise": RISE, "speed": FALLS}),))
-    replay = Replay(compiled, segments, (current,))
 
     def change() -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+        replay = Replay(compiled, segments, (current,))
         return np.asarray(replay.predict(world) - replay.predict(NOMINAL))[:, 0]
 
     assert segment.path
