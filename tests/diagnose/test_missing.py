@@ -114,7 +114,7 @@ def test_nothing_to_go_by_is_an_error_that_says_what_to_log(
         diagnose(lacking(sweeps, *kinds), robot, {name: effects[name] for name in ("coulomb_level", "gas_loss")})
 
 
-@pytest.mark.parametrize("ramp", [0.1, 0.6])
+@pytest.mark.parametrize("ramp", [0.1, 1.0])
 @pytest.mark.parametrize("is_stated", [True, False])
 def test_friction_of_slow_motion_is_not_to_be_seen_in_fast_one(is_stated: bool, ramp: float, tmp_path: Path) -> None:
     """A rise at standstill does not show in sweeps that start and stop within a bin, and half of it in longer ramps.
@@ -137,5 +137,5 @@ def test_friction_of_slow_motion_is_not_to_be_seen_in_fast_one(is_stated: bool, 
         assert "Stribeck effect (joint" in line
     else:
         assert spot.unit == "rad/s"
-        assert 0.003 < spot.below[spot.places.index("joint 2")] < 0.05
+        assert 0.003 < spot.below[spot.places.index("joint 2")] <= 0.1  # what is plausible
         assert "Stribeck effect (joint 2) of a speed below " in line
