@@ -47,7 +47,8 @@ def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> Compil
     What drifts from day to day multiplies what the nominal model gets wrong: a torque constant that is another one by
     2 % moves the part of the current that a wrong inertia left over by 2 %, too. Linear about the nominal robot that is
     left out, and was named as a change of inertia. Where figures alone do not fit, friction, a payload and a delay that
-    nobody stated are fitted with them, if that is likelier: else torque constants would stand for all friction.
+    nobody stated are fitted with them, and the gas that a model leaves out, if that is likelier: else torque constants
+    would stand for all friction, and links for the gas.
 
     Args:
         before: Recordings of the machine as it was.

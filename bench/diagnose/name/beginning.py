@@ -16,7 +16,7 @@ from bench.executor.contract import Executor
 def with_what_drawings_leave_out(
     linear: LinearisedModel, screening: Screening, nominal: Model, executor: Executor
 ) -> Model:
-    """Return the model with the friction, the payload and the delay that nobody stated, where that is the likelier one.
+    """Return the model with all that nobody stated (`LEFT_OUT`), where that is the likelier one.
 
     About a model without any friction nothing else is linear, and one finding after the other is a round each. What is
     not needed of it the search takes back. Where a fit begins decides which optimum it ends in, for a first moment
