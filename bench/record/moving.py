@@ -2,4 +2,6 @@
 
 # assumed: [rad] or [m]; a motor that goes less far in a run only gives under load: its friction does not slide
 TRAVELS = 0.005
+# assumed: of a joint's top speed in a run; below it friction is as it happens to be about starts, stops and turns
+TURNING = 0.08
 FEWEST_ROWS = 5  # exact: of a motion, from which a speed and an acceleration are told; a shorter one is left out

@@ -17,7 +17,7 @@ from bench.diagnose.replay.turning import STANDS, between_levels, presliding_tra
 from bench.diagnose.replay.uneven_derivative import derivative_over, is_even
 from bench.identify.arm import Arm
 from bench.record.campaign import Array, Run
-from bench.record.moving import TRAVELS
+from bench.record.moving import TRAVELS, TURNING
 from bench.robot.compiled import CompiledRobot
 from bench.robot.links import rigid_bodies
 from bench.robot.mass_matrix import link_mass_matrix
@@ -84,7 +84,7 @@ def stretches_of(
     groups = np.split(np.arange(len(run)), edges[1:])
     top = np.max(np.abs(velocity), axis=0)
     moves = (top > STANDS) & (np.ptp(angles, axis=0) > TRAVELS)
-    between = between_levels(angles, time, window, presliding_travel(compiled))
+    between = between_levels(angles, time, window, presliding_travel(compiled)) | (np.abs(velocity) < TURNING * top)
     slides = np.stack([~np.any(between[group], axis=0) for group in groups])
     useful = np.any(moves & slides, axis=1) | ~np.any(moves)  # some joint slides on
     if not np.any(useful):

@@ -18,13 +18,12 @@ from bench.identify.dynamics.band import Band
 from bench.identify.dynamics.regressor import link_regressor, payload_columns
 from bench.identify.dynamics.samples import MotionSamples
 from bench.record.campaign import Array
-from bench.record.moving import TRAVELS
+from bench.record.moving import TRAVELS, TURNING
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.nominal_dynamics import NominalDynamics
 
 DRIVE_COLUMNS = ("rotor", "coulomb", "viscous", "viscous_difference", "offset")
 GAS_SHAPE = ("critical_length", "dead_centre", "rho", "b")  # of `Counterbalance`
-TURNING = 0.08  # assumed: of a joint's top speed; below it, it starts, stops or turns round
 # assumed: share of what a thinned sample is made of in which a joint has to move; half blurs the turns in
 MOSTLY = 0.8
 

@@ -23,11 +23,12 @@ from scipy.optimize import lsq_linear
 
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band, band_of
-from bench.identify.dynamics.equations import TURNING, known_torque
+from bench.identify.dynamics.equations import known_torque
 from bench.identify.dynamics.regressor import N_INERTIAL, NOT_NEGATIVE, link_regressor
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
 from bench.identify.turned_angles import NINETY_NINE, ROUNDING
 from bench.record.campaign import Array, Campaign
+from bench.record.moving import TURNING
 from bench.robot.nominal_dynamics import NominalDynamics
 
 MOST_INSTANTS = 1500  # effort: many times the number of base parameters of six axes

@@ -54,6 +54,19 @@ def a_motor_that_gives_does_not_move_and_half_a_degree_is_a_motion() -> None:
     assert np.any(goes.motion.velocity[:, JOINT])
 
 
+@needs("record.moving.TURNING")
+def what_creeps_is_not_read_and_what_goes_slowly_is() -> None:
+    # Between its levels friction may be anywhere: at a fourteenth of the top speed, but not at a tenth.
+
+    def read(share: float) -> int:
+        slow = (TIME > 5) & (TIME < 7)
+        begins = beginnings(at_speed(np.where(slow, share * SPEED, SPEED)))
+        return int(np.count_nonzero((begins > 5.3) & (begins < 6.7)))
+
+    assert read(0.07) == 0
+    assert read(0.1) > 5
+
+
 @needs("replay.motion_segments.STIFF_WINDOW")
 def accelerations_of_a_stiff_arm_follow_five_oscillations_a_second_and_are_known_beside_noise() -> None:
     drive = compile_robot(load_robot("emps"))  # its lowest mode is at 200 Hz
