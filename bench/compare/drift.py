@@ -40,8 +40,8 @@ def drifts_of(background: Background, found: Found) -> tuple[Drift, ...]:
     own = [background.acting(one.entry.columns, one.profile.weights) * one.prior for one in found.best]
     columns = np.concatenate([np.empty((len(background.white), 0)), *own], axis=1)
     products = known.products(background.white, columns)
-    sizes, covariance = products.sizes(np.arange(columns.shape[1]), np.ones(columns.shape[1]))
-    mean = seen_by.T @ (background.white - columns @ sizes)
+    covariance = np.linalg.inv(products.information + np.eye(columns.shape[1]))
+    mean = seen_by.T @ (background.white - columns @ (covariance @ products.scores))
     pull = columns.T @ seen_by
     sigma = np.sqrt(np.sum(weights * spread, axis=0) + np.sum(pull * (covariance @ pull), axis=0))
     prior = np.sqrt(np.sum(weights**2, axis=0))
