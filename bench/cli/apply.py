@@ -37,13 +37,12 @@ class Apply:
         from bench.report.handover.feed_forward import feed_forward, read_motion
         from bench.report.handover.motion_faults import gaps
         from bench.report.joint_campaign import UNFINISHED
-        from bench.report.prediction.model import model_folder
+        from bench.report.prediction.model import load_model
         from bench.robot.figures import MOST_RATINGS
-        from bench.robot.folder import load_robot
 
         if not (isfinite(self.payload_kg) and self.payload_kg >= 0):
             raise InputError(f"--payload-kg {self.payload_kg:g}: must be a mass of 0 or more.")
-        robot = load_robot(model_folder(self.robot))
+        robot = load_model(self.robot)
         rated = robot.figures.rating.force_n / STANDARD_GRAVITY
         if self.payload_kg > min(MOST_RATINGS * rated, MAX_MASS):
             raise InputError(

@@ -28,8 +28,8 @@ class Compare:
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Folder to write compare.json and report.html into; must not exist yet. By default nothing is written."""
     robot: str = ""
-    """Robot to take, name or folder, such as the one that a diagnosis of BEFORE handed over; by default the campaigns
-    name it."""
+    """Robot to take, name or folder; the folder of a diagnosis, such as one of BEFORE, stands for the robot that it
+    handed over. By default the campaigns name it."""
     file: tuple[Path, ...] = ()
     """Python files with effects of your own (bench/effects/README.md)."""
     despite_doubts: bool = False
@@ -58,13 +58,15 @@ class Compare:
         from bench.report.comparison.recordings import open_compared
         from bench.report.comparison.words import words_of
         from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
+        from bench.report.prediction.model import load_model
         from bench.store.place import open_store
 
         if not self.after:
             raise InputError("give the campaign of the machine as it was, and at least one made later.")
+        robot = load_model(self.robot) if self.robot else None
         known = catalogue()
         effects = catalogue(self.file)
-        opened = open_compared((self.before, *self.after), self.robot)
+        opened = open_compared((self.before, *self.after), robot)
         heed(opened.warnings, opened.doubts, despite_doubts=self.despite_doubts)
         compiled = opened.robots[0]
         try_out([effect for name, effect in effects.items() if name not in known], compiled)

@@ -82,11 +82,11 @@ class Predict:
         from bench.cli.doubts import heed
         from bench.report.campaigns import robot_of
         from bench.report.joint_campaign import open_joint
-        from bench.report.prediction.model import model_folder
+        from bench.report.prediction.model import load_model
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
 
-        joint = open_joint(self.campaign, load_robot(model_folder(self.model)))
+        joint = open_joint(self.campaign, load_model(self.model))
         heed(joint.warnings, joint.doubts, despite_doubts=self.despite_doubts)
         stated = joint.campaign.robot
         nominal = load_robot(self.nominal) if self.nominal else robot_of(self.campaign[0], stated)

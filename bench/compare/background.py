@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from bench.compare.coincidence import cells_of, is_one_program
 from bench.compare.joint import Joint
-from bench.compare.levels import by_level
+from bench.compare.levels import Slopes, by_level
 from bench.compare.noise import Repeatability, repeatability_of
 from bench.compare.shared import SharedWhitening, shared_whitening, undo_segments
 from bench.diagnose.linearise.candidates import Candidate
@@ -40,7 +40,7 @@ class Background:
         discrepancy: Shape (m, d), what they change where they stayed, whitened instant by instant: the same array
             without a large change.
         discrepancy_prior: Shape (d,), standard deviations of these sizes.
-        slopes: Shape (m, p), of what may be off, the machine's and each recording's, whitened instant by instant.
+        slopes: Of what may be off, the machine's and each recording's, whitened instant by instant.
         whitening: In which what repeats is no news.
         nuisances: What may be off, the machine's and each recording's, and the discrepancy.
         repeatability: How well readings repeat.
@@ -55,7 +55,7 @@ class Background:
     prior: Array
     discrepancy: Array
     discrepancy_prior: Array
-    slopes: Array
+    slopes: Slopes
     whitening: SharedWhitening
     nuisances: Nuisances
     repeatability: Repeatability
@@ -100,7 +100,7 @@ def _first(joint: Joint, cells: NDArray[np.intp]) -> Background:
     known = Repeatability.of_instruments(len(joint.linear.quantities))
     linear, of_row = joint.linear, joint.of_row
     discrepancy = _tried(joint.discrepancy())
-    slopes = by_level(linear.jacobian, linear.nuisances, of_row, linear.scatter.new)
+    slopes = by_level(linear.jacobian, linear.nuisances, of_row, linear.scatter.new).matrix
     left = np.empty(len(linear.white))
     for k in range(len(joint.recordings)):
         rows = of_row == k
@@ -141,8 +141,9 @@ def _left(background: Background, changes: Array) -> Array:
     found, k = known.products(background.white, white), white.shape[1]
     sizes = np.linalg.solve(found.information + np.eye(k), found.scores)
     rest = known.most_probable(background.white - white @ sizes)
-    p = background.slopes.shape[1]
-    explained = background.slopes @ rest[:p] + background.discrepancy @ (background.discrepancy_prior * rest[p:])
+    slopes = background.slopes.matrix
+    p = slopes.shape[1]
+    explained = slopes @ rest[:p] + background.discrepancy @ (background.discrepancy_prior * rest[p:])
     return np.asarray(background.plain - explained - changes @ sizes, dtype=np.float64)
 
 
@@ -168,11 +169,11 @@ def _assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.int
     columns, plain = tried.columns.matrix, linear.white[:, None].copy()
     stayed = _tried(joint.discrepancy()) if joint.large else tried
     discrepancy = stayed.columns.matrix
-    for values in (slopes, columns, plain, *([discrepancy] if discrepancy is not columns else [])):
+    for values in (slopes.matrix, columns, plain, *([discrepancy] if discrepancy is not columns else [])):
         undo_segments(linear, values)
-    p = slopes.shape[1]
-    every = np.empty((len(slopes), p + discrepancy.shape[1]))  # of hundreds of megabytes each: few copies
-    every[:, :p] = slopes
+    m, p = slopes.matrix.shape
+    every = np.empty((m, p + discrepancy.shape[1]))  # of hundreds of megabytes each: few copies
+    every[:, :p] = slopes.matrix
     np.multiply(discrepancy, stayed.prior, out=every[:, p:])
     every, white = whitening.of_instants(every), whitening.of_instants(plain)[:, 0]
     return Background(

@@ -9,6 +9,7 @@ from threadpoolctl import threadpool_limits
 from bench.compare.background import Background, background_of
 from bench.compare.comparison import ChannelNoise, Compared, Comparison, UnlistedChange
 from bench.compare.components import components_of
+from bench.compare.drift import drifts_of
 from bench.compare.explain import explanations_of, findings_of
 from bench.compare.fit_large import found_large
 from bench.compare.joint import Joint, joint_of
@@ -113,6 +114,7 @@ def comparison_of(background: Background, found: Found, rate: float) -> Comparis
         unlisted=_unlisted(background, found),
         components=components_of(background, found, sum(not one.is_after for one in background.joint.recordings)),
         noise=_noise(background),
+        drifts=drifts_of(background, found),
         left_out=background.joint.left_out,
     )
 

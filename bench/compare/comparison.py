@@ -155,6 +155,23 @@ class Component:
 
 
 @dataclass(frozen=True)
+class Drift:
+    """By how much a figure of the machine differs from before that drifts from day to day, which is no change.
+
+    Attributes:
+        name: Of the figure, with its place.
+        unit: "" for a share of what the robot has.
+        values: One for each recording after, against the mean of those before.
+        expected: Standard deviation with which it was expected to differ.
+    """
+
+    name: str
+    unit: str
+    values: tuple[Interval, ...]
+    expected: float
+
+
+@dataclass(frozen=True)
 class Compared:
     """One recording that was compared.
 
@@ -208,6 +225,7 @@ class Comparison:
         unlisted: What changed and is not listed.
         components: Every parameter of every cause of the machine.
         noise: How well channels repeat.
+        drifts: What drifted from day to day, where the recordings tell it, beside the likeliest explanation.
         left_out: Columns that were read before or after alone, and say nothing of a change.
     """
 
@@ -220,6 +238,7 @@ class Comparison:
     unlisted: UnlistedChange | None
     components: tuple[Component, ...]
     noise: tuple[ChannelNoise, ...]
+    drifts: tuple[Drift, ...] = ()
     left_out: tuple[str, ...] = ()
 
     @property

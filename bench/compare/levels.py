@@ -6,6 +6,7 @@ reads is anew. Torque constants and viscous friction are the machine's and drift
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,23 @@ from numpy.typing import NDArray
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.record.campaign import Array
 
+EVERY = -1  # in place of a recording: all of them
 GAIN = "torque constant of "  # of a motor, with the amplifier beside it: the machine's, though readings show it
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """What may be off, the machine's and each recording's; m whitened readings.
+
+    Attributes:
+        matrix: Shape (m, p), of one standard deviation of each.
+        nuisance: Shape (p,), index of the nuisance that each column is of.
+        recording: Shape (p,), index of the recording in which it acts, or `EVERY`.
+    """
+
+    matrix: Array
+    nuisance: NDArray[np.intp]
+    recording: NDArray[np.intp]
 
 
 def is_of_machine(nuisance: Nuisance) -> bool:
@@ -21,7 +38,7 @@ def is_of_machine(nuisance: Nuisance) -> bool:
     return nuisance.edit is not None or nuisance.name.startswith(GAIN)
 
 
-def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[np.intp], held: float) -> Array:
+def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[np.intp], held: float) -> Slopes:
     """Return the slopes with one column for each of the machine's nuisances, and one per recording for the others.
 
     What drifts has both, and so has what acts to first order alone: how much of its friction a joint holds at rest, and
@@ -39,7 +56,12 @@ def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[
     share = np.where(machine, drifting, np.where(rests, held, 1.0))
     lasting = np.array([nuisance.lasting / nuisance.sigma for nuisance in nuisances])
     anew = jacobian[:, share > 0] * share[share > 0]
-    own = [anew * (recording == k)[:, None] for k in np.unique(recording)]
+    present = np.unique(recording)
+    own = [anew * (recording == k)[:, None] for k in present]
     kept = [jacobian[:, machine] * lasting[machine], np.sqrt(1 - held**2) * jacobian[:, rests]]
     every = np.concatenate([*kept, *own], axis=1)
-    return np.asarray(every[:, np.any(every != 0, axis=0)], dtype=np.float64)
+    stays, varies = [*np.flatnonzero(machine), *np.flatnonzero(rests)], np.flatnonzero(share > 0)
+    nuisance = np.array([*stays, *np.tile(varies, len(present))], dtype=np.intp)
+    where = np.array([*[EVERY] * len(stays), *np.repeat(present, len(varies))], dtype=np.intp)
+    seen = np.any(every != 0, axis=0)
+    return Slopes(np.asarray(every[:, seen], dtype=np.float64), nuisance[seen], where[seen])

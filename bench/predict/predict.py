@@ -82,12 +82,14 @@ def _recording(
     there = measured(stated)
     noise = np.sqrt(floor_variance(stated))
     nominal_error = np.where(there, _left_by(nominal, stated), np.nan)
-    linear, world, left, freed = stated, NOMINAL, stated.residual, tuple[FreedFigure, ...]()
+    linear, world, left = stated, NOMINAL, stated.residual
+    freed, untold = tuple[FreedFigure, ...](), tuple[str, ...]()
     if free:
         anew, has = freed_beside_the_day(stated, free), known_of(model)
         linear, world, left = anew.linear, anew.world, anew.residual
         rows = anew.figures(model_errors(stated, posterior) if posterior else None)
         freed = tuple(beside_model(figure, in_all, has) for figure, in_all in rows if figure.is_told)
+        untold = tuple(figure.name for figure, _ in rows if not figure.is_told)
     error = np.where(there, left, np.nan)
     channels = channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free))
     starts = {run.name: run.start_s for run in recording.runs}
@@ -100,6 +102,7 @@ def _recording(
         noise=noise,
         freed=freed,
         is_exact=posterior is None,
+        untold=untold,
         maybe_anew=tuple(_maybe_anew(stated, free, channels)),
         channels=channels,
         stretches=worst_stretches(linear, error, noise, starts),

@@ -110,9 +110,10 @@ class PredictedRecording:
         error: Shape (T, c), measured less predicted; nan where not measured.
         nominal_error: Shape (T, c), measured less what the nominal robot predicts.
         noise: Shape (T, c), standard deviation of what no model can predict; nan where not measured.
-        freed: What was fitted anew, as differences from what the model has, with intervals.
+        freed: What was fitted anew and is told, as differences from what the model has, with intervals.
         is_exact: Whether these intervals take all other figures of the model as exact; else they count how well its
             diagnosis knew them.
+        untold: Names of what was fitted anew and the recording does not tell: that it stayed is not said.
         maybe_anew: What else is worth freeing, the likeliest first; several may have one cause.
         channels: Every channel with a reading.
         starts: Name of each run -> when it began, on the clock of the recording [s].
@@ -127,6 +128,7 @@ class PredictedRecording:
     noise: Array
     freed: tuple[FreedFigure, ...]
     is_exact: bool
+    untold: tuple[str, ...]
     maybe_anew: tuple[MaybeAnew, ...]
     channels: tuple[ChannelError, ...]
     stretches: tuple[Stretch, ...]

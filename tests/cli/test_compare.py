@@ -1,11 +1,13 @@
 """`bench compare`: exit codes, files, and what cannot be compared."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from bench import paths
 from bench.cli import main
 from bench.cli.compare import CHANGED
 from bench.record.known import Known
@@ -59,10 +61,23 @@ def test_what_is_not_used_is_said(campaigns: Path, tmp_path: Path, capsys: pytes
         (["may", "june", "june"], 2, "given twice"),
         (["may", "may"], 2, "given twice"),
         (["may", "august"], 3, "august"),
+        (["august", "june", "--robot", "nobody"], 4, "unknown robot 'nobody'"),  # before a campaign is read
+        (["august", "june", "--robot", "n" * 300], 4, "unknown robot 'nnn"),
     ],
 )
 def test_what_cannot_be_compared_is_said(
     names: list[str], code: int, words: str, campaigns: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["compare", *(str(campaigns / name) for name in names)]) == code
+    months = ("may", "june", "august")
+    assert main(["compare", *(str(campaigns / name) if name in months else name for name in names)]) == code
     assert words in capsys.readouterr().err
+
+
+def test_the_folder_of_a_diagnosis_stands_for_the_robot_that_it_handed_over(
+    campaigns: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(paths.models_dir() / "hh150", tmp_path / "found" / "robot")
+    folders = [str(campaigns / name) for name in ("may", "june")]
+    arguments = [*folders, "--robot", str(tmp_path / "found"), "--no-store", "--cores", "1"]
+    assert main(["compare", *arguments]) == 0
+    assert capsys.readouterr().out.startswith("Nothing changed")

@@ -94,7 +94,7 @@ def test_what_is_set_up_anew_is_anew_in_each_recording() -> None:
     machine = sum(is_of_machine(one) for one in linear.nuisances)
     rests = sum(not one.is_simulated for one in linear.nuisances)
     assert any(one.name.startswith("tracker frame") and not is_of_machine(one) for one in linear.nuisances)
-    slopes = by_level(linear.jacobian, linear.nuisances, own.of_row, 0.5)
+    slopes = by_level(linear.jacobian, linear.nuisances, own.of_row, 0.5).matrix
     drifting = sum(is_of_machine(one) and one.own > 0 for one in linear.nuisances)
     assert drifting > 0
     most = machine + rests + 2 * (len(linear.nuisances) - machine + drifting)
@@ -106,7 +106,7 @@ def test_what_is_set_up_anew_is_anew_in_each_recording() -> None:
     whole = np.array([1 + (one.own / one.sigma) ** 2 if one.edit else 1.0 for one in linear.nuisances])
     held = np.array([not one.is_simulated for one in linear.nuisances])
     for share in (0.0, 0.3, 1.0):
-        variance = np.sum(by_level(linear.jacobian, linear.nuisances, own.of_row, share) ** 2, axis=1)
+        variance = np.sum(by_level(linear.jacobian, linear.nuisances, own.of_row, share).matrix ** 2, axis=1)
         np.testing.assert_allclose(variance, linear.jacobian**2 @ whole, rtol=1e-9, err_msg=str(share))
     assert np.any(held)
 

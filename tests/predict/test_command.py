@@ -94,6 +94,7 @@ def test_files_hold_what_was_computed(
             else:
                 assert entry[key] == value
     assert [entry["name"] for entry in found["freed"]] == [figure.name for figure in recording.freed]
+    assert found["not_told"] == list(recording.untold)
     page = (out / REPORT).read_text()
     for row in rows_of(recording):
         assert f'<td class="n"><b>{row.rms}</b></td>' in page

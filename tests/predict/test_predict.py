@@ -10,6 +10,7 @@ from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL
 from bench.errors import InputError
+from bench.predict.another_payload import AnotherPayload
 from bench.predict.fit_anew import freed_beside_the_day
 from bench.predict.free import FREE, checked
 from bench.predict.freed import known_of
@@ -18,6 +19,7 @@ from bench.predict.prediction import PredictedRecording
 from bench.record.campaign import Campaign
 from bench.record.joined import joined
 from bench.report.handover.robot_folder import hand_over
+from bench.report.prediction.sentences import untold_sentence
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.fitted import Fitted, FittedReadings
 from bench.robot.folder import load_robot
@@ -211,6 +213,21 @@ def test_nothing_about_a_recording_depends_on_the_others(campaign: Campaign, nom
         alone = only(own, nominal, nominal, "encoder_zero")
         np.testing.assert_array_equal(recording.error, alone.error)
         assert recording.channels == alone.channels
+
+
+def test_what_is_free_and_not_told_is_named(campaign: Campaign, nominal: CompiledRobot) -> None:
+    """Two hinges turn a payload: it was silent on what that leaves open, as if it had stayed."""
+    found = only(campaign, nominal, nominal, "payload")
+    told, untold = ({name.partition(": ")[2] for name in names} for names in (_names(found), found.untold))
+    assert untold
+    assert not told & untold
+    assert told | untold == {p.name.replace("_", " ") for p in AnotherPayload.parameters}
+    assert untold_sentence(found).startswith("Not told by this recording: change of the payload: ")
+    assert untold_sentence(only(campaign, nominal, nominal)) == ""
+
+
+def _names(found: PredictedRecording) -> list[str]:
+    return [figure.name for figure in found.freed]
 
 
 def test_unknown_names_list_the_known_ones() -> None:

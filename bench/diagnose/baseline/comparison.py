@@ -53,9 +53,14 @@ class DriveErrors:
     is_missed: bool
 
     @property
+    def better(self) -> str:
+        """Name of the better of the two least squares, from `LEAST_SQUARES`."""
+        return min(LEAST_SQUARES, key=lambda name: float(getattr(self, name)))
+
+    @property
     def least_squares(self) -> float:
         """What the better of the two least squares leaves."""
-        return min(self.plain_least_squares, self.first_pass)
+        return float(getattr(self, self.better))
 
 
 @dataclass(frozen=True)

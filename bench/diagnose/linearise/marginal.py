@@ -196,6 +196,10 @@ class Nuisances:
         """Return the most probable sizes of all nuisances, shape (p,), for whitened residuals of shape (m,)."""
         return np.asarray(cho_solve((self._factor, True), self.jacobian.T @ white), dtype=np.float64)
 
+    def covariance_with(self, weights: Array) -> Array:
+        """Return the covariance of the sizes of all nuisances with weighted sums of them, shape (p, n) as weights."""
+        return np.asarray(cho_solve((self._factor, True), weights), dtype=np.float64)
+
     def regression(self, known: Array, columns: Array) -> Array:
         """Return the coefficients of columns, shape (m, k), on known ones, shape (m, n): shape (n, k)."""
         reduced = [solve_triangular(self._factor, self.jacobian.T @ some, lower=True) for some in (known, columns)]

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,6 +122,27 @@ def _payloads(replay: Replay, nominal: Array) -> list[Array]:
             lever = mass.typical * rated_lever(replay.compiled)
             at += [(place, {mass.name: mass.typical, moment: way * lever}) for way in (1, -1)]
     return _added(replay, nominal, effect, at)
+
+
+def payload_products(replay: Replay) -> Array:
+    """Return what payloads beside two axes at once add to each drive's torque, shape (T, n, e) [Nm].
+
+    With `missing` they make a payload with any mass, centre and moments of inertia, products of inertia too. Of a robot
+    whose figures leave no payload unstated there are none.
+    """
+    effect, compiled = UnstatedPayload(), replay.compiled
+    at: list[tuple[Place, Values]] = []
+    for place in effect.places(compiled) if compiled.robot.figures.uncertainty.payload_kg else ():
+        mass, *others = effect.parameters_at(compiled, place)
+        lever = mass.typical * rated_lever(compiled)
+        pairs = combinations([p.name for p in others if p.quotient], 2)
+        at += [(place, {mass.name: mass.typical, one: lever, other: lever}) for one, other in pairs]
+    added = _added(replay, replay.predict(NOMINAL), effect, at) if at else []
+    found = np.zeros((len(replay.observed), compiled.n_joints, len(added)))
+    for c, quantity in enumerate(replay.quantities):
+        for k, change in enumerate(added):
+            found[:, quantity.index, k] = _in_nm(quantity, compiled) * change[:, c]
+    return found
 
 
 def _gas(replay: Replay, nominal: Array) -> list[Array]:

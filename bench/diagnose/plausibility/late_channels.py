@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from bench.diagnose.plausibility.drive_picture import DrivePicture
+from bench.diagnose.plausibility.drive_picture import DrivePicture, payload_products
 from bench.diagnose.plausibility.first_look import LEAST, TOLD, Factor, inflation
 from bench.diagnose.plausibility.rates import rates_of
 from bench.diagnose.replay.instants import at_each_instant
@@ -109,19 +109,26 @@ def late_gauges(replay: Replay) -> Iterator[Late]:
 
 
 def late_drives(replay: Replay, picture: DrivePicture, at_rest: Array) -> Iterator[Late]:
-    """Yield by how much each drive's channel is late.
+    """Yield by how much each drive's channel is late, beside what a payload and an inertia may make of its torque.
+
+    Viscous friction that is read late is an inertia, and a payload whose moments the model lacks is late on one drive
+    and early on another. So a payload is free with all of its moments and products, and so is the inertia that a drive
+    itself turns.
 
     Args:
         replay: Of segments with readings of drives.
         picture: What they did.
         at_rest: Shape (T, n) [Nm], what the model needs without motion: gravity and inertia have factors of their own.
     """
-    segment = _segments(replay)
+    segment, products = _segments(replay), payload_products(replay)
+    turns = rates_of(replay.segments, picture.velocity)
+    turns = np.where(np.isfinite(turns), turns, 0.0)  # at rest nothing turns
     for j, name in enumerate(picture.names):
         rows = np.isfinite(picture.observed[:, j]) & ~picture.standing[:, j]
         if not name or rows.sum() < LEAST:
             continue
-        columns, y = np.column_stack([picture.columns(j), at_rest[:, j]]), picture.observed[:, j]
+        columns = np.column_stack([picture.columns(j), at_rest[:, j], turns[:, j], products[:, j]])
+        y = picture.observed[:, j]
         scale = np.maximum(np.linalg.norm(columns[rows], axis=0), 1e-12)
         fitted = columns / scale @ np.linalg.lstsq(columns[rows] / scale, y[rows])[0]
         rate = rates_of(replay.segments, fitted[:, None])[:, 0]
@@ -139,7 +146,7 @@ def late_drives(replay: Replay, picture: DrivePicture, at_rest: Array) -> Iterat
             others = columns[kept] / scale
             own = rate[kept] - others @ np.linalg.lstsq(others, rate[kept])[0]
             rest = y[kept] - others @ np.linalg.lstsq(others, y[kept])[0]
-            yield _late(name, rest, own)
+            yield _late(name, rest, own, int(np.linalg.matrix_rank(others)))
 
 
 def _beside_nominal(replay: Replay) -> tuple[Array, Array, NDArray[np.bool_]]:
@@ -148,14 +155,16 @@ def _beside_nominal(replay: Replay) -> tuple[Array, Array, NDArray[np.bool_]]:
     return replay.read(NOMINAL, trace), replay.observed, np.any(trace.q_velocity != 0, axis=1)
 
 
-def _late(column: str, missing: Array, rate: Array) -> Late:
+def _late(column: str, missing: Array, rate: Array, fitted: int = 0) -> Late:
+    """Return by how much a channel is late, of which so many numbers were fitted before."""
     power = float(rate @ rate)
-    if power == 0:
+    free = len(missing) - fitted - 1
+    if power == 0 or free < 1:
         return Late(column, Factor(np.nan, np.inf), 0.0)
     delay = -float(missing @ rate) / power
     rest, before = missing + delay * rate, float(missing @ missing)
     explained = 1 - float(rest @ rest) / before if before else 0.0
-    return Late(column, Factor(delay, float(np.sqrt(np.mean(rest**2) * inflation(rest) / power))), explained)
+    return Late(column, Factor(delay, float(np.sqrt(rest @ rest / free * inflation(rest) / power))), explained)
 
 
 def _segments(replay: Replay) -> NDArray[np.intp]:

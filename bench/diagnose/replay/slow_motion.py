@@ -1,4 +1,4 @@
-"""How much of a drive's motion is compared: where it stands or turned round, friction may be between its levels."""
+"""How much of a drive's motion is compared: where it goes slowly or turns round, friction is not at its level."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -1,12 +1,20 @@
 """How changes and their sizes are called on the page and on the terminal."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from bench.compare.comparison import Change, ChangedSize, Comparison, Component, Interval, UnlistedChange
+from bench.compare.comparison import (
+    Change,
+    ChangedSize,
+    Comparison,
+    Component,
+    Interval,
+    PossibleName,
+    UnlistedChange,
+)
 from bench.effects.effect import Level
-from bench.report.diagnosis.names import ACTS, channel_name
+from bench.report.diagnosis.names import ACTS, channel_name, places_text
 from bench.report.diagnosis.numbers import shown, unit_name
 
 NOT_THE_MACHINES: Mapping[Level, str] = {  # what a change of another level than the machine's is
@@ -18,6 +26,19 @@ NOT_THE_MACHINES: Mapping[Level, str] = {  # what a change of another level than
 def title_of(effect_title: str, place: str) -> str:
     """Return the title of a cause with its place in words."""
     return effect_title.replace(place, channel_name(place).replace("_", " "))
+
+
+def together(names: Sequence[PossibleName]) -> list[str]:
+    """Return the names of causes that act together; the same one at several places is named once."""
+    places: dict[str, list[PossibleName]] = {}
+    for name in names:
+        places.setdefault(name.title.removesuffix(f" ({name.place})"), []).append(name)
+    return [
+        f"{title} ({places_text([one.place for one in same])})"
+        if len(same) > 1
+        else title_of(same[0].title, same[0].place)
+        for title, same in places.items()
+    ]
 
 
 def change_name(change: Change) -> str:
@@ -43,6 +64,18 @@ def interval_words(interval: Interval, unit: str) -> tuple[str, str, str]:
     numbers = tuple(factor * x for x in (interval.value, interval.low, interval.high))
     value, low, high = shown(numbers, unit, (numbers[2] - numbers[1]) / 2)
     return (value if value.startswith(("-", "0")) and not interval.value > 0 else f"+{value.lstrip('+')}"), low, high
+
+
+def drift_text(interval: Interval, unit: str) -> str:
+    """Return by how much something drifted, with its interval in brackets: "-19.8 % (-21.0 to -18.6)"."""
+    value, low, high = interval_words(interval, unit)
+    return f"{value} {unit_words(unit)} ({low} to {high})"
+
+
+def expected_text(sigma: float, unit: str) -> str:
+    """Return a standard deviation with two digits and its unit."""
+    size = sigma if unit else 100 * sigma
+    return f"{shown((size,), unit, size)[0]} {unit_words(unit)}"
 
 
 def limit_words(component: Component) -> str:

@@ -16,7 +16,7 @@ from bench.report.comparison.names import (
     title_of,
     unit_words,
 )
-from bench.report.comparison.words import NONLINEAR, basis_sentence, findings_sentences, headline
+from bench.report.comparison.words import NONLINEAR, basis_sentence, drift_sentences, findings_sentences, headline
 from bench.report.diagnosis.names import capital, channel_name
 from bench.report.diagnosis.numbers import percent
 from bench.report.html import Filters, render
@@ -86,6 +86,7 @@ def page_of(comparison: Comparison, robot: str, command: str) -> str:
         headline=headline(comparison),
         basis=basis_sentence(comparison),
         findings=tuple(findings_sentences(comparison)),
+        drifts=tuple(drift_sentences(comparison)),
         course=lambda change: course_words(change, comparison),
         nonlinear=NONLINEAR,
         not_the_machines=NOT_THE_MACHINES,

@@ -1,25 +1,31 @@
 """A comparison in words for the terminal."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from bench.compare.comparison import Change, Comparison, Component
+from bench.compare.comparison import Change, ChangedFinding, Comparison, Component
 from bench.report.comparison.names import (
     NOT_THE_MACHINES,
     change_name,
     course_words,
+    drift_text,
+    expected_text,
     interval_text,
     limit_words,
     size_text,
     title_of,
+    together,
     unlisted_words,
 )
 from bench.report.diagnosis.headline import MOST, UNDECIDED
 from bench.report.diagnosis.names import capital, fitting, in_short, listed
+from bench.report.diagnosis.names import title_of as named_as
 from bench.report.diagnosis.numbers import percent
 
 BEST_LIMITS = 8
+SURE = 0.9  # declared, as of an interval: probability of a name from which on a headline says it without the others
+OTHERS = "; and others, listed below"
 LEAST = 1e-12  # of a probability that is said: none is nothing
 NONLINEAR = 0.12  # of a signature; beyond, its size is not to be taken at its word (diagnose/linearise/README.md: 12 %)
 
@@ -44,9 +50,26 @@ def headline(comparison: Comparison) -> str:
 
 
 def _findings(comparison: Comparison, room: int) -> str:
-    """Return all findings with their names, in short where there is no room, as many as there is room for."""
-    names = [[title_of(one.title, one.place) for one in finding.names] for finding in comparison.findings]
-    is_open = comparison.has_other_explanations
+    """Return what several findings are, the sure ones first, each by its likeliest name; of one, all its names."""
+    sure = [one for one in comparison.findings if one.names[0].probability >= SURE]
+    if not sure or len(comparison.findings) == 1:
+        return _undecided(comparison.findings, room, is_open=comparison.has_other_explanations)
+    first = sorted((one.names[0] for one in sure), key=lambda name: -name.probability)
+    least = percent(first[-1].probability)
+    each = f" (each {least} or more)" if len(first) > 1 else f" ({least})"
+    others = [one for one in comparison.findings if one not in sure]
+    beside = OTHERS if others else ""
+    names = fitting(together(first), "and", room - len(each + beside)) or f"{len(first)} changes"
+    if not others:
+        return names + each
+    undecided = _undecided(others, room - len(names + each) - 2, is_open=comparison.has_other_explanations)
+    whole = f"{names}{each}; {undecided}"
+    return whole if len(whole) <= room else names + each + beside
+
+
+def _undecided(findings: Sequence[ChangedFinding], room: int, *, is_open: bool) -> str:
+    """Return findings with all their names, in short where there is no room, as many as there is room for."""
+    names = [[title_of(one.title, one.place) for one in finding.names] for finding in findings]
     undecided = ", or another explanation" * is_open + UNDECIDED * (is_open or any(len(own) > 1 for own in names))
     whole = [f"either {listed(own, 'or')}" if len(own) > 1 else own[0] for own in names]
     shorter = [[in_short(own, count) for own in names] for count in range(max(map(len, names)) - 1, 0, -1)]
@@ -64,6 +87,7 @@ def words_of(comparison: Comparison) -> Iterator[str]:
     yield headline(comparison)
     yield basis_sentence(comparison)
     yield from findings_sentences(comparison)
+    yield from drift_sentences(comparison)
     for explanation in comparison.explanations:
         names = " with ".join(change_name(change) for change in explanation.changes)
         yield f"{capital(names)}: probability {percent(explanation.probability)}"
@@ -102,6 +126,21 @@ def basis_sentence(comparison: Comparison) -> str:
         f"{listed([one.name for one in after], 'and')} against {listed(before, 'and')}: {same}.{left_out} Chance alone "
         f"names a change on {percent(comparison.false_alarm_rate)} of machines that stayed as they were."
     )
+
+
+def drift_sentences(comparison: Comparison) -> Iterator[str]:
+    """Yield, for each kind of figure that drifts from day to day, what that took of the difference, where told."""
+    places: dict[tuple[str, str, float], list[str]] = {}
+    for drift in comparison.drifts:
+        title, place = named_as(drift.name)
+        text = drift_text(drift.values[-1], drift.unit)
+        places.setdefault((title, drift.unit, drift.expected), []).append(f"{place} {text}".lstrip())
+    last = comparison.recordings[-1].name
+    for (title, unit, expected), values in places.items():
+        yield (
+            f"Drift of the day in {last}, which is not counted as a change: {title}: {'; '.join(values)} "
+            f"(90 % intervals; a standard deviation of {expected_text(expected, unit)} was expected)"
+        )
 
 
 def limits_sentences(comparison: Comparison) -> Iterator[str]:

@@ -7,7 +7,7 @@ import numpy as np
 from bench.diagnose.baseline.changed_friction import ChangedFriction
 from bench.diagnose.baseline.first_look import FirstLook
 from bench.diagnose.verdict import DriveErrors, Verdict
-from bench.report.diagnosis.names import listed
+from bench.report.diagnosis.names import capital, listed
 from bench.report.diagnosis.numbers import percent
 from bench.report.dynamics import words
 
@@ -95,21 +95,29 @@ def missed_sentence(verdict: Verdict) -> str:
     least, ours = number(worst.least_squares), number(worst.diagnosed)
     model = "the named causes" if verdict.explanations or verdict.unlisted else "the model"
     more = f" (and {len(missed) - 1} more)" if len(missed) > 1 else ""
-    errors = f"least squares predicts {least} {worst.unit}, {model} {ours}"
+    errors = f"{_rival(worst.better)} predicts {least} {worst.unit}, {model} {ours}"
     return f"Drive {worst.drive}{more}: {errors}: something is missing here."
 
 
 def behind_sentence(verdict: Verdict) -> str:
     """Return where least squares predicts better by what chance may bring about, "" where nowhere, or for sure."""
-    behind = [
-        f"{drive.drive} (by {percent(drive.diagnosed / drive.least_squares - 1)})"
-        for drive in (verdict.baseline.drives if verdict.baseline else ())
-        if drive.diagnosed > NOTABLE * drive.least_squares
-    ]
+    behind: dict[str, list[str]] = {}
+    for drive in verdict.baseline.drives if verdict.baseline else ():
+        if drive.diagnosed > NOTABLE * drive.least_squares:
+            words = f"{drive.drive} (by {percent(drive.diagnosed / drive.least_squares - 1)})"
+            behind.setdefault(drive.better, []).append(words)
     if not behind or missed_sentence(verdict):
         return ""
-    which = f"drive{'s' * (len(behind) > 1)} {listed(behind, 'and')}"
-    return f"Least squares leaves less on {which}, which chance may bring about over so little that was held out."
+    which = [
+        f"{_rival(name)} leaves less on drive{'s' * (len(drives) > 1)} {listed(drives, 'and')}"
+        for name, drives in behind.items()
+    ]
+    return f"{capital(listed(which, 'and'))}, which chance may bring about over so little that was held out."
+
+
+def _rival(name: str) -> str:
+    """Return a row of least squares in a sentence, by the name that it has in the table."""
+    return f"the {MODELS[name]}" if name == "first_pass" else MODELS[name]
 
 
 def links_sentence(verdict: Verdict) -> str:

@@ -113,7 +113,7 @@ def gain_text(gain: ChannelGain) -> str:
     measured, nominal, fitted, after, floor = shown(values, gain.unit, gain.floor or gain.after)
     unit = f" {unit_name(gain.unit)}".rstrip()
     return (
-        f"{channel_name(gain.channel)}: {nominal} -> {after}{unit} of {measured} measured "
+        f"{channel_name(gain.channel)}: {nominal} -> {after}{unit} of {measured} measured about its mean "
         f"(nominal fitted {fitted}, floor {floor}), gain {gain_percent(gain.over_better)} "
         f"({gain_percent(gain.over_better_low)} to {gain_percent(gain.over_better_high)})"
     )

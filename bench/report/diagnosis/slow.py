@@ -1,4 +1,4 @@
-"""Words for motion that was not compared, for friction may be between its levels there."""
+"""Words for motion that was not compared, for friction is not at its level there."""
 
 from collections.abc import Sequence
 
@@ -15,8 +15,8 @@ def slow_sentence(slow: Sequence[SlowMotion]) -> str:
     if not said:
         return ""
     return (
-        "Where drives stand or have just turned round, friction may be between its levels, and nothing is compared. "
-        f"What is: {'; '.join(said)}. Errors are of that, and presliding does not show."
+        f"Slow motion is not compared, nor where drives turn round. What is: {'; '.join(said)}. Errors are of that. "
+        "What friction does below (Stribeck effect, presliding) does not show; sweeps at several slow speeds would."
     )
 
 

@@ -23,6 +23,7 @@ from bench.report.prediction.sentences import (
     promise_sentence,
     rows_of,
     stretch_text,
+    untold_sentence,
 )
 
 TEMPLATE = "prediction/page.html.j2"
@@ -36,6 +37,7 @@ class _Part:
     rows: tuple[ChannelRow, ...]
     slow: str
     freed: tuple[str, ...]
+    untold: str
     exact: str
     anew: tuple[str, ...]
     anew_words: str
@@ -73,6 +75,7 @@ def _part(recording: PredictedRecording) -> _Part:
         rows=tuple(rows_of(recording)),
         slow=slow_sentence(recording.slow),
         freed=tuple(freed_text(figure) for figure in recording.freed),
+        untold=untold_sentence(recording),
         exact=exact_sentence(recording),
         anew=tuple(anew_text(one, recording) for one in recording.maybe_anew),
         anew_words=anew_sentence(recording),

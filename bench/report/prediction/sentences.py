@@ -149,6 +149,14 @@ def exact_sentence(recording: PredictedRecording) -> str:
     )
 
 
+def untold_sentence(recording: PredictedRecording) -> str:
+    """Return what was free and the recording does not tell; "" where it tells everything that was free."""
+    if not recording.untold:
+        return ""
+    names = listed(recording.untold, "and")
+    return f"Not told by this recording: {names}. Any of these may be another one all the same."
+
+
 def freed_text(figure: FreedFigure) -> str:
     """Return what was fitted anew in a line: its difference from what the model has, and both together if known."""
     factor, unit = (1.0, figure.unit) if figure.unit else (100.0, "%")

@@ -18,6 +18,7 @@ from bench.report.prediction.sentences import (
     promise_sentence,
     rows_of,
     stretch_text,
+    untold_sentence,
 )
 
 WORST = 3  # stretches that are named
@@ -40,6 +41,8 @@ def words_of(prediction: Prediction) -> Iterator[str]:
             yield f"  {words}"
         for figure in recording.freed:
             yield f"  anew: {freed_text(figure)}"
+        if words := untold_sentence(recording):
+            yield f"  {words}"
         if words := exact_sentence(recording):
             yield f"  {words}"
         if words := anew_sentence(recording):

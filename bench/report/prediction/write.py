@@ -53,6 +53,7 @@ def _recording(recording: PredictedRecording) -> dict[str, Any]:
         "channels": [asdict(channel) | {"answer": channel.answer} for channel in recording.channels],
         "stretches": [_without_instants(asdict(stretch)) for stretch in recording.stretches],
         "maybe_anew": [_by_channel(one, recording) for one in recording.maybe_anew],
+        "not_told": recording.untold,
         "freed": [asdict(figure) | {"total": figure.total} for figure in recording.freed],
     }
 

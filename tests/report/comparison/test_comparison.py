@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.compare.comparison import Comparison, Explanation
+from bench.compare.comparison import ChangedFinding, Comparison, Explanation, PossibleName
 from bench.report.comparison.page import lines_of, page_of
 from bench.report.comparison.words import headline, words_of
 from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
+from bench.report.diagnosis.headline import MOST
 from tests.report.comparison.examples import COLD, FRICTION, GAS, MORE, NOTHING, ONE, OTHER, SET, THREE, TWO, UNLISTED
 
 
@@ -42,6 +43,25 @@ from tests.report.comparison.examples import COLD, FRICTION, GAS, MORE, NOTHING,
 )
 def test_headlines(comparison: Comparison, words: str) -> None:
     assert headline(comparison) == words
+
+
+def test_a_headline_names_the_sure_ones_first() -> None:
+    """It began with the one of five that had another name, at 92 %: "or 1 other and others, or another explanation"."""
+
+    def names(joint: int, *probabilities: float) -> ChangedFinding:
+        place, effects = f"joint {joint}", ("Coulomb level", "rolling friction")
+        several = zip(effects, probabilities, strict=False)
+        return ChangedFinding(tuple(PossibleName(one, f"{one} ({place})", place, p) for one, p in several), 0.99)
+
+    sure = (names(6, 0.92, 0.082), names(4, 0.993), names(3, 0.98, 0.019), names(5, 0.97), names(1, 0.94))
+    said = headline(replace(OTHER, findings=sure))
+    assert said == "Changed: Coulomb level (joints 1, 3, 4, 5, 6) (each 92 % or more)."
+    said = headline(replace(SET, findings=(names(2, 0.6, 0.39), *sure[:2])))
+    assert said.startswith("Changed: Coulomb level (joints 4, 6) (each 92 % or more); ")
+    many = tuple(names(k, 0.6, 0.39) for k in (2, 3, 5))
+    said = headline(replace(SET, findings=(*many, sure[0])))
+    assert said.startswith("Changed: Coulomb level (joint 6) (92 %)")
+    assert len(said) <= MOST
 
 
 def test_nothing_found_says_what_would_have_been_found() -> None:

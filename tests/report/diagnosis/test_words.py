@@ -58,7 +58,7 @@ def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
     text = "\n".join(words_of(VERDICTS["cause"]))
     for words in (
         "lost 0.133 (0.113 to 0.152)",
-        "motor current 2: 0.405 -> 0.081 A of 2.310 measured (nominal fitted 0.612, floor 0.074), "
+        "motor current 2: 0.405 -> 0.081 A of 2.310 measured about its mean (nominal fitted 0.612, floor 0.074), "
         "gain 80 % (74 % to 86 %)",
         "Refused: mass of a link (upper arm): held-out runs do not become more probable.",
         "Next: the sweeps again, slower",
