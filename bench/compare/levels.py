@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.record.campaign import Array
 
-EVERY = -1  # in place of a recording: all of them
+EVERY = -1  # exact: in place of a recording: all of them
 GAIN = "torque constant of "  # of a motor, with the amplifier beside it: the machine's, though readings show it
 
 
