@@ -28,6 +28,7 @@ from bench.effects.catalogue import LEFT_OUT, catalogue
 from bench.effects.division import divided, payload_as_body
 from bench.effects.effect import Conditions
 from bench.effects.fitted import entry_of
+from bench.effects.gas import CounterbalanceGas
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
@@ -61,7 +62,7 @@ def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> Compil
     if not segments:
         return compiled
     nuisances = with_recordings(nuisances_of(compiled, quantities), compiled, campaign.recordings)
-    known = {name: effect for name, effect in catalogue().items() if name in LEFT_OUT}
+    known = {name: effect for name, effect in catalogue().items() if name in (*LEFT_OUT, CounterbalanceGas.name)}
     measured, recorded = measured_by(campaign), recorded_by(campaign, compiled)
     causes = causes_of([*known.values()], compiled, measured, recorded)
     with threadpool_limits(1, "blas"):  # as all of a comparison: threads would change roundings, and cost time
@@ -72,7 +73,7 @@ def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> Compil
                 changes = Signatures(compiled, quantities, nuisances, causes).sensitivities(segments)
                 around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, recorded=recorded)
                 weighed, screening = around.weighed(linear, causes, changes)
-                candidate = what_is_left_out(weighed, screening, Model(fit))
+                candidate = what_is_left_out(weighed, screening, Model(fit), known)
                 tried = (_settled(linear, candidate.causes, start) for start in ({}, candidate.start))
                 fit = max(fit, *tried, key=lambda one: one.log_evidence)
             return _written(compiled, as_of(fit.world(linear), recordings_of(segments)[-1]), folder / "robot")

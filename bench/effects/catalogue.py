@@ -131,13 +131,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
 
 
 # what drawings and data sheets leave out of a robot, and any first pass over moving data has
-LEFT_OUT = (
-    CoulombFriction.name,
-    ViscousFriction.name,
-    UnstatedPayload.name,
-    DriveDelay.name,
-    CounterbalanceGas.name,
-)
+LEFT_OUT = (CoulombFriction.name, ViscousFriction.name, UnstatedPayload.name, DriveDelay.name)
 
 
 def catalogue(files: Iterable[Path] = ()) -> Mapping[str, Effect]:
