@@ -13,7 +13,6 @@ from bench.diagnose.replay.resolution import LEAST_WINDOW, angle_noise, finest_w
 from bench.diagnose.replay.segment_input import Path, SegmentInput, angles_of, centre_weights, wrench_of
 from bench.diagnose.replay.smooth_derivative import averaging_kernel
 from bench.diagnose.replay.static_segments import APPROACH
-from bench.diagnose.replay.turning import STANDS, between_levels, presliding_travel
 from bench.diagnose.replay.uneven_derivative import derivative_over, is_even
 from bench.identify.arm import Arm
 from bench.record.campaign import Array, Run
@@ -35,6 +34,7 @@ PEAK = 15 / 16
 # assumed: of modes with their motors held: bolted joints and gears of large arms, 0.01 to 0.05 in our models
 DAMPING_RATIO = 0.05
 FADED = 0.2  # assumed: of an oscillation's amplitude, which is left when an arm rings no more
+STANDS = 1e-4  # rounding: [rad/s] or [m/s]; below it a joint counts as standing
 
 
 def stretches_of(
@@ -84,17 +84,16 @@ def stretches_of(
     groups = np.split(np.arange(len(run)), edges[1:])
     top = np.max(np.abs(velocity), axis=0)
     moves = (top > STANDS) & (np.ptp(angles, axis=0) > TRAVELS)
-    between = between_levels(angles, time, window, presliding_travel(compiled)) | (np.abs(velocity) < TURNING * top)
-    slides = np.stack([~np.any(between[group], axis=0) for group in groups])
-    useful = np.any(moves & slides, axis=1) | ~np.any(moves)  # some joint slides on
+    slowest = np.stack([np.min(np.abs(velocity[group]), axis=0) for group in groups])
+    useful = np.any(moves & (slowest >= TURNING * top), axis=1) | ~np.any(moves)  # some joint slides on
     if not np.any(useful):
         return
     kept = tuple(group for group, is_useful in zip(groups, useful, strict=True) if is_useful)
     shapes = maximum_filter1d(useful.astype(np.int8), 3) > 0  # the bins beside them tell where friction turned round
     followed = tuple(group for group, shapes_friction in zip(groups, shapes, strict=True) if shapes_friction)
     path = Path(time, angles, kept, kernel, round(longest / dt), window)
-    near = np.stack([np.any(between[rows], axis=0) for rows, _ in path.of_torque])  # torques feel a turn there
-    turning = moves & (near | ~slides[useful])
+    near = np.stack([np.min(np.abs(velocity[rows]), axis=0) for rows, _ in path.of_torque])  # torques feel a turn there
+    turning = moves & (np.minimum(slowest[useful], near) < TURNING * top)
 
     def mean(values: Array, groups: Sequence[NDArray[np.int64]] = followed) -> Array:
         centred: Array = np.stack([centre_weights(len(group)) @ values[group] for group in groups])
