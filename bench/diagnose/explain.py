@@ -21,6 +21,7 @@ from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.name.selection import name_cause
 from bench.diagnose.replay.given import with_earlier
+from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.known import with_known_segments
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, segments_of
@@ -257,14 +258,15 @@ def extension_of(naming: Naming, discrepancy: Discrepancy | None) -> Fit | None:
 
     What is handed over is fitted as it is handed over. A robot has no place for an error of its recording: what such
     an error took of a misfit is missing there. Confirmed, it belongs to the channel; where most searches do not find it
-    again, what is left is fitted without it.
+    again, what is left is fitted without it. Of several recordings the one that it is in has to be searched to find it.
     """
     if discrepancy and discrepancy.is_gain:
         return discrepancy.fit
     best = naming.models[0] if naming.models else None
     if best is None or not best.causes:
         return None
-    doubtful = {one.cause.key for one in naming.findings if one.repeats < CONFIRMED}
+    is_one = len(recordings_of(naming.linear.segments)) < 2
+    doubtful = {one.cause.key for one in naming.findings if is_one and one.repeats < CONFIRMED}
     beside = best.listed_fit(naming.linear)  # what was fitted beside a shape that is not handed over
     causes = tuple(one for one in beside.causes if one.effect.level == "machine" or one.key not in doubtful)
     if best.shape is None and causes == beside.causes:

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,3 +46,11 @@ def test_what_is_of_the_recording_has_to_be_confirmed(diagnosis: Diagnosis, repe
     assert "channel_delay" in names(whole)
     assert ("channel_delay" in names(kept)) == (repeats >= CONFIRMED)
     assert "coulomb_level" in names(kept)  # of the machine
+
+
+def test_of_several_recordings_one_that_has_it_is_enough(diagnosis: Diagnosis) -> None:
+    """A search without the only recording in which a channel is late cannot find that again."""
+    naming = diagnosis.naming
+    findings = tuple(replace(one, repeats=0.0) for one in naming.findings)
+    several: Any = SimpleNamespace(segments=[SimpleNamespace(recording=name) for name in ("may", "june")])
+    assert "channel_delay" in names(extension_of(replace(naming, findings=findings, linear=several), None))

@@ -101,7 +101,7 @@ def fitted_figures(linear: LinearisedModel, fit: Fit, beside: Array | None = Non
         is_strong = abs(correlation[i, partner]) > TRADES
         if i < p:
             row = _figure(linear.nuisances[i], float(fit.nuisances[i]), float(wide[i]), clear)
-            row = replace(row, is_told=is_narrower(float(spread[i]), 1.0))
+            row = replace(row, is_told=is_narrower(float(spread[i]), 1.0))  # by the campaign, whatever comes on top
             constant = constants[i]
             row = row if constant is None else _of_constant(row, *constant)
         else:
@@ -136,15 +136,14 @@ def _figure(nuisance: Nuisance, x: float, spread: float, clear: float) -> Fitted
     """
     off, low, high = (nuisance.off_by(x + side * NORMAL_95 * spread) for side in (0, -1, 1))
     kind, unit, earlier = "figure" if nuisance.is_simulated else "campaign", nuisance.unit, nuisance.earlier
-    is_told = is_narrower(spread, 1.0)
     if earlier is None:
         sigma, sigmas = nuisance.sigma / nuisance.widened, x * nuisance.widened
-        return FittedFigure(str(nuisance), kind, unit, 0.0, off, low, high, sigma, sigmas, is_told=is_told)
+        return FittedFigure(str(nuisance), kind, unit, 0.0, off, low, high, sigma, sigmas)
     share = earlier.expected / nuisance.sigma
     sigma = nuisance.off_by(share) if nuisance.is_factor else earlier.expected
     has_changed = bool(abs(x) > clear * np.hypot(earlier.known / nuisance.sigma, spread))
     off, low, high = map(earlier.total, (off, low, high))
-    figure = FittedFigure(str(nuisance), kind, unit, 0.0, off, low, high, sigma, x / share, is_told=is_told)
+    figure = FittedFigure(str(nuisance), kind, unit, 0.0, off, low, high, sigma, x / share)
     return replace(figure, earlier=earlier.found, has_changed=has_changed)
 
 
