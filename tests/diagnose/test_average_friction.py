@@ -20,7 +20,7 @@ SWING, PERIOD = 0.3, 3.0  # [rad], [s]; bins of a sixth of a second pass over 0.
 
 
 def test_a_rise_at_standstill_that_bins_pass_over_is_averaged(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Taken at the average speed, a fifth of what it makes of the bins beside a turn was missed."""
+    """Taken at the average speed, two fifths of what it makes of the bins beside a turn were missed."""
     compiled, run = setting()
     phase = 2 * np.pi * TIME / PERIOD
     columns = {"time_s": TIME, f"current_{JOINT + 1}_a": np.zeros(len(TIME))}
