@@ -5,11 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.identify.drive_model import Motion, link_torque
+from bench.identify.drive_model import Motion
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics, nominal_dynamics
 from bench.robot.starter.folder import start_robot
 from bench.robot.starter.source import read_source
+from tests.rigid_links import link_torque
 
 N = 7
 MASS = (6.0, 6.0, 4.0, 4.0, 2.5, 2.5, 1.0)  # [kg]

@@ -20,7 +20,7 @@ from scipy.optimize import least_squares
 from bench.identify.directions import Flags, directions
 from bench.identify.drive_delay import BLOCKS, LATEST, sliding
 from bench.identify.drive_fit import payload_errors
-from bench.identify.drive_model import TINY, Motion, model_columns, shifted, solved
+from bench.identify.drive_model import TINY, LinksAlong, Motion, model_columns, shifted, solved
 from bench.identify.dynamics.regressor import N_INERTIAL, NOT_NEGATIVE
 from bench.identify.turned_angles import SAMPLES
 from bench.record.campaign import Array
@@ -131,9 +131,17 @@ class _Problem:
         return np.asarray(factor)
 
     def left(self, signs: Array, x: Array, nominal: NominalDynamics | None = None) -> Array:
-        """Return what the model leaves of the readings, shape (those that are read, samples)."""
+        """Return what the model leaves of the readings, shape (those that are read, samples).
+
+        Args:
+            signs: Shape (n,), directions of the joints.
+            x: Of the search.
+            nominal: The robot with other masses, centres or rotors; None: as it is.
+        """
         scale = tuple(float(value) for value in signs * self.factors(x))
-        own, payload = self._columns(scale) if nominal is None else self._along(nominal, np.array(scale))
+        along, own, payload = self._columns(scale)
+        if nominal is not None:
+            own = model_columns(nominal, along)[self.read, :, :-1]
         torque = own[:, :, :1] + self.nominal.payload * payload @ x[self.payload, None]
         columns = self._counts.T[:, :, None] * np.concatenate([torque, own[:, :, 1:]], axis=2)
         seen = self._counts * shifted(self.time, self.reading, LATEST * x[-1])[:: self._every]
@@ -146,13 +154,14 @@ class _Problem:
         return np.where(np.any(counts > 0, axis=0), counts, 1.0)  # all of a drive that stands
 
     @cached_property
-    def _columns(self) -> Callable[[tuple[float, ...]], tuple[Array, Array]]:
-        return lru_cache(KEPT)(lambda scale: self._along(self.nominal, np.array(scale)))
+    def _columns(self) -> Callable[[tuple[float, ...]], tuple[LinksAlong, Array, Array]]:
+        return lru_cache(KEPT)(self._along)
 
-    def _along(self, nominal: NominalDynamics, scale: Array) -> tuple[Array, Array]:
-        """Return columns of each drive that is read without a payload, and those of one, shape (k, T, c) each."""
-        motion = Motion.along(self.time, self.angle).seen(scale, self._every)
-        return model_columns(nominal, motion)[self.read, :, :-1], payload_errors(nominal, motion)[self.read]
+    def _along(self, scale: tuple[float, ...]) -> tuple[LinksAlong, Array, Array]:
+        """Return the motion, columns of each drive that is read without a payload, and those of one, (k, T, c) each."""
+        along = LinksAlong.of(self.nominal, Motion.along(self.time, self.angle).seen(np.array(scale), self._every))
+        columns, payload = model_columns(self.nominal, along), payload_errors(self.nominal, along)
+        return along, columns[self.read, :, :-1], payload[self.read]
 
     @property
     def _every(self) -> int:

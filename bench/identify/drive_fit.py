@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.identify.arm import Arm
-from bench.identify.drive_model import TINY, Motion
+from bench.identify.drive_model import TINY, LinksAlong
 from bench.identify.dynamics.noise import noise_of
 from bench.identify.dynamics.prior import link_root
-from bench.identify.dynamics.regressor import N_INERTIAL, NOT_NEGATIVE, link_regressor, payload_columns
+from bench.identify.dynamics.regressor import N_INERTIAL, NOT_NEGATIVE
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
 
@@ -31,40 +31,32 @@ CARRIED = slice(0, N_INERTIAL)  # z of the payload
 FIGURES = slice(N_INERTIAL, None)  # z of links and rotors
 
 
-def arm_errors(nominal: NominalDynamics, motion: Motion) -> Array:
+def arm_errors(nominal: NominalDynamics, along: LinksAlong) -> Array:
     """Return E, torques of what may be wrong with an arm [Nm], shape (n, T, p).
 
     First stand those of a payload, as of `payload_errors`. Links and rotors that are known follow, of one standard
     deviation each.
     """
     arm, n = Arm(nominal.bodies), nominal.n_joints
-    regressor = link_regressor(arm, motion.position, motion.velocity, motion.acceleration)
     unsure, drives = nominal.uncertainty, nominal.drive_uncertainty
     mass, centre = unsure.links * unsure.mass, unsure.links * unsure.centre_of_mass_m
     rotor = np.where(drives.rotor_is_unknown, 0.0, drives.rotor_inertia * nominal.rotor_inertia)
-    links = np.split(regressor, n, axis=2)
+    links = np.split(along.regressor, n, axis=2)
     errors = [
-        np.swapaxes(_payload(arm, nominal, regressor), 0, 1),
+        np.swapaxes(payload_errors(nominal, along), 0, 1),
         *(link @ link_root(arm, i, mass, centre) for i, link in enumerate(links)),
-        motion.acceleration[:, :, None] * np.diag(rotor),
+        along.motion.acceleration[:, :, None] * np.diag(rotor),
     ]
     return np.swapaxes(np.concatenate(errors, axis=2), 0, 1)
 
 
-def payload_errors(nominal: NominalDynamics, motion: Motion) -> Array:
+def payload_errors(nominal: NominalDynamics, along: LinksAlong) -> Array:
     """Return torques of a payload [Nm], shape (n, T, 10).
 
     Of 1 kg at the load point, and of three first and six second moments of 1 kg that is away by the side of a payload.
     """
-    arm = Arm(nominal.bodies)
-    return _payload(arm, nominal, link_regressor(arm, motion.position, motion.velocity, motion.acceleration))
-
-
-def _payload(arm: Arm, nominal: NominalDynamics, regressor: Array) -> Array:
-    carrier, moved = payload_columns(arm, nominal.load_point)
-    own = regressor[:, :, N_INERTIAL * carrier : N_INERTIAL * (carrier + 1)]
     side = nominal.payload_side
-    return np.swapaxes(own @ moved * np.array([1.0, *(side,) * 3, *(side**2,) * 6]), 0, 1)
+    return np.swapaxes(along.payload * np.array([1.0, *(side,) * 3, *(side**2,) * 6]), 0, 1)
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from bench.identify.arm import Arm
+from bench.identify.dynamics.regressor import N_INERTIAL, link_regressor, payload_columns, standard_parameters
 from bench.record.campaign import Array
-from bench.robot.bodies import RigidBodies
 from bench.robot.nominal_dynamics import NominalDynamics
-from bench.robot.payload import with_payload
 
 NOT_SHARP = 0.02  # of the top speed, over which the direction of a slow movement is not sharp (assumed)
 
@@ -36,14 +35,42 @@ class Motion:
         return Motion(*(scale * part[::every] for part in parts))
 
 
-def model_columns(nominal: NominalDynamics, motion: Motion) -> Array:
+@dataclass(frozen=True, eq=False)
+class LinksAlong:
+    """What links need along a motion, linear in their inertial parameters; their masses do not enter.
+
+    Attributes:
+        motion: T instants of n joints.
+        regressor: Shape (T, n, 10 n), of `standard_parameters`.
+        payload: Shape (T, n, 10), of a body in the axes of the link that carries it, its frame in the load point.
+    """
+
+    motion: Motion
+    regressor: Array
+    payload: Array
+
+    @classmethod
+    def of(cls, nominal: NominalDynamics, motion: Motion) -> "LinksAlong":
+        """Return what links of an arm need along a motion."""
+        arm = Arm(nominal.bodies)
+        regressor = link_regressor(arm, motion.position, motion.velocity, motion.acceleration)
+        carrier, moved = payload_columns(arm, nominal.load_point)
+        own = regressor[:, :, N_INERTIAL * carrier : N_INERTIAL * (carrier + 1)]
+        return cls(motion, regressor, own @ moved)
+
+
+def model_columns(nominal: NominalDynamics, along: LinksAlong) -> Array:
     """Return for each drive model torque, speed, direction, one, and the torque of 1 kg of payload, shape (n, T, c).
 
     Where nobody knows some of the rotors, acceleration stands before the payload, zero for drives whose rotor is known;
     c is 5 or 6.
+
+    Args:
+        nominal: The robot, with the joints and the load point of `along`.
+        along: Its motion.
     """
-    links = link_torque(nominal.bodies, motion)
-    payload = link_torque(with_payload(nominal.bodies, 1.0, nominal.load_point), motion) - links
+    motion = along.motion
+    links, payload = along.regressor @ standard_parameters(nominal.bodies), along.payload[:, :, 0]
     unknown = nominal.drive_uncertainty.rotor_is_unknown
     torque = links + np.where(unknown, 0.0, nominal.rotor_inertia) * motion.acceleration
     of_unknown = [np.where(unknown, motion.acceleration, 0.0)] if np.any(unknown) else []
@@ -51,13 +78,6 @@ def model_columns(nominal: NominalDynamics, motion: Motion) -> Array:
     direction = np.tanh(motion.velocity / slow)
     stack = np.stack([torque, motion.velocity, direction, np.ones_like(torque), *of_unknown, payload], axis=-1)
     return np.swapaxes(stack, 0, 1)
-
-
-def link_torque(bodies: RigidBodies, motion: Motion) -> Array:
-    """Return the torque that links need along a motion, shape (T, n)."""
-    arm = Arm(bodies)
-    states = zip(motion.position, motion.velocity, motion.acceleration, strict=True)
-    return np.array([arm.inverse_dynamics(*state) for state in states])
 
 
 def solved(columns: Array, reading: Array) -> Array:

@@ -15,6 +15,7 @@ from bench.identify.drive_delay import delay_of, sliding
 from bench.identify.drive_fit import arm_errors, drive_fit
 from bench.identify.drive_model import (
     TINY,
+    LinksAlong,
     Motion,
     best_payload,
     carrying,
@@ -85,8 +86,8 @@ def drive_scale(
     reading = reading[:, read]
     angles = turned_angles(nominal, time, position, reading, read)
     motion = Motion.along(time, position * np.where(angles.turned, -1.0, 1.0))
-    columns = model_columns(nominal, motion)[read]
-    errors = arm_errors(nominal, motion)[read]
+    along = LinksAlong.of(nominal, motion)
+    columns, errors = model_columns(nominal, along)[read], arm_errors(nominal, along)[read]
     heaviest = nominal.payload
     fit = drive_fit(columns, errors, reading, best_payload(columns, reading, heaviest), heaviest)
     delay, delay_sigma = delay_of(time, reading, columns, errors, fit, sliding(motion)[:, read])
@@ -97,7 +98,7 @@ def drive_scale(
         freely = drive_fit(columns, errors, reading, fit.payload, FREELY * heaviest)
         sigma = np.hypot(sigma, np.abs(np.log(np.abs(freely.slope / fit.slope))))
     if angle_sigma is not None:
-        sigma = np.hypot(sigma, _of_angles(nominal, motion, reading, angle_sigma, read))
+        sigma = np.hypot(sigma, _of_angles(nominal, along, reading, angle_sigma, read))
     explained = 1 - misfit(np.concatenate([fit.torque[:, :, None], columns[:, :, 1:-1]], axis=2), reading)
     return DriveScale(
         _spread(1 / fit.slope, read, np.nan),
@@ -123,14 +124,14 @@ def _slopes(columns: Array, reading: Array, payload: float) -> Array:
     return np.where(slopes == 0, TINY, slopes)
 
 
-def _of_angles(nominal: NominalDynamics, motion: Motion, reading: Array, angle_sigma: Array, read: Flags) -> Array:
+def _of_angles(nominal: NominalDynamics, along: LinksAlong, reading: Array, angle_sigma: Array, read: Flags) -> Array:
     """Return the relative error of the factor of drives that are read by the scale of angles, as that was estimated."""
-    given = model_columns(nominal, motion)[read]
+    given = model_columns(nominal, along)[read]
     slopes = _slopes(given, reading, best_payload(given, reading, nominal.payload))
     errors = np.zeros_like(slopes)
     for joint in np.flatnonzero(angle_sigma > 0):
         larger = np.ones(nominal.n_joints)
         larger[joint] += min(float(angle_sigma[joint]), LEAST_KNOWN)
-        columns = model_columns(nominal, motion.seen(larger, 1))[read]
+        columns = model_columns(nominal, LinksAlong.of(nominal, along.motion.seen(larger, 1)))[read]
         errors += (_slopes(columns, reading, best_payload(columns, reading, nominal.payload)) / slopes - 1) ** 2
     return np.asarray(np.sqrt(errors))

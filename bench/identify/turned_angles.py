@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import lsq_linear, minimize_scalar
 
 from bench.identify.directions import Flags, directions
-from bench.identify.drive_model import TINY, Motion, best_payload, carrying, misfit, model_columns, solved
+from bench.identify.drive_model import TINY, LinksAlong, Motion, best_payload, carrying, misfit, model_columns, solved
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
 
@@ -56,7 +56,8 @@ def turned_angles(nominal: NominalDynamics, time: Array, position: Array, readin
     every = max(1, len(time) // SAMPLES)
     motion, seen = Motion.along(time, position), reading[::every]
     tried = directions(position.shape[1])
-    columns = [model_columns(nominal, motion.seen(np.where(t, -1.0, 1.0), every))[read] for t in tried]
+    turned = (LinksAlong.of(nominal, motion.seen(np.where(t, -1.0, 1.0), every)) for t in tried)
+    columns = [model_columns(nominal, along)[read] for along in turned]
     free = [float(np.log(max(np.sum(_misfit(one, seen, nominal.payload)), TINY))) for one in columns]
     alike = _alike(tried, free)
     offset = NINETY_NINE * nominal.torque_offset_sigma[read]

@@ -8,7 +8,7 @@ import pytest
 
 from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.hints import hints_of
-from bench.identify.drive_model import Motion, link_torque
+from bench.identify.drive_model import Motion
 from bench.record.campaign import Array, Campaign, Run
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
@@ -17,6 +17,7 @@ from bench.robot.starter.folder import start_robot
 from bench.robot.starter.source import read_source
 from bench.store.place import open_store
 from tests import seven_joints
+from tests.rigid_links import link_torque
 
 TOOL_KG, ASIDE_M = 1.5, np.array([0.12, -0.08, 0.1])  # in the axes of the last link: as heavy as that
 DAMPING = 2.0  # [Nm s/rad] of the file, for each joint; as drives have it, a tenth

@@ -7,7 +7,7 @@ import pytest
 
 from bench.identify.angle_scale import _within_uncertainty
 from bench.identify.arm import Arm
-from bench.identify.drive_model import Motion, carrying, link_torque, model_columns, solved
+from bench.identify.drive_model import LinksAlong, Motion, carrying, model_columns, solved
 from bench.identify.drive_scale import DriveScale
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.prior import prior_of
@@ -15,6 +15,7 @@ from bench.robot.nominal_dynamics import NominalDynamics
 from bench.robot.starter.defaults import ROTOR_GUESSED
 from tests import stranger
 from tests.identify.test_drive_delay import scale_of
+from tests.rigid_links import link_torque
 from tests.stranger_started import MISSING, but_one_rotor, erring, started
 
 DRIVES = 3
@@ -51,7 +52,7 @@ def test_the_rotor_that_is_missing_alone_has_a_coefficient_of_its_own(
     every = 20  # effort: samples between those that count
     along = Motion.along(motion.time[::every], motion.position[::every])
     reading = motion.torque[::every]
-    columns = {id(arm): model_columns(arm, along) for arm in (stated, partly, guessed)}
+    columns = {id(arm): model_columns(arm, LinksAlong.of(arm, along)) for arm in (stated, partly, guessed)}
     links = link_torque(partly.bodies, along)
     torque, acceleration = columns[id(partly)][:, :, 0].T, columns[id(partly)][:, :, 4].T
     of_rotors = partly.rotor_inertia * along.acceleration

@@ -26,13 +26,14 @@ def average_friction(compiled: CompiledRobot, path: Path, speed: Array) -> Array
         speed: Shape (T, n) [rad/s] or [m/s], averaged; 0 of joints that stand.
     """
     found: Array = np.zeros_like(speed)
-    for j in np.flatnonzero(_bends(compiled) & np.any(speed != 0, axis=0)).tolist():
+    for j in np.flatnonzero(bends(compiled) & np.any(speed != 0, axis=0)).tolist():
         more = path.mean_of(_level(compiled, j, path.speeds[:, j])) - _level(compiled, j, speed[:, j])
         found[:, j] = np.sign(speed[:, j]) * more
     return found
 
 
-def _bends(compiled: CompiledRobot) -> NDArray[np.bool_]:
+def bends(compiled: CompiledRobot) -> NDArray[np.bool_]:
+    """Return of which drives the friction bends over speed, shape (n,)."""
     rises = compiled.motor_rise * compiled.motor_coulomb + compiled.link_rise * compiled.link_coulomb
     return np.asarray((rises != 0) | (compiled.motor_rolling != 0))
 

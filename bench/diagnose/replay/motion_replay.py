@@ -11,7 +11,7 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.replay.average_friction import average_friction
+from bench.diagnose.replay.average_friction import average_friction, bends
 from bench.diagnose.replay.courses import Course, Moved, count_of, courses_of, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.instants import at_each_instant, slices_of
@@ -220,11 +220,15 @@ class MotionReplay:
     def _excess(self, compiled: CompiledRobot, segments: Sequence[Segment], rows: Sequence[slice]) -> Array:
         """Return what averaged torques of segments have more, each in its rows, shape (K, n)."""
         found = np.zeros((rows[-1].stop, compiled.n_joints))
+        if not any(segment.average_excess for segment in segments):
+            return found
+        links, bent = self._inertial_parameters(compiled), bends(compiled)
         for segment, mine in zip(segments, rows, strict=True):
             if segment.average_excess and segment.path:
-                speed = segment.motion.velocity[segment.motion.read]
-                found[mine] = segment.average_excess.torque(self._inertial_parameters(compiled))
-                found[mine] += average_friction(compiled, segment.path, speed)
+                found[mine] = segment.average_excess.torque(links)
+                if np.any(bent):
+                    speed = segment.motion.velocity[segment.motion.read]
+                    found[mine] += average_friction(compiled, segment.path, speed)
         return found
 
     def _inertial_parameters(self, compiled: CompiledRobot) -> Array:

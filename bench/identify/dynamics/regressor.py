@@ -57,16 +57,14 @@ def payload_columns(arm: Arm, load_point: str) -> tuple[int, Array]:
     The payload's parameters are those of a body in the axes of its link whose frame sits in the load point.
     """
     point = arm.point(load_point)
-    basis = np.eye(N_INERTIAL)
-    return point.body, np.stack([_moved(column, point.position) for column in basis], axis=1)
+    return point.body, _moved(np.eye(N_INERTIAL), point.position)
 
 
 def _moved(parameters: Array, offset: Array) -> Array:
-    """Return parameters about an origin that lies `offset` away: m, h + m o, I + steiner terms; linear in them."""
+    """Return parameters, shape (10, k), about an origin `offset` away, shape (3,): m, h + m o, I + Steiner terms."""
     mass, first = parameters[0], parameters[1:4]
-    xx, xy, yy, xz, yz, zz = parameters[4:]
-    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    cross = np.outer(first, offset) + np.outer(offset, first) + mass * np.outer(offset, offset)
-    inertia = inertia + np.trace(cross) * np.eye(3) - cross
-    moved = first + mass * offset
-    return np.array([mass, *moved, *inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]])
+    both = first[:, None] * offset[None, :, None]
+    cross = both + np.swapaxes(both, 0, 1) + mass * np.outer(offset, offset)[:, :, None]
+    steiner = np.trace(cross) * np.eye(3)[:, :, None] - cross
+    moved = first + mass * offset[:, None]
+    return np.concatenate([mass[None], moved, parameters[4:] + steiner[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]])
