@@ -18,6 +18,7 @@ from bench.effects.effect import Conditions, Effect, Place
 from bench.effects.nominal import nominal_parameters
 from bench.effects.unlisted import unlisted
 from bench.errors import RobotError
+from bench.predict.another_payload import AnotherPayload
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_spec
 from bench.robot.folder import Robot, load_robot
 from bench.robot.patched import OF_FRICTION, Step, Structure, Unpatched
@@ -30,7 +31,9 @@ AGREEMENT = 1e-12  # relative, of numbers and of forces: rounding of derived num
 LATER = 3600.0  # [s], after all that sets in
 PAYLOAD = 12.0  # [kg]
 EFFECTS = {
-    name: effect for name, effect in {**catalogue(), **unlisted()}.items() if type(effect).edit is not Effect.edit
+    name: effect
+    for name, effect in {**catalogue(), **unlisted(), AnotherPayload.name: AnotherPayload()}.items()
+    if type(effect).edit is not Effect.edit
 }
 ROBOTS = ("small", "hh150", "kr300", "emps")
 # Names and texts, and where they begin. A patched model keeps room behind the attributes of plugins, which are compared

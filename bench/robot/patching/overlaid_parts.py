@@ -46,11 +46,14 @@ class _Body(_Carried):
     def sites(self) -> list[Part]:
         return self.overlay.carried(self.handle, "site")
 
+    @property
+    def bodies(self) -> list[Part]:
+        return self.overlay.carried(self.handle, "body")
+
     def find_all(self, kind: str) -> list[Part]:
         if kind != "body":
             raise NotPatchableError(f"find_all({kind!r})")
-        children = self.overlay.carried(self.handle, "body")
-        return [*children, *(below for child in children for below in child.find_all("body"))]
+        return [*self.bodies, *(below for child in self.bodies for below in child.find_all("body"))]
 
     def add_body(self, *, name: str, **values: Any) -> Part:
         return self.overlay.add(Add("body", name, self.handle), values)
