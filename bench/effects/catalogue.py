@@ -132,6 +132,8 @@ BUILT_IN: tuple[type[Effect], ...] = (
 
 # what drawings and data sheets leave out of a robot, and any first pass over moving data has
 LEFT_OUT = (CoulombFriction.name, ViscousFriction.name, UnstatedPayload.name, DriveDelay.name)
+# friction that every drive has, of which a model without any lacks one or both
+FRICTION_LEFT_OUT = (CoulombFriction.name, ViscousFriction.name, RollingFriction.name)
 
 
 def catalogue(files: Iterable[Path] = ()) -> Mapping[str, Effect]:

@@ -22,6 +22,10 @@ from bench.diagnose.name.search_space import SearchSpace, search_space
 from bench.diagnose.name.sizes import log_of_widths
 from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 from bench.effects.catalogue import catalogue
+from bench.effects.effect import Effect, Place
+from bench.effects.friction import CoulombFriction
+from bench.effects.friction_shape import LoadFriction, Stribeck
+from bench.effects.lubricant import RollingFriction
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from tests.diagnose.small_models import linear_of
@@ -204,6 +208,27 @@ def test_one_shape_is_preferred_to_several_causes_that_only_imitate_it(rng: np.r
     shape = first + second + third
     about = toy(8 * shape + 5 * other, first, second, third, other, shape)
     assert about.instead((0, 1, 2, 3)) == (3, 4)
+
+
+def of_joint(about: SearchSpace, *effects: Effect) -> SearchSpace:
+    """Return a linearised model whose first terms are effects at its only joint."""
+    place = Place("joint", 0, "joint 1")
+    causes = [Cause(effect, place, (), ()) for effect in effects]
+    return replace(about, what=(*causes, *about.what[len(effects) :]))
+
+
+@pytest.mark.parametrize("wrong", [0.0, 1.0])
+def test_friction_that_a_drawing_leaves_out_is_no_coincidence(rng: np.random.Generator, wrong: float) -> None:
+    """Coulomb and rolling friction of a stranger's elbow, which one curve over speed imitates, were called unlisted.
+
+    Where that curve fits far better, it is. Of two causes that not every drive has, nobody expects both.
+    """
+    level, rise, other = (rng.standard_normal(60) for _ in range(3))
+    shape = level + rise
+    about = toy(8 * shape + wrong * other, level, rise, shape + wrong / 8 * other)
+    expected = of_joint(about, CoulombFriction(), RollingFriction())
+    assert of_joint(about, Stribeck(), LoadFriction()).instead((0, 1)) == (2,)
+    assert expected.instead((0, 1)) == ((2,) if wrong else ())
 
 
 def test_a_shape_is_not_preferred_to_one_cause_that_does_as_well(rng: np.random.Generator) -> None:

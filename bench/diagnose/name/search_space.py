@@ -23,6 +23,7 @@ from bench.diagnose.name.candidate_model import CandidateModel
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.sizes import log_of_widths
 from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
+from bench.effects.catalogue import FRICTION_LEFT_OUT
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
 
@@ -100,6 +101,7 @@ class SearchSpace:
         Coulomb friction would be called unlisted, for a torque over angle and direction holds that too. Several causes
         that one shape does without are a coincidence that it does not need: there the posterior decides. So it does
         where listed terms need a shape beside them (which is of what they leave): as it is, it may do without some.
+        Friction that a drawing leaves out is no coincidence, for every drive has some: it does not pay for its odds.
         """
         before, has_shape = self.model.log_posterior(which), any(not self.model.terms[i].is_listed for i in which)
         listed = [i for i in which if self.model.terms[i].is_listed]
@@ -108,12 +110,17 @@ class SearchSpace:
         for shape in self._worth_trying(listed):
             kept, total = self._needed(listed, shape)
             gone = [i for i in listed if i not in kept]
+            explained = total - self.model.log_posterior(kept[:-1])
+            total += sum(self.model.terms[i].log_odds for i in gone if self._is_friction_left_out(i))
             if not gone or total <= best:
                 continue
-            explained = total - self.model.log_posterior(kept[:-1])
             if has_shape or len(gone) > 1 or explained - (total - before) < GREATER_PART * explained:
                 found, best = kept, total
         return found
+
+    def _is_friction_left_out(self, i: int) -> bool:
+        cause = self.cause(i)
+        return cause is not None and cause.effect.name in FRICTION_LEFT_OUT
 
     def _worth_trying(self, which: Sequence[int]) -> list[int]:
         """Return the free shapes that explain most in the place of all terms, of those at each drive, and of none."""
