@@ -28,7 +28,7 @@ class ChannelError:
         rms: Of measured less predicted.
         nominal: Of measured less what the nominal robot predicts; nan where that finds no balance.
         floor: Expected of a right model (`floor_variance`); chance may leave less.
-        measured: Of what was measured, about its mean.
+        measured: Of what was measured (`Quantity.size`).
         low, high: 90 % interval that was promised of `rms`; nan where nothing was.
     """
 
