@@ -166,8 +166,10 @@ def step_text(step: Step) -> str:
     added = " with ".join(cause_name(cause) for cause in step.added)
     held_out = f"held out {step.held_out:+.0f} ({step.low:.0f} to {step.high:.0f})"
     left = step_left(step)
-    part, not_confirmed = ("one recording", "") if step.recordings else ("a part of the runs", "not confirmed: ")
-    again = f"; {not_confirmed}only {percent(step.repeats)} of the searches without {part} find it"
+    share = percent(step.repeats)
+    again = f"; not confirmed: only {share} of the searches without a part of the runs find it"
+    if step.recordings:
+        again = f"; to be found it takes all recordings together (without one of them {share} of searches find it)"
     return (
         f"{added}: {step.log_evidence:+.0f}, {held_out}"
         + (f"; {left}" if left else "")

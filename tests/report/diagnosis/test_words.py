@@ -220,6 +220,11 @@ def in_two(accepted: bool, *nats: float) -> Step:
 def test_a_finding_of_the_machine_says_which_recordings_confirm_it() -> None:
     assert step_text(in_two(True, 12.0, 5.0)).endswith("confirmed by 2 of 2 recordings (A +12, B +5)")
     assert in_two(True, 12.0, -1.0).confirmed_by == ("A",)
+    # "only 0 % of the searches without one recording find it; confirmed by 2 of 2" said two things that are not one
+    assert step_text(replace(in_two(True, 12.0, 5.0), repeats=0.0)).endswith(
+        "; to be found it takes all recordings together (without one of them 0 % of searches find it); "
+        "confirmed by 2 of 2 recordings (A +12, B +5)"
+    )
     alone = in_two(True, float("nan"), float("nan"))
     assert confirmed_text(alone) == "confirmed by 0 of 2 recordings: one alone shows it"
 
