@@ -21,6 +21,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import NOMINAL
 from bench.errors import NOT_SIMULATED, InputError
+from bench.predict.another_payload import CARRIED_MASS, carried_by
 from bench.predict.errors import channel_errors, worst_stretches
 from bench.predict.fit_anew import freed_beside_the_day
 from bench.predict.free import checked
@@ -66,7 +67,9 @@ def predict(
             known = tuple(one for one in campaign.known if one.recording in ("", name))
             one = replace(campaign, runs=runs, known=known)
             found.append(_recording(name, one, model, nominal, promises, names, posterior))
-    return Prediction(model.robot.figures.title, nominal.robot.name, names, tuple(found))
+    figures = model.robot.figures
+    carried, as_in = carried_by(model)[CARRIED_MASS], figures.fitted.recording
+    return Prediction(figures.title, nominal.robot.name, names, tuple(found), carried, as_in)
 
 
 def _recording(
