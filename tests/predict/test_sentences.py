@@ -52,7 +52,7 @@ def test_a_broken_promise_comes_with_what_to_do(campaign: Campaign, nominal: Com
 
 
 def test_it_is_said_which_recording_a_model_carries_the_payload_of(campaign: Campaign, nominal: CompiledRobot) -> None:
-    """A model of two recordings broke its promise of the first: it had the payload of the second, and nothing said so."""
+    """A model of two recordings broke its promise of the first: it had the payload of the second."""
     found = promised(campaign, nominal, [0.5])
     assert (found.carried_kg, found.as_in) == (0.0, "")
     assert promise_sentence(found).endswith("It carries nothing, beside what a recording states.")
