@@ -110,6 +110,7 @@ def _written(compiled: CompiledRobot, world: World, folder: Path) -> CompiledRob
     readings, weights, _ = figures_with(compiled, world.deviations)
     before = robot.figures.fitted
     effects = (*before.effects, *(entry for one in acting.beside if (entry := entry_of(one))))
-    fitted = Fitted(readings=readings, weights=weights, effects=effects, unfinished=before.unfinished)
+    more = {"unfinished": before.unfinished, "recording": before.recording}
+    fitted = Fitted(readings=readings, weights=weights, effects=effects, **more)
     write_robot(robot, spec, robot.figures.model_copy(update={"fitted": fitted}), folder, "")
     return compile_robot(load_robot(folder))

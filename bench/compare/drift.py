@@ -13,7 +13,7 @@ from bench.compare.background import Background
 from bench.compare.comparison import NORMAL_90, Drift, Interval
 from bench.compare.levels import is_of_machine
 from bench.compare.search_changes import Found
-from bench.diagnose.extend.told import is_narrower
+from bench.diagnose.extend.told import is_told
 from bench.diagnose.replay.fitted import torque_constant_of
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.record.campaign import Array
@@ -48,7 +48,8 @@ def drifts_of(background: Background, found: Found) -> tuple[Drift, ...]:
     drifts = []
     for i, (nuisance, _) in enumerate(figures):
         mine = slice(i * n_after, (i + 1) * n_after)
-        if any(is_narrower(*pair) for pair in zip(sigma[mine].tolist(), prior[mine].tolist(), strict=True)):
+        variances = (sigma[mine] ** 2).tolist(), (prior[mine] ** 2).tolist()
+        if any(is_told(*pair) for pair in zip(*variances, strict=True)):
             drifts.append(_drift(background, nuisance, mean[mine], sigma[mine], float(prior[mine][0])))
     return tuple(drifts)
 

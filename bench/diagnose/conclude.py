@@ -78,6 +78,7 @@ def verdict_of(
         not_simulated=not_simulated,
         gain=gain.channels if gain else (),
         held_out_by=gain.by if gain else "",
+        held_out_of=gain.of if gain else "",
         steps=tuple(_step(finding) for finding in naming.findings),
         next=proposals,
         detectable=tuple(d for d in detection_limits(naming.screening) if (d.effect, d.place) not in naming.found),
@@ -147,7 +148,7 @@ def _step(finding: Finding) -> Step:
     named = (_named(finding.cause, finding.fit),)
     known = (finding.log_evidence, gain.nats, gain.low, gain.high, finding.is_taken, reason, gain.channels)
     is_of_machine = finding.cause.place.recording is None
-    return Step(named, *known, finding.repeats, gain.recordings if is_of_machine else ())
+    return Step(named, *known, finding.repeats, gain.recordings if is_of_machine else (), gain.of)
 
 
 def _unlisted(naming: Naming, discrepancy: Discrepancy | None) -> Unlisted | None:

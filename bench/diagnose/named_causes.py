@@ -17,7 +17,8 @@ class ParameterValue:
         value, low, high: As fitted, and the ends of its interval.
         unit: SI.
         words: What it is.
-        is_told: Whether the data say anything of it by itself; if not, value and interval are what was assumed.
+        is_told: Whether the data say more of it than was assumed; if not, value and interval are what was assumed, for
+            the most part.
     """
 
     name: str

@@ -80,11 +80,14 @@ class Step:
         low, high: 90 % interval of it, over the runs.
         accepted: Whether the model keeps it.
         reason: Why, in words.
-        channels: What each channel gains by it on what was held out.
+        channels: By how much each channel is missed where it was held out, without the finding (`before`) and with it
+            (`after`), everything else fitted both times.
         repeats: Share of searches, each without a part of the runs, that find it again; nan where none was made.
             What less than half of them find hangs on a few runs, and is not confirmed.
         recordings: Of a finding of the machine in several recordings: what each of them gains by it, fitted to the
             others; empty elsewhere.
+        of_recording: Name of the recording whose readings `channels` are, where it alone shows the finding; "": all
+            readings.
     """
 
     added: tuple[NamedCause, ...]
@@ -97,6 +100,7 @@ class Step:
     channels: tuple[ChannelGain, ...] = ()
     repeats: float = float("nan")
     recordings: tuple[RecordingGain, ...] = ()
+    of_recording: str = ""
 
     @property
     def confirmed_by(self) -> tuple[str, ...]:
@@ -142,6 +146,7 @@ class Verdict:
         not_simulated: Causes whose model found no balance along the measured motion.
         gain: Of every channel on data that were not fitted; empty where there is no extension to try.
         held_out_by: "recording", "run" or "block": what was left out as a whole to measure the gain.
+        held_out_of: Name of the recording of whose readings the gain is, where it alone shows what was found; "": all.
         steps: The findings, the one with the most evidence first, then the refused ones.
         next: Experiments that would tell more, the best first.
         predicted: What the model will leave of a recording that nobody has made yet, by channel.
@@ -169,6 +174,7 @@ class Verdict:
     findings: tuple[AmbiguityGroup, ...] = ()
     gain: tuple[ChannelGain, ...] = ()
     held_out_by: str = ""
+    held_out_of: str = ""
     steps: tuple[Step, ...] = ()
     next: tuple[Proposal, ...] = ()
     detectable: tuple[DetectionLimit, ...] = ()

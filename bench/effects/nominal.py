@@ -14,13 +14,22 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-from bench.record.campaign import Array
+from bench.effects.figure_edits import (
+    LEAST_SHARE,
+    body_shifted,
+    com_shifted,
+    joint_scaled,
+    mass_scaled,
+    mass_spread,
+    plugin_scaled,
+    plugin_shifted,
+    site_shifted,
+    stiffness_scaled,
+)
+from bench.effects.gas import CounterbalanceGas
 from bench.robot.compiled import FRICTION, CompiledRobot, SpecEdit
-from bench.robot.folder import Robot
-from bench.robot.moments_of_inertia import moments_of_inertia, second_moments
-from bench.robot.plugins import configure, number_of
+from bench.robot.moments_of_inertia import second_moments
 
-LEAST_SHARE = -0.999  # rounding: by which a figure that cannot be negative is off at most; MuJoCo needs rotors to weigh
 MOST_FACTOR = 1e3  # rounding: of a figure over what is stated of it; a gear a thousand times stiffer is rigid
 
 
@@ -38,6 +47,7 @@ class NominalParameter:
         is_viscous: It is viscous or rolling friction, which follow the temperature of their oil.
         widened: Times that sigma is larger than what is stated of it (`uncertainty.links`).
         of_mass: It is the mass of a link, or where that sits: of what is there, not of what is bolted to it later.
+        beside: Name of the effect without which it changes nothing in this robot; "": it always does.
     """
 
     name: str
@@ -49,6 +59,7 @@ class NominalParameter:
     is_viscous: bool = False
     widened: float = 1.0
     of_mass: bool = False
+    beside: str = ""
 
     def off_by(self, deviation: float) -> float:
         """Return by how much a deviation makes the figure larger than stated, in its unit; of a factor, as a share."""
@@ -70,36 +81,25 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
         joint, rotor, friction = drive.joint, drive.rotor, float(of_drives.friction[j])
         motor, link = drive.motor_friction, drive.link_friction
         found += [
-            _share(f"motor-side Coulomb friction of {joint}", friction, _scaled(motor, "coulomb")),
-            _share(f"link-side Coulomb friction of {joint}", friction, _scaled(link, "coulomb")),
-            _share(f"rotor inertia of {joint}", float(of_drives.rotor_inertia[j]), _joint_scaled(rotor, "armature")),
-            replace(_share(f"viscous friction of {joint}", friction, _joint_scaled(rotor, "damping")), is_viscous=True),
-            _factor(f"stiffness of {joint}", float(of_drives.stiffness[j]), _stiffness(drive.element)),
+            _share(f"motor-side Coulomb friction of {joint}", friction, plugin_scaled(motor, "coulomb")),
+            _share(f"link-side Coulomb friction of {joint}", friction, plugin_scaled(link, "coulomb")),
+            _share(f"rotor inertia of {joint}", float(of_drives.rotor_inertia[j]), joint_scaled(rotor, "armature")),
+            replace(_share(f"viscous friction of {joint}", friction, joint_scaled(rotor, "damping")), is_viscous=True),
+            _factor(f"stiffness of {joint}", float(of_drives.stiffness[j]), stiffness_scaled(drive.element)),
         ]
         if compiled.motor_rolling[j] > 0:
-            rolls = _share(f"rolling friction of {joint}", friction, _scaled(motor, "rolling"))
+            rolls = _share(f"rolling friction of {joint}", friction, plugin_scaled(motor, "rolling"))
             found.append(replace(rolls, is_viscous=True))
     for name in moving_bodies(compiled):
         if model.body(name).mass[0] > 0:
             found += [replace(one, of_mass=True) for one in _of_link(compiled, name)]
     for name in placed_bodies(compiled):
         found += [
-            NominalParameter(f"place of {name}, {axis}", "m", known.geometry_m, _place(name, i))
+            NominalParameter(f"place of {name}, {axis}", "m", known.geometry_m, body_shifted(name, i))
             for i, axis in enumerate("xyz")
         ]
-    balance = robot.figures.counterbalance
-    if balance and compiled.counterbalance:  # a cylinder without gas pulls at nothing, whatever its figures
-        actuator = balance.actuator
-        found.append(_share("gas constant C", known.gas_constant, _scaled(actuator, "constant")))
-        found.append(
-            NominalParameter("critical length l_c", "m", known.critical_length_m, _shifted(actuator, "critical_length"))
-        )
-        found += [
-            NominalParameter(f"anchor {site}, {axis}", "m", known.geometry_m, _anchor(site, i))
-            for site in _anchors(compiled)
-            for i, axis in enumerate("xyz")
-            if i != _across(compiled)
-        ]
+    if balance := robot.figures.counterbalance:
+        found += _of_cylinder(compiled, balance.actuator)
     return tuple(parameter for parameter in found if parameter.sigma > 0)
 
 
@@ -115,11 +115,29 @@ def presliding_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ..
     sigma = compiled.robot.figures.uncertainty.presliding
     sides = (("motor", compiled.motor_coulomb), ("link", compiled.link_coulomb))
     return tuple(
-        _factor(f"{PRESLIDING} on the {side} side of {drive.joint}", sigma, _scaled(element, FRICTION[1]))
+        _factor(f"{PRESLIDING} on the {side} side of {drive.joint}", sigma, plugin_scaled(element, FRICTION[1]))
         for j, drive in enumerate(compiled.robot.figures.drives)
         for (side, level), element in zip(sides, (drive.motor_friction, drive.link_friction), strict=True)
         if sigma > 0 and level[j] > 0
     )
+
+
+def _of_cylinder(compiled: CompiledRobot, actuator: str) -> Iterator[NominalParameter]:
+    """Yield what is uncertain in a counterbalance: where no gas is stated, what will be once some is found.
+
+    C is not, then: what is found is the charge relative to it (`CounterbalanceGas`), and the two are one number.
+    """
+    known, is_at_work = compiled.robot.figures.uncertainty, compiled.counterbalance is not None
+    beside = "" if is_at_work else CounterbalanceGas.name
+    if is_at_work:
+        yield _share("gas constant C", known.gas_constant, plugin_scaled(actuator, "constant"))
+    shifted = plugin_shifted(actuator, "critical_length")
+    yield NominalParameter("critical length l_c", "m", known.critical_length_m, shifted, beside=beside)
+    for site in _anchors(compiled):
+        for i, axis in enumerate("xyz"):
+            if i != _across(compiled):
+                name = f"anchor {site}, {axis}"
+                yield NominalParameter(name, "m", known.geometry_m, site_shifted(site, i), beside=beside)
 
 
 def _of_link(compiled: CompiledRobot, name: str) -> Iterator[NominalParameter]:
@@ -130,9 +148,9 @@ def _of_link(compiled: CompiledRobot, name: str) -> Iterator[NominalParameter]:
     """
     known = compiled.robot.figures.uncertainty
     length = known.links * known.centre_of_mass_m
-    yield replace(_share(f"mass of {name}", known.links * known.mass, _mass(name)), widened=known.links)
+    yield replace(_share(f"mass of {name}", known.links * known.mass, mass_scaled(name)), widened=known.links)
     for i, axis in enumerate("xyz"):
-        one = NominalParameter(f"centre of mass of {name}, {axis}", "m", length, _com(name, i))
+        one = NominalParameter(f"centre of mass of {name}, {axis}", "m", length, com_shifted(name, i))
         yield replace(one, widened=known.links)
     body = compiled.model.body(name)
     second = second_moments(body.inertia)
@@ -143,7 +161,7 @@ def _of_link(compiled: CompiledRobot, name: str) -> Iterator[NominalParameter]:
     mujoco.mju_quat2Mat(axes, body.iquat)
     for i in range(3):
         least = LEAST_SHARE * float(second[i] / second.sum())
-        edit = _spread(name, i, axes.reshape(3, 3))
+        edit = mass_spread(name, i, axes.reshape(3, 3))
         title = f"spread of the mass of {name} along its principal axis {i + 1}"
         yield NominalParameter(title, "", sigma, edit, least=least)
 
@@ -183,115 +201,6 @@ def _anchors(compiled: CompiledRobot) -> tuple[str, ...]:
 
 def _across(compiled: CompiledRobot) -> int:
     """Return the coordinate along the counterbalance's joint, in which its anchors must agree."""
-    balance = compiled.counterbalance
+    balance = compiled.robot.figures.counterbalance
     assert balance
-    return int(np.argmax(np.abs(compiled.model.jnt_axis[compiled.at.joint[balance.joint]])))
-
-
-def _scaled(actuator: str, key: str) -> Callable[[float], SpecEdit]:
-    return lambda factor: (
-        lambda spec, robot: configure(spec, actuator, **{key: factor * number_of(spec, actuator, key)})
-    )
-
-
-def _shifted(actuator: str, key: str) -> Callable[[float], SpecEdit]:
-    return lambda x: lambda spec, robot: configure(spec, actuator, **{key: x + number_of(spec, actuator, key)})
-
-
-def _joint_scaled(joint: str, attribute: str) -> Callable[[float], SpecEdit]:
-    def change(factor: float) -> SpecEdit:
-        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            found = spec.joint(joint)
-            setattr(found, attribute, getattr(found, attribute) * factor)
-
-        return edit
-
-    return change
-
-
-def _stiffness(element: str) -> Callable[[float], SpecEdit]:
-    def change(factor: float) -> SpecEdit:
-        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            tendon = spec.tendon(element)
-            tendon.stiffness = np.asarray(tendon.stiffness) * factor
-
-        return edit
-
-    return change
-
-
-def _mass(body: str) -> Callable[[float], SpecEdit]:
-    def change(factor: float) -> SpecEdit:
-        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            link = spec.body(body)
-            link.mass = link.mass * factor
-            link.inertia = np.asarray(link.inertia) * factor
-            link.fullinertia = np.asarray(link.fullinertia) * factor
-
-        return edit
-
-    return change
-
-
-def _spread(body: str, axis: int, axes: Array) -> Callable[[float], SpecEdit]:
-    """Return how a link's mass is spread wider along a principal axis; bodies that can exist stay so (A + B >= C).
-
-    Args:
-        body: Of the link.
-        axis: Which of the three.
-        axes: Shape (3, 3), principal axes of the nominal link, columns.
-    """
-
-    def change(x: float) -> SpecEdit:
-        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            link = spec.body(body)
-            is_full = not np.isnan(link.fullinertia[0])
-            inertia = np.asarray(link.inertia)
-            if is_full:
-                xx, yy, zz, xy, xz, yz = link.fullinertia
-                inertia = np.diag(axes.T @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ axes)
-            second = second_moments(inertia)
-            second[axis] = max(second[axis] + x * second.sum(), (1 + LEAST_SHARE) * second[axis])
-            inertia = moments_of_inertia(second)
-            if is_full:
-                full = (axes * inertia) @ axes.T
-                link.fullinertia = np.array([*np.diag(full), full[0, 1], full[0, 2], full[1, 2]])
-            else:
-                link.inertia = inertia
-
-        return edit
-
-    return change
-
-
-def _com(body: str, axis: int) -> Callable[[float], SpecEdit]:
-    def change(x: float) -> SpecEdit:
-        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            link = spec.body(body)
-            link.ipos = np.asarray(link.ipos) + x * np.eye(3)[axis]
-
-        return edit
-
-    return change
-
-
-def _place(body: str, axis: int) -> Callable[[float], SpecEdit]:
-    def change(x: float) -> SpecEdit:
-        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            link = spec.body(body)
-            link.pos = np.asarray(link.pos) + x * np.eye(3)[axis]
-
-        return edit
-
-    return change
-
-
-def _anchor(site: str, axis: int) -> Callable[[float], SpecEdit]:
-    def change(x: float) -> SpecEdit:
-        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            point = spec.site(site)
-            point.pos = np.asarray(point.pos) + x * np.eye(3)[axis]
-
-        return edit
-
-    return change
+    return int(np.argmax(np.abs(compiled.model.joint(balance.joint).axis)))

@@ -61,6 +61,9 @@ class AnotherPayload(Effect):
         return change if mass or np.any(second) or np.any(shift) else None
 
 
+CARRIED_MASS = f"{AnotherPayload.title}: mass"  # of `carried_by`
+
+
 def _payload_in(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjsBody:
     """Return the body that a model carries at the load point; the massless load body itself if there is none."""
     load = spec.body(robot.figures.load_body)
@@ -74,7 +77,7 @@ def carried_by(compiled: CompiledRobot) -> Mapping[str, float]:
     the body; so is the centre of a payload that is the load body itself.
     """
     model, body = compiled.model, _carried(compiled)
-    known = {"mass": float(model.body_mass[body])}
+    known = {"mass": float(model.body_mass[body])}  # `CARRIED_MASS`
     if body != model.body(compiled.robot.figures.load_body).id:
         turned = np.zeros(3)
         mujoco.mju_rotVecQuat(turned, model.body_ipos[body], model.body_quat[body])

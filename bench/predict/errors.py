@@ -56,7 +56,7 @@ def channel_errors(
                     rms=rms(error[rows, c]),
                     nominal=rms(nominal[rows, c]),
                     floor=rms(noise[rows, c]),
-                    measured=float(np.std(observed[rows, c])),
+                    measured=quantity.size(observed[rows, c], np.ones(int(rows.sum()))),
                     low=low,
                     high=high,
                 )

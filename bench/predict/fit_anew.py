@@ -111,7 +111,7 @@ def _settled(linear: LinearisedModel, free: Sequence[str]) -> tuple[LinearisedMo
     return linear, fit
 
 
-def fitted_as(linear: LinearisedModel, free: Sequence[str], inflation: Array) -> Fit:
+def fitted_as(linear: LinearisedModel, free: Sequence[str], inflation: Array) -> tuple[LinearisedModel, Fit]:
     """Fit what is free as `fit_anew`, with the standard errors of another fit.
 
     Args:
@@ -119,11 +119,14 @@ def fitted_as(linear: LinearisedModel, free: Sequence[str], inflation: Array) ->
         free: As of `fit_anew`; may be none.
         inflation: Shape (2, c), of the standard errors.
 
+    Returns:
+        As `fit_anew`.
+
     Raises:
         InputError, ConvergenceError, RobotError: As `fit_anew`.
     """
     linear = raised(_with_figures(linear, free), inflation / linear.inflation)
-    return refit(linear, freed_causes(free, linear.replay.compiled), {})
+    return linear, refit(linear, freed_causes(free, linear.replay.compiled), {})
 
 
 def _with_figures(linear: LinearisedModel, free: Sequence[str]) -> LinearisedModel:

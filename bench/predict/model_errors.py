@@ -67,6 +67,26 @@ class ModelErrors:
         bent[tangent.free] = cho_solve(cho_factor(tangent.free_precision), shows.T @ linear.whiten(others))
         return _squares((bent + own) @ self.root), _squares(bent @ self.root)
 
+    def rise(self, linear: LinearisedModel, fit: Fit) -> float:
+        """Return by how much they raise the log evidence of a fit, for what it leaves may be these errors.
+
+        With whitened changes E of what one standard deviation of each does, T the tangent of the fit, which is at its
+        optimum, and H the precision of its parameters, all is Gaussian, and they are integrated out:
+        b' A^-1 b / 2 - log det A / 2, where A = I + E'E - E'T H^-1 T'E and b = E'r, r what is left.
+
+        Args:
+            linear: The recording, with what is fitted.
+            fit: Of what is free.
+        """
+        tangent = tangent_of(linear, fit)
+        shows, errors = tangent.jacobian[:, tangent.free], linear.whiten(self.sensitivities) @ self.root
+        both = shows.T @ errors
+        precision = np.eye(errors.shape[1]) + errors.T @ errors
+        precision -= both.T @ cho_solve(cho_factor(tangent.free_precision), both)
+        pull = errors.T @ tangent.white
+        determinant = float(np.linalg.slogdet(precision)[1])
+        return 0.5 * (float(pull @ np.linalg.solve(precision, pull)) - determinant)
+
 
 def model_errors(linear: LinearisedModel, posterior: Posterior) -> ModelErrors:
     """Return the errors of a model about a recording.

@@ -21,11 +21,12 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import NOMINAL
 from bench.errors import NOT_SIMULATED, InputError
+from bench.predict.another_payload import CARRIED_MASS, carried_by
 from bench.predict.errors import channel_errors, worst_stretches
 from bench.predict.fit_anew import freed_beside_the_day
 from bench.predict.free import checked
 from bench.predict.freed import FreedFigure, beside_model, known_of
-from bench.predict.model_errors import model_errors
+from bench.predict.model_errors import ModelErrors, model_errors
 from bench.predict.prediction import SEEN, ChannelError, MaybeAnew, PredictedRecording, Prediction
 from bench.predict.worth_freeing import worth_freeing
 from bench.record.campaign import Array, Campaign
@@ -66,7 +67,9 @@ def predict(
             known = tuple(one for one in campaign.known if one.recording in ("", name))
             one = replace(campaign, runs=runs, known=known)
             found.append(_recording(name, one, model, nominal, promises, names, posterior))
-    return Prediction(model.robot.figures.title, nominal.robot.name, names, tuple(found))
+    figures = model.robot.figures
+    carried, as_in = carried_by(model)[CARRIED_MASS], figures.fitted.recording
+    return Prediction(figures.title, nominal.robot.name, names, tuple(found), carried, as_in)
 
 
 def _recording(
@@ -83,11 +86,12 @@ def _recording(
     noise = np.sqrt(floor_variance(stated))
     nominal_error = np.where(there, _left_by(nominal, stated), np.nan)
     linear, world, left = stated, NOMINAL, stated.residual
+    errors = model_errors(stated, posterior) if posterior else None
     freed, untold = tuple[FreedFigure, ...](), tuple[str, ...]()
     if free:
         anew, has = freed_beside_the_day(stated, free), known_of(model)
         linear, world, left = anew.linear, anew.world, anew.residual
-        rows = anew.figures(model_errors(stated, posterior) if posterior else None)
+        rows = anew.figures(errors)
         freed = tuple(beside_model(figure, in_all, has) for figure, in_all in rows if figure.is_told)
         untold = tuple(figure.name for figure, _ in rows if not figure.is_told)
     error = np.where(there, left, np.nan)
@@ -103,7 +107,7 @@ def _recording(
         freed=freed,
         is_exact=posterior is None,
         untold=untold,
-        maybe_anew=tuple(_maybe_anew(stated, free, channels)),
+        maybe_anew=tuple(_maybe_anew(stated, free, channels, errors)),
         channels=channels,
         stretches=worst_stretches(linear, error, noise, starts),
         starts=starts,
@@ -130,13 +134,16 @@ def _linearised(name: str, recording: Campaign, model: CompiledRobot, nominal: C
     )
 
 
-def _maybe_anew(stated: LinearisedModel, free: Sequence[str], channels: Sequence[ChannelError]) -> Iterator[MaybeAnew]:
+def _maybe_anew(
+    stated: LinearisedModel, free: Sequence[str], channels: Sequence[ChannelError], errors: ModelErrors | None
+) -> Iterator[MaybeAnew]:
     """Yield what is worth freeing and lowers the error of a channel, the likeliest first.
 
     Args:
         stated: The recording, linearised about the model as it stands.
         free: What is free already.
         channels: What the model leaves with that.
+        errors: Of the model; None: it is taken as exact.
     """
     nothing = np.full_like(stated.residual, np.nan)
 
@@ -145,7 +152,7 @@ def _maybe_anew(stated: LinearisedModel, free: Sequence[str], channels: Sequence
         left = np.where(measured(stated), freed_beside_the_day(stated, freed).residual, np.nan)
         return tuple(channel.rms for channel in channel_errors(stated, left, nothing, nothing, ()))
 
-    for one in worth_freeing(stated, free):
+    for one in worth_freeing(stated, free, errors):
         before = left_with(*free, *one.beside) if one.beside else tuple(channel.rms for channel in channels)
         with_it = left_with(*free, *one.beside, one.name)
         if any(then < (1 - SEEN) * now for now, then in zip(before, with_it, strict=True)):

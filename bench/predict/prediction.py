@@ -28,7 +28,7 @@ class ChannelError:
         rms: Of measured less predicted.
         nominal: Of measured less what the nominal robot predicts; nan where that finds no balance.
         floor: Expected of a right model (`floor_variance`); chance may leave less.
-        measured: Of what was measured, about its mean.
+        measured: Of what was measured (`Quantity.size`).
         low, high: 90 % interval that was promised of `rms`; nan where nothing was.
     """
 
@@ -154,12 +154,17 @@ class Prediction:
         nominal: Name of the robot that it is compared with.
         free: What was allowed to be anew in every recording.
         recordings: At least one.
+        carried_kg: Mass of the payload that the model has, beside what a recording states [kg].
+        as_in: Of several recordings that the model was made of, the one whose payload and zeros it has; "": of one, or
+            none says so.
     """
 
     model: str
     nominal: str
     free: tuple[str, ...]
     recordings: tuple[PredictedRecording, ...]
+    carried_kg: float
+    as_in: str
 
     @property
     def answers(self) -> tuple[Answer, ...]:

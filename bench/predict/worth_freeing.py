@@ -8,6 +8,10 @@ Several that pass may have one cause: gas that was lost looks like a payload, to
 next is tried, and so on; what then brings nothing more is left out, unless it does as well as one that stays. What does
 not pass by itself is tried once more beside all that was found: friction of a colder day shows nothing where another
 payload is most of what is left.
+
+A model errs by itself, too: its diagnosis knew its figures and findings to so much, and another motion shows what those
+that it was made of did not. These errors, as they vary together, are integrated out with a thing free and without
+(`model_errors.py`): what they explain as well needs nothing that is anew.
 """
 
 from collections.abc import Sequence
@@ -20,6 +24,7 @@ from bench.diagnose.name.simulation_error import SIMULATED
 from bench.errors import NOT_SIMULATED, InputError
 from bench.predict.fit_anew import fit_anew, fitted_as
 from bench.predict.free import FREE
+from bench.predict.model_errors import ModelErrors
 
 FALSE_HINTS = 0.01  # declared: of recordings in which nothing is anew
 AS_GOOD = 3.0  # declared: difference of log evidence, twenty to one, within which none of two is preferred
@@ -43,7 +48,9 @@ class WorthFreeing:
     beside: tuple[str, ...] = ()
 
 
-def worth_freeing(linear: LinearisedModel, free: Sequence[str]) -> tuple[WorthFreeing, ...]:
+def worth_freeing(
+    linear: LinearisedModel, free: Sequence[str], errors: ModelErrors | None = None
+) -> tuple[WorthFreeing, ...]:
     """Return what else is worth freeing in a recording, with what each does by itself, the likeliest first.
 
     What passes only beside the others comes last, with what it does beside them.
@@ -51,30 +58,33 @@ def worth_freeing(linear: LinearisedModel, free: Sequence[str]) -> tuple[WorthFr
     Args:
         linear: The recording, linearised about the model.
         free: What is free already.
+        errors: Of the model; None: it is taken as exact.
     """
-    tried = [one for name in FREE if name not in free and (one := _beside(linear, free, name))]
+
+    def beside(free: Sequence[str], name: str) -> WorthFreeing | None:
+        return _beside(linear, free, name, errors)
+
+    tried = [one for name in FREE if name not in free and (one := beside(free, name))]
     least = np.log(len(tried) / FALSE_HINTS) if tried else 0.0
     passing = sorted((one for one in tried if one.log_evidence > least), key=lambda one: -one.log_evidence)
-    found, beside = list[WorthFreeing](), list[str]()
+    found, passed = list[WorthFreeing](), list[str]()
     for one in passing:
-        more = _beside(linear, (*free, *beside), one.name) if beside else one
+        more = beside((*free, *passed), one.name) if passed else one
         if more and more.log_evidence > least:
             # by itself, or beside what was found, whichever says more
-            found.append(max(one, replace(more, beside=tuple(beside)), key=lambda which: which.log_evidence))
-            beside.append(one.name)
+            found.append(max(one, replace(more, beside=tuple(passed)), key=lambda which: which.log_evidence))
+            passed.append(one.name)
         elif any(_is_as_good(one, other) for other in found):
             found.append(one)
-    known = list(beside)
-    rest = [
-        more for one in tried if known and one not in passing and (more := _beside(linear, (*free, *known), one.name))
-    ]
+    known = list(passed)
+    rest = [more for one in tried if known and one not in passing and (more := beside((*free, *known), one.name))]
     for first in sorted(rest, key=lambda one: -one.log_evidence):
         if first.log_evidence <= least:
             break
-        more = first if beside == known else _beside(linear, (*free, *beside), first.name)
+        more = first if passed == known else beside((*free, *passed), first.name)
         if more and more.log_evidence > least:
-            found.append(replace(more, beside=tuple(beside)))
-            beside.append(first.name)
+            found.append(replace(more, beside=tuple(passed)))
+            passed.append(first.name)
     return tuple(found)
 
 
@@ -82,11 +92,14 @@ def _is_as_good(one: WorthFreeing, best: WorthFreeing) -> bool:
     return best.log_evidence - one.log_evidence < max(AS_GOOD, AS_SIMULATED * best.log_evidence)
 
 
-def _beside(linear: LinearisedModel, free: Sequence[str], name: str) -> WorthFreeing | None:
+def _beside(linear: LinearisedModel, free: Sequence[str], name: str, errors: ModelErrors | None) -> WorthFreeing | None:
     """Return what freeing something beside others brings; None where the recording shows nothing of it."""
     try:
-        wide, with_it = fit_anew(linear, (*free, name))
-        without = fitted_as(linear, free, wide.inflation)
+        with_it = fit_anew(linear, (*free, name))
+        without = fitted_as(linear, free, with_it[0].inflation)
     except (InputError, *NOT_SIMULATED):
         return None
-    return WorthFreeing(name, with_it.log_evidence - without.log_evidence)
+    with_evidence, evidence = (
+        fit.log_evidence + (errors.rise(own, fit) if errors else 0.0) for own, fit in (with_it, without)
+    )
+    return WorthFreeing(name, with_evidence - evidence)

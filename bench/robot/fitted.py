@@ -75,6 +75,7 @@ class Fitted(Strict):
     weights: FittedWeights = NO_WEIGHTS
     effects: tuple[FittedEffect, ...] = ()
     unfinished: str = Field("", description="why its diagnosis ended before it was done; else empty")
+    recording: str = Field("", description="of several that were fitted, the one whose payload and zeros it has")
 
     def __hash__(self) -> int:
         """Return a hash although dictionaries have none: robots are keys of what is kept in memory."""
@@ -83,7 +84,7 @@ class Fitted(Strict):
     @property
     def is_given(self) -> bool:
         """Whether anything stands in it."""
-        return self.model_copy(update={"unfinished": ""}) != NOTHING
+        return self.model_copy(update={"unfinished": "", "recording": ""}) != NOTHING
 
     def words(self) -> Iterator[str]:
         """Yield what stands in it, for people."""

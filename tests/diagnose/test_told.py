@@ -1,14 +1,18 @@
-"""What the data do not tell of a finding is not told: its value and interval are those of its prior."""
+"""What data do not tell is not told: value and interval are those of the prior, for the most part."""
 
 import numpy as np
 import pytest
 
 from bench.diagnose.conclude import _named
+from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.extend.told import told_sizes
 from bench.diagnose.linearise.candidates import Cause
 from bench.effects.effect import WHOLE
+from bench.identify.dynamics.quantities import Quantity
 from bench.report.diagnosis.names import parameter_text
+from tests.diagnose.made_runs import LENGTH, SIGMA, design_with, fit_of
 from tests.diagnose.small_models import WAVE, Shift, X, Z, fit_alone
+from tests.diagnose.sweeps import nominal
 
 CAUSE = Cause(Shift(), WHOLE, (X, Z), (WAVE,))
 PRIOR = X.high / np.sqrt(3)
@@ -27,18 +31,36 @@ def covariance(information: np.ndarray, wider: float = 1.0) -> np.ndarray:
         (np.diag([1e6, 1e6, 0.0]), [True, True]),
         (np.diag([1e6, 0.0, 0.0]), [True, False]),
         (np.diag([1e6, 1e-3, 0.0]), [True, False]),
-        (np.diag([1e6, 0.1, 0.0]), [True, True]),
+        # a mass of which data say a tenth of what was stated was told, with 0.95 of its prior's interval
+        (np.diag([1e6, 0.1, 0.0]), [True, False]),
+        (np.diag([1e6, 1.1, 0.0]), [True, True]),
         # their sum alone, as of the second moments of a payload that turns about one axis
         (1e7 * np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]]), [False, False]),
         # the sum well and the difference badly
         (np.array([[1e7, 1e7 - 1.0, 0.0], [1e7 - 1.0, 1e7, 0.0], [0.0, 0.0, 0.0]]), [True, True]),
         # with a shape that trades against the size: its prior counts
-        (1e4 * np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 1.0]]), [True, True]),
+        (1e4 * np.array([[1.0, 0.0, 0.5], [0.0, 1.0, 0.0], [0.5, 0.0, 0.25]]), [True, True]),
+        (1e4 * np.array([[1.0, 0.0, 2.0], [0.0, 1.0, 0.0], [2.0, 0.0, 4.0]]), [False, True]),
     ],
 )
 def test_a_size_is_told_by_data_alone(information: np.ndarray, told: list[bool]) -> None:
     fit = fit_alone(CAUSE, (1e-3, 1e-3, 1.9), covariance(information))
     assert list(told_sizes(CAUSE, fit).values()) == told
+
+
+@pytest.mark.parametrize(("information", "told"), [(0.9, False), (1.1, True)])
+def test_first_pass_figures_and_findings_have_one_rule(information: float, told: bool) -> None:
+    """A figure was told where 1 % of its prior's width was gone, a quantity of the first pass where 29 % were."""
+    variance = 1 / (1 + information)
+    assert (
+        list(told_sizes(CAUSE, fit_alone(CAUSE, (0, 0, 1), covariance(information * np.eye(3)))).values()) == [told] * 2
+    )
+    assert Quantity("inertia", "m", "kg", 1.0, 1.0, np.sqrt(variance), 1.0, np.zeros(1)).told is told
+    linear = design_with(np.zeros(LENGTH), SIGMA * np.sqrt(information / LENGTH) * np.ones((LENGTH, 1)), 1)
+    linear.replay.compiled = nominal()
+    (figure,) = fitted_figures(linear, fit_of(linear))
+    assert figure.high == pytest.approx(1.959964 * np.sqrt(variance))
+    assert figure.is_told is told
 
 
 def test_what_runs_disagree_about_by_more_than_its_prior_is_not_told() -> None:

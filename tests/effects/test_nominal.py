@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.effects.nominal import LEAST_SHARE, factor_of, nominal_parameters
+from bench.effects.figure_edits import LEAST_SHARE
+from bench.effects.nominal import factor_of, nominal_parameters
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 

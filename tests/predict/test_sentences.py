@@ -11,7 +11,7 @@ from bench.predict.predict import predict
 from bench.predict.prediction import Prediction
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.recording_clock import recording_clock_of
-from bench.report.prediction.sentences import broken_sentence, freed_text, headline, stretch_text
+from bench.report.prediction.sentences import broken_sentence, freed_text, headline, promise_sentence, stretch_text
 from bench.report.prediction.words import words_of
 from bench.robot.compiled import CompiledRobot
 
@@ -49,6 +49,20 @@ def test_the_worst_broken_promises_are_named(
 def test_a_broken_promise_comes_with_what_to_do(campaign: Campaign, nominal: CompiledRobot) -> None:
     assert "bench diagnose CAMPAIGN --given MODEL" in broken_sentence(promised(campaign, nominal, [0.5]))
     assert broken_sentence(promised(campaign, nominal, [2.0])) == ""
+
+
+def test_it_is_said_which_recording_a_model_carries_the_payload_of(campaign: Campaign, nominal: CompiledRobot) -> None:
+    """A model of two recordings broke its promise of the first: it had the payload of the second."""
+    found = promised(campaign, nominal, [0.5])
+    assert (found.carried_kg, found.as_in) == (0.0, "")
+    assert promise_sentence(found).endswith("It carries nothing, beside what a recording states.")
+    words = promise_sentence(replace(found, carried_kg=141.7234, as_in="b"))
+    assert "It carries 141.7 kg at the load point" in words
+    assert "as in b, the last of the recordings that it was made of" in words
+    fitted = nominal.robot.figures.fitted.model_copy(update={"recording": "b"})
+    figures = nominal.robot.figures.model_copy(update={"fitted": fitted})
+    model = replace(nominal, robot=replace(nominal.robot, figures=figures))
+    assert predict(campaign, model, nominal).as_in == "b"
 
 
 def test_errors_below_what_was_promised_are_no_broken_promises(campaign: Campaign, nominal: CompiledRobot) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from bench.diagnose.replay.posterior import Posterior, PosteriorParameter
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Acting
 from bench.hide.campaign import hide_campaign
@@ -82,6 +83,28 @@ def test_friction_is_named_beside_a_payload_that_is_most_of_what_is_left(nominal
 def test_gas_that_was_lost_is_named(nominal: CompiledRobot, lost: float) -> None:
     found = only(campaign_of(nominal, 5, "gas_loss", lost=lost), nominal, nominal)
     assert set(named(found)) == {"gas_amount", "gas_temperature"}  # warmth does as well, and nothing else is left
+
+
+@pytest.mark.parametrize("lost", [0.0, 0.05])
+def test_what_the_model_itself_may_err_by_is_nothing_anew(nominal: CompiledRobot, lost: float) -> None:
+    """`--free gas_temperature` was proposed of a KR300 whose gas was as before: its masses were no surer than that."""
+    mass, loss = (catalogue()[name] for name in ("link_mass", "gas_loss"))
+    place = mass.places(nominal)[0]
+    acting = [Acting(mass, place, mass.complete({"change": 0.03}))]
+    acting += [Acting(loss, WHOLE, loss.complete({"lost": lost}))] if lost else []
+    rng, scenario = np.random.default_rng(4), small_rotation(nominal.robot.folder)
+    recorded = hide_campaign(nominal.robot, scenario, acting, rng, background=False, tails=None).campaign
+    assert named(only(recorded, nominal, nominal))[0].startswith("gas")  # of a model that is exact
+
+    def hints(share: float) -> list[str]:
+        masses = [str(one) for one in stated.nuisances if str(one).startswith("mass of")]
+        parameters = tuple(PosteriorParameter(name, "", share, 0.0) for name in masses)
+        known = Posterior(parameters, np.eye(len(masses)))
+        return [one.name for one in predict(recorded, nominal, nominal, posterior=known).recordings[0].maybe_anew]
+
+    stated = predict(recorded, nominal, nominal).recordings[0].linear
+    assert (hints(0.03) != []) is bool(lost)
+    assert hints(1e-6) == named(only(recorded, nominal, nominal))
 
 
 def test_it_is_told_and_written(campaign: Campaign, nominal: CompiledRobot) -> None:

@@ -10,10 +10,11 @@ from bench.diagnose.cross_validation.jackknife import jackknife_variance
 from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.extend.fit import Fit, Key, Unknown
 from bench.diagnose.extend.size import NORMAL_95
-from bench.diagnose.extend.told import is_narrower, told_sizes
+from bench.diagnose.extend.told import told_sizes
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import torque_constant_of
 from bench.diagnose.replay.nuisances import Nuisance
+from bench.identify.told import is_told
 from bench.record.campaign import Array
 
 MOVED = 2.0  # declared: DESIGN 6.5: whatever moved beyond two standard deviations is named
@@ -41,7 +42,8 @@ class FittedFigure:
         sigmas: How far from that it was found, in these standard deviations; nan for a finding.
         trades_with: Name of the parameter with whose estimate its own is correlated most, "" where that is weak.
         correlation: Of both estimates; nan where it is weak.
-        is_told: Whether data say anything of it by itself; if not, its value and interval are its prior's.
+        is_told: Whether data say more of it than was known without them (`identify/told.py`); if not, its value and
+            interval are its prior's for the most part.
         earlier: What an earlier diagnosis had found, from which this one started; nan where it says nothing of it.
         has_changed: Whether it is another one than that diagnosis found, beyond what both know, however much it was
             expected to drift.
@@ -101,7 +103,7 @@ def fitted_figures(linear: LinearisedModel, fit: Fit, beside: Array | None = Non
         is_strong = abs(correlation[i, partner]) > TRADES
         if i < p:
             row = _figure(linear.nuisances[i], float(fit.nuisances[i]), float(wide[i]), clear)
-            row = replace(row, is_told=is_narrower(float(spread[i]), 1.0))  # by the campaign, whatever comes on top
+            row = replace(row, is_told=is_told(float(spread[i]) ** 2, 1.0))  # by the campaign, whatever comes on top
             constant = constants[i]
             row = row if constant is None else _of_constant(row, *constant)
         else:

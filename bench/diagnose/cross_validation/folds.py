@@ -25,6 +25,7 @@ class Folds:
         recordings: Name of the recording that each fold is; empty where folds are something else.
         own: How many of the folds, the first ones, are of the recording that shows an extension alone; None: all count.
             What is another recording's own cannot be predicted without that recording, and says nothing of this one.
+        of: Name of that recording; "": all count.
     """
 
     by: Literal["recording", "run", "block"]
@@ -32,6 +33,7 @@ class Folds:
     gap: NDArray[np.bool_]
     recordings: tuple[str, ...] = ()
     own: int | None = None
+    of: str = ""
 
     def __len__(self) -> int:
         return int(self.gap.shape[1])
@@ -39,6 +41,11 @@ class Folds:
     def of_rows(self, linear: LinearisedModel) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Return the fold, shape (m,), and the gaps, shape (m, K), of whitened readings."""
         return self.of_instants[linear.instant_of], self.gap[linear.instant_of]
+
+    @property
+    def counts(self) -> NDArray[np.bool_]:
+        """Shape (T,), instants of the folds that count."""
+        return self.of_instants < (len(self) if self.own is None else self.own)
 
     def sums(self, values: Array) -> Array:
         """Return sums over the instants of each fold, shape (K,), of values of shape (T,)."""
@@ -78,7 +85,7 @@ def folds_of(linear: LinearisedModel, changed: Array | None = None, only: str | 
     fold[mine] = inside.of_instants
     gap = np.zeros((len(run), len(inside) + len(names) - 1), dtype=bool)
     gap[np.flatnonzero(mine)[:, None], np.arange(len(inside))] = inside.gap
-    return Folds(inside.by, fold, gap, own=len(inside))
+    return Folds(inside.by, fold, gap, own=len(inside), of=names[alone])
 
 
 def _sums(group: NDArray[np.int64] | Array, values: Array, count: int) -> Array:

@@ -51,7 +51,7 @@ class ChannelGain:
         floor: Expected of a right model (`floor_variance`); chance may leave less.
         gain: 1 - after / before.
         low, high: 90 % interval of the gain, over the runs.
-        measured: Root mean square of what was measured about its mean, with the same weights.
+        measured: Root mean square of what was measured (`Quantity.size`), with the same weights.
         nominal: What the nominal model leaves as it stands, nothing fitted.
         over_better: 1 - after / min(before, nominal): the gain over the better of the two, for a model whose figures
             were bent by the other runs may predict a run worse than the nominal one does.
@@ -103,6 +103,7 @@ class HeldOut:
         folds: Number of them.
         channels: One entry for each column of the campaign that is compared.
         recordings: What each recording gains; nan where these were not what was held out, empty where there is one.
+        of: Name of the recording that alone shows the extension, of whose readings `channels` are; "": of all.
     """
 
     nats: float
@@ -113,6 +114,7 @@ class HeldOut:
     folds: int
     channels: tuple[ChannelGain, ...]
     recordings: tuple[RecordingGain, ...] = ()
+    of: str = ""
 
     @property
     def is_gain(self) -> bool:
@@ -138,13 +140,12 @@ def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: Linear
     acts_in = {cause.place.recording for cause in after.causes if cause.key in added}
     only = acts_in.pop() if len(acts_in) == 1 else None
     folds = folds_of(linear, linear.whiten(before.residual - after.residual), only)
-    weights = np.random.default_rng(SEED).dirichlet(np.ones(len(folds)), DRAWS)
     tangents = [tangent_of(own, fit) for own, fit in zip(designs, (before, after), strict=True)]
     one, two = (log_probability_of_folds(linear, tangent, folds) for tangent in tangents)
     figures = log_probability_of_figures(after, tangents[1], count) - log_probability_of_figures(before, tangents[0])
     rise = (two - one)[: folds.own]
-    own = np.random.default_rng(SEED).dirichlet(np.ones(len(rise)), DRAWS)
-    low, high = np.quantile(figures + len(rise) * own @ rise, (LOW, HIGH))
+    weights = np.random.default_rng(SEED).dirichlet(np.ones(len(rise)), DRAWS)
+    low, high = np.quantile(figures + len(rise) * weights @ rise, (LOW, HIGH))
     both = zip(designs, (before, after), tangents, strict=True)
     first, second = (errors_of_folds(own, fit, tangent, folds) for own, fit, tangent in both)
     return HeldOut(
@@ -156,6 +157,7 @@ def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: Linear
         folds=len(folds),
         channels=_channels(with_play(linear, after.play), folds, first, second, weights),
         recordings=_of_recordings(recordings_of(linear.segments), folds, two - one),
+        of=folds.of,
     )
 
 
@@ -179,7 +181,7 @@ def _channels(
 
     Args:
         linear: The campaign.
-        folds: What was held out at a time; K.
+        folds: What was held out at a time; K of them count.
         before: Shape (T, c), held-out errors without the extension.
         after: Shape (T, c), with it.
         weights: Shape (draws, K), of the bootstrap.
@@ -188,20 +190,18 @@ def _channels(
     observed = linear.observed
     found = []
     for c, quantity in enumerate(linear.quantities):
-        seen = np.isfinite(variance[:, c])
+        seen = np.isfinite(variance[:, c]) & folds.counts
         precision = np.where(seen, 1 / variance[:, c], 0.0)
         total = float(precision.sum())
         if total == 0:
             continue
-        about = np.where(seen, observed[:, c], 0.0)
-        about = about - float(precision @ about) / total
-        values = (before[:, c], after[:, c], linear.residual[:, c], about)
-        one, two, zero, raw = (folds.sums(precision * np.where(seen, value, 0.0) ** 2) for value in values)
+        values = (before[:, c], after[:, c], linear.residual[:, c])
+        one, two, zero = (folds.sums(precision * np.where(seen, value, 0.0) ** 2)[: folds.own] for value in values)
         drawn_one, drawn_two, drawn_zero = weights @ one, weights @ two, weights @ zero
         low, high = np.quantile(_gain(drawn_one, drawn_two), (LOW, HIGH))
         better_low, better_high = np.quantile(_gain(np.minimum(drawn_one, drawn_zero), drawn_two), (LOW, HIGH))
-        sums = np.array([one.sum(), two.sum(), zero.sum(), raw.sum()])
-        left, better, nominal, measured = np.sqrt(sums / total).tolist()
+        sums = np.array([one.sum(), two.sum(), zero.sum()])
+        left, better, nominal = np.sqrt(sums / total).tolist()
         gain, over_better = _gain(np.array([sums[0], min(sums[0], sums[2])]), sums[[1, 1]]).tolist()
         found.append(
             ChannelGain(
@@ -213,7 +213,7 @@ def _channels(
                 gain=gain,
                 low=float(low),
                 high=float(high),
-                measured=measured,
+                measured=quantity.size(observed[seen, c], precision[seen]),
                 nominal=nominal,
                 over_better=over_better,
                 over_better_low=float(better_low),

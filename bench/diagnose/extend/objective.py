@@ -82,6 +82,9 @@ class Objective:
         self.origin = np.array([unknown.parameter.null for unknown in self.unknowns])
         self.low, self.high = bounds_of(linear.nuisances, self.unknowns)
         self.units = np.concatenate([np.ones(len(linear.nuisances)), self.sigma])
+        at_work = {"", *(cause.effect.name for cause in causes)}
+        nothing = np.zeros(linear.sensitivities.shape[:2])
+        self._idle = {i: nothing for i, nuisance in enumerate(linear.nuisances) if nuisance.beside not in at_work}
         self._by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not nuisance.is_simulated]
         self._observed = linear.observed
 
@@ -160,7 +163,7 @@ class Objective:
         jacobian = np.zeros((*state.residual.shape, 0))
         if columns:
             jacobian = np.stack([columns[i] for i in range(len(self.unknowns))], axis=2)
-        renewed = nuisances or {}
+        renewed = {**(nuisances or {}), **self._idle}
         tangent = np.concatenate([self.linear.jacobian, self.linear.whiten(jacobian)], axis=1)
         if renewed:
             tangent[:, list(renewed)] = self.linear.whiten(np.stack(list(renewed.values()), axis=2))
@@ -208,7 +211,7 @@ class Objective:
         return {
             i: (simulated(_moved(nuisances, i, STEP_OF_NUISANCE)) - here) / STEP_OF_NUISANCE
             for i in which
-            if self.linear.nuisances[i].is_simulated
+            if self.linear.nuisances[i].is_simulated and i not in self._idle
         }
 
     def corrected(self, derivatives: Derivatives, before: State, after: State) -> Derivatives:

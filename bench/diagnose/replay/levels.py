@@ -15,10 +15,10 @@ from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
 from bench.effects.drifts import COULOMB, DAY_K
 from bench.effects.effect import REFERENCE_K
+from bench.effects.figure_edits import LEAST_SHARE
 from bench.effects.friction_elements import scale_coulomb
 from bench.effects.gas import amount_scaled
 from bench.effects.levels import acts_in
-from bench.effects.nominal import LEAST_SHARE
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.figures import Drive
 

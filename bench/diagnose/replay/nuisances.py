@@ -68,6 +68,7 @@ class Nuisance:
         recording: Name of the only recording in which it acts; None: in all.
         after_effects: It changes the model with all that was found in it, such as friction; else the nominal one.
         said_before: What each reading of an earlier diagnosis changes by with one unit of it (`given.py`).
+        beside: Name of the effect without which it changes nothing; "": it always does.
         earlier: What that diagnosis left of it; None: there is none, or it says nothing of it.
     """
 
@@ -92,6 +93,7 @@ class Nuisance:
     widened: float = 1.0
     of_mass: bool = False
     after_effects: bool = False
+    beside: str = ""
 
     @property
     def moves_robot(self) -> bool:
@@ -126,7 +128,7 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     found = []
     for p in (*nominal_parameters(compiled), *presliding_parameters(compiled)):
         one = Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor, least=p.least)
-        one = replace(one, widened=p.widened, of_mass=p.of_mass)
+        one = replace(one, widened=p.widened, of_mass=p.of_mass, beside=p.beside)
         found.append(replace(one, between="drifts", own=VISCOUS * DAY_K) if p.is_viscous else one)
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))

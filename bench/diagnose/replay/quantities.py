@@ -9,6 +9,7 @@ from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
 
 AXES = ("x", "y", "z")
+LOADS = ("A", "N", "Nm")  # units of forces, torques and the currents that make them: none is zero, in any frame
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,19 @@ class Quantity:
     def is_of_drive(self) -> bool:
         """Whether it belongs to one joint; `index` is its drive."""
         return self.is_drive or self.kind == "q_link"
+
+    def size(self, values: Array, weights: Array) -> float:
+        """Return how large what was measured is, a root mean square beside which an error is held.
+
+        It is that of a force, a torque or a current itself. Of all else, whose zero is a matter of frame and scale, it
+        is about the mean.
+
+        Args:
+            values: Shape (m,).
+            weights: Shape (m,), not all zero.
+        """
+        about = 0.0 if self.unit in LOADS else float(np.average(values, weights=weights))
+        return float(np.sqrt(np.average((values - about) ** 2, weights=weights)))
 
     def of(self, reading: Reading) -> Array:
         """Return its predicted values, shape (T,); zeros of what only a world says."""

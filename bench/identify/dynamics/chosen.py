@@ -19,12 +19,16 @@ ROUNDS = 2  # effort: of asking by how much the model errs beside its data; a th
 def with_its_delay(
     rows: Sequence[DriveRows], prior: Prior, band: Band, folds: Folds, *, find_delay: bool
 ) -> tuple[Solution, Missed]:
-    """Return the posterior, with a delay where that surely predicts what was held out better, and what it misses."""
+    """Return the posterior, with a delay where that surely predicts what was held out better, and what it misses.
+
+    Where it does not, the solution says which one a fit with one has.
+    """
     solution, at_once = _solved(rows, prior, band, folds, find_delay=False)
     if find_delay:
         late, later = _solved(rows, prior, band, folds, find_delay=True)
         if later.surely_less_than(at_once):
             return late, later
+        solution = replace(solution, not_taken=(late.delay, late.delay_sigma))
     return solution, at_once
 
 

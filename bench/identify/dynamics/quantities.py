@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.regressor import NAMES
+from bench.identify.told import is_told
 from bench.record.campaign import Array
 
 Kind = Literal["payload", "gas", "friction", "inertia", "drive"]
@@ -48,8 +49,8 @@ class Quantity:
 
     @property
     def told(self) -> bool:
-        """Whether the data say more of it than was known: its variance is at least halved."""
-        return self.sigma**2 < self.prior_sigma**2 / 2
+        """Whether the data say more of it than was known beforehand."""
+        return is_told(self.sigma**2, self.prior_sigma**2)
 
     def interval(self, quantile: float) -> tuple[float, float]:
         """Return the lower and upper end, `quantile` standard errors away."""

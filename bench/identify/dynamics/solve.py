@@ -41,6 +41,8 @@ class Solution:
         drives: Rows with factors and weights of the last pass.
         normal: The normal equations of all rows.
         freedom: Independent readings less what the parameters took of them.
+        not_taken: Delay of a fit with one, and its standard deviation [s], where that predicts no better; None:
+            there was no other fit.
     """
 
     parameters: Array
@@ -53,6 +55,7 @@ class Solution:
     drives: tuple[Weighed, ...]
     normal: Normal
     freedom: float
+    not_taken: tuple[float, float] | None = None
 
 
 def solve(

@@ -41,7 +41,7 @@ ACTS = {
     "gear angle": "an error of the gear of {place}",
     "reading": "an error of the readings of {place}",
 }
-UNTOLD = "these data do not tell it"  # of a parameter of which nothing but its prior is known
+UNTOLD = "these data do not tell it"  # of a parameter of which its prior says more than they do
 PART_OF_UNLISTED = "a part of what is unlisted, which could hold it as well"
 SLIDES = {"torque": "force", "angle": "position"}  # what a turning drive has -> what a sliding one has
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.diagnose.cross_validation.held_out import NOTICEABLE
 from bench.diagnose.experiment_design.propose import NONE
+from bench.diagnose.replay.quantities import LOADS
 from bench.diagnose.verdict import ChannelGain, Proposal, Step, UndetectableEffect, Verdict
 from bench.report.diagnosis.names import cause_name, channel_name, effect_at, listed, unlisted_name
 from bench.report.diagnosis.numbers import gain_percent, percent, shown, unit_name
@@ -17,6 +18,7 @@ COLUMN = re.compile(r"[a-z]+(?:_[a-z0-9]+)+")
 KNOWN = "known_"  # before the names of what the lab knows besides (`replay/quantities.py`)
 WORST = 3  # noisy channels that are named
 DECISIVE = 4.6  # log Bayes factor of odds of 100
+WITHOUT_AND_WITH = "without it -> with it"
 FLOOR = (
     "the error to be expected of a right model, by the stated noise and steps of the instruments, the scatter of "
     "repeats, and an assumed spread of where friction and play come to rest; it is no bound: by chance, or with better "
@@ -93,9 +95,10 @@ def gain_sentence(verdict: Verdict) -> str:
     if not known:
         return ""
     held_out = {"recording": "recordings", "run": "runs", "block": "stretches of runs"}.get(verdict.held_out_by, "data")
+    of = f" of recording {verdict.held_out_of}" if verdict.held_out_of else ""
     words = (
-        f"On {held_out} that were not fitted, {len(better)} of {len(known)} channels are predicted better than by the "
-        "nominal model, as it stands or with its figures fitted"
+        f"On {held_out}{of} that were not fitted, {len(better)} of {len(known)} channels are predicted better than by "
+        "the nominal model, as it stands or with its figures fitted"
     )
     return f"{words}, {len(worse)} worse." if worse else f"{words}, none worse."
 
@@ -112,8 +115,9 @@ def gain_text(gain: ChannelGain) -> str:
     values = (gain.measured, gain.nominal, gain.before, gain.after, gain.floor)
     measured, nominal, fitted, after, floor = shown(values, gain.unit, gain.floor or gain.after)
     unit = f" {unit_name(gain.unit)}".rstrip()
+    about = "" if gain.unit in LOADS else " about its mean"
     return (
-        f"{channel_name(gain.channel)}: {nominal} -> {after}{unit} of {measured} measured about its mean "
+        f"{channel_name(gain.channel)}: {nominal} -> {after}{unit} of {measured} measured{about} "
         f"(nominal fitted {fitted}, floor {floor}), gain {gain_percent(gain.over_better)} "
         f"({gain_percent(gain.over_better_low)} to {gain_percent(gain.over_better_high)})"
     )
@@ -162,8 +166,10 @@ def step_text(step: Step) -> str:
     added = " with ".join(cause_name(cause) for cause in step.added)
     held_out = f"held out {step.held_out:+.0f} ({step.low:.0f} to {step.high:.0f})"
     left = step_left(step)
-    part, not_confirmed = ("one recording", "") if step.recordings else ("a part of the runs", "not confirmed: ")
-    again = f"; {not_confirmed}only {percent(step.repeats)} of the searches without {part} find it"
+    share = percent(step.repeats)
+    again = f"; not confirmed: only {share} of the searches without a part of the runs find it"
+    if step.recordings:
+        again = f"; to be found it takes all recordings together (without one of them {share} of searches find it)"
     return (
         f"{added}: {step.log_evidence:+.0f}, {held_out}"
         + (f"; {left}" if left else "")
@@ -191,13 +197,17 @@ def refused_text(step: Step) -> str:
 
 
 def step_left(step: Step) -> str:
-    """Return what a step leaves of the channels that it makes clearly better, "" where there is none."""
+    """Return by how much channels are missed without a step and with it, "" where none becomes clearly better.
+
+    All else is fitted both times. What one recording alone shows is told of its readings.
+    """
     texts = []
     for gain in step.channels:
         if gain.gain > CLEARLY and gain.low > 0:
             before, after = shown((gain.before, gain.after), gain.unit, gain.floor or gain.after)
             texts.append(f"{channel_name(gain.channel)} {before} -> {after} {unit_name(gain.unit)}".rstrip())
-    return ", ".join(texts)
+    where = f", in recording {step.of_recording}" if step.of_recording else ""
+    return f"{WITHOUT_AND_WITH}{where}: {', '.join(texts)}" if texts else ""
 
 
 def proposal_text(proposal: Proposal) -> str:

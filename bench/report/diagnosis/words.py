@@ -102,7 +102,10 @@ def _finding(group: AmbiguityGroup) -> Iterator[str]:
 def _selection(verdict: Verdict) -> Iterator[str]:
     taken = [step for step in verdict.steps if step.accepted]
     if len(taken) > 1:
-        yield "Each finding beside all others: evidence, and that of data held out with its 90 % interval, in nats:"
+        yield (
+            "Each finding beside all others: evidence, and that of data held out with its 90 % interval, in nats; and "
+            "the error of what was held out, without it -> with it, all else fitted both times:"
+        )
         for step in taken:
             yield f"  {step_text(step)}"
         if given_up := steps_sentence(verdict):

@@ -10,6 +10,12 @@ from bench.report.dynamics.notes import notes_of
 from bench.report.dynamics.words import MODELS
 from bench.report.jsonable import to_jsonable
 
+AXES = (
+    "Moments and inertias of a link, mx to Izz, are about the origin of its joint's frame, along the axes of its body "
+    "in the MJCF. Those of a payload are about the load point, along the axes of the body that carries it, whichever "
+    "way the frame of the load point is turned; so are payload mx, my and mz in sums of base parameters."
+)
+
 
 def as_json(result: Dynamics, level: float) -> dict[str, object]:
     """Return a first pass as plain data."""
@@ -23,6 +29,7 @@ def as_json(result: Dynamics, level: float) -> dict[str, object]:
         "bandwidth_hz": to_jsonable(found.band.bandwidth_hz),
         "delay_s": to_jsonable(found.solution.delay),
         "delay_sigma_s": to_jsonable(found.solution.delay_sigma),
+        "delay_not_taken": _not_taken(found, quantile),
         "interval_level": level,
         "quantities": [
             {
@@ -38,6 +45,7 @@ def as_json(result: Dynamics, level: float) -> dict[str, object]:
             }
             for one in result.quantities
         ],
+        "axes": AXES,
         "links": _links(found),
         "compliance_rad_per_nm": None if found.compliance is None else to_jsonable(found.compliance),
         "held_out_by": found.folds.by,
@@ -51,6 +59,15 @@ def as_json(result: Dynamics, level: float) -> dict[str, object]:
         "advice": [sentence(motion, found) for motion in result.motions],
         "notes": list(notes_of(found)),
     }
+
+
+def _not_taken(found: FirstPass, quantile: float) -> dict[str, object] | None:
+    """Return the delay of a fit with one, where that predicts no better and is not taken; null elsewhere."""
+    if found.solution.not_taken is None:
+        return None
+    delay, sigma = found.solution.not_taken
+    half = quantile * sigma
+    return {"delay_s": to_jsonable(delay), "interval_s": [to_jsonable(delay - half), to_jsonable(delay + half)]}
 
 
 def _links(found: FirstPass) -> list[dict[str, object]]:

@@ -64,15 +64,24 @@ def _head(found: FirstPass) -> Iterator[str]:
         f"through one zero-phase low-pass of {band.cutoff_hz:.3g} Hz, {origin}."
     )
     if found.solution.delay_sigma > 0:
-        late, sigma = 1e3 * found.solution.delay, 1e3 * found.quantile() * found.solution.delay_sigma
-        yield f"Torques are read {late:.2f} ms ({late - sigma:.2f} to {late + sigma:.2f}) after the angles."
+        late = _milliseconds(found, found.solution.delay, found.solution.delay_sigma)
+        yield f"Torques are read {late} after the angles."
     else:
-        yield "No delay between angles and torques: with one, what was held out is not surely predicted better."
+        beside = f" of {_milliseconds(found, *found.solution.not_taken)}" if found.solution.not_taken else ""
+        yield (
+            f"No delay of torques after angles is taken: with one{beside}, what was held out is not surely predicted "
+            "better."
+        )
     if found.solution.widths.scale != AS_STATED:
         yield (
             "Torques are taken as they are read: with their scales free, what was held out is predicted no better. "
             "Intervals count the scales as uncertain as stated."
         )
+
+
+def _milliseconds(found: FirstPass, delay: float, sigma: float) -> str:
+    late, half = 1e3 * delay, 1e3 * found.quantile() * sigma
+    return f"{late:.2f} ms ({late - half:.2f} to {late + half:.2f})"
 
 
 def _errors(found: FirstPass, title: str, errors: dict[str, Array]) -> "Table":

@@ -84,14 +84,15 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path, un
     missing += [f"{nuisance.name}: figures have no place for it" for nuisance in left]
     effects = (*robot.figures.fitted.effects, *(entry for _, entry in beside))
     title = robot.figures.title.removesuffix(AS_FITTED) + AS_FITTED
-    fitted = Fitted(readings=readings, weights=weights, effects=effects, unfinished=unfinished)
+    recordings = recordings_of(linear.segments)
+    of_last = last if len(recordings) > 1 else ""
+    fitted = Fitted(readings=readings, weights=weights, effects=effects, unfinished=unfinished, recording=of_last)
     figures = robot.figures.model_copy(update={"title": title, "fitted": fitted})
     figures = with_drive_readings(figures, linear, [*linear.replay.fitted.acting, *(one for one, _ in beside)])
     folder.mkdir()
     after = write_robot(robot, spec, figures, folder, "")
     disagreement = _disagreement(linear, world, compile_robot(load_robot(folder)))
-    recordings = recordings_of(linear.segments)
-    readme = readme_of(robot, figures, missing, disagreement, last if len(recordings) > 1 else "")
+    readme = readme_of(robot, figures, missing, disagreement, of_last)
     (folder / README).write_text(readme, encoding="utf-8")
     name = f"{folder.name}/{figures.mjcf}"
     lines = difflib.unified_diff(text.splitlines(True), after.splitlines(True), nominal.name, name, n=2)

@@ -73,7 +73,18 @@ def promise_sentence(prediction: Prediction) -> str:
     return (
         f"Each interval was promised to hold with 90 % at least, so of {count} about {0.1 * count:.1g} or fewer fail "
         "by chance, above or below. They are about a recording of the same robot that carries what the model carries, "
-        "made at once or on another day."
+        f"made at once or on another day. {_carried(prediction)}"
+    )
+
+
+def _carried(prediction: Prediction) -> str:
+    """Return what the model carries beside what recordings state, and as in which recording."""
+    mass = f"{prediction.carried_kg:.4g} kg at the load point" if prediction.carried_kg > 0 else "nothing"
+    if not prediction.as_in:
+        return f"It carries {mass}, beside what a recording states."
+    return (
+        f"It carries {mass}, beside what a recording states, as in {prediction.as_in}, the last of the recordings that "
+        "it was made of; of these, too, it errs where another one carried something else."
     )
 
 

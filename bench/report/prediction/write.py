@@ -40,6 +40,8 @@ def json_of(prediction: Prediction) -> dict[str, Any]:
         "model": prediction.model,
         "nominal": prediction.nominal,
         "free": prediction.free,
+        "carried_kg": prediction.carried_kg,
+        "as_in_recording": prediction.as_in,
         "promised": len(prediction.answers),
         "kept": prediction.answers.count("kept"),
         "broken": prediction.is_broken,

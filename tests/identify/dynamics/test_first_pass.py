@@ -6,15 +6,19 @@ import numpy as np
 import pytest
 
 from bench.errors import InputError
+from bench.identify.arm import Arm
 from bench.identify.dynamics.advice import _information, advise, sentence
 from bench.identify.dynamics.consistency import inertial_parameters
 from bench.identify.dynamics.first_pass import FirstPass, first_pass
 from bench.identify.dynamics.prior import weighed
 from bench.identify.dynamics.quantities import Quantity, quantities
-from bench.identify.dynamics.regressor import N_INERTIAL
+from bench.identify.dynamics.regressor import N_INERTIAL, payload_columns
 from bench.record.campaign import Campaign, Run
 from bench.record.known import Known
 from bench.record.units import STANDARD_GRAVITY
+from bench.report.dynamics.as_json import AXES, as_json
+from bench.report.dynamics.identify import Dynamics
+from bench.report.dynamics.text import _head
 from bench.robot.bodies import Point, read_only
 from bench.robot.payload import with_payload
 from tests.identify.dynamics.rigid_world import Friction, N, arm, drawn, recorded, robot, truth_of
@@ -67,6 +71,32 @@ def test_delay_of_the_torques_is_found() -> None:
     found = first_pass(recorded(nominal, FRICTION, np.random.default_rng(2), sigma=0.5, late=6e-3), nominal)
     assert abs(found.solution.delay - 6e-3) < found.quantile(0.99) * found.solution.delay_sigma + 1e-4
     assert found.solution.delay_sigma < 1e-3
+
+
+def test_a_delay_that_is_not_taken_has_limits() -> None:
+    """It was "no delay", said of torques 3.2 ms late, said nothing of how late they may be."""
+    nominal, late = robot(arm()), 2e-4
+    found = first_pass(recorded(nominal, FRICTION, np.random.default_rng(2), sigma=5.0, late=late, **SHORT), nominal)
+    assert found.solution.delay == found.solution.delay_sigma == 0
+    assert found.solution.not_taken
+    delay, sigma = found.solution.not_taken
+    assert abs(delay - late) < found.quantile(0.99) * sigma
+    content = as_json(Dynamics((), found, (), (), {}), 0.9)
+    low, high = content["delay_not_taken"]["interval_s"]  # type: ignore[index]
+    assert low < late < high
+    said = next(line for line in _head(found) if "delay" in line)
+    assert f"with one of {1e3 * delay:.2f} ms (" in said
+
+
+def test_moments_of_a_payload_are_along_the_axes_of_the_body_that_carries_it() -> None:
+    """The load point of the KR300 is turned by 180 degrees, and nothing said which axes `dynamics.json` means."""
+    hook = arm().points["hook"]
+    turned = replace(arm(), points={"hook": replace(hook, rotation=read_only(np.diag([1.0, -1.0, -1.0])))})
+    columns = [payload_columns(Arm(bodies), "hook")[1] for bodies in (arm(), turned)]
+    np.testing.assert_array_equal(*columns)
+    about = inertial_parameters(np.outer([*hook.position, 1.0], [*hook.position, 1.0]))
+    np.testing.assert_allclose(columns[1][:, 0], about)  # one kilogram in the load point, about the joint
+    assert "axes of the body that carries it" in AXES
 
 
 def test_payload_is_told_against_stated_masses() -> None:

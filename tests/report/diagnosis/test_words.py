@@ -58,7 +58,7 @@ def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
     text = "\n".join(words_of(VERDICTS["cause"]))
     for words in (
         "lost 0.133 (0.113 to 0.152)",
-        "motor current 2: 0.405 -> 0.081 A of 2.310 measured about its mean (nominal fitted 0.612, floor 0.074), "
+        "motor current 2: 0.405 -> 0.081 A of 2.310 measured (nominal fitted 0.612, floor 0.074), "
         "gain 80 % (74 % to 86 %)",
         "Refused: mass of a link (upper arm): held-out runs do not become more probable.",
         "Next: the sweeps again, slower",
@@ -90,7 +90,12 @@ def test_a_climb_is_told_step_by_step() -> None:
     first = VERDICTS["cause"].steps[0]
     steps = (first, replace(first, added=(MASS,), log_evidence=7.0, channels=(NO_GAIN,)))
     lines = list(words_of(replace(VERDICTS["cause"], steps=steps)))
-    assert "  loss of gas: +94, held out +81 (60 to 103); motor current 2 0.612 -> 0.081 A" in lines
+    worth = "  loss of gas: +94, held out +81 (60 to 103); without it -> with it"
+    assert f"{worth}: motor current 2 0.612 -> 0.081 A" in lines
+    one = replace(first, of_recording="may")
+    lines_of_one = list(words_of(replace(VERDICTS["cause"], steps=(one, steps[1]))))
+    assert f"{worth}, in recording may: motor current 2 0.612 -> 0.081 A" in lines_of_one
+    assert any("without it -> with it, all else fitted both times" in line for line in lines)
     assert "  mass of a link (upper arm): +7, held out +81 (60 to 103)" in lines
 
 
@@ -215,6 +220,11 @@ def in_two(accepted: bool, *nats: float) -> Step:
 def test_a_finding_of_the_machine_says_which_recordings_confirm_it() -> None:
     assert step_text(in_two(True, 12.0, 5.0)).endswith("confirmed by 2 of 2 recordings (A +12, B +5)")
     assert in_two(True, 12.0, -1.0).confirmed_by == ("A",)
+    # "only 0 % of the searches without one recording find it; confirmed by 2 of 2" said two things that are not one
+    assert step_text(replace(in_two(True, 12.0, 5.0), repeats=0.0)).endswith(
+        "; to be found it takes all recordings together (without one of them 0 % of searches find it); "
+        "confirmed by 2 of 2 recordings (A +12, B +5)"
+    )
     alone = in_two(True, float("nan"), float("nan"))
     assert confirmed_text(alone) == "confirmed by 0 of 2 recordings: one alone shows it"
 

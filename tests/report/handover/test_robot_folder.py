@@ -79,6 +79,19 @@ def design_parts(linear: LinearisedModel) -> tuple:
     return linear.segments, linear.quantities
 
 
+@pytest.mark.parametrize(("names", "kept"), [(("may", "june"), "june"), (("", ""), "")])
+def test_the_folder_says_which_recording_it_is_of(
+    linear: LinearisedModel, tmp_path: Path, names: tuple[str, str], kept: str
+) -> None:
+    segments, quantities = design_parts(linear)
+    first, rest = len(segments) // 2, len(segments) - len(segments) // 2
+    whose = [names[0]] * first + [names[1]] * rest
+    told = tuple(replace(segment, recording=name) for segment, name in zip(segments, whose, strict=True))
+    both = replace(linear, replay=Replay(linear.replay.compiled, told, quantities))
+    hand_over(both, fit_of(both, CASES["encoder delay"], np.random.default_rng(3)), tmp_path / "r", tmp_path / "n.xml")
+    assert load_robot(tmp_path / "r").figures.fitted.recording == kept
+
+
 def test_an_effect_of_a_users_own_file_is_said_to_be_missing(linear: LinearisedModel, tmp_path: Path) -> None:
     class Own(EncoderDelay):
         name = "own_delay"
