@@ -124,10 +124,17 @@ def _large(verdict: Verdict, room: int) -> str:
     for found in names:
         if len(text := listed(found, "and") + words) <= room:
             return text
-    if some := fitting(names[1], "and", room):
-        return some
-    rest = f"{len(large)} findings" if len(large) > 1 else f"one of {len(large[0].names)} causes"
-    return rest + words if len(rest + words) <= room else ""
+    if len(text := listed(names[1], "and")) <= room:
+        return text
+    if len(large) == 1:
+        rest = f"one of {len(large[0].names)} causes{words}"
+        return rest if len(rest) <= room else ""
+    count = f"{len(large)} findings"
+    if some := fitting(names[1], "and", room - len(f"{count}: ")):
+        return f"{count}: {some}"
+    several = sum(len(group.names) > 1 for group in large)
+    rest = count + (words if others else f", of {several} of which these data cannot tell the cause")
+    return rest if len(rest) <= room else ""
 
 
 def _names(group: AmbiguityGroup) -> str:

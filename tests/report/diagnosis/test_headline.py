@@ -160,6 +160,23 @@ def test_findings_with_several_names_have_one_each_in_a_long_headline() -> None:
     )
 
 
+def test_findings_that_have_no_room_are_counted_and_so_are_those_with_several_names() -> None:
+    """Of twelve findings, two of which had a second name, "which these data cannot tell apart" was said."""
+    many = [finding(replace(ZERO, place=f"link {i}", share=0.5, sigmas=30.0 - i)) for i in range(12)]
+    found = (*many, finding(replace(GAS, share=0.3), WARM))
+    one = replace(VERDICTS["several"], findings=found)
+    assert headline(one).startswith("13 findings: zero of a joint (link 0), zero of a joint (link 1)")
+    assert headline(one).endswith("and others.")
+    shape = Unlisted("joint 2", "motor torque", "angle and direction")
+    words = headline(replace(one, unlisted=replace(shape, stands_out=True)))
+    long = tuple(
+        finding(*(replace(c, title=f"{c.title} {'that a drawing leaves out' * 5}") for c in (ZERO, GAS)[: 1 + (i < 2)]))
+        for i in range(12)
+    )
+    assert words.startswith("13 findings")
+    assert headline(replace(one, findings=long)) == "12 findings, of 2 of which these data cannot tell the cause."
+
+
 def test_where_least_squares_leaves_less_by_chance_it_is_said_below_the_table() -> None:
     """On a SCARA plain least squares was 8 and 10 % better on two joints, over four runs, and no word said so."""
     sound = VERDICTS["as good as least squares"]
