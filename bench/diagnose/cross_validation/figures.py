@@ -29,7 +29,7 @@ class FittedFigure:
     """One fitted parameter: `stated`, `earlier`, `found`, `low` and `high` are values of one and the same thing.
 
     Attributes:
-        name: For people.
+        name: For people; "in recording x": the part of its own that a recording has, on top of that of the machine.
         kind: "figure" of robot or instruments, stated with an uncertainty; "finding": a parameter of a cause;
             "campaign": what belongs to these recordings and not to the robot, and is not handed over.
         unit: SI; "" for a share of what is stated.
@@ -83,6 +83,10 @@ def fitted_figures(linear: LinearisedModel, fit: Fit, beside: Array | None = Non
     """
     p, compiled = len(fit.nuisances), linear.replay.compiled
     constants = [torque_constant_of(compiled, nuisance) for nuisance in linear.nuisances]
+    of_machine = {nuisance.name for nuisance in linear.nuisances if nuisance.recording is None}
+    for i, (nuisance, constant) in enumerate(zip(linear.nuisances, constants, strict=True)):
+        if constant and nuisance.recording is not None and nuisance.name in of_machine:
+            constants[i] = np.nan, constant[1]  # the part of a day, as a share: it comes on top of the machine's
     # what a drive reports falls where its constant rises
     sign = np.array([*(1.0 if constant is None else -1.0 for constant in constants), *np.ones(len(fit.unknowns))])
     tangent = tangent_of(linear, fit)

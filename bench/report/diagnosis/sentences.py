@@ -124,8 +124,13 @@ def gain_text(gain: ChannelGain) -> str:
 
 
 def remainder_sentence(verdict: Verdict) -> str:
-    """Return that something is left without a shape, "" where that is not so."""
+    """Return that something is left without a shape, or that no model has it; "" where that is not so."""
     unlisted = verdict.unlisted
+    if unlisted and unlisted.stands_out and not unlisted.runs and verdict.findings:
+        return (
+            f"The robot that is handed over lacks what is unlisted, {unlisted_name(unlisted)}. It is fitted without "
+            "that, so its figures (figures.csv) are not the sizes above, which are those beside it."
+        )
     if unlisted is None or unlisted.stands_out:
         return ""
     return (

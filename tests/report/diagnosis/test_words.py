@@ -265,3 +265,13 @@ def test_the_floor_is_no_bound() -> None:
     text = "\n".join(words_of(VERDICTS["cause"]))
     assert "the floor is the error to be expected of a right model" in text
     assert "it is no bound" in text
+
+
+def test_a_robot_that_lacks_what_is_unlisted_is_said_to_have_other_sizes() -> None:
+    """Coulomb friction of 2.20 Nm in the verdict was 3.10 Nm in the robot, and no word said so."""
+    words = "The robot that is handed over lacks what is unlisted, an error of the readings of tracker"
+    beside = VERDICTS["unlisted beside a listed one"]
+    assert beside.unlisted
+    for runs in (False, True):
+        text = "\n".join(words_of(replace(beside, unlisted=replace(beside.unlisted, runs=runs))))
+        assert (words in text) != runs

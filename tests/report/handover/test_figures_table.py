@@ -66,6 +66,26 @@ def test_the_table_is_the_fit(linear: LinearisedModel) -> None:
                 assert (text[field.name] == "") if np.isnan(value) else float(text[field.name]) == value
 
 
+def test_the_part_of_a_day_is_told_as_a_share(linear: LinearisedModel) -> None:
+    """A constant of 10.97 Nm/A and its part of a day, 9.07 "instead of 9.40": the robot had 10.59."""
+    which = next(i for i, one in enumerate(linear.nuisances) if one.name.startswith("torque constant of"))
+    own = replace(linear.nuisances[which], recording="june")
+    both = replace(
+        linear,
+        nuisances=(*linear.nuisances, own),
+        sensitivities=np.concatenate([linear.sensitivities, linear.sensitivities[:, :, [which]]], axis=2),
+        jacobian=np.concatenate([linear.jacobian, linear.jacobian[:, [which]]], axis=1),
+    )
+    fit = refit(linear, (), {})
+    fit = replace(fit, nuisances=np.append(fit.nuisances, 0.5))
+    rows = {row.name: row for row in fitted_figures(both, fit)}
+    day = rows[str(own)]
+    assert day.unit == ""
+    assert day.stated == 0
+    assert 1 + day.found == pytest.approx(1 / (1 + 0.5 * own.sigma))
+    assert rows[own.name].found != day.found
+
+
 def test_a_figure_that_moved_is_named_with_what_it_trades_against() -> None:
     moved = FittedFigure("stiffness of a", "figure", "", 0.0, 0.09, 0.07, 0.11, 0.03, 3.0, "mass of b", -0.8)
     turned = FittedFigure("turn", "figure", "rad", 0.0, -1e-3, -1.2e-3, -8e-4, 2e-4, -5.0, "", np.nan)
