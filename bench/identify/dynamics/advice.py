@@ -50,8 +50,9 @@ def advise(found: FirstPass, quantities: Sequence[Quantity]) -> tuple[Motion, ..
     open_ones = [one for one in quantities if not one.told and one.kind != "drive"]
     motions = list(_candidates(found))
     information = [_information(found, motion) for motion in motions]
-    free = (0,) * found.layout.n  # a motion has to tell offsets and differences however large they are
-    factor = found.prior.factor(replace(found.solution.widths, offset=free, difference=free))
+    widths = found.solution.widths  # a motion has to tell offsets and optional friction however large they are
+    free = replace(widths, offset=(0,) * len(widths.offset), optional=(0,) * len(widths.optional))
+    factor = found.prior.factor(free)
     inner = np.eye(len(factor)) + factor.T @ found.solution.normal.gram @ factor
     chosen: list[Motion] = []
     while open_ones and len(chosen) < MOST:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.identify.dynamics.band import Band
+from bench.identify.dynamics.equations import OPTIONAL
 from bench.identify.dynamics.folds import Folds
 from bench.identify.dynamics.held_out import Missed, missed
 from bench.identify.dynamics.normal import log_evidence
@@ -13,6 +14,8 @@ from bench.identify.dynamics.prior import NARROWEST, NONE, Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
 from bench.identify.dynamics.solve import Solution, solve
 
+# declared: log evidence from where on a drive has it; 100 to 1, as a diagnosis asks of a finding
+WANTED = {"viscous_difference": 0.0, "rolling": float(np.log(100.0))}
 ROUNDS = 2  # effort: of asking by how much the model errs beside its data; a third changes a tenth of that
 
 
@@ -53,8 +56,10 @@ def _held_out_widths(solution: Solution, beside: Missed, prior: Prior, folds: Fo
     """Return the widths with those that held-out errors choose: what is not needed to predict is left out.
 
     Scales of torques stay as read where all drives together are predicted no worse so, each by the logarithm of its
-    error. An offset is held where its drive's torque is predicted no worse without it. Viscous friction differs between
-    the directions where the evidence wants that and the drive is predicted better: it bends in what a model misses.
+    error. An offset is held where its drive's torque is predicted no worse without it. Optional friction (viscous that
+    differs between the directions, rolling) is there where the evidence wants it and the drive is predicted better: it
+    bends in what a model misses. Rolling friction is much like Coulomb and viscous friction together, so chance has it
+    in their place unless the evidence wants it for sure.
     """
     as_read = replace(solution, widths=replace(solution.widths, scale=NARROWEST))
     tried = missed(as_read, prior, folds)
@@ -67,15 +72,17 @@ def _held_out_widths(solution: Solution, beside: Missed, prior: Prior, folds: Fo
         tried = missed(without, prior, folds)
         if tried.squares[:, drive].sum() <= beside.squares[:, drive].sum():
             solution, beside = without, tried
-    for drive, noise in enumerate(solution.noise):
-        if noise is None:
+    for place in range(len(solution.widths.optional)):
+        drive = place % len(solution.noise)
+        if solution.noise[drive] is None:
             continue
-        line = [solution.widths.differing(drive, width) for width in range(NONE, 1)]
-        best = max(line, key=lambda widths: log_evidence(solution.normal, prior, widths))
-        if best == solution.widths:
+        line = [solution.widths.with_optional(place, width) for width in range(NONE, 1)]
+        evidence = [log_evidence(solution.normal, prior, widths) for widths in line]
+        best = line[int(np.argmax(evidence))]
+        if max(evidence) - evidence[0] <= WANTED[OPTIONAL[place // len(solution.noise)]]:
             continue
-        uneven = replace(solution, widths=best)
-        tried = missed(uneven, prior, folds)
+        more = replace(solution, widths=best)
+        tried = missed(more, prior, folds)
         if tried.squares[:, drive].sum() < beside.squares[:, drive].sum():
-            solution, beside = uneven, tried
+            solution, beside = more, tried
     return solution.widths

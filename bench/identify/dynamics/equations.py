@@ -1,11 +1,12 @@
 """The linear equations of a stretch of motion, model and data through the same filter.
 
-    tau = Y(q, v, a) pi + J_r a + F_c sign(v) + F_v v + F_d |v| + offset + g M(q) + S x - J_f^T W
+    tau = Y(q, v, a) pi + J_r a + (F_c + F_v |v| + F_r |v|^(2/3)) sign(v) + F_d |v| + offset + g M(q) + S x - J_f^T W
 
 for each drive: pi inertial parameters of the links, J_r rotor inertia, F_c Coulomb and F_v viscous friction, F_d half
-the difference of viscous friction between the directions (that of Coulomb friction cannot be told from the offset), g
-the gas of the counterbalance with its nominal torque M, x how much softer gears are than stated and S what their
-winding adds (`bending.py`), W the known load.
+the difference of viscous friction between the directions (that of Coulomb friction cannot be told from the offset),
+F_r rolling friction of lubricated bearings (`bench/actuators/README.md`), which bends over speed, g the gas of the
+counterbalance with its nominal torque M, x how much softer gears are than stated and S what their winding adds
+(`bending.py`), W the known load.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +23,9 @@ from bench.record.moving import TRAVELS, TURNING
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.nominal_dynamics import NominalDynamics
 
-DRIVE_COLUMNS = ("rotor", "coulomb", "viscous", "viscous_difference", "offset")
+DRIVE_COLUMNS = ("rotor", "coulomb", "viscous", "viscous_difference", "rolling", "offset")
+OPTIONAL = ("viscous_difference", "rolling")  # friction that a drive has where evidence and held-out errors want it
+ROLLING = 2 / 3  # exact: power of speed with which rolling friction grows (`bench/actuators/README.md`)
 GAS_SHAPE = ("critical_length", "dead_centre", "rho", "b")  # of `Counterbalance`
 # assumed: share of what a thinned sample is made of in which a joint has to move; half blurs the turns in
 MOSTLY = 0.8
@@ -37,7 +40,7 @@ class Equations:
         time: Shape (T,) [s].
         position: Shape (T, n), filtered.
         links: Shape (T, n, 10 n), factors of the links' inertial parameters.
-        drives: Shape (T, n, 5), factors of `DRIVE_COLUMNS`, each of its own drive only.
+        drives: Shape (T, n, 6), factors of `DRIVE_COLUMNS`, each of its own drive only.
         gas: Shape (T, 1 + 4), motor torque against the nominal gas, and its derivatives by `GAS_SHAPE`; zeros without a
             counterbalance.
         winding: Shape (T, n, n) [Nm], what the winding of each gear, stiff as stated, adds to each drive; zeros until
@@ -75,8 +78,9 @@ def equations_of(samples: MotionSamples, band: Band, arm: Arm, nominal: NominalD
     position, velocity, acceleration = band.smooth(samples)
     count, n = position.shape
     kept = band.kept(samples)
-    way = np.sign(velocity)
-    drives = np.stack([acceleration, way, velocity, np.abs(velocity), np.ones_like(velocity)], axis=2)
+    way, speed = np.sign(velocity), np.abs(velocity)
+    columns = [acceleration, way, velocity, speed, way * speed**ROLLING, np.ones_like(velocity)]
+    drives = np.stack(columns, axis=2)
     moving = (np.abs(velocity) > TURNING * top) & (top > 0) & (np.ptp(position, axis=0) > TRAVELS)
     read = np.isfinite(samples.torque).all(axis=0)
     links = link_regressor(arm, position, velocity, acceleration).reshape(count, -1)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.identify.arm import Arm
-from bench.identify.dynamics.equations import GAS_SHAPE
+from bench.identify.dynamics.equations import GAS_SHAPE, OPTIONAL, ROLLING
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL, standard_parameters
 from bench.record.campaign import Array, Campaign
@@ -20,7 +20,7 @@ WIDER = np.sqrt(10.0)  # effort: between one width and the next that is tried
 WIDEST = 6  # effort: a thousand times what was stated; as good as unknown
 NARROWEST = -4  # assumed: a hundredth of the whole torque; less would claim to know that there is none
 AS_STATED = 0  # exact: once what was stated
-# exact: nothing beyond what is stated, of an offset; of a difference of the directions, none at all
+# exact: nothing beyond what is stated, of an offset; of optional friction, none at all
 NONE = NARROWEST - 1
 
 
@@ -36,8 +36,8 @@ class Widths:
         friction: Of friction that is stated, likewise.
         offset: For each drive, of its torque offset beyond what is stated, which a first pass most easily takes for
             gravity; 0 or less.
-        difference: For each drive, of viscous friction that differs between the directions; 0 or less. At `NONE`, where
-            it begins, there is none: it bends in what a model misses at low speed.
+        optional: Of each of `OPTIONAL`, for each drive; 0 or less. At `NONE`, where it begins, there is none: it bends
+            in what a model misses at low speed.
         held: Drives whose width of the offset stays at its least.
         stated: Drives of whose offset an uncertainty is stated: there is nothing beyond it (`NONE`) until the evidence
             wants more.
@@ -48,7 +48,7 @@ class Widths:
     figures: int
     friction: int
     offset: tuple[int, ...]
-    difference: tuple[int, ...]
+    optional: tuple[int, ...]
     held: frozenset[int] = frozenset()
     stated: frozenset[int] = frozenset()
     stated_offset: int = AS_STATED
@@ -62,9 +62,9 @@ class Widths:
         """Return these with the offset of one more drive held."""
         return replace(self, offset=_with(self.offset, drive, self.least(drive)), held=self.held | {drive})
 
-    def differing(self, drive: int, width: int) -> "Widths":
-        """Return these with another width of a drive's difference between the directions."""
-        return replace(self, difference=_with(self.difference, drive, width))
+    def with_optional(self, place: int, width: int) -> "Widths":
+        """Return these with another width of one optional friction of one drive."""
+        return replace(self, optional=_with(self.optional, place, width))
 
     def neighbours(self) -> tuple["Widths", ...]:
         """Return the widths one step away."""
@@ -84,13 +84,13 @@ class Widths:
         return tuple(found)
 
     def lines(self) -> tuple[tuple["Widths", ...], ...]:
-        """Return all values of each width with the others as they are: figures, friction, offsets, differences."""
+        """Return all values of each width with the others as they are: figures, friction, offsets, optional."""
         figures = tuple(replace(self, figures=k) for k in range(WIDEST + 1))
         friction = tuple(replace(self, friction=k) for k in range(WIDEST + 1))
         return figures, friction, *self.by_drive()
 
     def by_drive(self) -> tuple[tuple["Widths", ...], ...]:
-        """Return all values of the width of each offset, then of each difference, with the others as they are.
+        """Return all values of the width of each offset, then of each optional friction, with the others as they are.
 
         An offset with nothing beyond what is stated has one width: where data do not tell it, what is stated does.
         """
@@ -99,15 +99,15 @@ class Widths:
         offsets = (
             tuple(replace(self, offset=_with(self.offset, i, k)) for k in range(self.least(i), 1)) for i in unsure
         )
-        differences = (tuple(self.differing(i, k) for k in range(NONE, 1)) for i in drives)
-        return *offsets, *differences
+        optional = (tuple(self.with_optional(i, k) for k in range(NONE, 1)) for i in range(len(self.optional)))
+        return *offsets, *optional
 
     def wider_than(self, other: "Widths") -> bool:
         """Return whether these allow for more."""
         return self._total() > other._total()
 
     def _total(self) -> int:
-        return sum((*self._of_what_is_stated(), *self.offset, *self.difference))
+        return sum((*self._of_what_is_stated(), *self.offset, *self.optional))
 
     def _of_what_is_stated(self) -> tuple[int, int, int]:
         return self.figures, self.friction, self.stated_offset
@@ -128,7 +128,7 @@ class Prior:
         scale: Shape (p, p), of the scales of torques.
         stated_offset: Shape (p, p), of offsets as far as they are stated.
         offset: Shape (n, p, p), of each drive's offset beyond that.
-        difference: Shape (n, p, p), of each drive's viscous friction that differs between the directions.
+        optional: Shape (2 n, p, p), of each of `OPTIONAL`, drive after drive.
         free: Shape (p, p), of all others.
     """
 
@@ -138,27 +138,27 @@ class Prior:
     scale: Array
     stated_offset: Array
     offset: Array
-    difference: Array
+    optional: Array
     free: Array
 
     def usual(self) -> Widths:
-        """Return the widths to begin with: as stated, other offsets as free as friction, no differences."""
+        """Return the widths to begin with: as stated, other offsets as free as friction, nothing optional."""
         stated = frozenset(i for i, own in enumerate(self.offset) if np.any(self.stated_offset[np.diag(own) > 0]))
-        n = len(self.offset)
-        return Widths(0, 0, tuple(NONE if i in stated else 0 for i in range(n)), (NONE,) * n, stated=stated)
+        offset = tuple(NONE if i in stated else 0 for i in range(len(self.offset)))
+        return Widths(0, 0, offset, (NONE,) * len(self.optional), stated=stated)
 
     def factor(self, widths: Widths) -> Array:
         """Return L, shape (p, p)."""
-        offset, uneven = (
+        offset, optional = (
             np.tensordot([0.0 if width == NONE else WIDER ** float(width) for width in each], part, axes=1)
-            for each, part in ((widths.offset, self.offset), (widths.difference, self.difference))
+            for each, part in ((widths.offset, self.offset), (widths.optional, self.optional))
         )
         stated = WIDER**widths.figures * self.figures + WIDER**widths.friction * self.friction
         stated = stated + WIDER**widths.stated_offset * self.stated_offset + WIDER ** float(widths.scale) * self.scale
-        return np.asarray(stated + offset + uneven + self.free)
+        return np.asarray(stated + offset + optional + self.free)
 
     def covariance(self, widths: Widths) -> Array:
-        """Return the covariance before the data, shape (p, p), with any width of offsets and differences alike.
+        """Return the covariance before the data, shape (p, p), with any width of offsets and optional friction alike.
 
         Scales of torques are as uncertain as stated.
         """
@@ -236,12 +236,15 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
             free,
         )
     put(layout.softness, 1.0, drives.stiffness, free)
-    offset, difference = (np.zeros((n, layout.size, layout.size)) for _ in range(2))
+    offset, optional = np.zeros((n, layout.size, layout.size)), np.zeros((len(OPTIONAL), n, layout.size, layout.size))
     every = np.arange(layout.size)
-    for into, name, most in ((offset, "offset", torque_rms), (difference, "viscous_difference", drag)):
+    rolls = torque_rms / np.where(speed_rms > 0, speed_rms, 1.0) ** ROLLING
+    names = ("offset", *OPTIONAL)
+    for into, name, most in zip((offset, *optional), names, (torque_rms, drag, rolls), strict=True):
         where = every[layout.of_drives(name)]
         into[np.arange(n), where, where] = most
-    return Prior(mean, figures, friction, scale, stated_offset, offset, difference, free)
+    optional = optional.reshape(-1, layout.size, layout.size)
+    return Prior(mean, figures, friction, scale, stated_offset, offset, optional, free)
 
 
 def link_root(arm: Arm, link: int, mass_sigma: float, centre_sigma: float) -> Array:

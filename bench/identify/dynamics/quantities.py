@@ -15,6 +15,7 @@ DRIVE = {  # column -> name, its unit for a hinge and for a slide
     "coulomb": ("Coulomb friction", "Nm", "N"),
     "viscous": ("viscous friction", "Nm s/rad", "N s/m"),
     "viscous_difference": ("viscous friction, half the difference of directions", "Nm s/rad", "N s/m"),
+    "rolling": ("rolling friction, at 1 rad/s or 1 m/s", "Nm", "N"),
     "offset": ("torque offset", "Nm", "N"),
 }
 RELATIVE = "relative"  # unit of a quantity that is a share
@@ -32,7 +33,7 @@ class Quantity:
         value: As found.
         sigma: Standard error.
         prior_sigma: How well it was known beforehand, with the widths that the evidence chose, and any width of offsets
-            and differences.
+            and optional friction.
         combine: Shape (p,), its factors of the parameters.
         meaning: What is lumped in it, term by term, the most uncertain first; empty: nothing else.
     """

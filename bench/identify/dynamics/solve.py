@@ -74,7 +74,7 @@ def solve(
         cutoff_hz: Of the filter [Hz]; bounds the delay that is looked for.
         inflation: Shape (n,), by how much the variance of each drive's noise exceeds that of its residuals.
         find_delay: Whether torques may be later than angles.
-        begin: Widths to begin with, by default the usual; what they hold, and differences between directions, stay.
+        begin: Widths to begin with, by default the usual; what they hold, and optional friction, stay.
     """
     size, parameters, delay = len(prior.mean), prior.mean, 0.0
     widths = begin or prior.usual()

@@ -203,7 +203,7 @@ def test_a_motion_that_is_proposed_halves_the_variance_of_what_it_tells() -> Non
         replace(one, prior_sigma=0.9999 * np.sqrt(2) * one.sigma) for one in quantities(found) if one.kind == "inertia"
     ]
     motions = advise(found, short_of_it)
-    factor = found.prior.factor(replace(found.solution.widths, offset=(0,) * N, difference=(0,) * N))
+    factor = found.prior.factor(replace(found.solution.widths, offset=(0,) * N, optional=(0,) * 2 * N))
     known = np.eye(len(factor)) + factor.T @ found.solution.normal.gram @ factor
     assert motions
     for motion in motions:

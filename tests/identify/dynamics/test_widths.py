@@ -91,13 +91,43 @@ def test_friction_differs_between_directions_only_where_that_predicts() -> None:
     nominal = robot(arm(), mass=0.02, centre_of_mass_m=0.005)
     for extra in (0.0, 5.0):
         found = first_pass(uneven(extra), nominal, find_delay=False)
-        assert [width != NONE for width in found.solution.widths.difference] == [extra > 0, False, False]
+        assert [width != NONE for width in found.solution.widths.optional] == [extra > 0, *(False,) * 5]
         told = {one.name: one for one in quantities(found)}
         for joint, truth in (("base", extra), ("shoulder", 0.0), ("elbow", 0.0)):
             one = told[f"viscous friction, half the difference of directions ({joint})"]
             low, high = one.interval(found.quantile(0.9))
             assert low < truth < high, joint
             assert one.told
+
+
+def rolling(level: float) -> Campaign:
+    """Return runs of an arm whose base has rolling friction, `level` [Nm] at 1 rad/s."""
+    campaign = recorded(robot(arm()), FRICTION, np.random.default_rng(4), seconds=10.0, rate=100.0)
+    runs = []
+    for run in campaign.runs:
+        speed = np.gradient(run.columns["q_motor_1_rad"], run.columns["time_s"])
+        torque = run.columns["tau_motor_1_nm"] + level * np.sign(speed) * np.abs(speed) ** (2 / 3)
+        runs.append(replace(run, columns={**run.columns, "tau_motor_1_nm": torque}))
+    return Campaign("rigid", tuple(runs))
+
+
+def test_friction_bends_over_speed_only_where_that_predicts() -> None:
+    """Of a stranger's arm with rolling friction one of six intervals of Coulomb friction held."""
+    nominal = robot(arm(), mass=0.02, centre_of_mass_m=0.005)
+    for level in (0.0, 160.0):
+        found = first_pass(rolling(level), nominal, find_delay=False)
+        assert [width != NONE for width in found.solution.widths.optional] == [*(False,) * 3, level > 0, False, False]
+        told = {one.name: one for one in quantities(found)}
+        truth = {
+            "Coulomb friction (base)": FRICTION.coulomb[0],
+            "viscous friction (base)": FRICTION.viscous[0],
+            "rolling friction, at 1 rad/s or 1 m/s (base)": level,
+            "rolling friction, at 1 rad/s or 1 m/s (elbow)": 0.0,
+        }
+        for name, value in truth.items():
+            low, high = told[name].interval(found.quantile(0.9))
+            assert low < value < high, name
+        assert told["Coulomb friction (base)"].told
 
 
 def scaled(shares: Sequence[float], rng: np.random.Generator) -> Campaign:
