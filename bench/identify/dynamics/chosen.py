@@ -56,14 +56,15 @@ def _held_out_widths(solution: Solution, beside: Missed, prior: Prior, folds: Fo
     """Return the widths with those that held-out errors choose: what is not needed to predict is left out.
 
     Scales of torques stay as read where all drives together are predicted no worse so, each by the logarithm of its
-    error. An offset is held where its drive's torque is predicted no worse without it. Optional friction (viscous that
-    differs between the directions, rolling) is there where the evidence wants it and the drive is predicted better: it
-    bends in what a model misses. Rolling friction is much like Coulomb and viscous friction together, so chance has it
-    in their place unless the evidence wants it for sure.
+    error, and where what is held out repeats the rest, which is no test of them. An offset is held where its drive's
+    torque is predicted no worse without it. Optional friction (viscous that differs between the directions, rolling) is
+    there where the evidence wants it and the drive is predicted better: it bends in what a model misses. Rolling
+    friction is much like Coulomb and viscous friction together, so chance has it in their place unless the evidence
+    wants it for sure.
     """
     as_read = replace(solution, widths=replace(solution.widths, scale=NARROWEST))
     tried = missed(as_read, prior, folds)
-    if tried.misfit <= beside.misfit:
+    if folds.repeats or tried.misfit <= beside.misfit:
         solution, beside = as_read, tried
     for drive, width in enumerate(solution.widths.offset):
         if width == solution.widths.least(drive) or solution.noise[drive] is None:

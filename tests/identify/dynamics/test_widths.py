@@ -161,3 +161,21 @@ def test_scales_of_torques_are_fitted_where_that_predicts_and_uncertain_in_any_c
     assert np.all(gains >= 0.99 * np.diag(free)[right.layout.gain])
     payload = right.layout.payload.start
     assert right.solution.covariance[payload, payload] >= 0.99 * free[payload, payload]
+
+
+def test_a_motion_that_is_repeated_is_no_test_of_scales() -> None:
+    """Of a stranger's arm, one motion cut into three runs, one of four scales lay in its interval; masses followed."""
+    nominal = replace(robot(arm(), mass=0.02, centre_of_mass_m=0.005), torque_gain_sigma=np.full(N, 0.05))
+    rng = np.random.default_rng(6)
+    once = scaled((0.08, -0.06, 0.1), np.random.default_rng(5)).runs[0]
+    runs = []
+    for k in range(3):
+        noisy = {
+            name: values + 0.5 * rng.standard_normal(len(values)) if name.startswith("tau") else values
+            for name, values in once.columns.items()
+        }
+        runs.append(replace(once, name=f"run{k}", start_s=100.0 * k, columns=noisy))
+    found = first_pass(Campaign("rigid", tuple(runs)), nominal, find_delay=False)
+    assert found.folds.repeats
+    assert found.solution.widths.scale == NARROWEST
+    assert np.all(np.sqrt(np.diag(found.solution.covariance)[found.layout.gain]) > 0.02)  # as unsure as is stated
