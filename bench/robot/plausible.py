@@ -45,6 +45,8 @@ class Range:
 
 MOST_TORQUE = 1e7  # [Nm], at a joint; the strongest robots have 1e5
 TURNS = float(10 * np.pi)  # [rad], five turns; wrists of welding robots turn 2.5 either way
+ARM = 3  # declared: hinges, from which a robot is an arm and no test rig
+LEAST_TURN = float(np.deg2rad(15.0))  # [rad], of an arm's joint that turns farthest; two turns in "degrees" are 12.6
 LIGHT_KG = 1.0  # declared: [kg]; lighter bodies stand for inertias alone
 IN_RADIANS = 'angles are in degrees unless <compiler angle="radian"/> stands in the file'
 OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
@@ -132,6 +134,13 @@ def implausible(model: mujoco.MjModel) -> Iterator[str]:
     """Yield a sentence for every number of a compiled model that no robot has."""
     for limits, read in OF_MODELS:
         yield from limits.faults(read(model))
+    hinges = (model.jnt_type == int(mujoco.mjtJoint.mjJNT_HINGE)) & (model.jnt_limited != 0)
+    farthest = np.max(np.ptp(model.jnt_range[hinges], axis=1), initial=0.0)
+    if np.count_nonzero(hinges) >= ARM and farthest < LEAST_TURN and not np.any(model.jnt_type == SLIDE):
+        yield (
+            f"joints: the one with the widest range turns by {np.rad2deg(farthest):.3g} degrees; that of a robot turns "
+            f"by {np.rad2deg(LEAST_TURN):.3g} at least: {IN_RADIANS}."
+        )
 
 
 def _named(model: mujoco.MjModel, kind: str, values: ArrayLike) -> Iterator[tuple[str, float]]:

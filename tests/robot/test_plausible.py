@@ -161,3 +161,14 @@ HINDERED = {
 def test_nothing_stands_between_a_drive_and_its_joint(tmp_path: Path, old: str, new: str, words: str) -> None:
     with pytest.raises(RobotError, match=words):
         compile_robot(load_robot(robot_of(tmp_path / "robot", MJCF.replace(old, new))))
+
+
+@pytest.mark.parametrize(("angle", "are_told"), [("degree", True), ("radian", False)])
+def test_ranges_in_radians_are_no_degrees(angle: str, are_told: bool) -> None:
+    """A UR5e whose `<compiler angle="radian">` was lost could turn by 13 degrees, and nothing was said."""
+    body = '<body><joint range="-6.28319 6.28319"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>'
+    joints = 3 * body
+    text = f'<mujoco><compiler angle="{angle}" autolimits="true"/><worldbody>{joints}</worldbody></mujoco>'
+    said = [words for words in implausible(mujoco.MjModel.from_xml_string(text)) if "widest range" in words]
+    assert bool(said) == are_told
+    assert all("12.6 degrees" in words and "radian" in words for words in said)
