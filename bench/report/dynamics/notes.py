@@ -1,18 +1,26 @@
 """What has to be known to read a first pass, in sentences."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.first_pass import FirstPass, Torques
+from bench.identify.dynamics.held_out import HeldOut
 from bench.identify.dynamics.prior import WIDER
 
 BARELY = 1.02  # an error larger by less is the same within what folds differ by (assumed)
 
 
-def notes_of(found: FirstPass) -> Iterator[str]:
-    """Yield the sentences that hold for this first pass."""
-    yield from _verdict(found)
+def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[str]:
+    """Yield the sentences that hold for this first pass.
+
+    Args:
+        found: First pass.
+        predicted: Folder -> what is predicted of a campaign that was not fitted.
+    """
+    for what, torques in (("what was held out", found.held_out), *((str(one), two) for one, two in predicted.items())):
+        yield from rivals_notes(found.joints, what, torques)
     if found.folds.repeats:
         yield (
             "Every run goes over the same angles, so the held-out error tells how well a repetition is predicted, not "
@@ -58,9 +66,10 @@ def notes_of(found: FirstPass) -> Iterator[str]:
         yield f"The payload is told against the stated masses of the links; {carried}"
 
 
-def _verdict(found: FirstPass) -> Iterator[str]:
-    ours, rival, nominal = (found.held_out.rms(model) for model in ("first_pass", "rival", "nominal"))
+def rivals_notes(joints: Sequence[str], what: str, torques: HeldOut | Torques) -> Iterator[str]:
+    """Yield on which joints plain least squares and the nominal model predict some data better than the first pass."""
+    ours, rival, nominal = (torques.rms(model) for model in ("first_pass", "rival", "nominal"))
     for name, other in (("plain least squares", rival), ("the nominal model", nominal)):
-        worse = [joint for joint, a, b in zip(found.joints, ours, other, strict=True) if a > BARELY * b]
+        worse = [joint for joint, a, b in zip(joints, ours, other, strict=True) if a > BARELY * b]
         if worse:
-            yield f"On what was held out, {name} predicts {', '.join(worse)} better than the first pass does."
+            yield f"On {what}, {name} predicts {', '.join(worse)} better than the first pass does."
