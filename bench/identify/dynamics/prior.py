@@ -236,15 +236,14 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
             free,
         )
     put(layout.softness, 1.0, drives.stiffness, free)
-    offset, optional = np.zeros((n, layout.size, layout.size)), np.zeros((len(OPTIONAL), n, layout.size, layout.size))
+    offset, *optional = (np.zeros((n, layout.size, layout.size)) for _ in range(1 + len(OPTIONAL)))
     every = np.arange(layout.size)
     rolls = torque_rms / np.where(speed_rms > 0, speed_rms, 1.0) ** ROLLING
     names = ("offset", *OPTIONAL)
     for into, name, most in zip((offset, *optional), names, (torque_rms, drag, rolls), strict=True):
         where = every[layout.of_drives(name)]
         into[np.arange(n), where, where] = most
-    optional = optional.reshape(-1, layout.size, layout.size)
-    return Prior(mean, figures, friction, scale, stated_offset, offset, optional, free)
+    return Prior(mean, figures, friction, scale, stated_offset, offset, np.concatenate(optional), free)
 
 
 def link_root(arm: Arm, link: int, mass_sigma: float, centre_sigma: float) -> Array:

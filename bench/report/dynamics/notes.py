@@ -19,8 +19,9 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
         found: First pass.
         predicted: Folder -> what is predicted of a campaign that was not fitted.
     """
-    for what, torques in (("what was held out", found.held_out), *((str(one), two) for one, two in predicted.items())):
-        yield from rivals_notes(found.joints, what, torques)
+    yield from rivals_notes(found.joints, "what was held out", found.held_out)
+    for folder, torques in predicted.items():
+        yield from rivals_notes(found.joints, str(folder), torques)
     if found.folds.repeats:
         yield (
             "Every run goes over the same angles, so the held-out error tells how well a repetition is predicted, not "
