@@ -1,6 +1,7 @@
 """How a figure of a robot is changed: edits of its `MjSpec`, each a function of by how much."""
 
 from collections.abc import Callable
+from typing import Literal
 
 import mujoco
 import numpy as np
@@ -98,39 +99,20 @@ def mass_spread(body: str, axis: int, axes: Array) -> Callable[[float], SpecEdit
     return change
 
 
-def com_shifted(body: str, axis: int) -> Callable[[float], SpecEdit]:
-    """Return how a centre of mass is moved along an axis of its body [m]."""
+def place_shifted(kind: Literal["body", "site"], name: str, attribute: str, axis: int) -> Callable[[float], SpecEdit]:
+    """Return how a place is moved along an axis of the body that it is in [m].
+
+    Args:
+        kind: Of the part.
+        name: Of the part.
+        attribute: Which place: "pos" of a body in its parent or of a site, "ipos" of a body's centre of mass.
+        axis: Which of the three.
+    """
 
     def change(x: float) -> SpecEdit:
         def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            link = spec.body(body)
-            link.ipos = np.asarray(link.ipos) + x * np.eye(3)[axis]
-
-        return edit
-
-    return change
-
-
-def body_shifted(body: str, axis: int) -> Callable[[float], SpecEdit]:
-    """Return how a body is moved in its parent along an axis [m]."""
-
-    def change(x: float) -> SpecEdit:
-        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            link = spec.body(body)
-            link.pos = np.asarray(link.pos) + x * np.eye(3)[axis]
-
-        return edit
-
-    return change
-
-
-def site_shifted(site: str, axis: int) -> Callable[[float], SpecEdit]:
-    """Return how a site is moved in its body along an axis [m]."""
-
-    def change(x: float) -> SpecEdit:
-        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
-            point = spec.site(site)
-            point.pos = np.asarray(point.pos) + x * np.eye(3)[axis]
+            part = getattr(spec, kind)(name)
+            setattr(part, attribute, np.asarray(getattr(part, attribute)) + x * np.eye(3)[axis])
 
         return edit
 

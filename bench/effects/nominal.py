@@ -16,14 +16,12 @@ import numpy as np
 
 from bench.effects.figure_edits import (
     LEAST_SHARE,
-    body_shifted,
-    com_shifted,
     joint_scaled,
     mass_scaled,
     mass_spread,
+    place_shifted,
     plugin_scaled,
     plugin_shifted,
-    site_shifted,
     stiffness_scaled,
 )
 from bench.effects.gas import CounterbalanceGas
@@ -95,7 +93,7 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
             found += [replace(one, of_mass=True) for one in _of_link(compiled, name)]
     for name in placed_bodies(compiled):
         found += [
-            NominalParameter(f"place of {name}, {axis}", "m", known.geometry_m, body_shifted(name, i))
+            NominalParameter(f"place of {name}, {axis}", "m", known.geometry_m, place_shifted("body", name, "pos", i))
             for i, axis in enumerate("xyz")
         ]
     if balance := robot.figures.counterbalance:
@@ -137,7 +135,9 @@ def _of_cylinder(compiled: CompiledRobot, actuator: str) -> Iterator[NominalPara
         for i, axis in enumerate("xyz"):
             if i != _across(compiled):
                 name = f"anchor {site}, {axis}"
-                yield NominalParameter(name, "m", known.geometry_m, site_shifted(site, i), beside=beside)
+                yield NominalParameter(
+                    name, "m", known.geometry_m, place_shifted("site", site, "pos", i), beside=beside
+                )
 
 
 def _of_link(compiled: CompiledRobot, name: str) -> Iterator[NominalParameter]:
@@ -150,7 +150,7 @@ def _of_link(compiled: CompiledRobot, name: str) -> Iterator[NominalParameter]:
     length = known.links * known.centre_of_mass_m
     yield replace(_share(f"mass of {name}", known.links * known.mass, mass_scaled(name)), widened=known.links)
     for i, axis in enumerate("xyz"):
-        one = NominalParameter(f"centre of mass of {name}, {axis}", "m", length, com_shifted(name, i))
+        one = NominalParameter(f"centre of mass of {name}, {axis}", "m", length, place_shifted("body", name, "ipos", i))
         yield replace(one, widened=known.links)
     body = compiled.model.body(name)
     second = second_moments(body.inertia)

@@ -7,11 +7,10 @@ where a joint speeds up. A torque averages that curve; a replay has it at the av
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.actuators.laws import ROLLING_POWER
 from bench.diagnose.replay.segment_input import Path
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
-
-ROLLING = 2 / 3  # exact: power of speed with which rolling friction grows (`bench/actuators/README.md`)
 
 
 def average_friction(compiled: CompiledRobot, path: Path, speed: Array) -> Array:
@@ -40,7 +39,7 @@ def bends(compiled: CompiledRobot) -> NDArray[np.bool_]:
 
 def _level(compiled: CompiledRobot, j: int, speed: Array) -> Array:
     """Return the part of the friction of a drive that bends over speed, at some speeds, same shape [Nm] or [N]."""
-    found = compiled.motor_rolling[j] * np.abs(speed) ** ROLLING
+    found = compiled.motor_rolling[j] * np.abs(speed) ** ROLLING_POWER
     for side in ("motor", "link"):
         coulomb, rise, stribeck = (getattr(compiled, f"{side}_{name}")[j] for name in ("coulomb", "rise", "stribeck"))
         if coulomb * rise:

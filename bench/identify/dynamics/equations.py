@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.actuators.laws import ROLLING_POWER
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band
 from bench.identify.dynamics.regressor import link_regressor, payload_columns
@@ -25,7 +26,6 @@ from bench.robot.nominal_dynamics import NominalDynamics
 
 DRIVE_COLUMNS = ("rotor", "coulomb", "viscous", "viscous_difference", "rolling", "offset")
 OPTIONAL = ("viscous_difference", "rolling")  # friction that a drive has where evidence and held-out errors want it
-ROLLING = 2 / 3  # exact: power of speed with which rolling friction grows (`bench/actuators/README.md`)
 GAS_SHAPE = ("critical_length", "dead_centre", "rho", "b")  # of `Counterbalance`
 # assumed: share of what a thinned sample is made of in which a joint has to move; half blurs the turns in
 MOSTLY = 0.8
@@ -79,7 +79,7 @@ def equations_of(samples: MotionSamples, band: Band, arm: Arm, nominal: NominalD
     count, n = position.shape
     kept = band.kept(samples)
     way, speed = np.sign(velocity), np.abs(velocity)
-    columns = [acceleration, way, velocity, speed, way * speed**ROLLING, np.ones_like(velocity)]
+    columns = [acceleration, way, velocity, speed, way * speed**ROLLING_POWER, np.ones_like(velocity)]
     drives = np.stack(columns, axis=2)
     moving = (np.abs(velocity) > TURNING * top) & (top > 0) & (np.ptp(position, axis=0) > TRAVELS)
     read = np.isfinite(samples.torque).all(axis=0)

@@ -71,10 +71,6 @@ class Missed:
         squares = self.squares.sum(axis=0)
         return float(np.sum(np.log(squares[squares > 0])))
 
-    def of(self, drive: int) -> "Missed":
-        """Return that of one drive alone."""
-        return Missed(*(one[:, [drive]] for one in (self.squares, self.expected, self.readings)))
-
     def surely_less_than(self, other: "Missed", worse: float = MUCH) -> bool:
         """Return whether less is missed than by another model, by more than folds differ, and no drive surely by more.
 

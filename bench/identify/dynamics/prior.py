@@ -4,8 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bench.actuators.laws import ROLLING_POWER
 from bench.identify.arm import Arm
-from bench.identify.dynamics.equations import GAS_SHAPE, OPTIONAL, ROLLING
+from bench.identify.dynamics.equations import GAS_SHAPE, OPTIONAL
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL, standard_parameters
 from bench.record.campaign import Array, Campaign
@@ -238,7 +239,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     put(layout.softness, 1.0, drives.stiffness, free)
     offset, *optional = (np.zeros((n, layout.size, layout.size)) for _ in range(1 + len(OPTIONAL)))
     every = np.arange(layout.size)
-    rolls = torque_rms / np.where(speed_rms > 0, speed_rms, 1.0) ** ROLLING
+    rolls = torque_rms / np.where(speed_rms > 0, speed_rms, 1.0) ** ROLLING_POWER
     names = ("offset", *OPTIONAL)
     for into, name, most in zip((offset, *optional), names, (torque_rms, drag, rolls), strict=True):
         where = every[layout.of_drives(name)]

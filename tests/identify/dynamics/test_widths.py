@@ -76,13 +76,19 @@ def test_offsets_that_are_larger_than_stated_widen_those_that_data_do_not_tell()
     assert low <= 6.0 <= high
 
 
-def uneven(extra: float) -> Campaign:
-    """Return runs of an arm whose base takes `extra` [Nm s/rad] more in one direction and less in the other."""
+def with_more(differs: float = 0.0, rolls: float = 0.0) -> Campaign:
+    """Return runs of an arm whose base has more friction.
+
+    Args:
+        differs: So much more in one direction and less in the other [Nm s/rad].
+        rolls: Rolling friction at 1 rad/s [Nm].
+    """
     campaign = recorded(robot(arm()), FRICTION, np.random.default_rng(4), seconds=10.0, rate=100.0)
     runs = []
     for run in campaign.runs:
         speed = np.gradient(run.columns["q_motor_1_rad"], run.columns["time_s"])
-        torque = run.columns["tau_motor_1_nm"] + extra * np.abs(speed)
+        torque = run.columns["tau_motor_1_nm"] + differs * np.abs(speed)
+        torque += rolls * np.sign(speed) * np.abs(speed) ** (2 / 3)
         runs.append(replace(run, columns={**run.columns, "tau_motor_1_nm": torque}))
     return Campaign("rigid", tuple(runs))
 
@@ -90,7 +96,7 @@ def uneven(extra: float) -> Campaign:
 def test_friction_differs_between_directions_only_where_that_predicts() -> None:
     nominal = robot(arm(), mass=0.02, centre_of_mass_m=0.005)
     for extra in (0.0, 5.0):
-        found = first_pass(uneven(extra), nominal, find_delay=False)
+        found = first_pass(with_more(differs=extra), nominal, find_delay=False)
         assert [width != NONE for width in found.solution.widths.optional] == [extra > 0, *(False,) * 5]
         told = {one.name: one for one in quantities(found)}
         for joint, truth in (("base", extra), ("shoulder", 0.0), ("elbow", 0.0)):
@@ -100,22 +106,11 @@ def test_friction_differs_between_directions_only_where_that_predicts() -> None:
             assert one.told
 
 
-def rolling(level: float) -> Campaign:
-    """Return runs of an arm whose base has rolling friction, `level` [Nm] at 1 rad/s."""
-    campaign = recorded(robot(arm()), FRICTION, np.random.default_rng(4), seconds=10.0, rate=100.0)
-    runs = []
-    for run in campaign.runs:
-        speed = np.gradient(run.columns["q_motor_1_rad"], run.columns["time_s"])
-        torque = run.columns["tau_motor_1_nm"] + level * np.sign(speed) * np.abs(speed) ** (2 / 3)
-        runs.append(replace(run, columns={**run.columns, "tau_motor_1_nm": torque}))
-    return Campaign("rigid", tuple(runs))
-
-
 def test_friction_bends_over_speed_only_where_that_predicts() -> None:
     """Of a stranger's arm with rolling friction one of six intervals of Coulomb friction held."""
     nominal = robot(arm(), mass=0.02, centre_of_mass_m=0.005)
     for level in (0.0, 160.0):
-        found = first_pass(rolling(level), nominal, find_delay=False)
+        found = first_pass(with_more(rolls=level), nominal, find_delay=False)
         assert [width != NONE for width in found.solution.widths.optional] == [*(False,) * 3, level > 0, False, False]
         told = {one.name: one for one in quantities(found)}
         truth = {
