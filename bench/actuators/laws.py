@@ -151,6 +151,7 @@ class Friction:
         asymmetry: Relative surplus of the level in + direction, deficit in - direction.
         viscous_asymmetry: More of the level per speed in + direction, less in - direction [Nm s/rad].
         rolling: More of the level at 1 rad/s, growing with speed to the power 2/3 [Nm].
+        rolling_asymmetry: Relative surplus of rolling in + direction, deficit in - direction.
         drag, drag_square, drag_cube: More of the level, times |v|, v^2 and |v|^3 [Nm] per power of [rad/s].
         drag_speed: Up to where these hold [rad/s]; beyond, it goes on as steep as it is there, and falls no further.
         load_coefficient: Level per transmitted torque.
@@ -167,6 +168,7 @@ class Friction:
     asymmetry: float = 0.0
     viscous_asymmetry: float = 0.0
     rolling: float = 0.0
+    rolling_asymmetry: float = 0.0
     drag: float = 0.0
     drag_square: float = 0.0
     drag_cube: float = 0.0
@@ -181,7 +183,7 @@ class Friction:
         """Return the levels [Nm] against motion towards - and +.
 
             coulomb (1 -+ asymmetry) (1 + static_rise exp(-(v / v_s)^2)) (1 + ripple sin(2 pi x / period + phase))
-            + load_coefficient |load| + rolling |v|^(2/3)
+            + load_coefficient |load| + rolling (1 -+ rolling_asymmetry) |v|^(2/3)
             + drag_at(|v|), at least 0
             + viscous_asymmetry v, that of the direction of motion, at least 0
 
@@ -196,8 +198,11 @@ class Friction:
                 coulomb *= 1 + self.static_rise * np.exp(-((np.asarray(v) / self.stribeck_velocity) ** 2))
         if self.ripple > 0:
             coulomb *= 1 + self.ripple * np.sin(2 * np.pi * np.asarray(x) / self.ripple_period + self.ripple_phase)
-        more = self.load_coefficient * np.abs(load) + self.rolling * np.abs(v) ** ROLLING_POWER
-        minus, plus = coulomb * (1 - self.asymmetry) + more, coulomb * (1 + self.asymmetry) + more
+        more, rolling = self.load_coefficient * np.abs(load), self.rolling * np.abs(v) ** ROLLING_POWER
+        minus, plus = (
+            coulomb * (1 + way * self.asymmetry) + rolling * (1 + way * self.rolling_asymmetry) + more
+            for way in (-1, 1)
+        )
         if self.drag or self.drag_square or self.drag_cube:
             drag = self.drag_at(np.abs(v))
             minus, plus = np.maximum(minus + drag, 0), np.maximum(plus + drag, 0)

@@ -6,11 +6,12 @@ from typing import Literal
 import mujoco
 import numpy as np
 
+from bench.effects.friction_elements import DRAG
 from bench.record.campaign import Array
 from bench.robot.compiled import SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.moments_of_inertia import moments_of_inertia, second_moments
-from bench.robot.plugins import configure, number_of
+from bench.robot.plugins import attributes_of, configure, number_of
 
 LEAST_SHARE = -0.999  # rounding: by which a figure that cannot be negative is off at most; MuJoCo needs rotors to weigh
 
@@ -20,6 +21,19 @@ def plugin_scaled(actuator: str, key: str) -> Callable[[float], SpecEdit]:
     return lambda factor: (
         lambda spec, robot: configure(spec, actuator, **{key: factor * number_of(spec, actuator, key)})
     )
+
+
+def drag_scaled(actuator: str) -> Callable[[float], SpecEdit]:
+    """Return how the friction over speed that a friction element has learned is multiplied by a factor."""
+
+    def change(factor: float) -> SpecEdit:
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            there = attributes_of(spec, actuator)
+            configure(spec, actuator, **{key: factor * float(there[key]) for key in DRAG if key in there})
+
+        return edit
+
+    return change
 
 
 def plugin_shifted(actuator: str, key: str) -> Callable[[float], SpecEdit]:

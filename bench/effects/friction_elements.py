@@ -11,6 +11,7 @@ from bench.robot.plugins import attributes_of, configure, number_of
 
 Side = Literal["motor", "link"]
 SIDES: tuple[Side, Side] = ("motor", "link")
+DRAG = ("drag", "drag_square", "drag_cube")  # attributes of what was learned of friction, by power of speed
 
 
 def element_name(drive: Drive, side: Side) -> str:

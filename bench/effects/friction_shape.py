@@ -10,7 +10,7 @@ import numpy as np
 from bench.effects.effect import Array, Conditions, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
 from bench.effects.friction import ARMSTRONG, BITTENCOURT, WithCoulomb, scaled_friction
-from bench.effects.friction_elements import SIDES, give, give_side, given
+from bench.effects.friction_elements import SIDES, give, give_side, given, rolling
 from bench.effects.lubricant import viscous
 from bench.effects.places import OnDrive, drive_of
 from bench.robot.compiled import CompiledRobot, SpecEdit, read_spec
@@ -119,13 +119,13 @@ class DirectionFriction(WithCoulomb):
 
 
 class DirectionViscous(WithCoulomb):
-    """Viscous friction differs between the directions."""
+    """Friction of the lubricant, viscous and rolling, differs between the directions."""
 
     name = "direction_viscous"
-    title = "viscous friction depends on the direction"
+    title = "friction over speed depends on the direction"
     physics = (
-        "Gears, seals and screws pump their lubricant better one way: viscous friction is f_v (1 + d) v in motion "
-        "towards +, f_v (1 - d) v towards -. It is put on the motor side."
+        "Gears, seals and screws pump their lubricant better one way: viscous and rolling friction are 1 + d times "
+        "f_v v + r v^(2/3) in motion towards +, 1 - d times towards -. It is put on the motor side."
     )
     source = f"{ARMSTRONG} (asymmetric friction); range: assumed"
     parameters = (
@@ -135,7 +135,8 @@ class DirectionViscous(WithCoulomb):
     )
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        return tuple(place for place in super().places(compiled) if viscous(compiled)[place.index] > 0)
+        lubricated = viscous(compiled) + compiled.motor_rolling
+        return tuple(place for place in super().places(compiled) if lubricated[place.index] > 0)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         asymmetry = values["asymmetry"]
@@ -144,9 +145,12 @@ class DirectionViscous(WithCoulomb):
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             drive = drive_of(robot, place)
-            coefficient = float(np.ravel(spec.joint(drive.rotor).damping)[0])
-            more = asymmetry * coefficient + given(spec, drive, "motor", "viscous_asymmetry")
-            give_side(spec, robot, drive, "motor", viscous_asymmetry=more)
+            if coefficient := float(np.ravel(spec.joint(drive.rotor).damping)[0]):
+                more = asymmetry * coefficient + given(spec, drive, "motor", "viscous_asymmetry")
+                give_side(spec, robot, drive, "motor", viscous_asymmetry=more)
+            if rolling(spec, drive):
+                more = asymmetry + given(spec, drive, "motor", "rolling_asymmetry")
+                give_side(spec, robot, drive, "motor", rolling_asymmetry=more)
 
         return change
 

@@ -5,7 +5,7 @@ import numpy as np
 
 from bench.actuators.laws import TorqueTable
 from bench.effects.effect import Array, Conditions, Parameter, Place, Values
-from bench.effects.friction_elements import Side, coulomb, element_name, give_side, set_coulomb
+from bench.effects.friction_elements import DRAG, Side, coulomb, element_name, give_side, set_coulomb
 from bench.effects.learned import Learned
 from bench.effects.places import drive_of
 from bench.effects.plugin_actuators import add_torque_table
@@ -15,7 +15,6 @@ from bench.robot.folder import Robot
 from bench.robot.plugins import attributes_of, number_of
 
 LEAST_SPACING = 0.1  # effort: of the largest speed; nodes that lie closer would make a polynomial swing
-DRAG = ("drag", "drag_square", "drag_cube")  # attributes of a friction element, by power of speed
 MOST_COEFFICIENTS = 1 + len(DRAG)  # exact: a friction level, and these
 STEEPEST = 2.5  # assumed: times the stiffness of the element; a gear error that stiffens it more is smoothed
 KNOTS = 241  # rounding: of a table along an element

@@ -16,6 +16,7 @@ import numpy as np
 
 from bench.effects.figure_edits import (
     LEAST_SHARE,
+    drag_scaled,
     joint_scaled,
     mass_scaled,
     mass_spread,
@@ -42,7 +43,7 @@ class NominalParameter:
         edit: From a deviation to the change of the model.
         is_factor: It is known to a factor.
         least: Least deviation.
-        is_viscous: It is viscous or rolling friction, which follow the temperature of their oil.
+        is_viscous: It is friction over speed (viscous, rolling, as learned), which follows the temperature of its oil.
         widened: Times that sigma is larger than what is stated of it (`uncertainty.links`).
         of_mass: It is the mass of a link, or where that sits: of what is there, not of what is bolted to it later.
         beside: Name of the effect without which it changes nothing in this robot; "": it always does.
@@ -88,6 +89,9 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
         if compiled.motor_rolling[j] > 0:
             rolls = _share(f"rolling friction of {joint}", friction, plugin_scaled(motor, "rolling"))
             found.append(replace(rolls, is_viscous=True))
+        if compiled.motor_drag[j] != 0:
+            learned = _share(f"learned friction over speed of {joint}", friction, drag_scaled(motor))
+            found.append(replace(learned, is_viscous=True))
     for name in moving_bodies(compiled):
         if model.body(name).mass[0] > 0:
             found += [replace(one, of_mass=True) for one in _of_link(compiled, name)]

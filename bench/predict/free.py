@@ -40,7 +40,7 @@ FREE: Mapping[str, Free] = {
     "gas_thermometer": Free("error of the thermometer of the gas", ("thermometer of the gas",)),
     "friction": Free(
         "friction of every drive, Coulomb, viscous and rolling",
-        (*COULOMB_FIGURES, "viscous friction of", "rolling friction of"),
+        (*COULOMB_FIGURES, "viscous friction of", "rolling friction of", "learned friction over speed of"),
     ),
     "weights": Free(
         "what hangs or is bolted on, against what is written down", ("weights that hang", "weights bolted")

@@ -34,6 +34,7 @@ class CompiledRobot:
         motor_coulomb, link_coulomb: Shape (n,) [Nm], Coulomb levels of the friction elements.
         motor_presliding, link_presliding: Shape (n,) [Nm/rad], stiffness of the friction elements while they hold.
         motor_rolling: Shape (n,) [Nm], rolling friction of the motor side at 1 rad/s (1 m/s).
+        motor_drag: Shape (n,) [Nm s/rad] or [N s/m], of learned friction of the motor side, its linear part.
         motor_rise, link_rise: Shape (n,), by which share the friction elements hold more at standstill.
         motor_stribeck, link_stribeck: Shape (n,) [rad/s] or [m/s], at which 1/e of that is left; 0 where there is none.
         counterbalance: Closed form of the counterbalance with the anchors and gas figures of the MJCF; None where there
@@ -48,6 +49,7 @@ class CompiledRobot:
     motor_presliding: NDArray[np.float64]
     link_presliding: NDArray[np.float64]
     motor_rolling: NDArray[np.float64]
+    motor_drag: NDArray[np.float64]
     motor_rise: NDArray[np.float64]
     link_rise: NDArray[np.float64]
     motor_stribeck: NDArray[np.float64]
@@ -180,6 +182,7 @@ def compile_spec(
         motor_presliding=motor[1],
         link_presliding=link[1],
         motor_rolling=np.array([rolling_of(attributes_of(spec, name)) for name in elements["motor"]]),
+        motor_drag=shape("motor", "drag"),
         motor_rise=shape("motor", "static_rise"),
         link_rise=shape("link", "static_rise"),
         motor_stribeck=shape("motor", "stribeck_velocity"),

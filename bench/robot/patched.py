@@ -39,6 +39,7 @@ OF_FRICTION = {  # what a compiled robot has of its friction elements: side, and
     "motor_presliding": ("motor", "presliding_stiffness"),
     "link_presliding": ("link", "presliding_stiffness"),
     "motor_rolling": ("motor", "rolling"),
+    "motor_drag": ("motor", "drag"),
     "motor_rise": ("motor", "static_rise"),
     "link_rise": ("link", "static_rise"),
     "motor_stribeck": ("motor", "stribeck_velocity"),

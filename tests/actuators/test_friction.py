@@ -61,10 +61,10 @@ def test_drag_that_differs_between_directions(coefficient: float):
 
 
 def test_rolling_friction_grows_with_a_power_of_speed():
-    law = Friction(coulomb=LEVEL, presliding_stiffness=SIGMA, rolling=7.0, asymmetry=0.2)
+    law = Friction(coulomb=LEVEL, presliding_stiffness=SIGMA, rolling=7.0, asymmetry=0.2, rolling_asymmetry=-0.1)
     x, speeds = np.array([0, 5, 0, 5]) * SLIP, [0, 0.5, -0.125, 0.0]
     sliding = follow(slider(law), x, v=speeds)[1:, 0]
-    expected = [-(1.2 * LEVEL + 7.0 * 0.5 ** (2 / 3)), 0.8 * LEVEL + 7.0 / 4, -1.2 * LEVEL]
+    expected = [-(1.2 * LEVEL + 0.9 * 7.0 * 0.5 ** (2 / 3)), 0.8 * LEVEL + 1.1 * 7.0 / 4, -1.2 * LEVEL]
     np.testing.assert_allclose(sliding, expected, rtol=1e-12)
     np.testing.assert_allclose(law.force(x, np.array(speeds))[1:], expected, rtol=1e-12)
 

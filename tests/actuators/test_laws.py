@@ -48,12 +48,13 @@ def test_gas_spring(
 
 
 @reproducible
-@given(seeds, *[unit] * 6, st.tuples(*[unit] * 7))
+@given(seeds, *[unit] * 6, st.tuples(*[unit] * 8))
 def test_friction(seed: int, c: float, k: float, r: float, vs: float, a: float, lc: float, more: tuple[float, ...]):
-    ripple, phase, rolling, *drag, speed = more
+    ripple, phase, rolling, lean, *drag, speed = more
     law = Friction(
         coulomb=400 * c,
         rolling=300 * rolling,
+        rolling_asymmetry=1.8 * lean - 0.9,
         drag=200 * drag[0] - 100,
         drag_square=100 * drag[1] - 50,
         drag_cube=20 * drag[2] - 10,

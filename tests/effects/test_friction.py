@@ -70,6 +70,22 @@ def test_viscous_by_direction(hh150: Robot, sign: int) -> None:
     np.testing.assert_allclose(link[-1], -sign * compiled.link_coulomb, rtol=SLIDING)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_rolling_by_direction(hh150: Robot, sign: int) -> None:
+    """Also where a drive has rolling friction alone: a stranger's was called the offset of a current."""
+    nominal = compile_robot(hh150)
+    rolls = [
+        edit_of("rolling_friction", nominal, {"rolling": 300.0}, 1),
+        edit_of("viscous_level", nominal, {"change": -1.0}, 1),
+    ]
+    edit = edit_of("direction_viscous", compile_robot(hh150, rolls), {"asymmetry": 0.3}, 1)
+    motor, link, _ = friction(hh150, [*rolls, edit, edit], sign * 0.1)
+    level = nominal.motor_coulomb.copy()
+    level[1] += (1 + sign * 0.6) * 300.0 * 0.1 ** (2 / 3)
+    np.testing.assert_allclose(motor[-1], -sign * level, rtol=2e-3)
+    np.testing.assert_allclose(link[-1], -sign * nominal.link_coulomb, rtol=SLIDING)
+
+
 @pytest.mark.parametrize("speed", [0.05, -0.2])
 def test_rolling_friction_bends_over_speed(hh150: Robot, speed: float) -> None:
     compiled = compile_robot(hh150)

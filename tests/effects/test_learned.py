@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bench.actuators.laws import Friction
+from bench.diagnose.replay.nuisances import nuisances_of
 from bench.effects.effect import Conditions, Place
 from bench.effects.friction_elements import Side
 from bench.effects.learned import Learned, values_at, values_of
@@ -17,7 +18,8 @@ from bench.effects.learned_torques import (
     LearnedTorque,
     LearnedTorsion,
 )
-from bench.robot.compiled import CompiledRobot, SpecEdit, read_spec
+from bench.effects.nominal import nominal_parameters
+from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot, read_spec
 from bench.robot.folder import Robot
 from bench.robot.plugins import attributes_of
 from tests.effects.rest import perfect_reading, rest, some_trace, sweep
@@ -107,6 +109,24 @@ def test_drag_adds_to_drag_and_does_not_fall_where_nobody_measured(small: Robot,
         np.zeros(2), [0.3, 9]
     )
     np.testing.assert_allclose(fallen, level - 0.3)
+
+
+def test_learned_drag_is_a_figure_that_follows_its_oil(small: Robot) -> None:
+    """Of a stranger's arm on a colder day it was called more viscous friction, and friction over the angle."""
+    drag = edit_of(LearnedDrag(*nodes(at=np.array([0.1, 0.2, 0.3])), "motor"), (-1.0, -2.0, -4.0))
+    joint = small.figures.drives[1].joint
+    plain = {one.name for one in nominal_parameters(compile_robot(small))}
+    figures = {one.name: one for one in nominal_parameters(compile_robot(small, [drag]))}
+    (name,) = figures.keys() - plain
+    assert name == f"learned friction over speed of {joint}"
+    assert figures[name].is_viscous
+    (own,) = {one.own for one in nuisances_of(compile_robot(small, [drag]), ()) if one.name == name}
+    assert own == pytest.approx(0.15)  # 1.5 %/K over 10 K, as of viscous friction
+    (warm, _), (cold, _), (without, _) = (
+        paid(small, edits, 0.2) for edits in ([drag, figures[name].edit(-0.3)], [drag], [])
+    )
+    assert (cold - without)[-1] == pytest.approx(2.0, rel=0.01)
+    assert (warm - without)[-1] == pytest.approx(1 + 0.7, rel=0.01), "1 Nm of it does not grow with speed: Coulomb"
 
 
 def test_speeds_of_a_polynomial_lie_apart() -> None:

@@ -11,6 +11,7 @@ typedef struct Friction {
   double asymmetry;
   double viscous_asymmetry;
   double rolling;
+  double rolling_asymmetry;
   double drag[3];  // of |v|, v^2, |v|^3
   double drag_speed;
   double load_coefficient;
@@ -28,6 +29,7 @@ static const Number kNumbers[] = {
     {"asymmetry", offsetof(Friction, asymmetry), 0, SIGNED_FRACTION},
     {"viscous_asymmetry", offsetof(Friction, viscous_asymmetry), 0, ANY},
     {"rolling", offsetof(Friction, rolling), 0, NONNEGATIVE},
+    {"rolling_asymmetry", offsetof(Friction, rolling_asymmetry), 0, SIGNED_FRACTION},
     {"drag", offsetof(Friction, drag[0]), 0, ANY},
     {"drag_square", offsetof(Friction, drag[1]), 0, ANY},
     {"drag_cube", offsetof(Friction, drag[2]), 0, ANY},
@@ -95,11 +97,12 @@ static mjtNum force(Element* element, const mjModel* m, const mjData* d, const m
   if (self->load_coefficient > 0) {
     more = self->load_coefficient * fabs(spring_torque(m, d, self->tendon));
   }
+  mjtNum rolling = 0;
   if (self->rolling > 0) {
-    more += self->rolling * pow(fabs(v), 2.0 / 3.0);
+    rolling = self->rolling * pow(fabs(v), 2.0 / 3.0);
   }
-  mjtNum level_minus = coulomb * (1 - self->asymmetry) + more;
-  mjtNum level_plus = coulomb * (1 + self->asymmetry) + more;
+  mjtNum level_minus = coulomb * (1 - self->asymmetry) + rolling * (1 - self->rolling_asymmetry) + more;
+  mjtNum level_plus = coulomb * (1 + self->asymmetry) + rolling * (1 + self->rolling_asymmetry) + more;
   if (has_drag(self)) {
     mjtNum drag = drag_at(self, fabs(v));
     level_minus = fmax(level_minus + drag, 0);

@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-enum { MAX_ATTRIBUTES = 16 };
 
 // Lives in mjData.plugin_data; in memory there follow the states that a step from the last `compute` leaves behind, the
 // elements, law->size bytes each, and a copy of the attributes.
@@ -152,7 +151,7 @@ void register_law(const Law* law, int (*init)(const mjModel*, mjData*, int), int
   if (mjp_getPlugin(law->name, NULL)) {
     return;  // a second copy of this library; MuJoCo would end the process
   }
-  const char* attributes[MAX_ATTRIBUTES];
+  const char** attributes = mju_malloc((law->nnumber + law->ntext) * sizeof(*attributes));
   int nattribute = 0;
   for (int i = 0; i < law->nnumber; i++) {
     attributes[nattribute++] = law->numbers[i].name;
@@ -173,5 +172,6 @@ void register_law(const Law* law, int (*init)(const mjModel*, mjData*, int), int
   plugin.compute = compute;
   plugin.advance = advance;
   plugin.visualize = visualize;
-  mjp_registerPlugin(&plugin);
+  mjp_registerPlugin(&plugin);  // copies the names
+  mju_free(attributes);
 }

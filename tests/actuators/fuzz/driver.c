@@ -11,7 +11,7 @@
 
 #include "instance.h"
 
-enum { MOST_TEXT = 4000, MOST_ATTRIBUTES = 16 };
+enum { MOST_TEXT = 4000, MOST_ATTRIBUTES = 32 };
 
 static uint64_t seed_;
 static char texts_[MOST_ATTRIBUTES][MOST_TEXT];
