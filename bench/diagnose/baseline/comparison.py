@@ -71,11 +71,13 @@ class Baseline:
         by: What was held out at a time.
         folds: How many.
         drives: Those that move and were read.
+        repeats: Whether what was held out goes over the same angles as the rest.
     """
 
     by: Literal["recording", "run", "block"]
     folds: int
     drives: tuple[DriveErrors, ...]
+    repeats: bool
 
     @property
     def missed(self) -> tuple[DriveErrors, ...]:
@@ -136,7 +138,7 @@ def baseline_of(linear: LinearisedModel, fit: Fit, first: FirstPass, rate: float
     )
     alone = 1.0 if together < rate / 2 else rate / (2 * len(found))
     drives = tuple(_drive(first, j, count, squares, alone) for j, count, squares in found)
-    return Baseline(folds.by, len(folds), drives)
+    return Baseline(folds.by, len(folds), drives, first.folds.repeats)
 
 
 def _drive(first: FirstPass, drive: int, count: int, squares: dict[str, Array], rate: float) -> DriveErrors:

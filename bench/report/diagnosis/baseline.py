@@ -22,6 +22,7 @@ ONE_FRICTION = (
     "Least squares takes friction and offsets of drives to be the same in all recordings, and the payload where others "
     "do not surely predict better."
 )
+REPEATS = f"{words.REPETITION}: hold the model against one with bench predict."
 NOTABLE = 1.05  # declared: ratio of errors, from where it is said
 DIGITS = 3
 
@@ -72,6 +73,8 @@ def baseline_lines(verdict: Verdict) -> Iterator[str]:
     yield f"Torque in motion beside least squares, root mean square [{unit}], {baseline_words(verdict)}"
     rows = {title: [getattr(drive, name) for drive in baseline.drives] for name, title in MODELS.items()}
     yield from table_lines([f"drive {drive.drive}" for drive in baseline.drives], rows)
+    if baseline.repeats:
+        yield REPEATS
     if baseline.by == "recording":
         yield f"{ONE_FRICTION} The diagnosed model has those of the recording that is held out, fitted to it."
     yield from filter(None, (missed_sentence(verdict) or behind_sentence(verdict), links_sentence(verdict)))

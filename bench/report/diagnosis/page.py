@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.diagnose.name.learned_shape import LearnedCurve
 from bench.diagnose.verdict import ChannelGain, Verdict
-from bench.report.diagnosis.baseline import MODELS, baseline_words, behind_sentence, drive_rows, links_sentence
+from bench.report.diagnosis.baseline import MODELS, REPEATS, baseline_words, behind_sentence, drive_rows, links_sentence
 from bench.report.diagnosis.blind import blind_sentences, not_looked_for, without_balance
 from bench.report.diagnosis.changed import changed_lines
 from bench.report.diagnosis.facts import Facts
@@ -183,6 +183,7 @@ def page_of(
         baseline_models=list(MODELS.values()),
         baseline_rows=drive_rows(verdict),
         behind_words=behind_sentence(verdict),
+        repeats_words=REPEATS if verdict.baseline and verdict.baseline.repeats else "",
         links_words=links_sentence(verdict),
         expected=[one for one in verdict.predicted if one.kind == "motion"],
         files=made,

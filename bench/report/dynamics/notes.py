@@ -8,6 +8,7 @@ import numpy as np
 from bench.identify.dynamics.first_pass import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
 from bench.identify.dynamics.prior import WIDER
+from bench.report.dynamics.words import REPETITION
 
 BARELY = 1.02  # an error larger by less is the same within what folds differ by (assumed)
 
@@ -23,10 +24,7 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
     for folder, torques in predicted.items():
         yield from rivals_notes(found.joints, str(folder), torques)
     if found.folds.repeats:
-        yield (
-            "Every run goes over the same angles, so the held-out error tells how well a repetition is predicted, not "
-            "another motion; give one with --held-out."
-        )
+        yield f"{REPETITION}; give one with --held-out."
     for joint, noise in zip(found.joints, found.solution.noise, strict=True):
         if noise is None:
             yield f"{joint} never moves with its torque read: nothing is told of its friction."

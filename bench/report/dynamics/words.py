@@ -11,6 +11,12 @@ MODELS = {  # of `Torques` -> what they are called
 UNITS = {"recording": "recordings", "run": "whole runs", "block": "blocks of time"}
 
 
+REPETITION = (
+    "What was held out goes over the same angles as the rest, so its errors tell how well a repetition is predicted, "
+    "not another motion"
+)
+
+
 def torque_unit(found: FirstPass) -> str:
     """Return the unit of the torques of all drives; slides have forces."""
     hinge = found.nominal.bodies.is_hinge

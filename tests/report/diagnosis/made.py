@@ -161,8 +161,8 @@ MESSY = replace(
 )
 ENOUGH = DriveErrors(2, "joint2", "Nm", 368, 1316.4, 65.53, 4.217, 8.604, 3.712, 1.0, is_missed=False)
 TOO_LITTLE = DriveErrors(4, "joint4", "Nm", 120, 88.13, 13.42, 1.218, 0.9014, 3.927, 2e-5, is_missed=True)
-MISSING = replace(CAUSE, baseline=Baseline("run", 4, (ENOUGH, TOO_LITTLE)))
-NOT_MISSING = replace(NOTHING, baseline=Baseline("block", 8, (ENOUGH,)))
+MISSING = replace(CAUSE, baseline=Baseline("run", 4, (ENOUGH, TOO_LITTLE), repeats=False))
+NOT_MISSING = replace(NOTHING, baseline=Baseline("block", 8, (ENOUGH,), repeats=True))
 VERDICTS = {
     "nothing": NOTHING,
     "cause": CAUSE,
