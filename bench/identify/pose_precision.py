@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.identify.gls import SURE
 from bench.identify.outcome import condition_number, excludes_rigid
 from bench.identify.pose_plan import PLANNED, PlannedMethod, Setup, Visits, information
 from bench.robot.bodies import Array, read_only
@@ -108,5 +109,5 @@ def prior_information(setup: Setup, method: PlannedMethod, guess: float = GUESS)
         method: Method of identification.
         guess: Relative standard deviation of the guessed compliances; inf for none.
     """
-    nuisance = method.nuisance_sigma(setup)
+    nuisance = np.maximum(method.nuisance_sigma(setup), SURE)
     return np.diag(np.concatenate([np.full(setup.arm.n_joints, guess), nuisance]) ** -2.0)

@@ -47,8 +47,11 @@ def test_a_joint_that_cannot_be_seen_is_seen_after_the_advice(arm, rng):
     assert reached < PROMISE * max(softer, 1.0) * advice.relative_error
 
 
-def test_a_weak_joint_gets_a_better_pose(arm, rng):
+@pytest.mark.parametrize("direction_sigma", [0.005, 0.0])
+def test_a_weak_joint_gets_a_better_pose(arm, rng, direction_sigma):
+    """Weights alone, without a force sensor, have a direction that is known: advice was "would make that nan%"."""
     readings = measure(FREE, ladders(), rng)
+    readings = replace(readings, systematic=replace(readings.systematic, force_direction=direction_sigma))
     coarse = replace(readings, sigma_reflector=100 * readings.sigma_reflector)
     estimate = identify_force(arm, COUNTERBALANCE, coarse, Options())
     error = np.sqrt(np.diag(estimate.covariance)) / estimate.compliance
