@@ -9,6 +9,7 @@ from bench.record.campaign import Array
 BLOCKS = 8  # of the record, fitted one by one; their spread is the statistical error (assumed)
 LATEST = 0.03  # [s], delay up to which is looked; drives report within a few control periods (assumed)
 LAG_STEP = 1e-3  # [s] between the delays that are tried; a parabola through three of them tells the rest
+LEAST_VARIANCE = LAG_STEP**2 / 12 / BLOCKS  # exact: of the mean of blocks, each known to a step
 CLEARLY_MOVING = 0.1  # of the top speed (assumed; friction that turns within 0.1 mrad was taken for 5 ms otherwise)
 
 
@@ -27,6 +28,11 @@ def delay_of(
     like a delay otherwise, where friction turns with the speed. Instants at which a drive turns round are left out:
     bristles bend before friction has turned, which looks like a delay of the readings.
 
+    All drives are read by one clock. One that fits best at an end of the delays that are tried says nothing. Where the
+    others differ by more than blocks of the record scatter, the model is wrong in some of them (an arm that rings), and
+    that is in the standard deviation (DerSimonian and Laird, Meta-analysis in clinical trials, 1986; with the variance
+    of Hartung and Knapp, 2001, for there are few drives).
+
     Args:
         time: Shape (T,) [s], even.
         reading: Shape (T, k).
@@ -38,14 +44,31 @@ def delay_of(
     lags = np.arange(-LATEST, LATEST + 1e-9, LAG_STEP)
     seen = np.stack([counts * shifted(time, reading, lag) for lag in lags], axis=2)
     parts = [slice(None), *(slice(rows[0], rows[-1] + 1) for rows in np.array_split(np.arange(len(time)), BLOCKS))]
-    left = np.zeros((len(parts), len(lags)))
+    delays, variances = np.zeros(len(fit.slope)), np.full(len(fit.slope), np.inf)
     for j, slope in enumerate(fit.slope):
         design = counts[:, j, None] * np.concatenate([columns[j][:, :-1], slope * errors[j]], axis=1)
         weight = np.r_[np.zeros(columns.shape[2] - 1), np.sqrt(fit.noise[j] / fit.prior)]
-        for i, rows in enumerate(parts):
-            left[i] += _left(design[rows], weight, seen[rows, j])
-    whole, *cut = [_lowest(lags, misfits) for misfits in left]
-    return whole, float(np.std(cut, ddof=1) / np.sqrt(BLOCKS))
+        delays[j], *cut = (_lowest(lags, _left(design[rows], weight, seen[rows, j])) for rows in parts)
+        if lags[1] < delays[j] < lags[-2]:  # else it was not found, and this drive says nothing
+            variances[j] = max(float(np.var(cut, ddof=1)) / BLOCKS, LEAST_VARIANCE)
+    return _mean_of(delays, variances)
+
+
+def _mean_of(delays: Array, variances: Array) -> tuple[float, float]:
+    """Return the mean of delays that may differ by more than their variances, and its standard deviation."""
+    told = np.isfinite(variances)
+    if not told.any():
+        return float(np.mean(delays)), LATEST
+    delays, variances = delays[told], variances[told]
+    weight, more = 1 / variances, len(delays) - 1
+    if more == 0:
+        return float(delays[0]), float(np.sqrt(variances[0]))
+    excess = weight @ (delays - weight @ delays / weight.sum()) ** 2 - more
+    between = max(0.0, float(excess / (weight.sum() - weight @ weight / weight.sum())))
+    weight = 1 / (variances + between)
+    mean = float(weight @ delays / weight.sum())
+    scatter = float(weight @ (delays - mean) ** 2 / more)
+    return mean, float(np.sqrt(max(scatter, 1.0) / weight.sum()))
 
 
 def _left(design: Array, weight: Array, seen: Array) -> Array:

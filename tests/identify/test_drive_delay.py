@@ -62,3 +62,15 @@ def test_friction_that_turns_late_is_no_delay(arm: NominalDynamics, delay: float
     sigma = np.sqrt(np.mean([scale.delay_sigma**2 for scale in found]) / LOGS)
     assert sigma < WIDEST
     assert abs(np.mean([scale.delay for scale in found]) - delay) < min(SIGMAS * sigma, 0.8 * BRISTLES)
+
+
+@pytest.mark.parametrize("seed", [1, 4])
+def test_a_drive_that_disagrees_is_in_the_error(arm: NominalDynamics, seed: int) -> None:
+    """Of a stranger's arm that rang, all currents were said to lead by 4.3 +- 0.2 ms; they were 4.5 ms late."""
+    right, misled = 0.004, -0.02  # [s]
+    late, early = (stranger.moved(np.random.default_rng(seed), 20.0, torque_delay=delay) for delay in (right, misled))
+    found = scale_of(arm, late, np.column_stack([late.torque[:, :2], early.torque[:, 2]]))
+    alike = scale_of(arm, late, late.torque)
+    assert abs(alike.delay - right) < SIGMAS * alike.delay_sigma
+    assert abs(found.delay - right) < SIGMAS * found.delay_sigma
+    assert found.delay_sigma > 1.5 * alike.delay_sigma
