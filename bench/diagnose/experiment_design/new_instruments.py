@@ -2,7 +2,14 @@
 
 import numpy as np
 
-from bench.diagnose.replay.noise import LINK_ENCODER, UNIFORM, UNSTATED_CURRENT, UNSTATED_FORCE, UNSTATED_M, torque_sigma
+from bench.diagnose.replay.noise import (
+    LINK_ENCODER,
+    UNIFORM,
+    UNSTATED_CURRENT,
+    UNSTATED_FORCE,
+    UNSTATED_M,
+    torque_sigma,
+)
 from bench.diagnose.replay.quantities import Quantity
 from bench.robot.compiled import CompiledRobot
 

@@ -27,7 +27,7 @@ from bench.robot.compiled import CompiledRobot
 SHARE = (
     0.1  # declared: of the rated force, beyond what cables, hands and hours of creep make; smaller loads are not told
 )
-AXES = 3
+AXES = 3  # exact: of space
 
 
 @dataclass(frozen=True, eq=False)
