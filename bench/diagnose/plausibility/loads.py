@@ -12,12 +12,13 @@ from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.mistaken import NEAR, POUND_N, doubt
 from bench.diagnose.plausibility.mistaken_inputs import ELSEWHERE, Recording, with_loads
 from bench.diagnose.replay.instants import instants_of
+from bench.effects.recording_log import HungLoad
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.record.units import STANDARD_GRAVITY
 
 # derived: times; half way, on a logarithmic scale, from a load written down twice too small (hung_load) to pounds
-TOO_SMALL = (2.0 * POUND_N) ** 0.5
+TOO_SMALL = ((1 + HungLoad.parameters[0].high) * POUND_N) ** 0.5
 ROUNDED = 0.01  # rounding: of a weight; gravity taken as 9.8 or 9.81, or a mass as full kilograms
 OTHERS = 3  # declared: runs whose mass and weight agree, at least, beside the one where they do not
 UNLIKE = 0.1  # declared: share of what drives paid that loads as stated leave; friction that turns round leaves less

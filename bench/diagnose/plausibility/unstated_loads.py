@@ -11,14 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.plausibility.drive_picture import HELD
+from bench.diagnose.plausibility.drive_picture import held_at_rest
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.static_segments import visits_of
 from bench.diagnose.replay.world import NOMINAL
-from bench.effects.places import torque_limit
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding, counted
 from bench.record.rules.sheet import LOAD_N
@@ -137,7 +136,7 @@ def _shown(visit: _Visit, compiled: CompiledRobot, quantities: tuple[Quantity, .
     for c, quantity in enumerate(quantities):
         if quantity.is_drive:
             unit = abs(compiled.torque_constant[quantity.index]) if quantity.kind == "current" else 1.0
-            held = HELD * torque_limit(compiled, quantity.index) / unit
+            held = held_at_rest(compiled)[quantity.index] / unit
             for before, after in _unchanged(visit):
                 more = float(abs(visit.observed[after, c] - visit.observed[before, c]))
                 if more > held:
