@@ -111,8 +111,8 @@ def drive_picture(replay: Replay) -> DrivePicture:
 def held_at_rest(compiled: CompiledRobot) -> Array:
     """Return what friction of each drive may hold at rest, shape (n,) [Nm]: as usual, or as the model states it."""
     usual = np.array([HELD * torque_limit(compiled, j) for j in range(compiled.n_joints)])
-    stated: Array = HOLDS * (compiled.motor_coulomb + compiled.link_coulomb)
-    return np.maximum(usual, stated)
+    held: Array = np.maximum(usual, HOLDS * (compiled.motor_coulomb + compiled.link_coulomb))
+    return held
 
 
 def _payloads(replay: Replay, nominal: Array) -> list[Array]:
