@@ -21,9 +21,7 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
 FAR = 3.0  # declared: standard deviations of stated friction, by which there may be less
-# declared: times the friction of a drive in motion, that it may hold at rest; Stribeck friction is half more
-HOLDS = 2.0
-HELD = 0.1  # assumed: of a drive's torque limit, that friction may hold at rest where the model states less
+HELD = 0.1  # assumed: of a drive's torque limit, that friction may hold at rest; Coulomb levels are up to 9 % of it
 LEAST = 30  # declared: readings of a drive in motion, below which nothing is said of its channel
 
 
@@ -99,20 +97,13 @@ def drive_picture(replay: Replay) -> DrivePicture:
         model=model,
         velocity=trace.q_velocity,
         standing=standing,
-        slack=held_at_rest(compiled),
+        slack=np.array([HELD * torque_limit(compiled, j) for j in range(shape[1])]),
         level=level,
         spare=np.minimum(FAR * compiled.robot.figures.drive_uncertainty.friction, 1.0) * np.stack([level, viscous]),
         unit=units,
         missing=extra,
         names=tuple(names),
     )
-
-
-def held_at_rest(compiled: CompiledRobot) -> Array:
-    """Return what friction of each drive may hold at rest, shape (n,) [Nm]: as usual, or as the model states it."""
-    usual = np.array([HELD * torque_limit(compiled, j) for j in range(compiled.n_joints)])
-    held: Array = np.maximum(usual, HOLDS * (compiled.motor_coulomb + compiled.link_coulomb))
-    return held
 
 
 def _payloads(replay: Replay, nominal: Array) -> list[Array]:

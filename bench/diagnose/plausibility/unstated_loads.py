@@ -11,13 +11,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.plausibility.drive_picture import held_at_rest
+from bench.diagnose.plausibility.drive_picture import HELD
 from bench.diagnose.plausibility.mistaken import doubt
+from bench.diagnose.plausibility.physical_fit import HOLDS
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.static_segments import visits_of
 from bench.diagnose.replay.world import NOMINAL
+from bench.effects.places import torque_limit
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding, counted
 from bench.record.rules.sheet import LOAD_N
@@ -136,13 +138,19 @@ def _shown(visit: _Visit, compiled: CompiledRobot, quantities: tuple[Quantity, .
     for c, quantity in enumerate(quantities):
         if quantity.is_drive:
             unit = abs(compiled.torque_constant[quantity.index]) if quantity.kind == "current" else 1.0
-            held = held_at_rest(compiled)[quantity.index] / unit
+            held = _held(compiled, quantity.index) / unit
             for before, after in _unchanged(visit):
                 more = float(abs(visit.observed[after, c] - visit.observed[before, c]))
                 if more > held:
                     what = f"{quantity.column} changes by {more:.3g} {quantity.unit}, more than friction holds,"
                     return f"{what} {_while_unchanged(visit, before, after)}"
     return ""
+
+
+def _held(compiled: CompiledRobot, j: int) -> float:
+    """Return what friction of a drive may hold at rest [Nm]: as usual, or what the model states where that is more."""
+    stated = HOLDS * float(compiled.motor_coulomb[j] + compiled.link_coulomb[j])
+    return max(HELD * torque_limit(compiled, j), stated)
 
 
 def _moved(visit: _Visit, name: str, place: Array, reflector: int, least_n: float) -> str:
