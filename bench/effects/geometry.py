@@ -75,14 +75,14 @@ class ThermalGrowth(Effect):
     title = "thermal growth of the links"
     physics = (
         "A link of length L grows by alpha L (T - 293.15 K). T lies between the air and the mean of the gearboxes, "
-        "T = (1 - w) T_ambient + w T_gear."
+        "T = (1 - w) T_ambient + w T_gear. Gearboxes whose temperature nobody measured are as warm as the air."
     )
     source = "ISO 230-3, thermal effects; alpha of steel 11.5 ppm/K, of aluminium 23 ppm/K (table values); w assumed"
     parameters = (
         Parameter("expansion", "1/K", 0.0, 8e-6, 2.4e-5, "alpha that the nominal model leaves out"),
         Parameter("soak", "", 0.5, 0.0, 1.0, "w, share of the gearboxes in the links' temperature", is_shape=True),
     )
-    needs = ("gear_temperature",)
+    needs = ("ambient_temperature",)
     depends_on_conditions = True
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:

@@ -203,16 +203,17 @@ def readings_of(
 
 
 def conditions_of(run: Run, rows: Index, n: int) -> Conditions:
-    """Return the mean temperatures over some rows; those that nobody measured are at their reference."""
+    """Return the mean temperatures over some rows; what nobody measured is at its reference, gears as the air."""
 
-    def mean(column: str) -> float:
-        return float(np.mean(run.columns[column][rows])) if column in run.columns else REFERENCE_K
+    def mean(column: str, otherwise: float = REFERENCE_K) -> float:
+        return float(np.mean(run.columns[column][rows])) if column in run.columns else otherwise
 
+    air = mean("ambient_temperature_k")
     return Conditions(
-        gear_k=np.array([mean(f"gear_temperature_{i + 1}_k") for i in range(n)]),
+        gear_k=np.array([mean(f"gear_temperature_{i + 1}_k", air) for i in range(n)]),
         winding_k=np.array([mean(f"motor_temperature_{i + 1}_k") for i in range(n)]),
         gas_k=mean("gas_temperature_k"),
-        ambient_k=mean("ambient_temperature_k"),
+        ambient_k=air,
         payload_kg=float(np.mean(run.columns["load_mass_kg"][rows])) if "load_mass_kg" in run.columns else 0.0,
         time_s=run.start_s + (float(np.mean(run.columns["time_s"][rows])) if "time_s" in run.columns else 0.0),
     )
