@@ -1,4 +1,7 @@
-"""What may be anew in a recording: instruments are set up again, another payload is bolted on, gas is refilled."""
+"""What may be anew in a recording: instruments are set up again, another payload is bolted on, gas is refilled.
+
+A machine that was used meanwhile may also have other friction and softer joints.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -44,6 +47,7 @@ FREE: Mapping[str, Free] = {
         "friction of every drive, Coulomb, viscous and rolling",
         (*COULOMB_FIGURES, "viscous friction of", "rolling friction of", "learned friction over speed of"),
     ),
+    "stiffness": Free("stiffness of every elastic element", ("stiffness of",)),
     "weights": Free(
         "what hangs or is bolted on, against what is written down", ("weights that hang", "weights bolted")
     ),
