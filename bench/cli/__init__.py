@@ -56,6 +56,7 @@ Command = (  # in the order of the help; each goes by the name of its class
     | Benchmark
 )
 
+TRYING_MODELS = (Diagnose, Compare, Predict, Demo, Study)  # what the engine warns of there is of models that are tried
 INTERRUPTED = 130
 TERMINATED = 143
 NOT_READ = 141
@@ -124,7 +125,12 @@ def _run(arguments: list[str] | None) -> int:
         sys.stdout.flush()  # help ends the program here
     expect_nameable(typed, Path(command.name) if isinstance(command, NewRobot) else getattr(command, "out", None))
     return_what_is_free()
-    return command.run()
+    if not isinstance(command, TRYING_MODELS):
+        return command.run()
+    from bench.simulate.silence import engine_silent
+
+    with engine_silent():
+        return command.run()
 
 
 def _print_anything() -> None:

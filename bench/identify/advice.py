@@ -8,6 +8,7 @@ import numpy as np
 from bench.errors import InputError
 from bench.identify.arm import Arm
 from bench.identify.estimate import StiffnessEstimate
+from bench.identify.load_axis import on_axis_sentence, turned_by_load
 from bench.identify.options import Options
 from bench.identify.pose_candidates import Rules, sample
 from bench.identify.pose_plan import PLANNED, Load, Setup, Visits, information
@@ -49,6 +50,8 @@ def advise(
 ) -> tuple[Advice, ...]:
     """Return one piece of advice for every joint that is not observable or known to worse than `WEAK`.
 
+    Of a joint on whose axis the load point lies there is none: no pose tells it.
+
     Poses are sampled inside the joint limits, no lower and no nearer to the base than was measured already, with the
     largest load that was used, hanging or pulling along x or y. What each would add is its information, Eq. (42), on
     top of the estimate's. The same readings give the same advice.
@@ -61,7 +64,7 @@ def advise(
         raise InputError("no joint is observable from these readings, so that no pose can be judged.")
     guess = np.where(estimate.observable, known, np.nanmedian(known))
     error = np.sqrt(np.diag(estimate.covariance)) / guess
-    wanted = np.flatnonzero(~(error <= WEAK))
+    wanted = np.flatnonzero(~(error <= WEAK) & turned_by_load(arm, readings.load_point))
     if len(wanted) == 0:
         return ()
     method = PLANNED["current" if estimate.method == "current" else "force"]
@@ -103,6 +106,9 @@ def with_advice(method: Method) -> Method:
         arm: Arm, counterbalance: Counterbalance | None, readings: StaticReadings, options: Options
     ) -> StiffnessEstimate:
         estimate = method(arm, counterbalance, readings, options)
+        names = zip(estimate.joint_names, turned_by_load(arm, readings.load_point), strict=True)
+        on_axis = [on_axis_sentence(name) for name, turned in names if not turned]
+        estimate = replace(estimate, notes=(*estimate.notes, *on_axis))
         try:
             found = advise(arm, counterbalance, readings, estimate)
         except InputError as error:

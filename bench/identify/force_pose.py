@@ -2,8 +2,9 @@
 
 It estimates the stiffness itself, linear in K, with the measured deflection in the regressor H. That deflection is
 noisy, its orientation most of all, and plain least squares, Eq. (25), would be biased towards soft joints. Each
-equation is therefore weighted by its own noise, and from the second pass on the deflection that the fit predicts
-takes the place of the measured one where H is an instrument: K = (Z^T V^-1 H)^-1 Z^T V^-1 E.
+equation is therefore weighted by its own noise, and the deflection that the fit predicts takes the place of the
+measured one where H is an instrument: K = (Z^T V^-1 H)^-1 Z^T V^-1 E. Both need a stiffness: the first is that of the
+force method from positions alone, and each pass takes that of the pass before, until it stays.
 """
 
 from dataclasses import dataclass, replace
@@ -11,11 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.errors import InputError
+from bench.errors import ConvergenceError, InputError
 from bench.identify.arm import Arm
 from bench.identify.channels import usable
 from bench.identify.estimate import StiffnessEstimate
-from bench.identify.force import force_change, turned_wrench, wrench_covariance
+from bench.identify.force import force_change, identify_force, turned_wrench, wrench_covariance
 from bench.identify.gls import SURE, SeriesModel, Solution, whiten
 from bench.identify.options import Options
 from bench.identify.outcome import estimate, is_signal
@@ -26,6 +27,8 @@ from bench.robot.bodies import Array
 from bench.robot.counterbalance import Counterbalance
 
 SINGULAR = 1e4  # condition number of J_m beyond which a pose says nothing about single joints
+SETTLED = 0.01  # effort: of a standard error, by which no stiffness changes any more; each pass gains a digit
+PASSES = 30  # effort: at most; six are enough from twice and half the stiffness
 
 
 @dataclass(frozen=True)
@@ -165,25 +168,58 @@ def identify_force_pose(
         arm: A six-joint arm.
         counterbalance: Its counterbalance; needed for its k_b only.
         readings: Needs the load and three reflectors.
-        options: Options.
+        options: Options; passes are made until the stiffness stays, however many `iterations` are.
 
     Raises:
         InputError: A channel is missing, the arm has not six joints, every pose is singular, or reflectors stand in
             line.
+        ConvergenceError: The stiffness does not settle.
     """
     readings = six_joint_readings("force-pose", readings)
     used = signal_of(arm, counterbalance, readings)
-    compliance = np.zeros(6)
-    stiffness: Array | None = None
-    for _ in range(options.iterations):
-        problem = build_force_pose(arm, counterbalance, readings, options, compliance)
-        solution = solve_force_pose(problem, used, stiffness)
-        found = solution.parameters[: used.sum()]
-        compliance[used] = 1 / found
-        stiffness = np.full(6, np.median(found))  # a joint without signal needs some value for its noise
-        stiffness[used] = found
+    count = int(used.sum())
+    problem = build_force_pose(arm, counterbalance, readings, options, np.zeros(6))
+    stiffness = _start(identify_force(arm, counterbalance, readings, options), used)
+    moved = np.inf
+    for _ in range(PASSES):
+        if stiffness is not None:
+            compliance = np.where(used, 1 / stiffness, 0.0)
+            problem = build_force_pose(arm, counterbalance, readings, options, compliance)
+        try:
+            solution = solve_force_pose(problem, used, stiffness)
+        except np.linalg.LinAlgError:  # so far off that the arm would not stand
+            moved = np.inf
+            break
+        found = solution.parameters[:count]
+        if stiffness is not None:
+            change = np.abs(found - stiffness[used])
+            moved = float(np.max(change / np.sqrt(np.diag(solution.covariance)[:count]), initial=0.0))
+        stiffness = _with_others(found, used)
+        if moved < SETTLED:
+            break
+    if stiffness is None or moved >= SETTLED:
+        raise ConvergenceError(
+            f"method 'force-pose': after at most {PASSES} passes a stiffness still moves by {moved:.2g} of its "
+            f"standard error, asked for is {SETTLED:g}; take 'force' or 'joint'."
+        )
+    compliance = np.where(used, 1 / stiffness, 0.0)
     gain_covariance = readings.systematic.force_gain**2 * np.outer(compliance, compliance)
-    return estimate("force-pose", arm.joint_names, used, in_compliance(solution, int(used.sum())), gain_covariance)
+    return estimate("force-pose", arm.joint_names, used, in_compliance(solution, count), gain_covariance)
+
+
+def _start(by_positions: StiffnessEstimate, used: NDArray[np.bool_]) -> Array | None:
+    """Return the stiffness to begin with, shape (6,) [Nm/rad]; None, which begins with Eq. (25), if none is known."""
+    if not np.any(by_positions.observable & used):
+        return None
+    known = np.where(by_positions.observable & used, by_positions.stiffness, np.nan)
+    return np.where(np.isnan(known), np.nanmedian(known), known)
+
+
+def _with_others(found: Array, used: NDArray[np.bool_]) -> Array:
+    """Return the stiffness of all joints, shape (6,) [Nm/rad]; one without signal needs some value for its noise."""
+    stiffness = np.full(6, np.median(found) if len(found) else 1.0)
+    stiffness[used] = found
+    return stiffness
 
 
 def six_joint_readings(method: str, readings: StaticReadings) -> StaticReadings:

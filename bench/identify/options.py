@@ -14,7 +14,7 @@ class Options:
     Attributes:
         second_order: What is taken at the deflected angles.
         iterations: Gauss-Newton steps from a rigid arm, at least 1. The first solves the plain linear equation, Eq.
-            (41); each further one gains about two digits.
+            (41); each further one gains about two digits. The force method in full goes on until it has settled.
         weights: "noise": by the covariance of the readings, the unloaded one shared by its series. "equal": as the
             paper does, every loaded state less the unloaded one, all rows alike, and the error from the residuals.
             Only the current and force methods in their position-only form know the difference.

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.identify.gls import SURE
+from bench.identify.load_axis import on_axis_sentence, turned_by_load
 from bench.identify.outcome import condition_number, excludes_rigid
 from bench.identify.pose_plan import PLANNED, PlannedMethod, Setup, Visits, information
 from bench.robot.bodies import Array, read_only
@@ -27,12 +28,14 @@ class Precision:
         stiffness: Shape (n,) [Nm/rad], the guess.
         information: Shape (n, n), about the relative compliances, the method's nuisances unknown within their priors.
         gain: Shape (n, n), relative covariance by gain errors, which no choice of poses reveals.
+        turned: Shape (n,) bool, joints that a load turns in some pose.
     """
 
     joint_names: tuple[str, ...]
     stiffness: Array
     information: Array
     gain: Array
+    turned: NDArray[np.bool_]
 
     @property
     def observable(self) -> NDArray[np.bool_]:
@@ -81,7 +84,9 @@ class Precision:
         """One sentence for each joint that these visits will not tell about."""
         return tuple(
             f"{name} will not be observable: the loads put too little torque on it; allow slanting loads or more poses."
-            for name, seen in zip(self.joint_names, self.observable, strict=True)
+            if turned
+            else f"{name} will not be observable. {on_axis_sentence(name)}"
+            for name, seen, turned in zip(self.joint_names, self.observable, self.turned, strict=True)
             if not seen
         )
 
@@ -98,6 +103,7 @@ def expected_precision(setup: Setup, visits: Visits, method: str) -> Precision:
         stiffness=read_only(relative),
         information=read_only(total[:n, :n] - shared @ np.linalg.solve(total[n:, n:], shared.T)),
         gain=read_only(gain),
+        turned=turned_by_load(setup.arm, setup.load_point),
     )
 
 

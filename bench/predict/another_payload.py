@@ -33,6 +33,10 @@ class AnotherPayload(Effect):
         *(replace(p, words=f"shift along {p.name}") for p in PayloadCom.parameters),
     )
 
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return the robot, unless its figures say that no recording leaves a payload unstated."""
+        return UnstatedPayload().places(compiled)
+
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameters with the range of a robot; no more is taken away than it carries."""
         body = _carried(compiled)

@@ -1,4 +1,7 @@
-"""What may be anew in a recording: instruments are set up again, another payload is bolted on, gas is refilled."""
+"""What may be anew in a recording: instruments are set up again, another payload is bolted on, gas is refilled.
+
+A machine that was used meanwhile may also have other friction and softer joints.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,11 +24,13 @@ class Free:
         figures: Beginnings of the names of the figures with which it is described; their stated uncertainty is the
             prior.
         effect: Or the effect; its plausible size is the prior, in both directions.
+        without: Why it cannot be free where the effect has no place.
     """
 
     words: str
     figures: tuple[str, ...] = ()
     effect: Effect | None = None
+    without: str = "this robot has none"
 
 
 COULOMB_FIGURES = ("motor-side Coulomb friction of", "link-side Coulomb friction of")
@@ -42,10 +47,16 @@ FREE: Mapping[str, Free] = {
         "friction of every drive, Coulomb, viscous and rolling",
         (*COULOMB_FIGURES, "viscous friction of", "rolling friction of", "learned friction over speed of"),
     ),
+    "stiffness": Free("stiffness of every elastic element", ("stiffness of",)),
     "weights": Free(
         "what hangs or is bolted on, against what is written down", ("weights that hang", "weights bolted")
     ),
-    "payload": Free("mass, inertia and centre of mass of what the model carries", effect=AnotherPayload()),
+    "payload": Free(
+        "mass, inertia and centre of mass of what the model carries",
+        effect=AnotherPayload(),
+        without="`uncertainty.payload_kg: 0` in figures.yaml of the robot says that recordings leave no payload "
+        "unstated; state there how many kg they may leave",
+    ),
     "gas_amount": Free("amount of gas in the counterbalance", effect=GasLoss()),
     "gas_temperature": Free("temperature of the gas in the counterbalance", effect=GasTemperature()),
 }
@@ -87,7 +98,7 @@ def freed_causes(names: Sequence[str], compiled: CompiledRobot) -> tuple[Cause, 
     """Return the effects that are free, each with sizes in both directions.
 
     Raises:
-        InputError: The robot has no such part.
+        InputError: The robot has no such part, or states that it is known.
     """
     found, faults = [], []
     for name in names:
@@ -95,7 +106,7 @@ def freed_causes(names: Sequence[str], compiled: CompiledRobot) -> tuple[Cause, 
         if effect is None:
             continue
         if not effect.places(compiled):
-            faults.append(f"--free {name}: this robot has none ({FREE[name].words}).")
+            faults.append(f"--free {name}: {FREE[name].without} ({FREE[name].words}).")
             continue
         sizes = tuple(replace(p, signed=True) for p in effect.parameters_at(compiled, WHOLE))
         found.append(Cause(effect, WHOLE, sizes, ()))

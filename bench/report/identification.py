@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench.errors import InputError
+from bench.errors import ConvergenceError, InputError
 from bench.identify.arm import Arm
 from bench.identify.estimate import JointEstimate, StiffnessEstimate
 from bench.identify.from_campaign import static_readings
@@ -57,6 +57,7 @@ def identify_campaign(
     Raises:
         CampaignError: The folder is not a usable campaign; every fault is listed.
         InputError: A method that was asked for by name lacks a channel, or no pose was read under two loads.
+        ConvergenceError: A method that was asked for by name does not settle.
     """
     campaign, compiled = open_usable(folder, robot)
     arm = Arm(rigid_bodies(compiled))
@@ -68,7 +69,7 @@ def identify_campaign(
         for name in METHODS if methods is None else methods:
             try:
                 estimates[name] = METHODS[name](arm, compiled.counterbalance, readings, options)
-            except InputError as error:
+            except (InputError, ConvergenceError) as error:
                 if methods is not None:
                     raise
                 refused[name] = str(error)

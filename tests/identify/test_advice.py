@@ -11,7 +11,7 @@ from bench.identify.arm import Arm
 from bench.identify.force import identify_force
 from bench.identify.methods import METHODS
 from bench.identify.options import Options
-from tests.identify.hh150 import COUNTERBALANCE, STIFFNESS, hh150
+from tests.identify.hh150 import COUNTERBALANCE, POINTS, STIFFNESS, hh150
 from tests.identify.static_world import Ladder, World, measure
 from tests.identify.test_methods import ladders
 
@@ -67,6 +67,19 @@ def test_no_advice_where_none_is_needed(arm, rng):
     estimate = identify_force(arm, COUNTERBALANCE, readings, Options())
     assert advise(arm, COUNTERBALANCE, readings, estimate) == ()
     assert METHODS["force"](arm, COUNTERBALANCE, readings, Options()).notes == estimate.notes
+
+
+@pytest.mark.parametrize("method", ["current", "force", "joint"])
+def test_a_load_point_on_the_last_axis_is_said_and_no_pose_is_named_for_it(monkeypatch, rng, method):
+    """A hook on axis 6: "add a pose near ... with 1500 N hanging"; no load through that point turns it."""
+    monkeypatch.setitem(POINTS, "load", [0.0, 0.0, POINTS["load"][2]])
+    on_axis = Arm(hh150())
+    readings = measure(FREE, ladders(), rng)
+    estimate = METHODS[method](on_axis, COUNTERBALANCE, readings, Options())
+    assert list(estimate.observable) == [True] * 5 + [False]
+    said = [note for note in estimate.notes if "load point lies on the axis of joint_6" in note]
+    assert len(said) == 1
+    assert not any("To see joint_6" in note or "joint_6 is known to" in note for note in estimate.notes)
 
 
 def test_the_same_readings_give_the_same_advice(arm, rng):

@@ -230,3 +230,21 @@ class TestRules:
     def test_impossible_rules_are_said(self, setup):
         with pytest.raises(InputError, match="relax them"):
             sample(setup, [self.HANGING], replace(RULES, floor=10.0), 10, np.random.default_rng(0))
+
+
+def test_a_load_point_on_the_last_axis_is_said(setup):
+    """It said "allow slanting loads or more poses", of which none helps."""
+    points = {"load": [0.0, 0.0, A1["p_f_frame6_m"][2]], "reference": A1["p_m_frame6_m"]}
+    on_axis = replace(setup, arm=Arm(bodies_from_table(TABLE_1, points)))
+    side = np.sqrt(0.5)
+    visits = sample(
+        on_axis, [Load(DOWN, FORCES), Load((side, 0.0, -side), FORCES)], RULES, 20, np.random.default_rng(3)
+    )
+    (note,) = expected_precision(on_axis, visits, "current").notes
+    assert note.startswith("joint_6 will not be observable. The load point lies on the axis of joint_6, so in no pose")
+    assert "slanting" not in note
+    hanging = sample(setup, [Load(DOWN, FORCES)], RULES, 20, np.random.default_rng(3))
+    (note,) = expected_precision(setup, hanging, "current").notes
+    assert note == (
+        "joint_1 will not be observable: the loads put too little torque on it; allow slanting loads or more poses."
+    )

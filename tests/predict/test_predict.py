@@ -28,6 +28,7 @@ from tests.report.handover.made import CASES, fit_of
 
 AGREES = 1e-6  # of a channel's largest reading; as a handed-over folder agrees with its fit
 ZERO = 7e-5  # [rad], of a link encoder; two thirds of its stated uncertainty
+FAR_ZERO = 5e-4  # [rad], five times that
 PAYLOAD_KG = 4.0
 
 
@@ -242,6 +243,18 @@ def test_what_nothing_shows_cannot_be_free(campaign: Campaign, nominal: Compiled
     runs = tuple(replace(run, columns=columns) for run, columns in zip(campaign.runs, dark, strict=True))
     with pytest.raises(InputError, match="--free encoder_zero: nothing to fit"):
         predict(replace(campaign, runs=runs), nominal, nominal, free=("encoder_zero",))
+
+
+def test_a_payload_that_the_robot_states_to_be_known_is_not_free(campaign: Campaign, nominal: CompiledRobot) -> None:
+    """`uncertainty.payload_kg: 0`, of a lab that weighs all that it hangs on, ended in a ZeroDivisionError."""
+    figures = nominal.robot.figures
+    known = figures.model_copy(update={"uncertainty": figures.uncertainty.model_copy(update={"payload_kg": 0.0})})
+    stated = compile_robot(replace(nominal.robot, figures=known))
+    moved = shifted(campaign, "q_link_2_rad", FAR_ZERO)
+    assert [one.name for one in only(moved, stated, stated).maybe_anew] == ["encoder_zero"]
+    with pytest.raises(InputError, match=r"--free payload: `uncertainty\.payload_kg: 0` in figures\.yaml") as raised:
+        predict(campaign, stated, stated, free=("payload",))
+    assert len(raised.value.problems) == 1
 
 
 def test_what_is_free_is_documented() -> None:

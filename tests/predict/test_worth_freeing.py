@@ -20,6 +20,7 @@ from tests.simulate.rotation_small import small_rotation
 
 ZERO = 5e-4  # [rad], of a link encoder: five times its stated uncertainty
 MORE = 0.15  # of a Coulomb level
+SOFTER = 0.15  # of a compliance
 SEEDS = range(20, 24)
 
 
@@ -60,6 +61,22 @@ def test_friction_of_a_colder_day_is_named_and_found(nominal: CompiledRobot) -> 
     first = told[f"motor-side Coulomb friction of {nominal.robot.figures.drives[0].joint}"]
     assert first.low < MORE < first.high
     assert first.high - first.low < MORE
+
+
+@pytest.mark.parametrize("change", [SOFTER, -SOFTER / 2])
+def test_a_joint_that_became_softer_or_stiffer_is_named_and_found(nominal: CompiledRobot, change: float) -> None:
+    """A stranger's arm with a joint 15 % softer: nothing of a joint could be free, and the tracker was named."""
+    effect = catalogue()["joint_compliance"]
+    acting = [Acting(effect, effect.places(nominal)[0], effect.complete({"change": change}))]
+    rng, scenario = np.random.default_rng(3), small_rotation(nominal.robot.folder)
+    recorded = hide_campaign(nominal.robot, scenario, acting, rng, background=False, tails=None).campaign
+    assert named(only(recorded, nominal, nominal)) == ["stiffness"]
+    found = {figure.name: figure for figure in only(recorded, nominal, nominal, "stiffness").freed}
+    assert all(name.startswith("stiffness of") for name in found)
+    first = found[f"stiffness of {nominal.robot.figures.drives[0].joint}"]
+    stiffer = 1 / (1 + change) - 1
+    assert first.low < stiffer < first.high
+    assert first.high - first.low < SOFTER / 10
 
 
 @pytest.mark.parametrize("mass", [4.0, pytest.param(8.0, marks=pytest.mark.study)])

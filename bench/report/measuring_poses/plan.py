@@ -22,6 +22,10 @@ from bench.scenario.files import read_as, said_of
 from bench.scenario.loading import Loading
 
 LADDER = np.linspace(1 / 3, 2 / 3, 4)  # forces as shares of the rated one; Table 5 goes from 0.31 to 0.72
+LOADS_KNOWN = (
+    "No force sensor stands in figures.yaml: loads are taken as known in size and direction, as `bench identify` takes "
+    "the weights of a campaign. That holds for weights that hang; what slants needs a sensor."
+)
 AZIMUTHS = 8  # directions around the vertical in which a slanting load may pull
 
 
@@ -35,6 +39,7 @@ class PosePlan:
         after: Name of the scenario that was measured before; None without one.
         against: Name of the scenario they are compared with; None without one.
         reference: What its poses tell; None without one.
+        reads_loads: The robot has a force sensor; without one the loads are taken as known.
     """
 
     robot: str
@@ -42,6 +47,13 @@ class PosePlan:
     after: str | None
     against: str | None
     reference: Precision | None
+    reads_loads: bool
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the design does not tell or takes for granted, one sentence each."""
+        is_known = self.design.method == "force" and not self.reads_loads
+        return (*self.design.precision.notes, *((LOADS_KNOWN,) if is_known else ()))
 
     @property
     def efficiency(self) -> float | None:
@@ -53,7 +65,7 @@ def plan_poses(request: PoseRequest) -> PosePlan:
     """Design poses for a robot with its own instruments and rating.
 
     Raises:
-        InputError: The robot has no tracker or lacks the method's instrument, a scenario does not exist or is no
+        InputError: The robot has no tracker, or no current sensor for currents, a scenario does not exist or is no
             loading, that of `after` is for another robot, an angle makes no sense, or too few poses can be reached.
     """
     _check(request)
@@ -86,10 +98,11 @@ def plan_poses(request: PoseRequest) -> PosePlan:
         np.random.default_rng(request.seed),
         measured,
     )
+    reads_loads = compiled.robot.figures.instruments.force is not None
     if other is None:
-        return PosePlan(request.robot, design, request.after, None, None)
+        return PosePlan(request.robot, design, request.after, None, None, reads_loads)
     reference = expected_precision(setup, other, request.method)
-    return PosePlan(request.robot, design, request.after, request.against, reference)
+    return PosePlan(request.robot, design, request.after, request.against, reference, reads_loads)
 
 
 def _check(request: PoseRequest) -> None:
@@ -119,15 +132,16 @@ def _check(request: PoseRequest) -> None:
 def setup_of(compiled: CompiledRobot, method: str) -> Setup:
     """Return what is the same at every pose: the tracker's noise is that at the distance of the home pose.
 
+    Without a force sensor the loads are known, as `static_readings` has them then.
+
     Raises:
-        InputError: The robot has no tracker or lacks the method's instrument.
+        InputError: The robot has no tracker, or no current sensor for currents.
     """
     figures = compiled.robot.figures
     tracker, current, force = figures.instruments.tracker, figures.instruments.current, figures.instruments.force
-    if tracker is None or (current is None if method == "current" else force is None):
-        raise InputError(
-            f"{compiled.robot.name}: method {method!r} needs a tracker and a {method} sensor; figures.yaml."
-        )
+    if tracker is None or (current is None and method == "current"):
+        needed = "a tracker and a current sensor" if method == "current" else "a tracker"
+        raise InputError(f"{compiled.robot.name}: method {method!r} needs {needed}; figures.yaml.")
     arm = Arm(rigid_bodies(compiled))
     home = np.clip(np.zeros(arm.n_joints), *compiled.limits.T)
     distance = np.linalg.norm(arm.pose(home, figures.reflectors[0])[0] - np.array(tracker.position_m))

@@ -76,7 +76,7 @@ def _words(plan: PosePlan) -> list[str]:
             f"D-efficiency {plan.efficiency:.2f}: {plan.against} needs so many times the repeats for the same.",
         ]
     gain = 100 * np.sqrt(np.diag(precision.gain)).max()
-    return [*words, f"Gain errors of the instruments add up to {gain:.1f} %, whatever the poses.", *precision.notes]
+    return [*words, f"Gain errors of the instruments add up to {gain:.1f} %, whatever the poses.", *plan.notes]
 
 
 def print_json(plan: PosePlan) -> None:
@@ -92,7 +92,7 @@ def print_json(plan: PosePlan) -> None:
         "against": plan.against,
         "expected_against": None if plan.reference is None else _as_json(plan.reference),
         "d_efficiency": None if plan.efficiency is None else to_jsonable(plan.efficiency),
-        "notes": list(precision.notes),
+        "notes": list(plan.notes),
     }
     print(json.dumps(content, indent=2))
 

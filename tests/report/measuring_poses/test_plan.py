@@ -7,14 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tyro
+import yaml
 
 from bench.cli.poses import Poses
 from bench.errors import InputError
-from bench.report.measuring_poses.plan import PosePlan, plan_poses, visits_of
+from bench.report.measuring_poses.plan import LOADS_KNOWN, PosePlan, plan_poses, visits_of
 from bench.report.measuring_poses.request import PoseRequest
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.scenario.files import read_scenario
+from tests.small_robot import write_small_robot
 
 SMALL_RULES = {"floor_m": -1.0, "clearance_m": 0.2, "hanging_height_m": -1.0}
 
@@ -52,6 +54,32 @@ def test_robot_of_another_shape(small_robot: Path) -> None:
     assert plan.design.precision.observable.all()
     assert plan.reference is None
     assert plan.efficiency is None
+
+
+def test_weights_need_no_force_sensor(tmp_path: Path) -> None:
+    """`bench identify --method force` runs on weights alone, and `bench poses` refused to plan for it."""
+    small = write_small_robot(tmp_path / "small")
+    request = PoseRequest(str(small), count=2, slanting=0, method="force", **SMALL_RULES)
+    read = plan_poses(request)
+    assert read.notes == ()
+    figures = yaml.safe_load((small / "figures.yaml").read_text())
+    figures["instruments"]["force"] = None
+    (small / "figures.yaml").write_text(yaml.safe_dump(figures))
+    plan = plan_poses(request)
+    assert np.all(plan.design.precision.standard_error > 0)
+    assert np.all(plan.design.precision.total_standard_error <= read.design.precision.total_standard_error)
+    assert plan.notes == (LOADS_KNOWN,)
+    assert plan_poses(replace(request, method="current")).notes == ()
+
+
+@pytest.mark.parametrize("method", ["current", "force"])
+def test_a_tracker_is_needed(tmp_path: Path, method: str) -> None:
+    small = write_small_robot(tmp_path / "small")
+    figures = yaml.safe_load((small / "figures.yaml").read_text())
+    figures["instruments"]["tracker"] = None
+    (small / "figures.yaml").write_text(yaml.safe_dump(figures))
+    with pytest.raises(InputError, match=f"method '{method}' needs a tracker"):
+        plan_poses(PoseRequest(str(small), count=2, slanting=0, method=method, **SMALL_RULES))
 
 
 @pytest.mark.parametrize(
