@@ -179,7 +179,7 @@ def test_load_point_and_reflectors_of_a_urdf_are_links(
 def test_a_balance_that_is_left_out_is_said(
     stick: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], spring: str, said: str
 ) -> None:
-    """Of 3 kNm of a gravity balance "left out: 1 tendons" was all that was said, and nothing of where to put it back."""
+    """Of 3 kNm of a gravity balance "left out: 1 tendons" was all that was said, not where to put it back."""
     text = stick.read_text().replace('<joint name="j1"', spring)
     if "stiffness" not in spring:
         text = text.replace("<worldbody>", '<worldbody><site name="a" pos="0 0 0.5"/>')
