@@ -11,7 +11,7 @@ import tyro
 class Demo:
     """Hide an effect at random, diagnose the campaign blind, and hold the verdict against the truth.
 
-    Half a minute of processor time. It may be wrong; `bench study` says how often.
+    Half a minute to two minutes of processor time. It may be wrong; `bench study` says how often.
     """
 
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None

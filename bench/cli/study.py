@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from bench.executor.contract import Executor
 
 
+VARIED = "vary.json"
+
+
 @dataclass(frozen=True)
 class Study:
     """Hide effects in hundreds of campaigns, diagnose them blind, and hold the answers against the truth.
@@ -75,6 +78,7 @@ class Study:
         from bench.report.study.write import PAGE, write_study
         from bench.study.labs import Lab
         from bench.study.plan import SMALL, Counts
+        from bench.study.rows import ROWS
         from bench.study.scores import scores_of
         from bench.study.study import Settings, run_study
 
@@ -90,6 +94,8 @@ class Study:
         workers = self._workers()
         try:
             self.out.mkdir(parents=True, exist_ok=True)
+            if any(self.out.iterdir()) and not any((self.out / name).exists() for name in (ROWS, VARIED)):
+                raise InputError(f"{self.out}: is not empty, and holds no study to go on with; choose another name")
         except OSError as error:
             raise InputError(f"{self.out}: cannot be made ({error.strerror}); choose another folder") from error
         if self.vary is not None:
@@ -155,7 +161,7 @@ class Study:
         for variation, moved in found:
             print("\n".join(lines_of(variation, moved)))
         rows = [asdict(variation) | {"moved": [asdict(one) for one in moved]} for variation, moved in found]
-        (self.out / "vary.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+        (self.out / VARIED).write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
         return 0
 
 

@@ -113,6 +113,29 @@ def mass_spread(body: str, axis: int, axes: Array) -> Callable[[float], SpecEdit
     return change
 
 
+def axis_turned(joint: str, lean: Array) -> Callable[[float], SpecEdit]:
+    """Return how the axis of a joint leans, by a small angle [rad].
+
+    With the joint at its zero everything stays where it is: what is left of a geometry that is wrong are the directions
+    of its axes (the product of exponentials; Okamura and Park, Kinematic calibration using the product of exponentials
+    formula, 1996).
+
+    Args:
+        joint: Its name.
+        lean: Shape (3,), unit vector at right angles to the axis, in the frame of the joint's body; there it leans to.
+    """
+
+    def change(x: float) -> SpecEdit:
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            found = spec.joint(joint)
+            axis = np.asarray(found.axis)
+            found.axis = axis / np.linalg.norm(axis) + np.tan(x) * lean
+
+        return edit
+
+    return change
+
+
 def place_shifted(kind: Literal["body", "site"], name: str, attribute: str, axis: int) -> Callable[[float], SpecEdit]:
     """Return how a place is moved along an axis of the body that it is in [m].
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from bench.effects.figure_edits import (
     LEAST_SHARE,
+    axis_turned,
     drag_scaled,
     joint_scaled,
     mass_scaled,
@@ -26,6 +27,7 @@ from bench.effects.figure_edits import (
     stiffness_scaled,
 )
 from bench.effects.gas import CounterbalanceGas
+from bench.effects.geometry_at_zero import across
 from bench.robot.compiled import FRICTION, CompiledRobot, SpecEdit
 from bench.robot.moments_of_inertia import second_moments
 
@@ -47,6 +49,7 @@ class NominalParameter:
         widened: Times that sigma is larger than what is stated of it (`uncertainty.links`).
         of_mass: It is the mass of a link, or where that sits: of what is there, not of what is bolted to it later.
         beside: Name of the effect without which it changes nothing in this robot; "": it always does.
+        seen_by: Kind of reading that alone shows as little as it is off (`Quantity.kind`); "": any.
     """
 
     name: str
@@ -59,6 +62,7 @@ class NominalParameter:
     widened: float = 1.0
     of_mass: bool = False
     beside: str = ""
+    seen_by: str = ""
 
     def off_by(self, deviation: float) -> float:
         """Return by how much a deviation makes the figure larger than stated, in its unit; of a factor, as a share."""
@@ -102,6 +106,11 @@ def nominal_parameters(compiled: CompiledRobot) -> tuple[NominalParameter, ...]:
         ]
     if balance := robot.figures.counterbalance:
         found += _of_cylinder(compiled, balance.actuator)
+    for drive in robot.figures.drives:
+        for i, lean in enumerate(across(model.joint(drive.joint).axis)):
+            turned = axis_turned(drive.joint, lean)
+            name = f"direction of the axis of {drive.joint}, across {i + 1}"
+            found.append(NominalParameter(name, "rad", known.axis_rad, turned, seen_by="reflector"))
     return tuple(parameter for parameter in found if parameter.sigma > 0)
 
 

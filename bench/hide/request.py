@@ -75,16 +75,19 @@ def _one(
     chosen = match["parameter"] or effect.parameters[0].name
     if chosen not in parameters:
         raise InputError(f"effect {name!r}: {unknown_name('parameter', chosen, parameters)}")
+    share = "" if parameters[chosen].unit else "; a share of 2 % is written 0.02"
     try:
         value = parameters[chosen].typical if match["value"] is None else float(match["value"])
     except ValueError:
         value = nan
     if not isfinite(value):
-        raise InputError(f"{word!r}: {match['value']!r} is not a number; {GRAMMAR}.")
+        remedy = share.removeprefix("; ") if str(match["value"]).rstrip().endswith("%") and share else GRAMMAR
+        raise InputError(f"{word!r}: {match['value']!r} is not a number; {remedy}.")
     least, most = parameters[chosen].least, parameters[chosen].most
     if not least <= value <= most:
         allowed = f"at least {least:g}" if most == inf else f"between {least:g} and {most:g}"
-        raise InputError(f"{word!r}: {chosen} is {allowed}; beyond it means nothing.")
+        allowed = f"at most {most:g}" if least == -inf else allowed
+        raise InputError(f"{word!r}: {chosen} is {allowed}; beyond it means nothing{share}.")
     return effect, _place(effect, match["place"], effect.places_in(compiled, recorded), joint), chosen, value
 
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args
 
 from pydantic import BeforeValidator, Field, ValidationError
 
-from bench.errors import unknown_name
+from bench.errors import MOST_OF_NAME, unknown_name
 from bench.record.campaign import Campaign, RunKind
 from bench.record.channels import NOISY
 from bench.record.finding import Finding
@@ -22,6 +22,7 @@ from bench.record.strict import Strict
 from bench.record.yaml_text import YamlFault, dump_yaml, is_odd, load_yaml
 
 MANIFEST = "campaign.yaml"
+INSIDE = "campaign"  # where `bench run`, `bench hide` and `bench demo` put the campaign of a folder that they write
 RUN_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"  # a file name on every system
 YEARS = range(1970, 2101)
 SUFFIXES = (".csv", ".parquet")
@@ -114,10 +115,8 @@ def read_manifest(folder: Path) -> Manifest:
     try:
         content = load_yaml(folder / MANIFEST)
     except YamlFault as fault:
-        if os.path.isfile(folder):  # noqa: PTH113  a name may be too long for pathlib
-            message = f"{folder.name} is a file, not a folder with a {MANIFEST}"
-            return Manifest(None, (), (_fault("", message, "give the folder; of logs `bench convert` makes one"),))
-        return Manifest(None, (), (_fault("", str(fault), fault.remedy),))
+        message, remedy = _wrong_folder(folder) or (str(fault), fault.remedy)
+        return Manifest(None, (), (_fault("", message, remedy),))
     entries, besides = content.pop("runs", None), content.pop("known", None)
     findings: list[Finding] = []
     head = _validated(Head, content, "", findings)
@@ -136,6 +135,28 @@ def read_manifest(folder: Path) -> Manifest:
     findings += _repeated(usable)
     known = _known(besides, tuple(dict.fromkeys(run.recording for run in usable)), findings)
     return Manifest(head, usable, tuple(findings), known)
+
+
+def _wrong_folder(folder: Path) -> tuple[str, str] | None:
+    """Return what is wrong with the path that was given, and what to do; None if it may be a campaign."""
+    if os.path.isfile(folder):  # noqa: PTH113  a name may be too long for pathlib
+        return (
+            f"{folder.name} is a file, not a folder with a {MANIFEST}",
+            "give the folder; of logs `bench convert` makes one",
+        )
+    try:
+        os.lstat(folder)
+    except FileNotFoundError:
+        return (
+            f"there is no folder {str(folder)[:MOST_OF_NAME]}",
+            "give a campaign folder; of logs `bench convert` makes one",
+        )
+    except (OSError, ValueError):
+        return None
+    inside = folder / INSIDE
+    if os.path.isfile(inside / MANIFEST) and not os.path.lexists(folder / MANIFEST):  # noqa: PTH113
+        return "this folder is no campaign, but there is one in it", f"give {inside}"
+    return None
 
 
 def manifest_text(campaign: Campaign, suffix: str) -> str:

@@ -209,6 +209,11 @@ class Uncertainty(Strict):
     geometry_m: NonNegative = Field(
         0.2e-3, le=M, description="[m], each coordinate of each joint's place and of the anchors"
     )
+    axis_rad: NonNegative = Field(
+        0.0,
+        le=TURN,
+        description="[rad], each of two leans of each joint's axis across its direction; real arms: 3e-4 to 1e-3",
+    )
     friction: OneOrEach[Share] = Field(
         0.05,
         description="relative, of each Coulomb level and each viscous coefficient; one for all drives, or one for each",

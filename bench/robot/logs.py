@@ -17,8 +17,8 @@ def log_format_of(robot: Robot, file: Path | None = None) -> LogFormat:
     path = file or robot.folder / LOG_FORMAT
     if not path.exists():  # what else is no plain file is told by who reads it
         raise InputError(
-            f"{path}: no such file; write one line for each column of your logs (bench/record/logs/README.md), "
-            "models/emps/log.yaml is an example"
+            f"{path}: no such file; `bench convert --look LOG --robot ROBOT -o log.yaml` proposes one, give it with "
+            "--log log.yaml or put it there (all keys: bench/record/logs/README.md)"
         )
     return read_log_format(path)
 

@@ -11,8 +11,8 @@ from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.hide.campaign import Hidden
 from bench.study.blind import diagnose_with
-from bench.study.labs import Lab, prepare
-from bench.study.make import Made, make
+from bench.study.labs import Lab, Setup, prepare
+from bench.study.make import LIMITS, Made, make, sized
 from bench.study.outcome import Outcome, answer_of, outcome_of
 from bench.study.plan import Trial, singles_of
 from bench.study.score import marks_of
@@ -37,17 +37,29 @@ def hide_and_seek(seed: int, progress: Callable[[str], None] = lambda words: Non
         progress: Called with what is done next.
         executor: Where to simulate.
     """
-    rng = np.random.default_rng(seed)
-    names = singles_of(Lab().compiled(), Lab())
-    name = names[int(rng.integers(len(names)))]
-    trial = Trial("demo", "single", (name,), number=int(rng.integers(100)), size="clear")
     setup = prepare(Lab(), catalogue(), np.random.default_rng([seed, NULL_STREAM]), progress, executor)
+    trial = visible_trial(seed, setup)
     progress("a campaign with a hidden effect")
     made = make(trial, setup, seed)
     campaign = made.campaign
     diagnosis = diagnose_with(campaign, setup.compiled, setup.catalogue, progress=progress, executor=executor)
     assert made.hidden  # it is of the first plant
     return Demo(made, made.hidden, diagnosis, outcome_of(trial, made, answer_of(diagnosis.verdict), 0.0, 0.0))
+
+
+def visible_trial(seed: int, setup: Setup) -> Trial:
+    """Return what to hide: the first effect that is drawn which this session shows at a plausible size.
+
+    About torsion of the base, for one, a session says nothing at any plausible size: no verdict on it could be right.
+    """
+    rng = np.random.default_rng(seed)
+    names = singles_of(setup.compiled, setup.lab)
+    while True:  # of the catalogue's effects most are shown
+        name = names[int(rng.integers(len(names)))]
+        trial = Trial("demo", "single", (name,), number=int(rng.integers(100)), size="clear")
+        drawn = sized(setup.catalogue[name], trial, setup, trial.rng(seed))
+        if drawn.size >= LIMITS * drawn.limit:
+            return trial
 
 
 def judgement(outcome: Outcome) -> str:

@@ -32,6 +32,19 @@ def results(scenario: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def test_robot_that_knows_no_logs_hears_how_to_begin(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["convert", "hh150", str(tmp_path), "-o", str(tmp_path / "out")]) == 2
+    assert "`bench convert --look LOG --robot ROBOT -o log.yaml` proposes one" in capsys.readouterr().err
+
+
+def test_study_goes_into_no_folder_of_something_else(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It began for hours in the folder of another command."""
+    (tmp_path / "session.rrd").write_bytes(b"")
+    assert main(["study", "--small", "-o", str(tmp_path)]) == 2
+    assert "is not empty, and holds no study to go on with" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == ["session.rrd"]
+
+
 def test_run_writes_campaign_truth_and_recording_apart(results: Path) -> None:
     assert {entry.name for entry in results.iterdir()} == {"campaign", "truth", "session.rrd"}
     assert (results / "campaign" / "campaign.yaml").is_file()

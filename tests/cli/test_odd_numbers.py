@@ -28,6 +28,8 @@ from bench.cli import main
         (["hide", "gas_loss=nan"], "'nan' is not a number"),
         (["hide", "gas_loss=inf"], "'inf' is not a number"),
         (["hide", "gas_loss=5"], "beyond it means nothing"),
+        (["hide", "gas_loss=12"], "lost is at most 1; beyond it means nothing; a share of 2 % is written 0.02"),
+        (["hide", "gas_loss=12%"], "'12%' is not a number; a share of 2 % is written 0.02"),
         (["hide", "gas_temperature=-300"], "beyond it means nothing"),
         (["hide", "anchor=-2"], "no robot can be simulated with anchor=-2"),
     ],

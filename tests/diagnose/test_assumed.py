@@ -3,10 +3,10 @@
 import pytest
 
 from bench.study.constants import constants_of, set_to
-from tests.diagnose.assumed import effects, first_pass, motion, priors, scatter, weighing
+from tests.diagnose.assumed import effects, first_pass, motion, plausibility, priors, scatter, weighing
 from tests.diagnose.assumed.registry import CHECKS
 
-MODULES = (effects, first_pass, motion, priors, scatter, weighing)  # they register what they check
+MODULES = (effects, first_pass, motion, plausibility, priors, scatter, weighing)  # they register what they check
 CONSTANTS = {constant.words: constant for constant in constants_of()}
 FACTORS = (0.5, 2.0)
 

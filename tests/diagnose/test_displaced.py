@@ -9,7 +9,8 @@ import pytest
 from bench.diagnose.plausibility.channels import doubts_of
 from bench.record.campaign import Campaign
 from bench.record.finding import Finding
-from tests.diagnose.sweeps import LOADS, made, nominal
+from bench.robot.compiled import compile_robot
+from tests.diagnose.sweeps import LOADS, SWEEPS, changed, made, nominal, scale
 
 
 def shifted(campaign: Campaign, by: float, runs: slice = slice(None)) -> Campaign:
@@ -51,3 +52,15 @@ def test_a_tracker_that_was_moved_between_runs_is_told_with_the_run() -> None:
     found = said(shifted(campaign, 0.03, slice(-1, None)))
     assert [one.level for one in found] == ["warning"] * len(found)
     assert f"in run {campaign.runs[-1].name!r}, and not in all others" in found[0].message
+
+
+@pytest.mark.parametrize(("geometry_m", "is_doubted"), [(0.2e-3, True), (2e-3, False)])
+def test_links_may_be_as_much_longer_as_places_of_joints_are_known(geometry_m: float, *, is_doubted: bool) -> None:
+    """Of an arm that was measured with a tape, 1.2 % more travel was taken for another unit of the tracker."""
+    compiled = nominal()
+    figures = compiled.robot.figures
+    known = figures.uncertainty.model_copy(update={"geometry_m": geometry_m})
+    rough = compile_robot(replace(compiled.robot, figures=figures.model_copy(update={"uncertainty": known})))
+    longer = changed(made(SWEEPS, seed=5), scale(1.012, *(f"reflector_1_{axis}_m" for axis in "xyz")))
+    told = [doubt for doubt in doubts_of(longer, rough) if doubt.level == "doubt"]
+    assert [doubt.column for doubt in told] == ["reflector_1_x_m"] * is_doubted

@@ -97,14 +97,17 @@ def test_a_noise_that_nobody_stated_is_what_samples_scatter(short_session: Campa
     assert not doubts_of(quiet, unsaid)
 
 
-def test_loads_in_kilonewtons_are_told_from_currents_alone(short_session: Campaign, robot: CompiledRobot) -> None:
+@pytest.mark.parametrize(("unit", "words"), [(1e3, "kilonewtons?"), (4.44822, "pounds?")])
+def test_loads_in_another_unit_are_told_from_currents_alone(
+    short_session: Campaign, robot: CompiledRobot, unit: float, words: str
+) -> None:
     def spoil(columns: dict[str, np.ndarray]) -> None:
         for name in [*columns]:
             if name.startswith(("force", "moment", "load_mass")):
                 del columns[name]
             elif name.startswith("load_"):
-                columns[name] = columns[name] / 1000
+                columns[name] = columns[name] / unit
 
     doubts = doubts_of(changed(short_session, spoil), robot)
     assert [doubt.column for doubt in doubts] == ["load_z_n"]
-    assert "kilonewtons?" in doubts[0].remedy
+    assert words in doubts[0].remedy

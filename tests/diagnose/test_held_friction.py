@@ -1,18 +1,26 @@
 """How much friction joints hold, and how that scatters: as the model has it that was found, not the nominal robot."""
 
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.held_friction import came_back, levels_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, with_friction_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_friction_of
+from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.replay import Replay
+from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.static_segments import visits_of
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
-from bench.robot.compiled import CompiledRobot
+from bench.effects.friction_elements import scale_coulomb
+from bench.robot.compiled import CompiledRobot, compile_robot, read_spec
+from bench.robot.folder import load_robot
+from bench.robot.write import write_robot
 from bench.simulate.plant import Trace
 from tests.diagnose.noise_free import fitted_alone, linearised, noise_free, simulated
 from tests.diagnose.small_models import linear_of
@@ -71,6 +79,27 @@ def test_about_the_nominal_model_nothing_changes(linear: LinearisedModel) -> Non
     about = with_friction_of(linear, NOMINAL, linear.replay.compiled.play)
     assert about.whitenings is linear.whitenings
     np.testing.assert_allclose(about.sensitivities, linear.sensitivities, atol=1e-9)
+
+
+def test_friction_that_is_found_where_a_robot_states_none_is_held_at_rest(tmp_path: Path) -> None:
+    """`bench new-robot` writes arms without friction: a diagnosis of rests found some, and ended in a traceback."""
+    robot, campaign = nominal().robot, made(LOADS, seed=5)
+    spec = read_spec(robot)
+    for drive in robot.figures.drives:
+        scale_coulomb(spec, drive, 0.0)
+    spec.compile()
+    write_robot(robot, spec, robot.figures, tmp_path, "")
+    bare = compile_robot(load_robot(tmp_path))
+    quantities = quantities_of(campaign.runs, bare)
+    replay = Replay(bare, segments_of(campaign, bare, quantities), quantities)
+    linear = linearised_model_of(replay, nuisances_of(bare, quantities)[:2])
+    effect = catalogue()["coulomb_friction"]
+    found = Acting(effect, effect.places(bare)[JOINT], effect.complete({"level": 100.0}))
+    about = with_friction_of(linear, World(acting=(found,)), bare.play)
+    assert not np.any(held(linear, "motor"))
+    assert np.any(held(about, "motor"))
+    given = [i for i, one in enumerate(about.nuisances) if one.name.endswith("joint2 after its motor gave")]
+    assert np.any(about.sensitivities[:, :, given])
 
 
 def one_joint(compiled: CompiledRobot, joint: int, motor: list[float], link: list[float]) -> Trace:

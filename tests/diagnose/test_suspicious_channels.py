@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from bench.diagnose.plausibility.channels import doubts_of
+from bench.diagnose.plausibility.channels import _of_drive, doubts_of
+from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.single_rows import overloads
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
@@ -43,6 +44,9 @@ HIDDEN = {
     "polytropic_exponent": 1.6,
     "dress_pack": 169.0,
 }
+
+TURN = np.linspace(0, 2 * np.pi, 600, endpoint=False)
+FIRST, SECOND, HUM = np.sin(2 * TURN), np.sin(4 * TURN + 0.5), np.sin(8 * TURN)
 
 
 @pytest.fixture(scope="module")
@@ -110,3 +114,31 @@ def test_a_current_beyond_the_torque_limit_in_the_first_row_is_told(sweeps: Camp
     assert {(hint.level, hint.column) for hint in hints} == {("warning", "current_5_a")}
     assert all("row 1" in hint.message and "the limit of its drive" in hint.message for hint in hints)
     assert not list(overloads(changed(sweeps, scale(1e3, "current_2_a")), robot)), "that is another unit"
+
+
+def of_one_drive(observed: Array, robot: CompiledRobot, model: float = 1.0) -> str:
+    """Return what is said first of joint 1, whose model fits badly either way; joint 2 moves otherwise."""
+    torque = model * np.stack([FIRST, SECOND], axis=1)
+    picture = DrivePicture(
+        observed=np.stack([observed, SECOND], axis=1),
+        model=torque,
+        velocity=np.stack([np.cos(TURN), np.cos(3 * TURN + 1)], axis=1),
+        standing=np.zeros(torque.shape, dtype=np.bool_),
+        slack=np.ones(2),
+        level=np.zeros(2),
+        spare=np.zeros((2, 2)),
+        unit=np.ones(2),
+        missing=np.zeros((*torque.shape, 0)),
+        names=("current_1_a", "current_2_a"),
+    )
+    return next((doubt.message for doubt in _of_drive(picture, robot, 0, np.ones(len(TURN), dtype=np.bool_))), "")
+
+
+def test_a_channel_that_follows_another_joint_is_told_by_a_poor_model_too(robot: CompiledRobot) -> None:
+    others = 0.6 * SECOND + np.sign(np.cos(3 * TURN + 1))
+    assert "follows the motion of joint 2" in of_one_drive(others + 0.1 * HUM, robot)
+    assert not of_one_drive(FIRST + np.sign(np.cos(TURN)) + 0.5 * HUM, robot)
+
+
+def test_friction_that_gives_energy_is_told_by_a_poor_model_too(robot: CompiledRobot) -> None:
+    assert "friction of" in of_one_drive(-FIRST - np.sign(np.cos(TURN)) + 0.5 * HUM, robot)

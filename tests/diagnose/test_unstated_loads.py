@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 
 from bench.diagnose.plausibility.channels import doubts_of
+from bench.diagnose.plausibility.unstated_loads import _shown, _Visit
+from bench.diagnose.replay.quantities import Quantity
+from bench.effects.places import torque_limit
 from bench.record.campaign import Array, Campaign
 from bench.robot.compiled import CompiledRobot
 from tests.diagnose.sweeps import nominal
@@ -95,3 +98,14 @@ def test_loads_that_were_written_down_are_believed(campaign: Campaign, compiled:
 @pytest.mark.parametrize("effect", HIDDEN)
 def test_a_joint_that_gives_more_is_no_load_that_was_forgotten(effect: str, compiled: CompiledRobot) -> None:
     assert not told(without_force(session(42, effect)), compiled)
+
+
+@pytest.mark.parametrize(("share", "is_told"), [(0.14, False), (0.20, True)])
+def test_friction_that_the_model_states_is_no_load_that_was_forgotten(
+    share: float, *, is_told: bool, compiled: CompiledRobot
+) -> None:
+    """Joint 5 slides at 9 % of its limit, and at rest it may hold half more: everything beyond 10 % was doubted."""
+    joint = 4
+    held = share * torque_limit(compiled, joint) / abs(compiled.torque_constant[joint])
+    visit = _Visit("run", np.arange(2.0), np.zeros((2, 3)), np.array([[0.0], [held]]), {})
+    assert bool(_shown(visit, compiled, (Quantity("current_5_a", "current", "A", joint),))) == is_told

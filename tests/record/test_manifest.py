@@ -101,8 +101,22 @@ def test_fault_is_named(name: str, tmp_path: Path) -> None:
 
 
 def test_missing_manifest(tmp_path: Path) -> None:
-    finding = only(list(check_campaign(tmp_path / "nowhere").findings))
+    (tmp_path / "empty").mkdir()
+    finding = only(list(check_campaign(tmp_path / "empty").findings))
     assert finding.message == "cannot be read: No such file or directory"
+
+
+def test_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
+    finding = only(list(check_campaign(tmp_path / "nowhere").findings))
+    assert finding.message == f"there is no folder {tmp_path / 'nowhere'}"
+    assert finding.remedy.startswith("give a campaign folder")
+
+
+def test_folder_with_a_campaign_in_it_names_that_one(tmp_path: Path) -> None:
+    folder = write_folder(tmp_path / "results" / "campaign", motion(sweep()))
+    finding = only(list(check_campaign(tmp_path / "results").findings))
+    assert "no campaign, but there is one in it" in finding.message
+    assert finding.remedy == f"give {folder}"
 
 
 def test_manifest_in_another_encoding(tmp_path: Path) -> None:

@@ -130,6 +130,7 @@ def test_names_units_and_currents(tmp_path: Path, arm: NominalDynamics) -> None:
     assert form.columns["q_motor_3_rad"].source == "actual_q_2_deg"
     assert form.columns["q_motor_3_rad"].factor == pytest.approx(np.pi / 180)
     assert [form.columns[f"current_{j}_a"].factor for j in (1, 2, 3)] == [1, -1, 1]
+    assert "write the error beside the constant of each drive too, such as `torque_constant_error: 0.0" in text
     told = text.split("torque_constant_nm_per_a as estimated: ")[1].split("\n")[0]
     constants = [float(part.split()[1]) for part in told.split(", ")]
     np.testing.assert_allclose(constants, np.abs(stranger.CONSTANT), rtol=0.1)

@@ -18,7 +18,9 @@ from bench.effects.effect import REFERENCE_K, Conditions
 from bench.robot.compiled import compile_robot
 from bench.simulate.plant import Trace
 
-LEAST_SCALE = 1e-3  # relative, of a scale in a workshop; assumed
+# derived: relative, of a scale in a workshop: OIML R 76 allows one of class III with 3000 divisions 1.5 of them at its
+# largest load when it is new, and twice as many in service
+LEAST_SCALE = 2 * 1.5 / 3000
 
 
 @dataclass(frozen=True, eq=False)

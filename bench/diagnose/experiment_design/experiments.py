@@ -17,15 +17,16 @@ from bench.effects.effect import Conditions
 from bench.record.campaign import Array
 from bench.simulate.prescribed import Motion
 
-INSTANTS = 6  # of one way of a sweep
-SLOW, FAST = 0.05, 0.5  # of a joint's speed limit
-APPROACH = 0.1  # of a sweep, before its first instant that is read
-LOADS = (1 / 3, 2 / 3, 1.0)  # of the rated force
-POSES = 3  # at which a force is put on
-WARM_K = 25.0  # [K], by which gears and motors are warmer after an hour of motion; assumed
-DWELL_S = (1.0, 60.0, 300.0, 1800.0, 7200.0)  # of rest, at which everything is read: gas and gears settle over decades
-REPEATED = 10  # segments of today that stand for all
-REPEATED_INSTANTS = 4  # of each of them that are read
+INSTANTS = 6  # effort: of one way of a sweep
+SLOW, FAST = 0.05, 0.5  # declared: of a joint's speed limit
+APPROACH = 0.1  # declared: of a sweep, before its first instant that is read
+LOADS = (1 / 3, 2 / 3, 1.0)  # declared: of the rated force
+POSES = 3  # effort: at which a force is put on
+WARM_K = 25.0  # declared: [K], by which gears and motors are warmer after an hour of motion, as the proposal says
+# declared: [s] of rest, at which everything is read: gas and gears settle over decades
+DWELL_S = (1.0, 60.0, 300.0, 1800.0, 7200.0)
+REPEATED = 10  # effort: segments of today that stand for all
+REPEATED_INSTANTS = 4  # effort: of each of them that are read
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,10 +21,10 @@ from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 
-MOST_PROPOSALS = 5  # in the verdict, the best first
-MOST_FITS = 4  # explanations that are told apart, the best first
-SIMULATED = 8  # experiments that are simulated with every deviation of the model
-TOLD_APART = 6.0  # log Bayes factor; more than that is as good
+MOST_PROPOSALS = 5  # declared: in the verdict, the best first
+MOST_FITS = 4  # effort: explanations that are told apart, the best first
+SIMULATED = 8  # effort: experiments that are simulated with every deviation of the model
+TOLD_APART = 6.0  # declared: log Bayes factor; more than that, odds of 400, is as good
 # declared: expected log Bayes factor below which an experiment is not worth a lab's time: odds of ten
 LEAST = float(np.log(10))
 LEAST_NARROWING = 0.8  # declared: of the standard deviation, above which the same holds

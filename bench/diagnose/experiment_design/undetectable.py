@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bench.diagnose.experiment_design.new_instruments import noise_of_new
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.limits import detection_limits, least_shape_seen
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Screening, tried_of
 from bench.diagnose.name.naming import Naming
-from bench.diagnose.replay.noise import UNIFORM
 from bench.diagnose.replay.quantities import AXES, Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
@@ -27,12 +27,7 @@ from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-CLEAR = 10.0  # norm of a change in standard errors; an instrument that is new brings errors of its own
-# Noise of an instrument that the robot's figures do not name; assumed.
-CURRENT_SHARE = 0.005  # of the largest nominal torque of a drive
-TRACKER_M = 30e-6
-LINK_ENCODER = 5e-6  # [rad] or [m]
-FORCE_N, MOMENT_NM = 0.5, 0.2
+CLEAR = 10.0  # declared: norm of a change in standard errors; an instrument that is new brings errors of its own
 
 
 @dataclass(frozen=True)
@@ -95,7 +90,7 @@ def undetectable_effects(
     if more:
         replay = Replay(compiled, segments, more)
         nominal = replay.predict(beside)
-        sigma = _sigma(compiled, more, nominal)
+        sigma = np.array([noise_of_new(quantity, compiled) for quantity in more])
         largest = [cause.acting({s.name: s.null + s.high for s in cause.sizes}) for cause in unseen]
         worlds = [replace(beside, acting=(*beside.acting, acting)) for acting in largest]
         for i, predicted in enumerate(simulate_all(replay, worlds, executor)):
@@ -210,30 +205,6 @@ def _absent(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> tuple[
         every.append(Quantity("gas_pressure_pa", "gas_pressure", "Pa"))
     kinds = {kind for kind, _, _ in there if kind not in ("current", "q_link")}  # one reflector is a tracker
     return tuple(q for q in every if (q.kind, q.index, q.axis) not in there and q.kind not in kinds)
-
-
-def _sigma(compiled: CompiledRobot, quantities: tuple[Quantity, ...], nominal: Array) -> Array:
-    """Return the noise of one reading of instruments that are not there, shape (c,)."""
-    fitted = compiled.robot.figures.instruments
-    found = []
-    for c, quantity in enumerate(quantities):
-        match quantity.kind:
-            case "current":
-                largest = float(np.max(np.abs(nominal[:, c])))
-                sigma = fitted.current.sigma_a if fitted.current else max(CURRENT_SHARE * largest, 1e-6)
-            case "reflector":
-                far = float(np.linalg.norm(fitted.tracker.position_m)) if fitted.tracker else 0.0
-                sigma = fitted.tracker.sigma_per_distance * far if fitted.tracker and far else TRACKER_M
-            case "q_link":
-                sigma = LINK_ENCODER
-            case "force":
-                sigma = fitted.force.sigma_n if fitted.force else FORCE_N
-            case "moment":
-                sigma = fitted.force.sigma_nm if fitted.force else MOMENT_NM
-            case _:
-                sigma = UNIFORM * fitted.pressure.resolution_pa if fitted.pressure else np.inf
-        found.append(sigma)
-    return np.array(found)
 
 
 def _clear(quantities: tuple[Quantity, ...], change: Array) -> tuple[str, ...]:

@@ -3,22 +3,20 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.experiment_design.new_instruments import noise_of_new
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.replay.noise import UNIFORM
 from bench.diagnose.replay.quantities import AXES, Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.effects.effect import Conditions
 from bench.record.campaign import Array
+from bench.record.units import STANDARD_GRAVITY
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
-GRAVITY = 9.81  # [m/s^2]
-LEAST_SWEEP = 0.1  # of a joint's range, to either side, where the campaign moved it less
-MARGIN = 0.02  # of a joint's range, kept free at its ends
-UNLIMITED = np.pi / 2  # [rad], taken for the range of a joint that has none
-LATER_S = 600.0  # after the end of the campaign
-LINK_ENCODER_SIGMA = 5e-6  # [rad] or [m]; ring encoders of robots, assumed
-TRACKER_SIGMA = 30e-6  # [m], where the figures name no tracker
+LEAST_SWEEP = 0.1  # declared: of a joint's range, to either side, where the campaign moved it less
+MARGIN = 0.02  # declared: of a joint's range, kept free at its ends
+UNLIMITED = np.pi / 2  # declared: [rad], to either side, taken for the range of a joint that has none
+LATER_S = 600.0  # declared: [s], after the end of the campaign
 
 
 def quantities_with_more(linear: LinearisedModel) -> tuple[Quantity, ...]:
@@ -66,12 +64,11 @@ class Workspace:
         self.limits = np.where(unlimited[:, None], np.array([-UNLIMITED, UNLIMITED]), limits)
         self.payload = max(s.conditions.payload_kg for s in segments)
         if self.payload == 0:
-            self.payload = round(self.compiled.robot.figures.rating.force_n / GRAVITY / 2)
+            self.payload = round(self.compiled.robot.figures.rating.force_n / STANDARD_GRAVITY / 2)
         self.sigma = {is_static: self._sigma(is_static) for is_static in (True, False)}
 
     def _sigma(self, is_static: bool) -> Array:
         """Return the noise of one reading of every quantity, shape (c,)."""
-        instruments = self.compiled.robot.figures.instruments
         alike = (self.statics if is_static else self.motions) or list(self.linear.segments)
         found = []
         for c, quantity in enumerate(self.quantities):
@@ -81,15 +78,8 @@ class Workspace:
                     every = np.concatenate([s.sigma[:, c] for s in self.linear.segments])
                     seen = every[np.isfinite(every)]
                 found.append(float(np.median(seen)))
-            elif quantity.kind == "q_link":
-                found.append(LINK_ENCODER_SIGMA)
-            elif quantity.kind == "reflector":
-                tracker = instruments.tracker
-                far = float(np.linalg.norm(tracker.position_m)) if tracker else 0.0
-                found.append(tracker.sigma_per_distance * far if tracker and far else TRACKER_SIGMA)
             else:
-                assert instruments.pressure
-                found.append(UNIFORM * instruments.pressure.resolution_pa)
+                found.append(noise_of_new(quantity, self.compiled))
         return np.array(found)
 
     def span_of(self, joint: int) -> tuple[float, float]:

@@ -41,6 +41,7 @@ def held_friction(
             gave[i] = came_back(replay.compiled, trace, response.transmitted, levels)
             otherwise[i] = arrived_otherwise(replay.compiled, trace) * loaded
     found, sensitivities = [], []
+    has_rests = any(segment.is_static for segment in replay.segments)
 
     def add(name: str, to: Sequence[Array], changes: Iterable[Array]) -> None:
         found.append(Nuisance(name, "", LET_GO))
@@ -54,10 +55,9 @@ def held_friction(
                 for segment, trace in zip(replay.segments, traces, strict=True)
             ]
             add(f"{side}-side friction held at rest by {drive.joint}", to, held)
-        if any(np.any(change[:, j]) for change in otherwise):
+        if has_rests:  # also where friction is none yet: a world that has some holds it in the same ways
             name = f"link-side friction held at rest by {drive.joint} as it arrived"
             add(name, to_link, [change[:, [j]] for change in otherwise])
-        if any(np.any(motors[:, j]) for motors, _ in gave):
             words = f"friction held at rest by {drive.joint} after its motor gave"
             add(f"motor-side {words}", to_motor, [motors[:, [j]] for motors, _ in gave])
             add(f"link-side {words}", to_link, [links[:, [j]] for _, links in gave])

@@ -9,7 +9,8 @@ from bench.record.channels import columns_of
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
-STEPS_S = (60.0, 10.0, 1.0, 0.1, 0.01, 0.001)  # in which people and programs write down when a run began
+# declared: [s], steps in which people and programs write down when a run began
+STEPS_S = (60.0, 10.0, 1.0, 0.1, 0.01, 0.001)
 EXACT = 1e-6  # rounding: of a multiple of a step
 
 

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.displaced import displaced
-from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
+from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture, drive_picture
+from bench.diagnose.plausibility.first_look import LEVEL, Clock, clock_of, first_look, resting_torque
 from bench.diagnose.plausibility.known_pressure import known_pressures
 from bench.diagnose.plausibility.loads import mistaken_at_rest
 from bench.diagnose.plausibility.mistaken import Mistake, doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads, mistaken_payload
 from bench.diagnose.plausibility.one_run import mistaken_in_one_run
-from bench.diagnose.plausibility.physical_fit import misfit
+from bench.diagnose.plausibility.physical_fit import FAR_BETTER, HALF, misfit
 from bench.diagnose.plausibility.single_rows import BEYOND, jumps
 from bench.diagnose.plausibility.slow_clock import slow_clock
 from bench.diagnose.plausibility.smoothed import smoothed
@@ -36,22 +36,20 @@ from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
 from bench.record.finding import Finding
 from bench.record.known import PAYLOAD
+from bench.record.rules.work import GAINED
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import MOST_RATINGS
 from bench.robot.nominal_dynamics import nominal_dynamics
 
-BINS = 400  # of one run at most; enough to tell a sign
-BLOCKS = 6  # of the readings; what is said has to hold with any of them left out
-LEAST = 30  # readings of a drive in motion
-GAINED = 0.05  # of all work exchanged, that friction may seem to give; see bench.record.rules.work
-SURE_OF_CLOCK = 0.999  # level of the interval of a clock's rate: one healthy campaign in a thousand is doubted
+BINS = 400  # effort: of one run at most; enough to tell a sign
+BLOCKS = 6  # declared: of the readings; what is said has to hold with any of them left out
 # Times a limit that was made up: nearer, on a logarithmic scale, to what another unit would make of data (degrees, mNm)
 # than to data in SI units
 BEYOND_GUESS = {"speed limit": (180 / np.pi) ** 0.5, "torque limit": 1e3**0.5}
-TURNED = 0.5  # part of the misfit that is left with the sign turned, before friction is believed to give energy
-FEEBLE = 0.1  # of the torque that the model needs; friction only adds to it, no counterbalance takes so much away
+FEEBLE = (
+    0.1  # assumed: of the torque that the model needs; friction only adds to it, no counterbalance takes so much away
+)
 LINEAR = "a model that is linear in what links weigh leaves"
-ANOTHERS, FAR_BETTER = 0.8, 0.3  # variance explained by another joint's motion; part of the own misfit that this leaves
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of a robot with absurd masses, whose model then finds no balance
@@ -78,7 +76,7 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
             return too_fast
         segments = segments_of(campaign, compiled, every, BINS)
         drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
-        sped_up = partial(slow_clock, campaign, compiled, drives, SURE_OF_CLOCK, BINS)
+        sped_up = partial(slow_clock, campaign, compiled, drives, LEVEL, BINS)
         of_payload = partial(_of_payload, stated, compiled, drives)
         found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told, sped_up, of_payload))
         found += known_pressures(campaign, compiled, segments)
@@ -124,7 +122,7 @@ def _of_drives(
         return
     picture = drive_picture(Replay(compiled, segments, quantities))
     looks = first_look(picture, resting_torque(compiled, segments, quantities))
-    if wrong_clock := tuple(_of_clock(clock_of(looks, compiled, SURE_OF_CLOCK) or sped_up())):
+    if wrong_clock := tuple(_of_clock(clock_of(looks, compiled, LEVEL) or sped_up())):
         yield from wrong_clock
         return
     dead = tuple(_dead(picture))
@@ -228,7 +226,7 @@ def _of_drive(picture: DrivePicture, compiled: CompiledRobot, j: int, rows: NDAr
             name, f"reaches {largest / limit:.3g} times the limit of {drive}", "mNm, or divided twice? give SI units"
         )
     own, other = _misfit(columns, values), _best_other(picture, j, rows)
-    if other is not None and other[1] < min(FAR_BETTER * own, (1 - ANOTHERS) * float(np.var(values))):
+    if other is not None and other[1] < FAR_BETTER * own:
         yield doubt(
             name, f"follows the motion of joint {other[0] + 1}, not of {j + 1}", "look at the order of the joints"
         )
@@ -240,7 +238,7 @@ def _of_drive(picture: DrivePicture, compiled: CompiledRobot, j: int, rows: NDAr
             "on the motor side of the gear, or in kNm? multiply by the gear ratio, give SI units",
         )
     gains = [_energy(columns[kept], values[kept], velocity[kept]) for kept in _leaving_out(len(values))]
-    if max(gains) < -GAINED and misfit(turned(picture, (j,)))[j] < TURNED * misfit(picture)[j]:
+    if max(gains) < -GAINED and misfit(turned(picture, (j,)))[j] < HALF * misfit(picture)[j]:
         yield doubt(name, f"friction of {drive} would give energy", "turn the sign of this channel, or of the angle")
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.late_channels import SURE, as_if_in_time, late_reflectors
 from bench.diagnose.plausibility.mistaken import doubt
+from bench.diagnose.plausibility.physical_fit import FAR_BETTER
 from bench.diagnose.replay.instants import run_of_each
 from bench.diagnose.replay.quantities import AXES
 from bench.diagnose.replay.replay import Replay
@@ -15,22 +16,18 @@ from bench.diagnose.replay.world import NOMINAL
 from bench.record.campaign import Array
 from bench.record.finding import Finding
 
-FAR = 0.1  # [m]; a calibrated arm errs by millimetres, a nominal one by a centimetre
-AWAY = 0.01  # [m]; beyond a nominal arm, and everything listed (a frame by 0.5 mm, a jump of it by 5 mm)
-STATED = 10.0  # times the stated uncertainty of a place of a joint, if that is more
-MOSTLY = 0.5  # of what a model leaves, that a delay explains, before a reflector is late and not elsewhere
-FAR_BETTER = 0.2  # part of the distance that the right unit or the right axes leave
-SCALE = 0.01  # twenty times the scale that a wrong refractive index gives a tracker; a nominal arm is longer by less
-SPREAD = 0.2  # [m] rms, over which a scale is told from shifts and zeros of joints
-EXPLAINED = 0.1  # of the square of the distance, at most, that a scale leaves
-TRAVEL = 0.01  # [m] that no tracker misses
+FAR = 0.1  # assumed: [m]; a calibrated arm errs by millimetres, a nominal one by a centimetre
+# assumed: [m]; beyond a nominal arm, and everything listed (a frame by 0.5 mm, a jump of it by 5 mm)
+AWAY = 0.01
+STATED = 10.0  # assumed: times the stated uncertainty of a place of a joint, if that is more
+# assumed: twenty times the scale that a wrong refractive index gives a tracker; a nominal arm is longer by less
+SCALE = 0.01
+CLOSE = FAR_BETTER**0.5  # derived: of a distance, whose square that is
 LENGTHS: Mapping[float, str] = {1e3: "millimetres", 100.0: "centimetres", 39.37: "inches", 3.281: "feet", 1e-3: "km"}
 PRESSURES: Mapping[float, str] = {1e-6: "MPa", 1e-5: "bar", 1e-3: "kPa"}
-LEAST, MOST = 0.3, 3.0  # of the nominal pressure; gas lost, warmed, or overfilled
+GAS = 3.0  # assumed: times the nominal pressure, or a part of it: gas lost, warmed, or overfilled
 LOOK = "look at the tracker's frame, whether it was moved, the prism constant and the places of the reflectors"
-STANDS = 0.25  # of a run; a channel that is late may repeat its first reading for a while
-STEPS = 5.0  # of a gauge's resolution, that the pressure has to change by
-ROUNDED = 2.0  # exact: of it, that no rounding hides in readings that are all the same
+STANDS = 0.25  # assumed: of a run; a channel that is late may repeat its first reading for a while
 
 
 def displaced(replay: Replay) -> Iterator[Finding]:
@@ -39,7 +36,7 @@ def displaced(replay: Replay) -> Iterator[Finding]:
     observed = replay.observed
     late = [one for one in late_reflectors(replay) if one.delay.value > SURE * one.delay.sigma]
     in_time = as_if_in_time(replay, late, observed, nominal)
-    told_as_late = {one.column for one in late if one.explained > MOSTLY}
+    told_as_late = {one.column for one in late if one.explains_most}
     stopped = _stopped(replay, observed, nominal)
     for name, where in stopped.items():
         yield doubt(name, f"does not change in {where} while the model's does", "frozen? look at its recording")
@@ -48,7 +45,9 @@ def displaced(replay: Replay) -> Iterator[Finding]:
         names, axes = [replay.quantities[c].column for c in columns], [replay.quantities[c].axis for c in columns]
         rows = np.all(np.isfinite(observed[:, columns]), axis=1)
         if np.any(rows) and not stopped.keys() & set(names):
-            throughout = list(_reflector(names[0], axes, observed[rows][:, columns], nominal[rows][:, columns]))
+            blurred = STATED * replay.compiled.robot.figures.uncertainty.geometry_m
+            seen, there = observed[rows][:, columns], nominal[rows][:, columns]
+            throughout = list(_reflector(names[0], axes, seen, there, blurred))
             most = FAR if names[0] in told_as_late else _most(replay)
             throughout = throughout or list(_away(names, in_time[rows][:, columns], nominal[rows][:, columns], most))
             given = names[0], rows, in_time[:, columns], nominal[:, columns], most
@@ -65,7 +64,8 @@ def displaced(replay: Replay) -> Iterator[Finding]:
 def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
     """Return columns that repeat one number while the model's goes far -> in which run, in words."""
     gauge = replay.compiled.robot.figures.instruments.pressure
-    far = {"reflector": TRAVEL, "gas_pressure": STEPS * gauge.resolution_pa if gauge else np.inf}
+    step = GAS * gauge.resolution_pa if gauge else np.inf  # one step of pressures that are as low as gas may have
+    far = {"reflector": _most(replay), "gas_pressure": step}
     run_of = run_of_each(replay.segments)
     found: dict[str, str] = {}
     for run in dict.fromkeys(segment.run for segment in replay.segments):
@@ -77,41 +77,51 @@ def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
                     found.setdefault(quantity.column, f"run {run!r}")
     for c, quantity in enumerate(replay.quantities):
         rows = np.isfinite(observed[:, c])
-        if quantity.kind == "gas_pressure" and gauge and len(set(run_of[rows].tolist())) > 1:
+        if quantity.kind == "gas_pressure" and len(set(run_of[rows].tolist())) > 1:
             span, moves = np.ptp(observed[rows, c]), np.ptp(nominal[rows, c])
-            if span == 0 and moves > ROUNDED * gauge.resolution_pa:
+            if span == 0 and moves > step:
                 found.setdefault(quantity.column, "any run")
     return found
 
 
-def _reflector(name: str, axes: list[int], observed: Array, nominal: Array) -> Iterator[Finding]:
+def _reflector(name: str, axes: list[int], observed: Array, nominal: Array, blurred: float) -> Iterator[Finding]:
+    """Yield a doubt for a reflector that has another unit, other axes or another scale than the model, or is elsewhere.
+
+    Args:
+        name: Of its first column.
+        axes: That are read.
+        observed: Shape (t, axes) [m].
+        nominal: The same of the model.
+        blurred: By how much places of the model may be off [m].
+    """
     off = _off(observed, nominal)
     if off < FAR:
-        yield from _scaled(name, observed, nominal)
+        yield from _scaled(name, observed, nominal, blurred)
         return
     factor = min(LENGTHS, key=lambda factor: _off(observed / factor, nominal))
-    if _off(observed / factor, nominal) < FAR_BETTER * min(off, _off(nominal, np.zeros(3))):
+    if _off(observed / factor, nominal) < CLOSE * min(off, _off(nominal, np.zeros(3))):
         message = f"is {factor:g} times as far out as the model has it"
         yield doubt(name, message, f"{LENGTHS[factor]}? give metres")
         return
-    for order, signs in product(permutations(range(len(axes))), product((1.0, -1.0), repeat=len(axes))):
-        if _off(observed[:, order] * signs, nominal) < FAR_BETTER * off:
-            right = ", ".join(f"{'-' if s < 0 else ''}{AXES[axes[i]]}" for i, s in zip(order, signs, strict=True))
-            there = ", ".join(AXES[axis] for axis in axes)
-            yield doubt(name, f"the model's {there} are read as {right}", "look at the axes of the base frame")
-            return
+    every = product(permutations(range(len(axes))), product((1.0, -1.0), repeat=len(axes)))
+    left, order, signs = min((_off(observed[:, order] * signs, nominal), order, signs) for order, signs in every)
+    if left < CLOSE * off:
+        right = ", ".join(f"{'-' if s < 0 else ''}{AXES[axes[i]]}" for i, s in zip(order, signs, strict=True))
+        there = ", ".join(AXES[axis] for axis in axes)
+        yield doubt(name, f"the model's {there} are read as {right}", "look at the axes of the base frame")
+        return
     advice = "is it in the base frame? else look at zero, sign and order of the joints"
     yield doubt(name, f"lies {off:.2g} m from where the model has it", advice)
 
 
-def _scaled(name: str, observed: Array, nominal: Array) -> Iterator[Finding]:
-    """Yield a doubt for a reflector whose travel is the model's times a factor that no tracker's scale explains."""
+def _scaled(name: str, observed: Array, nominal: Array, blurred: float) -> Iterator[Finding]:
+    """Yield a doubt for a reflector whose travel is a multiple of the model's that neither tracker nor arm explains."""
     seen, there = observed - observed.mean(axis=0), nominal - nominal.mean(axis=0)
-    if np.sqrt(np.mean(np.sum(there**2, axis=1))) < SPREAD:
-        return
-    factor = float(np.sum(seen * there) / np.sum(there**2))
+    spread = float(np.sqrt(np.mean(np.sum(there**2, axis=1))))
+    factor = float(np.sum(seen * there) / np.sum(there**2)) if spread > 0 else 1.0
+    off = abs(factor - 1)
     left, before = (float(np.sum((seen - f * there) ** 2)) for f in (factor, 1.0))
-    if abs(factor - 1) > SCALE and left < EXPLAINED * before:
+    if off > SCALE and off * spread > blurred and left < FAR_BETTER * before:
         message = f"travels {factor:.3f} times as far as the model has it"
         yield doubt(name, message, "look at the tracker's unit and scale; refraction makes 0.0005 at most")
 
@@ -121,7 +131,7 @@ def _away(names: list[str], observed: Array, nominal: Array, most: float) -> Ite
     off = _off(observed, nominal)
     if off > most:
         by = np.median(observed - nominal, axis=0)
-        is_shifted = _off(observed, nominal + by) < FAR_BETTER * off
+        is_shifted = _off(observed, nominal + by) < CLOSE * off
         shift = ", ".join(f"{1e3 * one:+.0f} mm in {name[-3]}" for name, one in zip(names, by, strict=True))
         where = f", everywhere by {shift}" if is_shifted else ""
         message = (
@@ -160,9 +170,14 @@ def _off(observed: Array, nominal: Array) -> float:
 
 def _pressure(observed: Array, nominal: Array) -> Iterator[Finding]:
     ratio = float(np.median(observed) / np.median(nominal))
-    if not LEAST < ratio < MOST:
+    if not is_of_gas(ratio):
         remedy = f"{pressure_unit(ratio)}? give pascals above ambient"
         yield doubt("gas_pressure_pa", f"is {ratio:.2g} times what the model has", remedy)
+
+
+def is_of_gas(ratio: float) -> bool:
+    """Return whether gas may have a pressure that is so many times the model's."""
+    return 1 / GAS < ratio < GAS
 
 
 def pressure_unit(ratio: float) -> str:
@@ -173,7 +188,7 @@ def pressure_unit(ratio: float) -> str:
 def _pressure_in_one_run(run_of: NDArray[np.str_], observed: Array, nominal: Array) -> Iterator[Finding]:
     """Yield a doubt for the runs in which a gauge reads what gas cannot be, while it reads the gas in others."""
     ratio = {run: float(np.median(observed[run_of == run] / nominal[run_of == run])) for run in dict.fromkeys(run_of)}
-    if far := [run for run, one in ratio.items() if not LEAST < one < MOST]:
+    if far := [run for run, one in ratio.items() if not is_of_gas(one)]:
         more = f" and {len(far) - 1} more" if len(far) > 1 else ""
         message = f"is {ratio[far[0]]:.2g} times what the model has in run {str(far[0])!r}{more}, and not in all others"
         yield doubt("gas_pressure_pa", message, "was the gauge connected? leave the column out there")

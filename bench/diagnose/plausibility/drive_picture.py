@@ -21,7 +21,8 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
 FAR = 3.0  # declared: standard deviations of stated friction, by which there may be less
-HELD = 0.1  # of a drive's torque limit, that friction may hold at rest; Coulomb levels are 1 to 6 % of it
+HELD = 0.1  # assumed: of a drive's torque limit, that friction may hold at rest; Coulomb levels are up to 9 % of it
+LEAST = 30  # declared: readings of a drive in motion, below which nothing is said of its channel
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,17 +13,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 
-from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
+from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture, drive_picture
+from bench.diagnose.plausibility.physical_fit import FITS
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
-SLOW = 1e-6  # times the speed, at which nothing of the motion is left but its direction
-LEAST = 30  # readings of a drive in motion
-TOLD = 0.02  # of a channel's rms, that a part must have of its own beside all others, to be told
-FITS = 0.05  # of a channel's variance; what the model may leave, for its factors to mean something
+SLOW = 1e-6  # rounding: times the speed, at which nothing of the motion is left but its direction
+TOLD = 0.02  # assumed: of a channel's rms, that a part must have of its own beside all others, to be told
+LEVEL = 0.999  # declared: of intervals: by chance, one healthy clock or channel in a thousand is outside
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from bench.effects.effect import REFERENCE_K
 from bench.effects.gas import GasLoss, GasTemperature
 from bench.effects.recorded import LATEST_DRIVE_S
 from bench.effects.recording_channel import ChannelDelay
-from bench.effects.sensing_drive import DriveDelay
+from bench.effects.sensing_drive import DriveDelay, TorqueConstant
 from bench.errors import ConvergenceError
 from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
@@ -34,9 +34,8 @@ from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
-SCALED = 0.2  # beyond it a channel's scale is likelier than a torque constant (normal, 10 %/sqrt(3) wide: 3.5 of them)
-
-EARLY = 0.5  # declared: of the variance that the model leaves
+# derived: beyond it a channel's scale is likelier than a torque constant: of an even distribution as wide as its range
+SCALED = SURE * TorqueConstant.parameters[0].high / 3**0.5
 
 
 def hints_of(
@@ -183,7 +182,7 @@ def _late(found: Iterable[Late], least: float, effect: str) -> Iterator[Finding]
     """Yield warnings of what is late; or early, as nothing is by itself, where that explains most of what is left."""
     for late in found:
         delay = late.delay
-        if abs(delay.value) > least + SURE * delay.sigma and (delay.value > 0 or late.explained > EARLY):
+        if abs(delay.value) > least + SURE * delay.sigma and (delay.value > 0 or late.explains_most):
             how = "late" if delay.value > 0 else "early"
             message = f"looks {how}, by about {1e3 * abs(delay.value):.0f} ms against the encoders"
             yield _hint(late.column, message, effect)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-from bench.diagnose.plausibility.displaced import LEAST, MOST, pressure_unit
+from bench.diagnose.plausibility.displaced import is_of_gas, pressure_unit
 from bench.diagnose.replay.known import known_quantities, with_known_segments
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
@@ -31,7 +31,7 @@ def known_pressures(campaign: Campaign, compiled: CompiledRobot, segments: tuple
         rests = tuple(segment for segment in every if not any(segment is other for other in segments))
         if rests:
             ratio = one.value / float(Replay(compiled, rests, quantities).predict(NOMINAL)[0, 0])
-            if not LEAST < ratio < MOST:
+            if not is_of_gas(ratio):
                 message = f"{one.value:g} Pa is {ratio:.2g} times what the model has in that pose"
                 remedy = f"{pressure_unit(ratio)}? give pascals above ambient"
                 yield Finding("doubt", MANIFEST, None, f"known[{i}].value", message, remedy)

@@ -11,15 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from bench.diagnose.plausibility.drive_picture import DrivePicture, payload_products
-from bench.diagnose.plausibility.first_look import LEAST, TOLD, Factor, inflation
+from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture, payload_products
+from bench.diagnose.plausibility.first_look import LEVEL, TOLD, Factor, inflation
+from bench.diagnose.plausibility.physical_fit import HALF
 from bench.diagnose.plausibility.rates import rates_of
 from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL
 from bench.record.campaign import Array
 
-SURE = float(stats.norm.ppf(0.9995))  # standard errors, beyond which one channel in a thousand is by chance
+SURE = float(stats.norm.ppf((1 + LEVEL) / 2))  # derived: standard errors at the ends of that interval
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,11 @@ class Late:
     column: str
     delay: Factor
     explained: float
+
+    @property
+    def explains_most(self) -> bool:
+        """Whether it explains more than it leaves."""
+        return self.explained > HALF
 
 
 def as_if_in_time(replay: Replay, late: Sequence[Late], observed: Array, nominal: Array) -> Array:

@@ -9,21 +9,27 @@ from collections.abc import Iterator
 import numpy as np
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture
-from bench.diagnose.plausibility.mistaken import doubt
+from bench.diagnose.plausibility.mistaken import NEAR, POUND_N, doubt
 from bench.diagnose.plausibility.mistaken_inputs import ELSEWHERE, Recording, with_loads
 from bench.diagnose.replay.instants import instants_of
+from bench.effects.recording_log import HungLoad
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.record.units import STANDARD_GRAVITY
 
-TOO_SMALL = 3.0  # times; a load that is written down wrong (hung_load) is up to twice too small
+# derived: times; half way, on a logarithmic scale, from a load written down twice too small (hung_load) to pounds
+TOO_SMALL = ((1 + HungLoad.parameters[0].high) * POUND_N) ** 0.5
 ROUNDED = 0.01  # rounding: of a weight; gravity taken as 9.8 or 9.81, or a mass as full kilograms
 OTHERS = 3  # declared: runs whose mass and weight agree, at least, beside the one where they do not
-ALIKE = 0.9  # correlation of what drives paid and what the loads ask for, over all drives and states
 UNLIKE = 0.1  # declared: share of what drives paid that loads as stated leave; friction that turns round leaves less
 FAR_BETTER = 0.2  # declared: part of it that other loads leave
-NEAR = 0.5  # of a factor's logarithm, by which friction may blur a unit
-UNITS = {1e3: "kilonewtons? multiply by 1000", STANDARD_GRAVITY: "kilograms? multiply by 9.80665"}
+# derived: correlation of what drives paid and what loads ask for, over all drives and states: they leave as little
+ALIKE = (1 - FAR_BETTER) ** 0.5
+UNITS = {
+    1e3: "kilonewtons? multiply by 1000",
+    STANDARD_GRAVITY: "kilograms? multiply by 9.80665",
+    POUND_N: "pounds? multiply by 4.44822",
+}
 
 
 def mistaken_at_rest(picture: DrivePicture, recording: Recording) -> Iterator[Finding]:

@@ -11,22 +11,23 @@ from itertools import combinations
 import numpy as np
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture
-from bench.diagnose.plausibility.physical_fit import misfit
+from bench.diagnose.plausibility.physical_fit import FAR_BETTER, FITS, misfit
 from bench.record.campaign import Array
 from bench.record.finding import Finding
+from bench.record.units import STANDARD_GRAVITY
 
-BAD = 0.05  # of the mean square of a drive's torque; most defects and poor models leave less
-FAR_BETTER = 0.1  # part of it that the right reading leaves
-GOOD = 0.1  # of the mean square; what the right reading leaves at most
-FACTORS = np.geomspace(1e-4, 1e4, 65)
-PLAIN = 8.0  # a factor nearer to 1 than this is no unit and no gear; the least is 9.81
-ALIKE = 1e-3  # of the mean square; factors that leave the same within this are as good
-NEAR = 0.3  # of a factor, by which friction and payload may blur it
+FACTORS = np.geomspace(1e-4, 1e4, 65)  # effort: that are tried, eight in a decade
+# derived: a factor nearer to 1 is no unit: the least, of kilograms, less half a step of the factors that are tried
+PLAIN = STANDARD_GRAVITY * (FACTORS[0] / FACTORS[1]) ** 0.5
+ALIKE = 1e-3  # rounding: of the mean square; factors that leave the same within this are as good
+POUND_N = 0.45359237 * STANDARD_GRAVITY  # exact: [N], a pound-force
+# derived: of a factor's logarithm: half way between the units that are most alike, pounds and kilograms
+NEAR = float(np.log(STANDARD_GRAVITY / POUND_N)) / 2
 UNITS: Mapping[float, str] = {
     1e3: "milliamperes or mNm?",
     1e-3: "kiloamperes or kNm?",
     10.0: "tenths?",
-    9.81: "kilogram-force metres?",
+    STANDARD_GRAVITY: "kilogram-force metres?",
 }
 
 
@@ -66,10 +67,10 @@ def mistakes_in(
     picture = _without_idle(picture)
     for i, _ in enumerate(picture.names):
         before = misfit(picture)
-        if np.max(before) < BAD:
+        if np.max(before) < FITS:
             return
         likely = _likely((*_mistakes(picture, before, of_units=of_units), *(of_loads if i == 0 else ())), before)
-        if i == 0 and not any(np.max(after) < BAD for after, _ in likely):
+        if i == 0 and not any(np.max(after) < FITS for after, _ in likely):
             likely += _likely(of_joints(), before)
         if not likely:
             return
@@ -98,7 +99,7 @@ def _likely(mistakes: Iterable[Mistake], before: Array) -> list[tuple[Array, Mis
 def _explains(before: Array, after: Array, drives: tuple[int, ...]) -> bool:
     own = list(drives)
     is_better = after[own].sum() < FAR_BETTER * before[own].sum() and after.sum() < before.sum()
-    return bool(is_better and np.all(after[own] < np.maximum(GOOD, before[own])))
+    return bool(is_better and np.all(after[own] < np.maximum(FITS, before[own])))
 
 
 def doubt(column: str, message: str, remedy: str) -> Finding:
@@ -108,7 +109,7 @@ def doubt(column: str, message: str, remedy: str) -> Finding:
 
 def _mistakes(picture: DrivePicture, before: Array, *, of_units: bool) -> Iterator[Mistake]:
     there = [j for j in range(len(picture.names)) if np.any(np.isfinite(picture.observed[:, j]))]
-    bad = [j for j in there if before[j] > BAD]
+    bad = [j for j in there if before[j] > FITS]
     for drives in [*((j,) for j in bad), tuple(bad)]:
         columns = tuple(picture.names[j] for j in drives)
         yield Mistake(
@@ -123,7 +124,7 @@ def _mistakes(picture: DrivePicture, before: Array, *, of_units: bool) -> Iterat
     for j in bad:
         yield from _without_signs(picture, j)
     for i, j in combinations(there, 2):
-        if before[i] > BAD or before[j] > BAD:
+        if before[i] > FITS or before[j] > FITS:
             one, other = picture.names[i], picture.names[j]
             message = f"{one} and {other} are exchanged"
             yield Mistake((i, j), (one,), message, "look at the order of the joints", _swapped(picture, i, j))

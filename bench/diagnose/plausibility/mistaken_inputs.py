@@ -43,7 +43,7 @@ def _moved(steps: int) -> OfLoads:
     return of
 
 
-NOTHING: OfLoads = _times(0.0)
+NOTHING: OfLoads = _times(0.0)  # exact: no load
 AXES = "look at the axes of the base frame"
 STEPS = "did rows of the log slip? give each step its own load"
 LOADS: Sequence[tuple[str, str, OfLoads]] = (

@@ -31,7 +31,7 @@ EXPLAINED = 2 / 3  # declared: of what a run has that others have not: twice as 
 OTHERS = 3  # declared: runs in which a drive moves, at least, beside the one that is held against them
 READINGS = 5  # declared: of a drive that moves in a run
 TINY = 1e-18  # rounding: [Nm^2]
-MOTION, VISCOUS = 0, 3  # columns of what a channel is made of
+MOTION, VISCOUS = 0, 3  # exact: columns of what a channel is made of
 
 
 def mistaken_in_one_run(picture: DrivePicture, segments: Sequence[Segment]) -> Iterator[Finding]:

@@ -11,6 +11,9 @@ from bench.record.campaign import Array
 
 # declared: times the friction of a drive in motion, that it may hold at rest; Stribeck friction is half more
 HOLDS = 2.0
+FITS = 0.05  # assumed: of the mean square of a drive's torque; a model that leaves less fits, most defects included
+FAR_BETTER = 0.1  # assumed: of the squares that a reading leaves; what leaves less is the right reading
+HALF = 0.5  # exact: the greater part
 
 
 def misfit(picture: DrivePicture) -> Array:

@@ -9,9 +9,7 @@ from bench.record.campaign import Campaign
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
-DIFFERENT = 1.0  # times the torque that currents make; torque constants and friction explain a third of it
-
-NOTHING = 0.01  # of a drive's torque limit; what noise and an offset of a standing drive may read
+NOTHING = 0.01  # assumed: of a drive's torque limit; what noise and an offset of a standing drive may read
 
 
 def unlike_currents(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
@@ -31,7 +29,7 @@ def unlike_currents(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Fin
         made = compiled.torque_constant[j] * np.concatenate([run.columns[current] for run in runs])
         least = max(float(np.sqrt(np.mean(made**2))), NOTHING * torque_limit(compiled, j))
         left = float(np.sqrt(np.mean((reported - made) ** 2)))
-        if left > DIFFERENT * least:
+        if left > least:  # a column of zeros is no farther away; torque constants and friction explain a third
             message = f"is {left:.3g} (rms) away from what {current} makes by the torque constant"
             remedy = f"look at its unit and sign; it is not used, {current} is"
             yield Finding("warning", "all runs", None, column, message, remedy)

@@ -18,8 +18,9 @@ from bench.errors import ConvergenceError
 from bench.record.campaign import Campaign, Run
 from bench.robot.compiled import CompiledRobot
 
-USUAL = 0.3  # of a drive's speed limit, that the fastest joint of a recording reaches; assumed, and then estimated
-SLOW = 0.5  # of the usual; what is faster shows inertia as it is
+USUAL = (
+    0.3  # effort: of a drive's speed limit, at which the fastest joint is looked at; its clock is estimated from there
+)
 
 
 def slow_clock(
@@ -35,7 +36,7 @@ def slow_clock(
         bins: Of one run at most.
     """
     factor = fastest(campaign, compiled) / USUAL
-    if not 0 < factor < SLOW:
+    if not 0 < factor < 1:  # what is faster shows inertia as it is
         return None
     faster = replace(campaign, runs=tuple(_with_clock(campaign, factor)))
     try:

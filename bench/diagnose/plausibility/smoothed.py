@@ -12,9 +12,14 @@ from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 
 READ_ALIKE = ("current", "tau_motor", "reflector", "force", "moment")  # several channels by one kind of instrument
-LEAST = 50  # samples of a run in motion
-QUIET = 0.3  # of the stated noise; a running mean of three leaves 0.26 of third differences, a halved scale 0.5
-AS_STATED = 0.7  # of the stated noise, at least, in another channel of the instrument: else its figures are wrong
+LEAST = 50  # declared: samples of a run in motion, below which nothing is said of how they scatter
+HALVED = 0.5  # exact: of the stated noise, that a channel of half the scale has
+# derived: of third differences (1, -3, 3, -1), which a running mean of three makes to (1, -2, 1, -1, 2, -1) / 3
+OF_THREE = (12 / 9 / 20) ** 0.5
+# derived: of the stated noise; half way, on a logarithmic scale, from a running mean of three to a halved scale
+QUIET = (OF_THREE * HALVED) ** 0.5
+# derived: the same way, from a halved scale to the noise as it is stated: else the instrument's figures are wrong
+AS_STATED = HALVED**0.5
 
 
 def smoothed(campaign: Campaign, compiled: CompiledRobot, quantities: Sequence[Quantity]) -> Iterator[Finding]:

@@ -7,16 +7,15 @@ from bench.record.campaign import Campaign, Run
 from bench.record.channels import columns_of
 from bench.robot.compiled import CompiledRobot
 
-PARTS = 20  # of a run; no noise or resolution of an encoder looks like a speed over so long
-LEAST = 30  # rows of a run
+PARTS = 20  # assumed: of a run; no noise, resolution or slow update of an encoder looks like a speed over so long
 
 
 def least_top_speed(run: Run, number: int) -> float:
     """Return a speed that a joint surely reached: the largest mean one over a `PARTS`-th of a run."""
     columns = columns_of(run.columns, "q_motor", "q_cmd")
     angles = next((run.columns[column.name] for column in columns if column.index == number), None)
-    span = max(len(run) // PARTS, 1)
-    if angles is None or len(run) < LEAST:
+    span = len(run) // PARTS
+    if angles is None or span == 0:
         return 0.0
     time = run.columns["time_s"]
     return float(np.max(np.abs(angles[span:] - angles[:-span]) / (time[span:] - time[:-span])))

@@ -7,14 +7,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from bench.diagnose.plausibility.drive_picture import DrivePicture
-from bench.diagnose.plausibility.physical_fit import left_over
+from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture
+from bench.diagnose.plausibility.physical_fit import HALF, left_over
 from bench.diagnose.replay.instants import run_of_each
 from bench.diagnose.replay.segments import Segment
 from bench.record.finding import Finding
-
-HALF = 0.5  # of the mean square: what is left is more than what is explained; 71 % of the size
-LEAST = 30  # readings of a drive in a run
 
 
 def unexplained(picture: DrivePicture, segments: Sequence[Segment]) -> Iterator[Finding]:
@@ -34,7 +31,7 @@ def unexplained(picture: DrivePicture, segments: Sequence[Segment]) -> Iterator[
             if rows.sum() >= LEAST:  # a run in which the drive does less than usual is held against the usual
                 own = float(np.mean(picture.observed[rows, j] ** 2) / np.mean(picture.observed[seen, j] ** 2))
                 shares[run] = float(np.mean(left[rows, j])) / max(own, 1.0)
-        bad = [run for run, share in shares.items() if share > HALF]
+        bad = [run for run, share in shares.items() if share > HALF]  # more than is explained: 71 % of the size
         if bad:
             worst = max(bad, key=lambda run: shares[run])
             where = f"run {worst!r}" + (f" and {len(bad) - 1} more of {len(shares)}" if len(bad) > 1 else "")

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.drive_picture import HELD
 from bench.diagnose.plausibility.mistaken import doubt
+from bench.diagnose.plausibility.physical_fit import HOLDS
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
@@ -27,7 +28,7 @@ from bench.robot.compiled import CompiledRobot
 SHARE = (
     0.1  # declared: of the rated force, beyond what cables, hands and hours of creep make; smaller loads are not told
 )
-AXES = 3
+AXES = 3  # exact: of space
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,13 +138,19 @@ def _shown(visit: _Visit, compiled: CompiledRobot, quantities: tuple[Quantity, .
     for c, quantity in enumerate(quantities):
         if quantity.is_drive:
             unit = abs(compiled.torque_constant[quantity.index]) if quantity.kind == "current" else 1.0
-            held = HELD * torque_limit(compiled, quantity.index) / unit
+            held = _held(compiled, quantity.index) / unit
             for before, after in _unchanged(visit):
                 more = float(abs(visit.observed[after, c] - visit.observed[before, c]))
                 if more > held:
                     what = f"{quantity.column} changes by {more:.3g} {quantity.unit}, more than friction holds,"
                     return f"{what} {_while_unchanged(visit, before, after)}"
     return ""
+
+
+def _held(compiled: CompiledRobot, j: int) -> float:
+    """Return what friction of a drive may hold at rest [Nm]: as usual, or what the model states where that is more."""
+    stated = HOLDS * float(compiled.motor_coulomb[j] + compiled.link_coulomb[j])
+    return max(HELD * torque_limit(compiled, j), stated)
 
 
 def _moved(visit: _Visit, name: str, place: Array, reflector: int, least_n: float) -> str:

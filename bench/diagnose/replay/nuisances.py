@@ -127,6 +127,8 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     kinds = {quantity.kind for quantity in quantities}
     found = []
     for p in (*nominal_parameters(compiled), *presliding_parameters(compiled)):
+        if p.seen_by and p.seen_by not in kinds:
+            continue
         one = Nuisance(p.name, p.unit, p.sigma, edit=p.edit, is_factor=p.is_factor, least=p.least)
         one = replace(one, widened=p.widened, of_mass=p.of_mass, beside=p.beside)
         found.append(replace(one, between="drifts", own=VISCOUS * DAY_K) if p.is_viscous else one)

@@ -10,6 +10,7 @@ SIGNIFICANT = 2  # digits of half an interval
 MOST_DECIMALS = 6  # of numbers without an exponent
 MOST_DIGITS = 15  # of numbers with one: those that a double has
 LARGE = 1e5  # from where on numbers have an exponent
+LEAST_WIDER = 1 + 0.5 * 10 ** (1 - SIGNIFICANT)  # derived: by less, half an interval of 10 still reads 10
 
 
 def workshop(unit: str) -> tuple[str, float]:
@@ -51,6 +52,14 @@ def _with_exponent(value: float, step: float) -> str:
         return "-"
     first = -int(np.floor(np.log10(abs(value)))) if value else 0
     return f"{value:.{int(np.clip(_last_place(step) - first + 1, 1, MOST_DIGITS))}g}"
+
+
+def nats(value: float, *, sign: bool = False, tenths: bool = True) -> str:
+    """Return a logarithm of odds: to a tenth where that may decide, from 100 on whole, in groups of three digits."""
+    if not np.isfinite(value):
+        return "-"
+    plus = "+" if sign else ""
+    return f"{value:{plus}.1f}" if tenths and abs(value) < 100 else f"{value:{plus},.0f}".replace(",", " ")
 
 
 def percent(share: float) -> str:

@@ -29,11 +29,12 @@ from bench.report.diagnosis.names import (
     remark_text,
     unlisted_name,
 )
-from bench.report.diagnosis.numbers import gain_percent, percent, shown, unit_name
+from bench.report.diagnosis.numbers import gain_percent, nats, percent, shown, unit_name
 from bench.report.diagnosis.pictures import Picture, over_name
 from bench.report.diagnosis.readings import Channel
 from bench.report.diagnosis.sentences import (
     FLOOR,
+    REST,
     confirmed_text,
     gain_sentence,
     how_predicted,
@@ -41,9 +42,11 @@ from bench.report.diagnosis.sentences import (
     proposal_text,
     rate_sentence,
     remainder_sentence,
+    rest_share,
     scatter_sentence,
     step_left,
     steps_sentence,
+    unconfirmed_text,
     undetectable_sentence,
     unfinished_sentence,
 )
@@ -80,6 +83,8 @@ FILTERS: Filters = {
     "proposal": proposal_text,
     "step_left": step_left,
     "confirmed_text": confirmed_text,
+    "unconfirmed_text": unconfirmed_text,
+    "nats": nats,
     "spaced": lambda name: name.replace("_", " "),
     "unit": unit_name,
 }
@@ -168,6 +173,8 @@ def page_of(
         scatter_words=scatter_sentence(verdict),
         unlisted_name=unlisted_name(verdict.unlisted) if verdict.unlisted and has_shape else "",
         remainder_words=remainder_sentence(verdict),
+        rest=rest_share(verdict),
+        rest_words=REST,
         undetectable_words=undetectable_sentence(verdict, [spot for spot in verdict.blind if spot.taken_by]),
         detectable=[limit for limit in verdict.detectable if limit.is_plausible],
         cause_title=_cause_title(verdict),

@@ -8,16 +8,18 @@ import numpy as np
 from bench.diagnose.cross_validation.held_out import NOTICEABLE
 from bench.diagnose.experiment_design.propose import NONE
 from bench.diagnose.replay.quantities import LOADS
-from bench.diagnose.verdict import ChannelGain, Proposal, Step, UndetectableEffect, Verdict
+from bench.diagnose.verdict import UNLIKELY, ChannelGain, Proposal, Step, UndetectableEffect, Verdict
 from bench.report.diagnosis.names import cause_name, channel_name, effect_at, listed, unlisted_name
-from bench.report.diagnosis.numbers import gain_percent, percent, shown, unit_name
+from bench.report.diagnosis.numbers import LEAST_WIDER, gain_percent, nats, percent, shown, unit_name
 
 CLEARLY = 0.05  # gain of a channel by one step that is worth a word
 ROUNDING = 1e-3  # of a gain; a channel that a model does not touch gains nothing but this
 COLUMN = re.compile(r"[a-z]+(?:_[a-z0-9]+)+")
 KNOWN = "known_"  # before the names of what the lab knows besides (`replay/quantities.py`)
 WORST = 3  # noisy channels that are named
+MOST_CHANNELS = 2  # of a step, in a line of the terminal
 DECISIVE = 4.6  # log Bayes factor of odds of 100
+REST = "the nominal model, and combinations of causes that were weighed but not simulated"
 WITHOUT_AND_WITH = "without it -> with it"
 FLOOR = (
     "the error to be expected of a right model, by the stated noise and steps of the instruments, the scatter of "
@@ -63,9 +65,9 @@ def rate_sentence(verdict: Verdict) -> str:
 
 
 def scatter_sentence(verdict: Verdict) -> str:
-    """Return what the scale of the noise means, "" where it is as expected."""
+    """Return what the scale of the noise means, "" where no interval shows it: chance alone makes it more than 1."""
     times = f"{verdict.noise_scale:.3g}"
-    if not float(times) > 1:  # nan where nothing was weighed
+    if not (np.sqrt(verdict.noise_scale) > LEAST_WIDER or verdict.noisy):  # nan where nothing was weighed
         return ""
     words = (
         f"The data scatter more than the instruments explain: their variance is {times} times as "
@@ -97,7 +99,8 @@ def gain_sentence(verdict: Verdict) -> str:
     held_out = {"recording": "recordings", "run": "runs", "block": "stretches of runs"}.get(verdict.held_out_by, "data")
     of = f" of recording {verdict.held_out_of}" if verdict.held_out_of else ""
     words = (
-        f"On {held_out}{of} that were not fitted, {len(better)} of {len(known)} channels are predicted better than by "
+        f"On {held_out}{of} that were not fitted, {len(better)} of {len(known)} channels "
+        f"{'is' if len(better) == 1 else 'are'} predicted better than by "
         "the nominal model, as it stands or with its figures fitted"
     )
     return f"{words}, {len(worse)} worse." if worse else f"{words}, none worse."
@@ -139,6 +142,19 @@ def remainder_sentence(verdict: Verdict) -> str:
     )
 
 
+def rest_share(verdict: Verdict) -> float:
+    """Return the probability that the explanations that were fitted leave to all others, 0 where next to none."""
+    fitted = [*verdict.explanations, *verdict.rivals]
+    left = 1 - sum(one.fitted_probability for one in fitted)
+    return left if verdict.explanations and not verdict.unlisted and left >= UNLIKELY else 0.0
+
+
+def rest_sentence(verdict: Verdict) -> str:
+    """Return to what the probability belongs that a single finding leaves, "" where there are several or hardly any."""
+    left = rest_share(verdict)
+    return f"The remaining {percent(left)}: {REST}." if left and len(verdict.findings) == 1 else ""
+
+
 def undetectable_sentence(verdict: Verdict, but: Sequence[UndetectableEffect] = ()) -> str:
     """Return the sizes that this campaign would not have shown as far as they are plausible, "" where there is none.
 
@@ -169,18 +185,20 @@ def steps_sentence(verdict: Verdict) -> str:
 def step_text(step: Step) -> str:
     """Return what a step of the selection added and what that was worth, in a line."""
     added = " with ".join(cause_name(cause) for cause in step.added)
-    held_out = f"held out {step.held_out:+.0f} ({step.low:.0f} to {step.high:.0f})"
-    left = step_left(step)
+    evidence, worth = (nats(value, sign=True, tenths=False) for value in (step.log_evidence, step.held_out))
+    low, high = (nats(value, tenths=False) for value in (step.low, step.high))
+    more = (step_left(step, MOST_CHANNELS), unconfirmed_text(step), confirmed_text(step))
+    return "; ".join(filter(None, (f"{added}: {evidence}, held out {worth} ({low} to {high})", *more)))
+
+
+def unconfirmed_text(step: Step) -> str:
+    """Return why a finding that is kept is not confirmed, "" where it is."""
+    if step.is_confirmed or not step.accepted:
+        return ""
     share = percent(step.repeats)
-    again = f"; not confirmed: only {share} of the searches without a part of the runs find it"
     if step.recordings:
-        again = f"; to be found it takes all recordings together (without one of them {share} of searches find it)"
-    return (
-        f"{added}: {step.log_evidence:+.0f}, {held_out}"
-        + (f"; {left}" if left else "")
-        + ("" if step.is_confirmed else again)
-        + (f"; {confirmed}" if (confirmed := confirmed_text(step)) else "")
-    )
+        return f"to be found it takes all recordings together (without one of them {share} of searches find it)"
+    return f"not confirmed: only {share} of the searches without a part of the runs find it"
 
 
 def confirmed_text(step: Step) -> str:
@@ -201,18 +219,24 @@ def refused_text(step: Step) -> str:
     return f"Refused: {names}: {reason}."
 
 
-def step_left(step: Step) -> str:
+def step_left(step: Step, most: int | None = None) -> str:
     """Return by how much channels are missed without a step and with it, "" where none becomes clearly better.
 
     All else is fitted both times. What one recording alone shows is told of its readings.
+
+    Args:
+        step: Of the selection.
+        most: Channels that are told, those that gain most; the others are counted. None: all, in their order.
     """
+    gains = [gain for gain in step.channels if gain.gain > CLEARLY and gain.low > 0]
+    told = gains if most is None else sorted(gains, key=lambda gain: -gain.gain)[:most]
     texts = []
-    for gain in step.channels:
-        if gain.gain > CLEARLY and gain.low > 0:
-            before, after = shown((gain.before, gain.after), gain.unit, gain.floor or gain.after)
-            texts.append(f"{channel_name(gain.channel)} {before} -> {after} {unit_name(gain.unit)}".rstrip())
+    for gain in told:
+        before, after = shown((gain.before, gain.after), gain.unit, gain.floor or gain.after)
+        texts.append(f"{channel_name(gain.channel)} {before} -> {after} {unit_name(gain.unit)}".rstrip())
     where = f", in recording {step.of_recording}" if step.of_recording else ""
-    return f"{WITHOUT_AND_WITH}{where}: {', '.join(texts)}" if texts else ""
+    more = f", {len(gains) - len(told)} more" if len(gains) > len(told) else ""
+    return f"{WITHOUT_AND_WITH}{where}: {', '.join(texts)}{more}" if texts else ""
 
 
 def proposal_text(proposal: Proposal) -> str:

@@ -11,6 +11,7 @@ from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, RECORDING, RE
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
     PART_OF_UNLISTED,
+    capital,
     cause_name,
     effect_name,
     error_text,
@@ -33,9 +34,11 @@ from bench.report.diagnosis.sentences import (
     read_gains,
     refused_text,
     remainder_sentence,
+    rest_sentence,
     scatter_sentence,
     step_text,
     steps_sentence,
+    unconfirmed_text,
     undetectable_sentence,
     unfinished_sentence,
 )
@@ -44,6 +47,7 @@ from bench.report.diagnosis.slow import slow_sentence
 BEST_CHANNELS = 4
 BEST_PROPOSALS = 2
 BEST_LIMITS = 5
+BEST_RIVALS = 3
 
 
 def words_of(verdict: Verdict) -> Iterator[str]:
@@ -56,6 +60,8 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     for explanation in verdict.other_explanations:
         name = name_beside(explanation, verdict.explanations[0])
         yield f"{percent(explanation.fitted_probability):>9}  altogether: {name}"
+    if rest := rest_sentence(verdict):
+        yield rest
     for line in changed_lines(verdict):
         yield f"Changed since the earlier diagnosis: {line}"
     if words := open_names_sentence(verdict):
@@ -66,8 +72,9 @@ def words_of(verdict: Verdict) -> Iterator[str]:
         yield rate_sentence(verdict)
         yield from _limits(verdict)
     if verdict.rivals and not verdict.unlisted:
-        ruled_out = ", ".join(name_beside(rival, verdict.explanations[0]) for rival in verdict.rivals)
-        yield f"Fitted, and ruled out: {ruled_out}."
+        ruled_out = "; ".join(name_beside(rival, verdict.explanations[0]) for rival in verdict.rivals[:BEST_RIVALS])
+        others = len(verdict.rivals) - BEST_RIVALS
+        yield f"Fitted, and ruled out: {ruled_out}{f'; {others} more (rivals in {VERDICT})' if others > 0 else ''}."
     yield from _selection(verdict)
     yield from _gain(verdict)
     yield from baseline_lines(verdict)
@@ -110,6 +117,8 @@ def _selection(verdict: Verdict) -> Iterator[str]:
             yield f"  {step_text(step)}"
         if given_up := steps_sentence(verdict):
             yield given_up
+    elif taken and (why := unconfirmed_text(taken[0])):
+        yield f"{capital(why)}."
 
 
 def _gain(verdict: Verdict) -> Iterator[str]:

@@ -32,13 +32,25 @@ def csv_of(figures: Iterable[FittedFigure]) -> str:
 def moved_sentences(figures: Sequence[FittedFigure]) -> Iterator[str]:
     """Yield a sentence for every figure that was found further away than its stated uncertainty explains.
 
-    What has changed since an earlier diagnosis is said elsewhere (`report/diagnosis/changed.py`).
+    Those whose interval holds what was expected come last. What has changed since an earlier diagnosis is said
+    elsewhere (`report/diagnosis/changed.py`).
     """
-    for figure in figures:
-        if not figure.has_moved or figure.has_changed:
-            continue
+    moved = [figure for figure in figures if figure.has_moved and not figure.has_changed]
+    for figure in sorted(moved, key=_may_be_as_expected):
         far = f"{abs(figure.sigmas):.1f} times its {'stated ' if np.isnan(figure.earlier) else ''}uncertainty"
-        yield f"{figure.name}: {_size(figure)}, {far}{_trade(figure)}{_as_seen(figure)}"
+        yield f"{figure.name}: {_size(figure)}, {far}{_unsure(figure)}{_trade(figure)}{_as_seen(figure)}"
+
+
+def _may_be_as_expected(figure: FittedFigure) -> bool:
+    """Whether its interval holds what was stated of it, or found before."""
+    return figure.low <= (figure.stated if np.isnan(figure.earlier) else figure.earlier) <= figure.high
+
+
+def _unsure(figure: FittedFigure) -> str:
+    if not _may_be_as_expected(figure):
+        return ""
+    before = "the stated value" if np.isnan(figure.earlier) else "the value found before"
+    return f"; its interval holds {before}, so by itself it shows nothing"
 
 
 def _size(figure: FittedFigure) -> str:

@@ -116,6 +116,11 @@ def _of_constants(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
     told = [f"{names[k]} {_estimate(scale, k)}" for k in missing if _is_told(scale, k)]
     if told:
         yield f"for figures.yaml, torque_constant_nm_per_a as estimated: {', '.join(told)} (torque_constant_error)"
+        worst = max(scale.sigma[k] for k in missing if _is_told(scale, k))
+        yield (
+            f"write the error beside the constant of each drive too, such as `torque_constant_error: {worst:.2g}`: "
+            "without it, 0.01 is taken, and intervals of masses and friction are too narrow"
+        )
     if untold := [names[k] for k in missing if not _is_told(scale, k)]:
         yield f"this log does not tell the torque constant of {', '.join(untold)}"
     yield from _contradictions("torque_constant_nm_per_a", constants, scale, nominal)

@@ -15,7 +15,7 @@ from bench.robot.starter.source import Source
 
 LOAD_SHARE = 0.2  # assumed: of what the strongest drive holds, the rated load
 SHORTEST = 0.1  # assumed: [m], lever of a load, however short the arm
-DRAWING = {"mass": 0.05, "centre_of_mass_m": 5e-3, "geometry_m": 0.5e-3, "friction": 0.2}  # assumed
+DRAWING = {"mass": 0.05, "centre_of_mass_m": 5e-3, "geometry_m": 0.5e-3, "axis_rad": 5e-4, "friction": 0.2}  # assumed
 # Of the stiffness, which no file has: a factor of four. Joints of the HH-150 lie within a factor of 2.1 of the guess,
 # data sheets of gears alone five times above it
 STIFFNESS_GUESSED = 3.0

@@ -101,7 +101,29 @@ def test_explanations_say_why_more_evidence_is_no_more_probable() -> None:
     text = Page(html_of(verdict)).text
     assert "Loss of gas 80.8 76.8 73 %" in text
     assert "82.8 74.8 counted for a likelier one" in text
-    assert "-900.0 -904.0 < 0.1 %" in text  # no probability is none
+    assert "-900 -904 < 0.1 %" in text  # no probability is none
+
+
+def test_evidence_of_millions_has_groups_and_no_tenths() -> None:
+    """It stood there as 55648585.3."""
+    verdict = replace(VERDICTS["cause"], explanations=(explanation((GAS,), 0.6, 55648585.3),), rivals=())
+    text = Page(html_of(verdict)).text
+    assert "55 648 585 " in text
+    assert "combinations of causes that were weighed but not simulated 40 %" in text
+
+
+def test_table_of_findings_says_which_are_not_confirmed() -> None:
+    """With four findings and more, only the chapters below said so."""
+    cause = VERDICTS["cause"]
+    group = cause.findings[0]
+    several = replace(cause, findings=(*(group,) * 3, replace(group, is_confirmed=False)))
+    assert "Loss of gas not confirmed 100 % lost" in Page(html_of(several)).text
+
+
+def test_step_that_is_not_confirmed_says_why_beside_kept() -> None:
+    cause = VERDICTS["cause"]
+    text = Page(html_of(replace(cause, steps=(replace(cause.steps[0], repeats=0.2),)))).text
+    assert "not confirmed: only 20 % of the searches without a part of the runs find it" in text
 
 
 @cache

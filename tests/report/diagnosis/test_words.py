@@ -72,7 +72,7 @@ def test_what_the_lab_knows_is_no_channel_that_is_predicted_better() -> None:
     """A payload as known stood there as "0.000 -> 0.054 kg", an earlier diagnosis with the unit 1."""
     (better, _, worse), known = VERDICTS["cause"].gain, replace(NO_GAIN, channel="known_payload_1", over_better=0.5)
     text = "\n".join(words_of(replace(VERDICTS["cause"], gain=(better, worse, known))))
-    assert "1 of 2 channels are predicted better" in text
+    assert "1 of 2 channels is predicted better" in text
     assert "payload as known" not in text
     assert "  reflector 1 z: " not in text
     assert "0.405 -> 0.081 of" in gain_text(replace(better, channel="known_earlier_1", unit="1"))
@@ -195,7 +195,44 @@ def test_nothing_found_in_a_channel_that_is_all_noise_is_not_praised() -> None:
 def test_a_scatter_that_rounds_to_that_of_the_instruments_is_none() -> None:
     assert not any("scatter" in line for line in words_of(replace(NOTHING, noise_scale=1.0002)))
     assert not any("scatter" in line for line in words_of(replace(NOTHING, noise_scale=float("nan"))))
-    assert any("1.02 times as large" in line for line in words_of(replace(NOTHING, noise_scale=1.02)))
+    assert any("1.12 times as large" in line for line in words_of(replace(NOTHING, noise_scale=1.12)))
+
+
+def test_a_scatter_that_widens_no_interval_as_it_is_shown_is_none() -> None:
+    """Each channel counts with 1 at least, so 1.02 is chance: the page said that data scatter more than instruments."""
+    assert not any("scatter" in line for line in words_of(replace(NOTHING, noise_scale=1.02)))
+    noisy = NoisyChannel("current_2_a", in_motion=True, times=9.0)  # one of many
+    assert any("1.02 times" in line for line in words_of(replace(NOTHING, noise_scale=1.02, noisy=(noisy,))))
+
+
+def test_probability_that_a_finding_leaves_is_told() -> None:
+    """A finding of 37 % stood there without a word on the other 63."""
+    best = replace(VERDICTS["cause"].explanations[0], fitted_probability=0.37)
+    unsure = replace(VERDICTS["cause"], explanations=(best,), rivals=())
+    assert any(line.startswith("The remaining 63 %: the nominal model, and") for line in words_of(unsure))
+    sure = replace(unsure, explanations=(replace(best, fitted_probability=0.999),))
+    assert not any("remaining" in line for line in words_of(sure))
+
+
+def test_single_finding_that_is_not_confirmed_says_why() -> None:
+    step = replace(VERDICTS["cause"].steps[0], repeats=0.2)
+    lines = list(words_of(replace(VERDICTS["cause"], steps=(step,))))
+    assert "Not confirmed: only 20 % of the searches without a part of the runs find it." in lines
+
+
+def test_what_is_ruled_out_and_what_a_step_mends_is_no_wall_of_text() -> None:
+    cause = VERDICTS["cause"]
+    rival, step = cause.explanations[0], cause.steps[0]
+    names = [replace(WARM, place=f"joint {i}") for i in range(1, 7)]
+    verdict = replace(cause, rivals=tuple(replace(rival, causes=(name,)) for name in names))
+    (line,) = [line for line in words_of(verdict) if line.startswith("Fitted, and ruled out")]
+    assert "joint 3" in line
+    assert line.endswith("; 3 more (rivals in verdict.json).")
+    gains = tuple(replace(step.channels[0], channel=f"current_{i}_a", gain=i / 10, low=0.01) for i in range(1, 6))
+    text = step_text(replace(step, channels=gains, log_evidence=4778366.7))
+    assert "+4 778 367," in text
+    assert "with it: motor current 5 " in text
+    assert text.endswith(", 3 more")
 
 
 def test_steps_that_an_unlisted_shape_replaced_are_not_told_as_kept() -> None:

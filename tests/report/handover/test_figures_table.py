@@ -105,6 +105,17 @@ def test_a_figure_that_moved_is_named_with_what_it_trades_against() -> None:
     ]
 
 
+def test_a_figure_whose_interval_holds_what_was_stated_shows_nothing_by_itself() -> None:
+    """A mass by 5 % as stated came out as "+57 % (-83 to 197), 11.4 times its stated uncertainty", as a finding."""
+    open_mass = FittedFigure("mass of a", "figure", "", 0.0, 0.57, -0.83, 1.97, 0.05, 11.4)
+    moved = FittedFigure("mass of b", "figure", "", 0.0, 0.2, 0.1, 0.3, 0.05, 4.0)
+    assert list(moved_sentences([open_mass, moved])) == [
+        "mass of b: +20 % (10 to 30), 4.0 times its stated uncertainty",
+        "mass of a: +57 % (-83 to 197), 11.4 times its stated uncertainty; its interval holds the stated value, so by "
+        "itself it shows nothing",
+    ]
+
+
 def test_what_moved_from_an_earlier_diagnosis_stands_beside_that() -> None:
     """A frame that is set up anew is held against what was found before; what has changed is said elsewhere."""
     turned = FittedFigure(
