@@ -23,7 +23,11 @@ class NewRobot:
     joints: tuple[str, ...] = ()
     """Driven joints from the base to the tool; default: all up to where the arm branches, so without a gripper."""
     load_point: str = ""
-    """Site where loads act; default: a site with a usual name on the last link, else the end of the chain."""
+    """Where loads act: a site, or a link whose frame lies there (a URDF has no sites), behind the last driven joint.
+    Default: a site with a usual name on the last link, else the end of the chain."""
+    reflectors: tuple[str, ...] = ()
+    """Where the tracker's reflectors are: sites or links likewise, the reference point first. Default: one, in the
+    load point."""
 
     def run(self) -> int:
         """Write the folder and say what is in it; return the exit code."""
@@ -31,12 +35,16 @@ class NewRobot:
         from bench.robot.starter.source import read_source
 
         folder = self.out or Path(self.name)
-        started = start_robot(self.name, read_source(self.mjcf, self.joints, self.load_point), folder)
+        started = start_robot(self.name, read_source(self.mjcf, self.joints, self.load_point, self.reflectors), folder)
         print(f"{folder}: {len(started.drives)} drives: {', '.join(joint.name for joint in started.source.joints)}")
-        print(f"load point: {started.source.load_origin}")
+        print(f"load point: {started.source.load_point.origin}")
+        for k, place in enumerate(started.source.reflectors, start=1):
+            print(f"reflector {k}: {place.origin}")
         if started.source.left_out:
             left_out = ", ".join(started.source.left_out)
             print(f"left out: {textwrap.shorten(left_out, SHOWN, placeholder=' ... (all of it in README.md)')}")
+        for sentence in started.source.lost_balance:
+            print(sentence)
         for line in started.compiled.robot.figures.assumed:
             print(f"assumed {line}")
         print(f"{folder / 'README.md'} says where every figure comes from; replace what you know better.")

@@ -75,7 +75,7 @@ def test_menagerie_arm(menagerie: Path, tmp_path: Path, capsys: pytest.CaptureFi
 def test_an_arm_with_masses_in_its_shapes_alone(stick: Path, tmp_path: Path) -> None:
     """Before such a file is compiled, the centre of mass of its last link is no number."""
     source = read_source(stick)
-    np.testing.assert_allclose(source.load_position, (0.35, 0, 0), atol=1e-9)
+    np.testing.assert_allclose(source.load_point.position, (0.35, 0, 0), atol=1e-9)
     robot = start_robot("stick", source, tmp_path / "stick").compiled.robot
     assert [drive.joint for drive in robot.figures.drives] == ["j1", "j2"]
 
@@ -112,7 +112,7 @@ def test_urdf_with_a_slide(urdf: Path, tmp_path: Path) -> None:
     started = start_robot("lift", read_source(urdf), tmp_path / "robot")
     works(tmp_path / "robot")
     assert started.compiled.is_slide == (True, False)
-    assert started.source.load_body == "tool0"
+    assert started.source.load_point.body == "tool0"
     np.testing.assert_allclose(started.compiled.limits, [[-0.2, 1], [-2 * np.pi, 2 * np.pi]])
     assert started.drives[0].torque_limit == 500
     np.testing.assert_allclose(started.compiled.motor_coulomb, [0, 0.2])
@@ -140,6 +140,67 @@ def test_named_joints_and_load_point(menagerie: Path, tmp_path: Path) -> None:
     works(tmp_path / "robot")
 
 
+def test_load_point_and_reflectors_of_a_urdf_are_links(
+    urdf: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A URDF has no sites: `--load-point hook` was refused, and the last link of the file taken, a reflector's nest."""
+    extra = "".join(
+        f'<link name="{name}"/><joint name="{name}_fixed" type="fixed"><parent link="b"/><child link="{name}"/>'
+        f'<origin xyz="{place}"/></joint>'
+        for name, place in (("hook", "0.5 0 -0.1"), ("nest_1", "0.4 0.1 0"), ("nest_2", "0.4 -0.1 0.1"))
+    )
+    urdf.write_text(urdf.read_text().replace("</robot>", extra + "</robot>"))
+    command = ["new-robot", "lift", "--mjcf", str(urdf), "-o", str(tmp_path / "robot"), "--load-point"]
+    assert main([*command, "hok"]) == RobotError.exit_code
+    said = capsys.readouterr().err
+    assert "unknown site or link (its frame) behind the last driven joint 'hok'. Did you mean 'hook'?" in said
+    assert "Known: b, hook, nest_1, nest_2, tool0." in said
+    assert main([*command, "hook", "--reflectors", "nest_1", "nest_1"]) == RobotError.exit_code
+    assert "--reflectors: nest_1 nest_1 names one twice" in capsys.readouterr().err
+    assert main([*command, "hook", "--reflectors", "nest_2", "nest_1"]) == 0
+    said = capsys.readouterr().out
+    assert "load point: frame of link 'hook' of the file" in said
+    assert "reflector 2: frame of link 'nest_1' of the file" in said
+    works(tmp_path / "robot")
+    compiled = compile_robot(load_robot(tmp_path / "robot"))
+    data, at = mujoco.MjData(compiled.model), compiled.at
+    mujoco.mj_forward(compiled.model, data)
+    sites = [at.load_point, *at.reflectors]
+    np.testing.assert_allclose(data.site_xpos[sites], [[0.5, 0, 0.1], [0.4, -0.1, 0.3], [0.4, 0.1, 0.2]], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("spring", "said"),
+    [
+        ('<joint name="j1" stiffness="250"', r"gravity of j1 is no longer held by the spring of the joint"),
+        ('<joint name="j1"', r"gravity of j1 is no longer held by tendon 'gas'.*: up to \d+ Nm .*`counterbalance`"),
+    ],
+)
+def test_a_balance_that_is_left_out_is_said(
+    stick: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], spring: str, said: str
+) -> None:
+    """Of 3 kNm of a gravity balance "left out: 1 tendons" was all that was said, not where to put it back."""
+    text = stick.read_text().replace('<joint name="j1"', spring)
+    if "stiffness" not in spring:
+        text = text.replace("<worldbody>", '<worldbody><site name="a" pos="0 0 0.5"/>')
+        text = text.replace('<body name="lower"', '<site name="b" pos="0 0 0.4"/><body name="lower"')
+        spatial = '<spatial name="gas" stiffness="2000" springlength="0"><site site="a"/><site site="b"/></spatial>'
+        text = text.replace("</mujoco>", f"<tendon>{spatial}</tendon></mujoco>")
+    stick.write_text(text)
+    assert main(["new-robot", "stick", "--mjcf", str(stick), "-o", str(tmp_path / "robot")]) == 0
+    printed = capsys.readouterr().out
+    assert re.search(said, printed)
+    assert "gravity of j2" not in printed
+    assert re.search(said, (tmp_path / "robot" / "README.md").read_text())
+
+
+def test_a_spring_about_an_upright_axis_holds_no_gravity(menagerie: Path) -> None:
+    menagerie.write_text(menagerie.read_text().replace('<joint name="j1"', '<joint name="j1" stiffness="30"'))
+    source = read_source(menagerie)
+    assert "the spring of joint j1" in source.left_out
+    assert source.lost_balance == ()
+
+
 @pytest.mark.parametrize(
     ("old", "new", "options", "said"),
     [
@@ -159,7 +220,7 @@ def test_named_joints_and_load_point(menagerie: Path, tmp_path: Path) -> None:
         ("", "", ["--joints", "j1", "jx"], r"--joints: unknown joint 'jx'.*Known: finger1"),
         ("", "", ["--joints", "finger1", "finger2"], r"'finger2' does not hang on 'finger1'"),
         ("", "", ["--joints", "j2", "j1"], r"'j1' does not hang on 'j2'.*from the base to the tool"),
-        ("", "", ["--load-point", "hook"], r"unknown site of the last link 'hook'.*attachment_site"),
+        ("", "", ["--load-point", "hook"], r"unknown site or link .*'hook'.*attachment_site"),
         ("<worldbody>", '<worldbody><body><joint name="door"/><geom size="1"/></body>', [], r"several arms.*--joints"),
     ],
 )

@@ -123,7 +123,7 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
     home = np.array([joint.home for joint in source.joints])
     poses = np.vstack([home[None], rng.uniform(low, high, size=(POSES, len(home)))])
     order = [model.joint(joint.name).dofadr[0] for joint in source.joints]
-    body, first = model.body(source.load_body).id, model.joint(source.joints[0].name).id
+    body, first = model.body(source.load_point.body).id, model.joint(source.joints[0].name).id
     hinges = [model.joint(joint.name).id for joint in source.joints if not joint.is_slide]
     least, greatest, gravity, reach, lever, rise = [], [], [], [], [], []
     jacobian = np.empty((3, model.nv))
@@ -134,7 +134,7 @@ def survey(source: Source, model: mujoco.MjModel) -> Survey:
         least.append(1 / np.diag(np.linalg.inv(mass))[order])
         greatest.append(np.diag(mass)[order])
         gravity.append(np.abs(data.qfrc_bias[order]))
-        load_point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ source.load_position
+        load_point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ source.load_point.position
         reach.append(np.linalg.norm(load_point - data.xanchor[first]))
         lever.append(np.linalg.norm(load_point - data.xanchor[hinges[0] if hinges else first]))
         mujoco.mj_jac(model, data, jacobian, None, load_point, body)

@@ -3,6 +3,7 @@
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Sequence
 
+from bench.robot.bodies import Array
 from bench.robot.starter.defaults import STEP, DriveFigures
 from bench.robot.starter.source import Source
 
@@ -26,13 +27,18 @@ def names_of(joint: str) -> dict[str, str]:
     }
 
 
+def reflectors_of(source: Source) -> tuple[str, ...]:
+    """Return the names of the sites that are added for reflectors; one, in the load point, where nobody said."""
+    return tuple(f"{REFLECTOR}_{k}" for k in range(1, len(source.reflectors) + 1)) or (REFLECTOR,)
+
+
 def clashes(source: Source) -> Iterator[str]:
     """Yield a sentence for each part of the file that has a name which a part that is added will have."""
     rotors = {names_of(joint.name)["rotor"] for joint in source.joints}
     for kind, parts, taken in (
         ("body", source.spec.bodies, {LOAD_BODY, *rotors}),
         ("joint", source.spec.joints, rotors),
-        ("site", source.spec.sites, {LOAD_POINT, REFLECTOR}),
+        ("site", source.spec.sites, {LOAD_POINT, *reflectors_of(source)}),
     ):
         for part in parts:
             if part.name in taken:
@@ -82,12 +88,19 @@ def with_home(mjcf: str, qpos: Sequence[float], act: Sequence[float], ctrl: Sequ
 
 
 def _add_load(root: ElementTree.Element, source: Source) -> None:
-    carrier = next(body for body in root.iter("body") if body.get("name") == source.load_body)
-    place = " ".join(f"{x:.12g}" for x in source.load_position)
-    load = ElementTree.SubElement(carrier, "body", name=LOAD_BODY, pos=place)
+    bodies = {name: body for body in root.iter("body") if (name := body.get("name"))}
+    place = _numbers(source.load_point.position)
+    load = ElementTree.SubElement(bodies[source.load_point.body], "body", name=LOAD_BODY, pos=place)
     ElementTree.SubElement(load, "inertial", mass="0", pos="0 0 0", diaginertia="0 0 0")
     ElementTree.SubElement(load, "site", name=LOAD_POINT, size="0.01")
-    ElementTree.SubElement(load, "site", name=REFLECTOR, size="0.01")
+    if not source.reflectors:
+        ElementTree.SubElement(load, "site", name=REFLECTOR, size="0.01")
+    for name, at in zip(reflectors_of(source), source.reflectors, strict=False):
+        ElementTree.SubElement(bodies[at.body], "site", name=name, pos=_numbers(at.position), size="0.01")
+
+
+def _numbers(position: Array) -> str:
+    return " ".join(f"{x:.12g}" for x in position)
 
 
 def _add_drive(

@@ -10,7 +10,7 @@ from bench.record.yaml_text import in_quotes
 from bench.robot.figures import Encoder, TorqueSensor, Tracker, Uncertainty
 from bench.robot.starter.assumed import ROTOR_KEPT, assumptions, is_kept
 from bench.robot.starter.defaults import ROTOR_GUESSED, DriveFigures, Survey
-from bench.robot.starter.mjcf import names_of
+from bench.robot.starter.mjcf import names_of, reflectors_of
 from bench.robot.starter.source import Source
 
 LOAD_SHARE = 0.2  # assumed: of what the strongest drive holds, the rated load
@@ -48,9 +48,9 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
     sigmas = [_rounded(SIGMA_SHARE * drive.torque_limit) for drive in drives]
     lines += [
         "",
-        f"load_body: bench_load  # {source.load_origin}",
+        f"load_body: bench_load  # {source.load_point.origin}",
         "load_point: bench_load_point",
-        "reflectors: [bench_reflector]  # default: in the load point; three or more that are not in line tell more",
+        _reflectors(source),
         "",
         "rating:  # default: a fifth of what the strongest drive holds, a hinge at full reach",
         f"  force_n: {_rounded(force):g}",
@@ -84,6 +84,13 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
         *(f"  - {in_quotes(line)}" for line in assumptions(source, drives, heaviest)),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _reflectors(source: Source) -> str:
+    """Return the line of `figures.yaml` that names the reflectors."""
+    why = "; ".join(place.origin for place in source.reflectors)
+    why = why or "default: in the load point; three or more that are not in line tell more"
+    return f"reflectors: [{', '.join(reflectors_of(source))}]  # {why}"
 
 
 def _rounded(value: float) -> float:
@@ -155,8 +162,10 @@ def readme_text(name: str, source: Source, drives: Sequence[DriveFigures], found
         f"Started by `bench new-robot` from `{source.file.name}`. Links, masses, inertias and shapes are that file's.",
         "Rotors, elastic elements, servos, friction elements and the load body were added; contacts were switched off.",
         "",
-        f"- Load point: {source.load_origin}.",
+        f"- Load point: {source.load_point.origin}.",
+        *(f"- Reflector {k}: {place.origin}." for k, place in enumerate(source.reflectors, start=1)),
         f"- Left out: {', '.join(source.left_out) or 'nothing'}.",
+        *(f"- {sentence}" for sentence in source.lost_balance),
         "- Actuators of the file are not kept: the servo of the bench tracks what a recording says was commanded.",
         "- Time step and integrator are those of the bench.",
         "",

@@ -8,10 +8,11 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from bench.errors import RobotError, unknown_name, unknown_names
-from bench.robot.bodies import Array
+from bench.errors import RobotError, unknown_names
 from bench.robot.plain_words import plain_words
 from bench.robot.starter.actuators import servo_gains, torque_limit
+from bench.robot.starter.balance import lost_balance
+from bench.robot.starter.places import Place, places
 from bench.robot.starter.urdf import Urdf, read_urdf
 from bench.robot.trial import expect_harmless
 
@@ -21,10 +22,6 @@ NOT_KEPT = ("keys", "sensors", "actuators", "equalities", "tendons", "excludes",
 WATER = 1000.0  # [kg/m^3], MuJoCo's density of a shape that has none
 TURN = 2 * np.pi  # [rad], range of a hinge that has none
 TRAVEL = 1.0  # [m], range of a slide that has none
-TOOL_SITES = (
-    *("attachment_site", "tool0", "tcp", "ee_site", "end_effector"),
-    *("tool_flange", "flange", "tool", "grip_site", "pinch"),
-)
 
 
 @dataclass(frozen=True)
@@ -67,10 +64,10 @@ class Source:
         file: Where it came from.
         spec: Its links with the driven joints alone, without actuators, contacts and keyframes.
         joints: The driven joints, from the base.
-        load_body: Body that carries the load point.
-        load_position: Shape (3,) [m], of the load point in that body.
-        load_origin: Where the load point comes from, in words.
+        load_point: Where loads act.
+        reflectors: Where the tracker's reflectors are; none: nobody said.
         left_out: What was left out, in words.
+        lost_balance: What of it held gravity, a sentence for each, with where to put it back.
         guessed_masses: Bodies whose mass the file does not give; MuJoCo makes it of their shapes, 1000 kg/m^3.
         made_up_names: Names of driven joints that have none in the file.
     """
@@ -78,21 +75,22 @@ class Source:
     file: Path
     spec: mujoco.MjSpec
     joints: tuple[SourceJoint, ...]
-    load_body: str
-    load_position: Array
-    load_origin: str
+    load_point: Place
+    reflectors: tuple[Place, ...]
     left_out: tuple[str, ...]
+    lost_balance: tuple[str, ...]
     guessed_masses: tuple[str, ...]
     made_up_names: tuple[str, ...]
 
 
-def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "") -> Source:
+def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "", reflectors: Sequence[str] = ()) -> Source:
     """Read an MJCF or URDF and clear it.
 
     Args:
         file: The file.
         joints: Names of the driven joints; empty: those of the trunk, from the base up to where it branches.
-        load_point: Name of a site; empty: a site with a usual name on the last link, else the end of the chain.
+        load_point: Name of a site or body of the last link; empty: a site with a usual name, else the end of the chain.
+        reflectors: Names likewise; empty: nobody said.
 
     Raises:
         RobotError: The file cannot be used; names the place and what to do.
@@ -108,9 +106,10 @@ def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "") ->
     speeds = urdf.speed_limits if urdf else {}
     described = tuple(_describe(model, j, name, speeds) for j, name in zip(driven, names, strict=True))
     guessed = _guessed_masses(spec)
+    held = tuple(lost_balance(model, driven, names))
     left_out = (*_clear(spec, set(names)), *(urdf.left_out if urdf else ()))
-    load_body, position, origin = _load_point(file, spec, names[-1], load_point)
-    return Source(file, spec, described, load_body, position, origin, left_out, guessed, tuple(made_up))
+    at, seen = places(file, spec, names[-1], load_point, reflectors)
+    return Source(file, spec, described, at, seen, left_out, held, guessed, tuple(made_up))
 
 
 def _read(file: Path, urdf: Urdf | None) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
@@ -265,26 +264,6 @@ def _clear(spec: mujoco.MjSpec, driven: set[str]) -> tuple[str, ...]:
     for geom in spec.geoms:
         geom.contype = geom.conaffinity = 0
     return tuple(words)
-
-
-def _load_point(file: Path, spec: mujoco.MjSpec, last: str, wanted: str) -> tuple[str, Array, str]:
-    """Return body, place in it [m] and origin in words of the load point."""
-    link = spec.joint(last).parent
-    bodies = [link, *link.find_all("body")]
-    sites = {site.name: site for body in bodies for site in body.sites if site.name}
-    if wanted and wanted not in sites:
-        raise RobotError(f"{file}: --load-point: {unknown_name('site of the last link', wanted, sites)}")
-    chosen = wanted or next((name for name in TOOL_SITES if name in sites), "")
-    for number, body in enumerate(bodies, start=1):
-        if not body.name:
-            body.name = f"link_{last}" if number == 1 else f"link_{last}_{number}"
-    if chosen:
-        site = sites[chosen]
-        return site.parent.name, np.array(site.pos), f"site {chosen!r} of the file"
-    if len(bodies) > 1:
-        return bodies[-1].name, np.zeros(3), f"origin of body {bodies[-1].name!r}, the last of the chain"
-    centre = spec.copy().compile().body(link.name).ipos  # of the spec itself it is unknown where shapes have the mass
-    return link.name, np.array(centre), f"centre of mass of the last link, {link.name!r}"
 
 
 def _body_of(model: mujoco.MjModel, joint: int) -> str:
