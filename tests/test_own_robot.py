@@ -10,13 +10,29 @@ import numpy as np
 import pytest
 
 from bench.cli import main
-from tests import stranger
+from bench.record.convert import convert
+from bench.record.log_format import read_log_format
+from bench.robot.compiled import compile_robot
+from bench.robot.folder import load_robot
+from tests import stranger, stranger_rests
 
 PAGE = (Path(__file__).parents[1] / "models" / "own-robot.md").read_text(encoding="utf-8")
-LINES = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL) for line in block.splitlines()]
+MOVED, AT_REST = PAGE.split("## At rest, with weights and a laser tracker")
+
+
+def blocks(text: str, kind: str) -> list[str]:
+    """Return the blocks of a kind of code in a part of the page."""
+    return re.findall(rf"```{kind}\n(.*?)```", text, re.DOTALL)
+
+
+LINES = [line for block in blocks(MOVED, "sh") for line in block.splitlines()]
+INSTRUMENTS, COUNTERBALANCE, REST_LOG = blocks(AT_REST, "yaml")
+CYLINDER = blocks(AT_REST, "xml")[0].splitlines()
 SECONDS, LOGS, PAYLOAD = 12.0, 3, 2.5
 PLACEHOLDER = 5.0  # [kg m^2], one armature for drives of 200, 250 and 80 Nm; their rotors have less than a tenth
 TIME_UP = 7  # exit code of a diagnosis that was ended by --at-most
+CHANGED = 9  # exit code of a comparison that names a change
+SOFTER = 0.85  # of the stiffness of joint 2, on the second day
 SHORT = "3s"  # in place of what the page gives a diagnosis; the test is whether the command works on such a folder
 
 
@@ -139,3 +155,87 @@ def test_an_arm_unlike_its_file_is_not_doubted_and_a_first_pass_serves(
         ours < 0.2 * nominal
         for ours, nominal in zip(*(found["held_out_rms_nm"][key] for key in ("first_pass", "nominal")), strict=True)
     )
+
+
+def lab(folder: Path) -> None:
+    """Write what a lab that weighs its arm has: the arm, and logs of two days, a gear softer on the second."""
+    (folder / "arm.xml").write_text(stranger_rests.mjcf())
+    for name, seed, softer in (("logs", 1, 1.0), ("later-logs", 2, SOFTER)):
+        (folder / name).mkdir()
+        one, two, three = stranger_rests.STIFFNESS
+        stranger_rests.logs(folder / name, np.random.default_rng(seed), (one, softer * two, three))
+
+
+def written(folder: Path) -> None:
+    """Do to a started robot what the page says besides its commands."""
+    figures, mjcf = folder / "figures.yaml", folder / "myarm.xml"
+    text = re.sub(
+        r"instruments:.*?(?=uncertainty:)", lambda _: f"{INSTRUMENTS}\n", figures.read_text(), flags=re.DOTALL
+    )
+    for constant in stranger_rests.CONSTANT:
+        text = re.sub(r"# torque_constant_nm_per_a.*\n", f"torque_constant_nm_per_a: {constant}\n", text, count=1)
+    figures.write_text(text)
+    model = mjcf.read_text()
+    for joint, level in enumerate(stranger_rests.FRICTION, start=1):
+        zero = rf'(name="j{joint}_motor_friction".*?key="coulomb" value=)"0"'
+        model = re.sub(zero, rf'\g<1>"{level}"', model, count=1, flags=re.DOTALL)
+    mjcf.write_text(model)
+    (folder / "log.yaml").write_text(REST_LOG)
+
+
+def test_the_page_at_rest_from_its_first_command_to_its_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The page had nothing on rests, weights, reflectors; a lab that had them wrote its log.yaml by trial."""
+    monkeypatch.chdir(tmp_path)
+    lab(tmp_path)
+    commands = [shlex.split(line)[1:] for block in blocks(AT_REST, "sh") for line in block.splitlines()]
+    assert [words[0] for words in commands] == [
+        *("new-robot", "convert", "check", "identify", "poses", "diagnose", "convert", "compare")
+    ]
+    for words in commands:
+        code = main(words)
+        said = capsys.readouterr()
+        assert code == (CHANGED if words[0] == "compare" else 0), said.err
+        if words[0] == "new-robot":
+            written(tmp_path / "myarm")
+        if words[0] == "check":
+            assert "0 errors, 0 warnings" in said.out
+        if words[0] == "diagnose":
+            assert "Nothing found" in said.out
+    assert main(["identify", "campaign", "--method", "joint", "--json"]) == 0
+    intervals = json.loads(capsys.readouterr().out)["estimates"]["joint"]["interval_nm_per_rad"]
+    assert all(low < true < high for (low, high), true in zip(intervals, stranger_rests.STIFFNESS, strict=True))
+    compared = json.loads((tmp_path / "changed" / "compare.json").read_text())
+    (change,) = compared["explanations"][0]["changes"]
+    assert (change["effect"], change["place"]) == ("joint_compliance", "joint 2")
+    assert change["sizes"][0]["change"]["low"] < 1 / SOFTER - 1 < change["sizes"][0]["change"]["high"]
+
+
+def test_the_counterbalance_of_the_page_goes_into_a_started_robot(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(stranger_rests.mjcf())
+    assert main(["new-robot", "myarm", "--mjcf", str(tmp_path / "arm.xml"), "-o", str(tmp_path / "myarm")]) == 0
+    mjcf, figures = tmp_path / "myarm" / "myarm.xml", tmp_path / "myarm" / "figures.yaml"
+    before = ("</extension>", '<body name="l2"', '<joint name="j2"', "</tendon>", "</actuator>")
+    text = mjcf.read_text()
+    for line, mark in zip(CYLINDER, before, strict=True):
+        assert text.count(mark) == 1
+        text = text.replace(mark, f"{line}\n{mark}")
+    mjcf.write_text(text)
+    figures.write_text(f"{figures.read_text()}\n{COUNTERBALANCE}")
+    gas = compile_robot(load_robot(tmp_path / "myarm")).counterbalance
+    assert gas is not None
+    assert (gas.joint, gas.gas_constant, gas.critical_length) == (1, 20, 0.4)
+
+
+def test_the_example_of_rests_on_the_page_of_logs_converts(tmp_path: Path) -> None:
+    """A file of the columns that it names, two loads in one pose."""
+    page = (Path(__file__).parents[1] / "bench" / "record" / "logs" / "README.md").read_text(encoding="utf-8")
+    (text,) = (block for block in blocks(page, "yaml") if block.startswith("kind: static"))
+    (tmp_path / "log.yaml").write_text(text)
+    names = re.findall(r"from: (\w+)", text)
+    rows = [[1, side, step, 1, 10, 5 * step, 1.5, 800 - step] for side in (1, -1) for step in (0, 1)]
+    np.savetxt(tmp_path / "x.csv", rows, delimiter=",", header=",".join(names), comments="", fmt="%g")
+    (run,) = convert(tmp_path / "x.csv", read_log_format(tmp_path / "log.yaml"), "mine").campaign.runs
+    assert run.kind == "static"
+    np.testing.assert_allclose(run.columns["load_z_n"], [0, -49.03325, 0, -49.03325])

@@ -47,6 +47,33 @@ def test_a_frame_that_is_off_everywhere_is_told_with_its_shift(by: float, level:
         assert "nothing that is listed puts it so far off" in found[0].message
 
 
+def exchanged(campaign: Campaign, one: str, two: str, after: int = 0) -> Campaign:
+    """Return a campaign in whose last run the columns that two words tell apart are exchanged, from a row on."""
+    columns = {key: np.array(values) for key, values in campaign.runs[-1].columns.items()}
+    for name in [name for name in columns if one in name]:
+        other = name.replace(one, two)
+        columns[name][after:], columns[other][after:] = columns[other][after:], columns[name][after:].copy()
+    return replace(campaign, runs=(*campaign.runs[:-1], replace(campaign.runs[-1], columns=columns)))
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "half", "words"),
+    [
+        ("_x_m", "_y_m", False, "the model's x, y, z are read as y, x, z in run"),
+        ("reflector_1", "reflector_2", False, "lies where the model has reflector 2 in run"),
+        ("reflector_1", "reflector_2", True, "lies where the model has reflector 2 in a part of run"),
+    ],
+)
+def test_what_was_exchanged_in_one_run_is_told_as_that(one: str, two: str, half: bool, words: str) -> None:
+    """Zeros and signs of joints were blamed for columns that fit when they are exchanged."""
+    campaign = made(LOADS.model_copy(update={"orientation": True}), seed=5)
+    rows = len(next(iter(campaign.runs[-1].columns.values())))
+    found = said(exchanged(campaign, one, two, after=2 * rows // 5 if half else 0))
+    assert found[0].level == "doubt"
+    assert f"{words} {campaign.runs[-1].name!r}, and not in all others" in found[0].message
+    assert not [one for one in found if "sign of the joints" in str(one)]
+
+
 def test_a_tracker_that_was_moved_between_runs_is_told_with_the_run() -> None:
     campaign = made(LOADS, seed=5)
     found = said(shifted(campaign, 0.03, slice(-1, None)))

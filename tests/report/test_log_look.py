@@ -14,7 +14,7 @@ from bench.record.convert import convert
 from bench.record.look.values import evenly
 from bench.report.log_look.look import look
 from bench.robot.nominal_dynamics import NominalDynamics
-from tests import stranger
+from tests import stranger, stranger_rests
 from tests.report.proposals import proposed
 from tests.stranger_started import erring, started
 
@@ -225,6 +225,24 @@ def test_jitter_asks_for_resampling(tmp_path: Path) -> None:
 def test_without_a_clock_it_says_so(tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("q1,q2\n1,2\n0,3\n2,1\n")
     with pytest.raises(CampaignError, match=r"no column rises evenly.*rate_hz"):
+        look(tmp_path / "x.csv")
+
+
+def test_a_log_of_rests_is_told_from_a_motion_without_a_clock(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`rate_hz` was advised for pose, side and step columns, where each row is a rest."""
+    stranger_rests.logs(tmp_path, np.random.default_rng(1))
+    assert main(["convert", "--look", str(tmp_path / "pose1.csv")]) == CampaignError.exit_code
+    said = capsys.readouterr().err
+    for part in (
+        *("`kind: static`", "`pose: {from: pose}`", "`approach: {from: side}`", "`load_step: {from: step}`"),
+        *("`repeat: {from: rep}`", "bench/record/logs/README.md"),
+    ):
+        assert part in said
+    assert "rate_hz" not in said
+    (tmp_path / "x.csv").write_text("pose,side,q1\n1,1,2\n1,-1,3\n2,1,1\n")
+    with pytest.raises(CampaignError, match=r"needs a column for `load_step` too, 0 where nothing hangs"):
         look(tmp_path / "x.csv")
 
 

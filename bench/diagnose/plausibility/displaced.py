@@ -50,8 +50,7 @@ def displaced(replay: Replay) -> Iterator[Finding]:
             throughout = list(_reflector(names[0], axes, seen, there, blurred))
             most = FAR if names[0] in told_as_late else _most(replay)
             throughout = throughout or list(_away(names, in_time[rows][:, columns], nominal[rows][:, columns], most))
-            given = names[0], rows, in_time[:, columns], nominal[:, columns], most
-            yield from throughout or _in_one_run(replay, *given)
+            yield from throughout or _in_one_run(replay, columns, rows, in_time, nominal, most)
     for c, quantity in enumerate(replay.quantities):
         rows = np.isfinite(observed[:, c])
         if quantity.kind == "gas_pressure" and np.any(rows) and quantity.column not in stopped:
@@ -103,15 +102,21 @@ def _reflector(name: str, axes: list[int], observed: Array, nominal: Array, blur
         message = f"is {factor:g} times as far out as the model has it"
         yield doubt(name, message, f"{LENGTHS[factor]}? give metres")
         return
-    every = product(permutations(range(len(axes))), product((1.0, -1.0), repeat=len(axes)))
-    left, order, signs = min((_off(observed[:, order] * signs, nominal), order, signs) for order, signs in every)
-    if left < CLOSE * off:
-        right = ", ".join(f"{'-' if s < 0 else ''}{AXES[axes[i]]}" for i, s in zip(order, signs, strict=True))
-        there = ", ".join(AXES[axis] for axis in axes)
-        yield doubt(name, f"the model's {there} are read as {right}", "look at the axes of the base frame")
+    if turned := _turned(axes, observed, nominal):
+        yield doubt(name, turned, "look at the axes of the base frame")
         return
     advice = "is it in the base frame? else look at zero, sign and order of the joints"
     yield doubt(name, f"lies {off:.2g} m from where the model has it", advice)
+
+
+def _turned(axes: list[int], observed: Array, nominal: Array) -> str:
+    """Return which axes of the model are read as which, in words; "" if none in another order or sign fit better."""
+    every = product(permutations(range(len(axes))), product((1.0, -1.0), repeat=len(axes)))
+    left, order, signs = min((_off(observed[:, order] * signs, nominal), order, signs) for order, signs in every)
+    if left >= CLOSE * _off(observed, nominal):
+        return ""
+    right = ", ".join(f"{'-' if s < 0 else ''}{AXES[axes[i]]}" for i, s in zip(order, signs, strict=True))
+    return f"the model's {', '.join(AXES[axis] for axis in axes)} are read as {right}"
 
 
 def _scaled(name: str, observed: Array, nominal: Array, blurred: float) -> Iterator[Finding]:
@@ -146,9 +151,11 @@ def _most(replay: Replay) -> float:
 
 
 def _in_one_run(
-    replay: Replay, name: str, rows: NDArray[np.bool_], observed: Array, nominal: Array, most: float
+    replay: Replay, columns: list[int], rows: NDArray[np.bool_], seen: Array, predicted: Array, most: float
 ) -> Iterator[Finding]:
     """Yield a doubt for the run in which a reflector is farthest off: a mirrored joint may stand at zero elsewhere."""
+    name, axes = replay.quantities[columns[0]].column, [replay.quantities[c].axis for c in columns]
+    observed, nominal = seen[:, columns], predicted[:, columns]
     run_of = run_of_each(replay.segments)
     runs = dict.fromkeys(run_of[rows].tolist())
     off = {run: _off(observed[here], nominal[here]) for run in runs if np.any(here := rows & (run_of == run))}
@@ -156,11 +163,41 @@ def _in_one_run(
     if len(off) == 1:  # all there is, and was looked at
         return
     if off[worst] >= FAR:
+        here = rows & (run_of == worst)
+        far = here & (np.linalg.norm(np.where(here[:, None], observed - nominal, 0.0), axis=1) >= FAR)
+        part = f"in run {worst!r}" if np.all(far[here]) else f"in a part of run {worst!r}"
+        if turned := _turned(axes, observed[far], nominal[far]):
+            yield doubt(name, f"{turned} {part}, and not in all others", "look at the axes of the base frame there")
+            return
+        if other := _exchanged(replay, name, observed[far], predicted[far]):
+            message = f"lies where the model has {other} {part}, and not in all others"
+            yield doubt(name, message, "were the two exchanged there? exchange their columns in these rows")
+            return
         message = f"lies {off[worst]:.2g} m from where the model has it in run {worst!r}, and not in all others"
         yield doubt(name, message, "look at zero and sign of the joints that move there")
     elif off[worst] > most:
         message = f"lies {1e3 * off[worst]:.0f} mm from where the model has it in run {worst!r}, and not in all others"
         yield Finding("warning", "all runs", None, name, message, LOOK)
+
+
+def _exchanged(replay: Replay, name: str, observed: Array, predicted: Array) -> str:
+    """Return the reflector, in words, in whose place another one is read; "" if it is in that of none.
+
+    Args:
+        replay: What is read.
+        name: Of the first column of the reflector that is not where it should be.
+        observed: Shape (t, axes) [m], of it.
+        predicted: Shape (t, channels), all that the model says.
+    """
+    places: dict[int, list[int]] = {}
+    for c, quantity in enumerate(replay.quantities):
+        if quantity.kind == "reflector":
+            places.setdefault(quantity.index, []).append(c)
+    alike = {k: columns for k, columns in places.items() if len(columns) == observed.shape[1]}
+    off = {k: _off(observed, predicted[:, columns]) for k, columns in alike.items()}
+    own = next(k for k, columns in alike.items() if replay.quantities[columns[0]].column == name)
+    nearest = min(off, key=lambda k: off[k])
+    return f"reflector {nearest + 1}" if off[nearest] < CLOSE * off[own] else ""
 
 
 def _off(observed: Array, nominal: Array) -> float:

@@ -13,6 +13,7 @@ from bench.record.logs.dialect import PLAIN, Dialect, guess_dialect, read_log_ta
 from bench.record.logs.mcap_table import MCAP, read_topic
 from bench.record.look.families import Family, span
 from bench.record.look.names import clocks, families_by_name, unit_of
+from bench.record.look.rests import rest_columns
 from bench.record.look.values import clock_factor, clock_of, families_by_value, moving, without_holes
 from bench.record.plain_file import FileFault, read_plain
 from bench.record.table import Table
@@ -53,9 +54,7 @@ def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) ->
     columns = {name: table.columns[name] for name in dict.fromkeys(table.names) if name in table.columns}
     clock = clock_of(columns, clocks(table.names))
     if clock is None:
-        raise CampaignError(
-            f"{file.name}: no column rises evenly, so none is a clock; write `time_s: {{rate_hz: ...}}` into a log.yaml"
-        )
+        raise CampaignError(f"{file.name}: no column rises evenly, so none is a clock; {_without_clock(table.names)}")
     factor, why = clock_factor(columns[clock], unit_of(clock))
     time = factor * (columns[clock] - columns[clock][0])
     if "" in table.names:
@@ -87,6 +86,19 @@ def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) ->
     body = "\n".join([*settings, *_evenness(time), "columns:", *map(str, lines)]) + "\n"
     questions = (*known.questions, *found.questions, *refusals(file, body, nominal))
     return Proposal("\n".join([*head, *(f"# {remark}" for remark in (*questions, *remarks)), body]), questions)
+
+
+def _without_clock(names: Sequence[str]) -> str:
+    """Return what to write for a log without a clock: of rests if its columns are named so, else of a motion."""
+    if rests := rest_columns(names):
+        lines = ", ".join(f"`{column}: {{from: {name}}}`" for column, name in rests.items())
+        missing = "" if "load_step" in rests else "; it needs a column for `load_step` too, 0 where nothing hangs"
+        return (
+            f"by their names {', '.join(rests.values())} tell readings at rest apart, which are not proposed: write "
+            f"`kind: static` into a log.yaml, and under `columns` {lines}, and what was read{missing} "
+            "(an example: bench/record/logs/README.md)"
+        )
+    return "write `time_s: {rate_hz: ...}` into a log.yaml"
 
 
 def _opened(file: Path, topic: str) -> tuple[Table, Dialect]:
