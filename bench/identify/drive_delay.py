@@ -28,10 +28,10 @@ def delay_of(
     like a delay otherwise, where friction turns with the speed. Instants at which a drive turns round are left out:
     bristles bend before friction has turned, which looks like a delay of the readings.
 
-    All drives are read by one clock. One that fits best at an end of the delays that are tried says nothing. Where the
-    others differ by more than blocks of the record scatter, the model is wrong in some of them (an arm that rings), and
-    that is in the standard deviation (DerSimonian and Laird, Meta-analysis in clinical trials, 1986; with the variance
-    of Hartung and Knapp, 2001, for there are few drives).
+    All drives are read by one clock. Where they differ by more than blocks of the record scatter, the model is wrong in
+    some of them (an arm that rings), and that is in the standard deviation: about what all say together, with weights
+    that count by how much drives differ (DerSimonian and Laird, Meta-analysis in clinical trials, 1986; the variance is
+    that of Hartung and Knapp, 2001, for there are few drives).
 
     Args:
         time: Shape (T,) [s], even.
@@ -44,31 +44,34 @@ def delay_of(
     lags = np.arange(-LATEST, LATEST + 1e-9, LAG_STEP)
     seen = np.stack([counts * shifted(time, reading, lag) for lag in lags], axis=2)
     parts = [slice(None), *(slice(rows[0], rows[-1] + 1) for rows in np.array_split(np.arange(len(time)), BLOCKS))]
-    delays, variances = np.zeros(len(fit.slope)), np.full(len(fit.slope), np.inf)
+    left = np.zeros((len(fit.slope), len(parts), len(lags)))
     for j, slope in enumerate(fit.slope):
         design = counts[:, j, None] * np.concatenate([columns[j][:, :-1], slope * errors[j]], axis=1)
         weight = np.r_[np.zeros(columns.shape[2] - 1), np.sqrt(fit.noise[j] / fit.prior)]
-        delays[j], *cut = (_lowest(lags, _left(design[rows], weight, seen[rows, j])) for rows in parts)
-        if lags[1] < delays[j] < lags[-2]:  # else it was not found, and this drive says nothing
-            variances[j] = max(float(np.var(cut, ddof=1)) / BLOCKS, LEAST_VARIANCE)
-    return _mean_of(delays, variances)
+        for i, rows in enumerate(parts):
+            left[j, i] = _left(design[rows], weight, seen[rows, j])
+    whole, variance = _in_blocks(lags, left.sum(axis=0))
+    each, variances = np.array([_in_blocks(lags, misfits) for misfits in left]).T
+    found = (lags[1] < each) & (each < lags[-2])  # a drive that fits best at an end says nothing
+    return whole, float(np.sqrt(max(variance, _between(each[found] - whole, variances[found]))))
 
 
-def _mean_of(delays: Array, variances: Array) -> tuple[float, float]:
-    """Return the mean of delays that may differ by more than their variances, and its standard deviation."""
-    told = np.isfinite(variances)
-    if not told.any():
-        return float(np.mean(delays)), LATEST
-    delays, variances = delays[told], variances[told]
-    weight, more = 1 / variances, len(delays) - 1
-    if more == 0:
-        return float(delays[0]), float(np.sqrt(variances[0]))
-    excess = weight @ (delays - weight @ delays / weight.sum()) ** 2 - more
+def _in_blocks(lags: Array, misfits: Array) -> tuple[float, float]:
+    """Return the delay that leaves least of all, and the variance of the mean of those of blocks."""
+    whole, *cut = (_lowest(lags, one) for one in misfits)
+    return whole, max(float(np.var(cut, ddof=1)) / BLOCKS, LEAST_VARIANCE)
+
+
+def _between(off: Array, variances: Array) -> float:
+    """Return the variance of a mean about which drives differ, by how far each is off and its own variance."""
+    more = len(off) - 1
+    if more < 1:
+        return 0.0
+    weight = 1 / variances
+    excess = weight @ (off - weight @ off / weight.sum()) ** 2 - more
     between = max(0.0, float(excess / (weight.sum() - weight @ weight / weight.sum())))
     weight = 1 / (variances + between)
-    mean = float(weight @ delays / weight.sum())
-    scatter = float(weight @ (delays - mean) ** 2 / more)
-    return mean, float(np.sqrt(max(scatter, 1.0) / weight.sum()))
+    return float(weight @ off**2 / (more * weight.sum()))
 
 
 def _left(design: Array, weight: Array, seen: Array) -> Array:
