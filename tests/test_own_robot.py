@@ -201,6 +201,10 @@ def test_the_page_at_rest_from_its_first_command_to_its_last(
             written(tmp_path / "myarm")
         if words[0] == "check":
             assert "0 errors, 0 warnings" in said.out
+        if words[0] == "identify":  # it was 0.007, 0.007 to 0.007 in 10^6 Nm/rad
+            assert "[10^3 Nm/rad]" in said.out
+            shown = [float(one) for one in re.findall(r"\d+\.\d{3}(?= to )", said.out)]
+            assert shown == pytest.approx(np.array(stranger_rests.STIFFNESS) / 1e3, rel=0.1)
         if words[0] == "diagnose":
             assert "Nothing found" in said.out
     assert main(["identify", "campaign", "--method", "joint", "--json"]) == 0

@@ -21,6 +21,7 @@ from bench.robot.links import rigid_bodies
 
 DEFAULTS = Options()
 MNM = 1e6  # [Nm/rad] per 10^6 Nm/rad, the unit of Table 6
+KNM = 1e3  # the unit of arms none of whose joints has a tenth of that
 
 
 @dataclass(frozen=True)
@@ -112,12 +113,14 @@ def print_table(result: Identification, level: float) -> None:
     from rich.table import Table
 
     first = next(iter(result.estimates.values()))
-    table = Table(title=f"joint stiffness [10^6 Nm/rad], {level:.0%} intervals")
+    stiffness = np.concatenate([np.abs(estimate.stiffness) for estimate in result.estimates.values()])
+    unit = KNM if np.nanmax(stiffness, initial=0.0) < 0.1 * MNM else MNM
+    table = Table(title=f"joint stiffness [10^{np.log10(unit):.0f} Nm/rad], {level:.0%} intervals")
     table.add_column("method", no_wrap=True)
     for name in first.joint_names:
         table.add_column(name, justify="right")
     for name, estimate in result.estimates.items():
-        table.add_row(name, *cells(estimate, level))
+        table.add_row(name, *cells(estimate, level, unit))
     console = terminal()
     print_wide(console, table)
     for name, estimate in result.estimates.items():
@@ -127,9 +130,9 @@ def print_table(result: Identification, level: float) -> None:
         console.print(f"{name}: not used: {reason}", highlight=False)
 
 
-def cells(estimate: StiffnessEstimate, level: float) -> list[str]:
-    """Return one cell per joint: value and interval in 10^6 Nm/rad."""
+def cells(estimate: StiffnessEstimate, level: float, unit: float) -> list[str]:
+    """Return one cell per joint: value and interval in a unit [Nm/rad]."""
     return [
-        "cannot tell" if np.isnan(value) else f"{value / MNM:.3f}\n{low / MNM:.3f} to {high / MNM:.3f}"
+        "cannot tell" if np.isnan(value) else f"{value / unit:.3f}\n{low / unit:.3f} to {high / unit:.3f}"
         for value, (low, high) in zip(estimate.stiffness, estimate.interval(level), strict=True)
     ]
