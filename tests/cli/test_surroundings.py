@@ -30,7 +30,7 @@ def test_closed_output_is_told() -> None:
 def test_what_is_said_may_go_nowhere() -> None:
     found = ended(f"{BENCH} check /no/such/folder 2>&-")
     assert found.returncode == 3
-    assert "put it there" in found.stdout
+    assert "there is no folder" in found.stdout
 
 
 @pytest.mark.parametrize("columns", ["1", "2", "4", "5"])
