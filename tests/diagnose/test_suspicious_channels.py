@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from bench.diagnose.plausibility.channels import _of_drive, doubts_of
-from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.single_rows import overloads
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.robot.compiled import CompiledRobot
 from tests.diagnose.sweeps import LOADS, SWEEPS, Change, changed, freeze, made, scale, swap
+from tests.diagnose.two_drives import picture_of
 
 CURRENTS = tuple(f"current_{i}_a" for i in range(1, 7))
 TRACKER = tuple(f"reflector_1_{axis}_m" for axis in "xyz")
@@ -119,18 +119,8 @@ def test_a_current_beyond_the_torque_limit_in_the_first_row_is_told(sweeps: Camp
 def of_one_drive(observed: Array, robot: CompiledRobot, model: float = 1.0) -> str:
     """Return what is said first of joint 1, whose model fits badly either way; joint 2 moves otherwise."""
     torque = model * np.stack([FIRST, SECOND], axis=1)
-    picture = DrivePicture(
-        observed=np.stack([observed, SECOND], axis=1),
-        model=torque,
-        velocity=np.stack([np.cos(TURN), np.cos(3 * TURN + 1)], axis=1),
-        standing=np.zeros(torque.shape, dtype=np.bool_),
-        slack=np.ones(2),
-        level=np.zeros(2),
-        spare=np.zeros((2, 2)),
-        unit=np.ones(2),
-        missing=np.zeros((*torque.shape, 0)),
-        names=("current_1_a", "current_2_a"),
-    )
+    velocity = np.stack([np.cos(TURN), np.cos(3 * TURN + 1)], axis=1)
+    picture = picture_of(np.stack([observed, SECOND], axis=1), torque, velocity)
     return next((doubt.message for doubt in _of_drive(picture, robot, 0, np.ones(len(TURN), dtype=np.bool_))), "")
 
 

@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-
 // Lives in mjData.plugin_data; in memory there follow the states that a step from the last `compute` leaves behind, the
 // elements, law->size bytes each, and a copy of the attributes.
 typedef struct Instance {

@@ -10,7 +10,6 @@ from bench.diagnose.experiment_design.preposterior import Expectation, narrowing
 from bench.diagnose.experiment_design.propose import LEAST_NARROWING
 from bench.diagnose.plausibility.channels import _of_drive
 from bench.diagnose.plausibility.displaced import _away, _most, _pressure, _reflector, _stopped
-from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.first_look import first_look
 from bench.diagnose.plausibility.mistaken import mistakes_in
 from bench.diagnose.plausibility.reported_torques import unlike_currents
@@ -22,30 +21,15 @@ from bench.effects.places import torque_limit
 from bench.record.campaign import Array, Campaign, Run
 from tests.diagnose.assumed.registry import needs
 from tests.diagnose.sweeps import nominal
+from tests.diagnose.two_drives import picture_of
 
 JOINT = 1
 CURRENT = Quantity("current_2_a", "current", "A", JOINT)
 TIME = np.linspace(0.0, 2 * np.pi, 401)[:-1]
 # even harmonics: no friction of a drive that goes with cos(t) makes them, and none of them makes another
 SECOND, FOURTH, SIXTH = (np.sin(n * TIME) for n in (2, 4, 6))
+MOVES = np.cos(TIME)[:, None] * np.ones(2)
 AXES = ["reflector_1_x_m", "reflector_1_y_m", "reflector_1_z_m"]
-
-
-def picture_of(observed: Array, model: Array) -> DrivePicture:
-    """Return a picture of two drives that move, shape (T, 2) [Nm] each."""
-    moves = np.cos(TIME)[:, None] * np.ones(2)
-    return DrivePicture(
-        observed=observed,
-        model=model,
-        velocity=moves,
-        standing=np.zeros(observed.shape, dtype=np.bool_),
-        slack=np.ones(2),
-        level=np.zeros(2),
-        spare=np.zeros((2, 2)),
-        unit=np.ones(2),
-        missing=np.zeros((*observed.shape, 0)),
-        names=("current_1_a", "current_2_a"),
-    )
 
 
 def is_called_exchanged(differ: float, left: float = 0.0) -> bool:
@@ -58,7 +42,7 @@ def is_called_exchanged(differ: float, left: float = 0.0) -> bool:
     share = 1 - differ / 2
     model = np.stack([SECOND, share * SECOND + (1 - share**2) ** 0.5 * FOURTH], axis=1)
     observed = model[:, ::-1] + (left * differ) ** 0.5 * SIXTH[:, None]
-    found = list(mistakes_in(picture_of(observed, model)))
+    found = list(mistakes_in(picture_of(observed, model, MOVES)))
     assert all("are exchanged" in doubt.message for doubt in found)
     return bool(found)
 
@@ -84,7 +68,9 @@ def a_part_as_small_as_errors_of_masses_tells_no_gain() -> None:
         observed = 1.014 * SECOND
         gravity = part * (SECOND + FOURTH) / 2**0.5
         both = np.stack([observed + gravity, SECOND], axis=1)
-        looks = first_look(picture_of(both, np.stack([SECOND + gravity, SECOND], axis=1)), gravity[:, None] * [1, 0])
+        looks = first_look(
+            picture_of(both, np.stack([SECOND + gravity, SECOND], axis=1), MOVES), gravity[:, None] * [1, 0]
+        )
         return bool(np.isfinite(looks[0].gravity.value))
 
     assert not told(0.014)
@@ -109,7 +95,7 @@ def a_counterbalance_may_hold_most_of_a_torque_and_no_gear_is_so_small() -> None
     # A seventh of what a drive needs may be left beside a spring, a fifteenth may not.
 
     def is_too_small(share: float) -> bool:
-        picture = picture_of(np.stack([share * SIXTH, SIXTH], axis=1), np.stack([SECOND, SECOND], axis=1))
+        picture = picture_of(np.stack([share * SIXTH, SIXTH], axis=1), np.stack([SECOND, SECOND], axis=1), MOVES)
         found = _of_drive(picture, nominal(), 0, np.ones(len(TIME), dtype=np.bool_))
         return any("times smaller than what" in doubt.message for doubt in found)
 
