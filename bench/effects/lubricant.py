@@ -1,5 +1,6 @@
 """Friction that its lubricant makes: it grows with speed, in proportion or less, and falls with temperature."""
 
+from dataclasses import replace
 from math import exp
 
 import mujoco
@@ -100,7 +101,10 @@ class RollingFriction(WithCoulomb):
         "Rolling parts that press through their lubricant rub with r |v|^(2/3), v in rad/s (m/s): friction bends over "
         "speed, where shear alone (viscous friction) makes it straight. It is put on the motor side."
     )
-    source = f"{PALMGREN}; range: 0.2 to 20 % of the torque limit, assumed"
+    source = (
+        f"{PALMGREN}; range: 0.2 to 20 % of the torque limit, assumed, but no more than the Coulomb and viscous friction "
+        "that the file states, at 1 rad/s"
+    )
     is_additive = True
     parameters = (
         Parameter("rolling", "Nm", 0.0, 20.0, 2000.0, "r, at 1 rad/s; range for a drive of 10 kNm", least=0.0),
@@ -110,6 +114,16 @@ class RollingFriction(WithCoulomb):
         """Return the drives with Coulomb and with viscous friction, and none of this yet."""
         rich, coefficient = with_rolling(compiled), viscous(compiled)
         return tuple(p for p in super().places(compiled) if coefficient[p.index] > 0 and p not in rich)
+
+    def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
+        """Return the size with its range: it bends friction that is stated, and is not many times as large."""
+        (rolling,) = super().parameters_at(compiled, place)
+        coulomb = float(compiled.motor_coulomb[place.index] + compiled.link_coulomb[place.index])
+        sheared = float(viscous(compiled)[place.index])
+        stated = coulomb + sheared
+        if not (coulomb and sheared and stated < rolling.high):
+            return (rolling,)
+        return (replace(rolling, low=rolling.low * stated / rolling.high, high=stated),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         more = values["rolling"]

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from bench.effects.effect import Conditions
+from bench.effects.lubricant import viscous
 from bench.effects.nominal import nominal_parameters
+from bench.effects.places import torque_limit
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on
@@ -96,6 +98,20 @@ def test_rolling_friction_bends_over_speed(hh150: Robot, speed: float) -> None:
         level[1] += rolling * abs(speed) ** (2 / 3)
         np.testing.assert_allclose(motor[-1], -np.sign(speed) * level, rtol=2e-3)
         np.testing.assert_allclose(link[-1], -np.sign(speed) * compiled.link_coulomb, rtol=SLIDING)
+
+
+def test_rolling_friction_is_no_more_than_what_is_stated_to_rub(hh150_compiled: CompiledRobot) -> None:
+    """A joint with 34 Nm of Coulomb friction was offered 2300 Nm of rolling friction, so 27 Nm were not believed."""
+    for place in CATALOGUE["rolling_friction"].places(hh150_compiled):
+        (rolling,) = CATALOGUE["rolling_friction"].parameters_at(hh150_compiled, place)
+        stated = (
+            hh150_compiled.motor_coulomb[place.index]
+            + hh150_compiled.link_coulomb[place.index]
+            + viscous(hh150_compiled)[place.index]
+        )
+        limit = torque_limit(hh150_compiled, place.index)
+        np.testing.assert_allclose(rolling.high, min(stated, 0.2 * limit))
+        np.testing.assert_allclose(rolling.low / rolling.high, 0.01)
 
 
 def test_rolling_friction_that_is_there_is_more_or_less(hh150: Robot) -> None:

@@ -106,6 +106,7 @@ def causes_of(
     measured: frozenset[str],
     recorded: Recorded = NOTHING_RECORDED,
     reach: float = 1.0,
+    stated: CompiledRobot | None = None,
 ) -> tuple[Cause, ...]:
     """Return every effect at every place where it may act on this robot, as far as these channels could show it.
 
@@ -115,13 +116,14 @@ def causes_of(
         measured: Quantities that the campaign has.
         recorded: Its runs and columns; without them errors of the recording have no place.
         reach: Times what is plausible, that sizes are looked for up to.
+        stated: The nominal robot, which says what is plausible; None: the robot itself.
     """
     found = []
     for effect in catalogue:
         if any(need not in measured for need in effect.needs):
             continue
         for place in places_of(effect, compiled, recorded):
-            parameters = effect.parameters_at(compiled, place)
+            parameters = effect.parameters_at(stated or compiled, place)
             sizes, shapes = (tuple(one for one in parameters if one.is_shape is shapes) for shapes in (False, True))
             found.append(Cause(effect, place, sizes, shapes).farther(reach))
     return tuple(found)

@@ -147,7 +147,7 @@ class Neighbourhood:
         return needs
 
     def _causes_of(self, robot: CompiledRobot) -> tuple[Cause, ...]:
-        return causes_of(self.catalogue.values(), robot, self.measured, self.recorded, self.reach)
+        return causes_of(self.catalogue.values(), robot, self.measured, self.recorded, self.reach, self.compiled)
 
     def _looked_around(self, linear: LinearisedModel, white_of: Callable[[LinearisedModel], Array]) -> LinearisedModel:
         """Return the design with what not even everything together explains, by the instruments' standard errors."""
