@@ -7,7 +7,8 @@ units and defaults; values are checked when a model with them is compiled. Equat
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from math import exp, expm1, isnan, log, nan
+from itertools import accumulate
+from math import isnan, nan
 from typing import Self
 
 import numpy as np
@@ -103,7 +104,7 @@ class GasSpring:
             pull *= ((self.critical_length - self.reference_length) / gap) ** (self.exponent - 1)
         return pull
 
-    def temperature_rise(self, length: ArrayLike, dt: float, rise: float = 0.0) -> Array:
+    def temperature_rise(self, length: ArrayLike, dt: ArrayLike, rise: float = 0.0) -> Array:
         """Return y - 1 along a path, y = T / T0, shape (n,).
 
         First law for a closed ideal gas of volume V that exchanges heat with surroundings at T0, V ~ l_c - l:
@@ -116,19 +117,17 @@ class GasSpring:
 
         Args:
             length: l at each step, shape (n,) [m].
-            dt: Time step [s].
+            dt: Time step [s], or one before each instant but the first, shape (n - 1,).
             rise: y - 1 on arrival at length[0].
         """
         volume = self.gap(length)
-        rises = np.full(volume.shape, rise)
         if self.heat_capacity_ratio == 1:
-            return rises
-        for i in range(1, volume.size):
-            compression = (self.heat_capacity_ratio - 1) * log(volume[i - 1] / volume[i])
-            decay = dt / self.relaxation_time - compression
-            gain = 1.0 if decay == 0 else -expm1(-decay) / decay
-            rises[i] = rises[i - 1] * exp(-decay) + compression * gain
-        return rises
+            return np.full(volume.shape, rise)
+        compression = (self.heat_capacity_ratio - 1) * np.log(volume[:-1] / volume[1:])
+        decay = np.asarray(dt) / self.relaxation_time - compression
+        gain = np.divide(-np.expm1(-decay), decay, out=np.ones_like(decay), where=decay != 0)
+        steps = zip(np.exp(-decay).tolist(), (compression * gain).tolist(), strict=True)
+        return np.array([*accumulate(steps, lambda before, step: before * step[0] + step[1], initial=rise)])
 
     def force(self, length: ArrayLike, dt: float) -> Array:
         """Return the actuator force along a path from rest, shape (n,) [N]: seal friction less the pull of the gas."""

@@ -102,8 +102,8 @@ class RollingFriction(WithCoulomb):
         "speed, where shear alone (viscous friction) makes it straight. It is put on the motor side."
     )
     source = (
-        f"{PALMGREN}; range: 0.2 to 20 % of the torque limit, assumed, but no more than the Coulomb and viscous friction "
-        "that the file states, at 1 rad/s"
+        f"{PALMGREN}; range: 0.2 to 20 % of the torque limit, assumed, but no more than the Coulomb and viscous "
+        "friction that the file states, at 1 rad/s"
     )
     is_additive = True
     parameters = (

@@ -36,6 +36,7 @@ class Plants:
     ) -> None:
         self._robot, self._spec, self._acting, self._timestep = robot, spec, tuple(acting), timestep
         self._alike: dict[Hashable, Plant] = {}
+        self._left: tuple[float, Array, float] | None = None  # when, where, and with gas how warm
         self._depend_on_temperature = _depends_on_temperature(robot, spec, stays[0], acting)
 
     def of(self, stay: Stay, conditions: Conditions) -> Plant:
@@ -48,6 +49,25 @@ class Plants:
         if not self._depend_on_temperature:
             self._alike[key] = plant
         return plant
+
+    def arrive(self, plant: Plant, start: Array, now: float) -> None:
+        """Put a plant at rest where a sitting begins; it came there right after the last one, and waited.
+
+        Args:
+            plant: The first of the sitting.
+            start: Shape (n,), motor angles [rad].
+            now: From the start of the campaign [s].
+        """
+        rise, balance = 0.0, plant.compiled.counterbalance
+        if self._left and balance and balance.heat_capacity_ratio > 1:
+            then, there, left = self._left
+            angles = np.array([there, start, start])[:, balance.joint]
+            rise = float(balance.temperature_rise(angles, [0.0, now - then], left)[-1])
+        plant.reset(start, rise)
+
+    def leave(self, plant: Plant, there: Array, now: float) -> None:
+        """Remember what a sitting leaves: see `arrive`."""
+        self._left = now, there, plant.gas_rise
 
 
 def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end: float) -> tuple[Trace, Trace]:
@@ -66,7 +86,7 @@ def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end:
     path = course.path if commands is course.commands else smooth(start, commands)
     wrenches = stay.load * course.wrenches
     plant = plants.of(stay, stay.conditions[0])
-    plant.reset(start)
+    plants.arrive(plant, start, stay.begin)
     late = late_in(acting)
     parts: list[Trace] = []
     seen: list[Trace] = []
@@ -82,6 +102,7 @@ def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end:
         for one in late:
             truth = one.shown(truth, there, every, read, piece)
         seen.append(truth)
+    plants.leave(plant, commands[-1], stay.begin + course.ends[-1])
     times = stay.begin + course.ends[course.marked] - before_end
     return replace(Trace.concatenate(parts), time=times), replace(Trace.concatenate(seen), time=times)
 

@@ -255,4 +255,5 @@ def counterbalance_of(
         reference_length=float(given.get("reference_length", 0.0)),
         seal_friction=float(given.get("seal_friction", 0.0)),
         relaxation_time=float(given.get("relaxation_time", np.inf)),
+        heat_capacity_ratio=float(given.get("heat_capacity_ratio", 1.0)),
     )

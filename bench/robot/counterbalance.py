@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bench.actuators.laws import GasSpring
 from bench.errors import RobotError
 
 Array = NDArray[np.float64]
@@ -34,6 +35,7 @@ class Counterbalance:
         exponent, reference_length: n and l_r [m] of the polytropic law; n = 1 is Eq. (8).
         seal_friction: Friction of the seals as a share of the gas force.
         relaxation_time: In which a difference of temperature falls to 1/e [s]; inf where the gas knows none.
+        heat_capacity_ratio: gamma of the gas, which warms up as it is compressed; 1: it never does.
     """
 
     joint: int
@@ -46,6 +48,7 @@ class Counterbalance:
     reference_length: float = 0.0
     seal_friction: float = 0.0
     relaxation_time: float = np.inf
+    heat_capacity_ratio: float = 1.0
 
     def __post_init__(self) -> None:
         """Refuse figures that no cylinder can have.
@@ -98,6 +101,22 @@ class Counterbalance:
         gap = self.critical_length - length
         law = self.gas_constant / gap * ((self.critical_length - self.reference_length) / gap) ** (self.exponent - 1)
         return np.asarray(np.clip(law, pull / (1 + self.seal_friction), pull / (1 - self.seal_friction)))
+
+    def temperature_rise(self, theta: ArrayLike, dt: ArrayLike, rise: float = 0.0) -> Array:
+        """Return T / T0 - 1 of the gas at each of some joint angles, shape (T,).
+
+        Args:
+            theta: Shape (T,) [rad].
+            dt: Between them, shape (T - 1,) [s].
+            rise: What it is at the first.
+        """
+        law = GasSpring(
+            constant=self.gas_constant,
+            critical_length=self.critical_length,
+            heat_capacity_ratio=self.heat_capacity_ratio,
+            relaxation_time=self.relaxation_time,
+        )
+        return law.temperature_rise(self.length(theta), dt, rise)
 
     def torque(self, theta: ArrayLike) -> Array:
         """Return the restoring torque M = F dl/dtheta, Eq. (11) [Nm]; on the joint acts -M. Shape of theta [rad]."""

@@ -147,8 +147,10 @@ class Plant:
         """Integration step [s]."""
         return self._timestep
 
-    def reset(self, q: Array) -> None:
+    def reset(self, q: Array, gas_rise: float = 0.0) -> None:
         """Put the robot at rest with all motors at `q` [rad], unloaded, friction elements unstressed.
+
+        The gas of its cylinder has T / T0 - 1 = `gas_rise`, where it warms up at all.
 
         The links hang on their elastic elements in static equilibrium, and the integral action of the servo already
         carries the load, so nothing moves after a reset.
@@ -156,6 +158,8 @@ class Plant:
         from bench.simulate.equilibrium import settle  # the two need each other
 
         mujoco.mj_resetData(self.model, self.data)
+        if gas_rise:
+            state_of(self.model, self.data, self.compiled.at.counterbalance)[TEMPERATURE_RISE] = gas_rise
         self._command = np.array(q, dtype=np.float64)
         self._wrench = np.zeros(6)
         settle(self.compiled, self.data, self._command)
@@ -224,6 +228,14 @@ class Plant:
         trace = self._trace(seen.time, seen.sensors[:, self._sensors], seen.wrench)
         gained = seen.velocities[:, self.compiled.at.q_dof] - trace.q_velocity
         return replace(trace, motor_torque=trace.motor_torque - self._servo_damping * gained)
+
+    @property
+    def gas_rise(self) -> float:
+        """T / T0 - 1 of the gas of the cylinder; 0 where it does not warm up."""
+        balance = self.compiled.counterbalance
+        if balance is None or balance.heat_capacity_ratio == 1:
+            return 0.0
+        return float(state_of(self.model, self.data, self.compiled.at.counterbalance)[TEMPERATURE_RISE])
 
     def wait(self, seconds: float) -> None:
         """Let time pass in which the robot only stands: its gas relaxes at the volume it has, nothing else moves."""

@@ -43,8 +43,9 @@ class Motion:
         q, velocity, acceleration: Shape (T, n), of the true motor angles [rad].
         wrench: Shape (T, 6) [N, Nm], on the load point in world axes, without what is bolted to it.
         read: Shape (T,) bool; instants that are read. The others only shape what friction elements remember.
-        begins: Shape (T,) bool; instants at which a motion begins and nothing is remembered, but for the temperature of
-            the gas, which goes on from the motion before, however the robot came here. None: the first alone.
+        begins: Shape (T,) bool; instants at which a motion begins and nothing is remembered. None: the first alone.
+        gas_rise: Shape (T,), T / T0 - 1 of the gas of the counterbalance; where a motion begins it counts. None: it is
+            as warm as its surroundings there.
     """
 
     time: Array
@@ -54,6 +55,7 @@ class Motion:
     wrench: Array
     read: NDArray[np.bool_]
     begins: NDArray[np.bool_] | None = None
+    gas_rise: Array | None = None
 
     def __len__(self) -> int:
         return len(self.time)
@@ -65,20 +67,11 @@ class Motion:
 
     @classmethod
     def concatenate(cls, motions: Iterable["Motion"]) -> Self:
-        """Join motions, each of which still begins for itself, and not before the one before has ended.
-
-        How the robot came to the first instant of a motion is assumed, and when; where that is longer ago than the last
-        motion, gas would relax in the same second twice.
-        """
+        """Join motions, each of which still begins for itself, with gas as warm as its surroundings."""
         parts = list(motions)
-        names = [f.name for f in fields(cls) if f.name != "begins"]
+        names = [f.name for f in fields(cls) if f.name not in ("begins", "gas_rise")]
         joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-        begins = np.concatenate([part.beginnings for part in parts])
-        time = joined["time"]
-        for first in np.flatnonzero(begins[1:]) + 1:
-            if first + 1 < len(time) and time[first] < time[first - 1] <= time[first + 1]:
-                time[first] = time[first - 1]
-        return cls(**joined, begins=begins)
+        return cls(**joined, begins=np.concatenate([part.beginnings for part in parts]))
 
 
 class Prescribed:
@@ -149,9 +142,9 @@ class Prescribed:
         flags = (motion.beginnings, motion.read)
         handed: list[NDArray[Any]] = [np.ascontiguousarray(values, dtype=np.uint8) for values in flags]
         handed += [np.ascontiguousarray(values, dtype=np.float64) for values in given]
-        first = None if guess is None else np.ascontiguousarray(guess, dtype=np.float64)
-        pointer = None if first is None else first.ctypes.data
-        course = _Course(length, *(part.ctypes.data for part in handed), pointer)
+        optional = [one if one is None else np.ascontiguousarray(one, np.float64) for one in (guess, motion.gas_rise)]
+        pointers = [None if one is None else one.ctypes.data for one in optional]
+        course = _Course(length, *(part.ctypes.data for part in handed), *pointers)
         written = (found, load, theta, torque, motor, link, points, cylinder)
         seen = _Seen(*(part.ctypes.data for part in written), 0.0)
         failed = _replay()(
@@ -247,6 +240,7 @@ class _Arm(ctypes.Structure):
 
 
 _MOTORS, _LINKS = ("q", "velocity", "acceleration"), ("link_velocity", "link_acceleration")
+_LAST = ("wrench", "guess", "gas_rise")
 
 
 class _Course(ctypes.Structure):
@@ -254,7 +248,7 @@ class _Course(ctypes.Structure):
 
     _fields_ = [
         ("length", ctypes.c_int32),
-        *((name, _address) for name in ("begins", "read", "time", *_MOTORS, *_LINKS, "wrench", "guess")),
+        *((name, _address) for name in ("begins", "read", "time", *_MOTORS, *_LINKS, *_LAST)),
     ]
 
 

@@ -74,6 +74,26 @@ def test_a_replay_lets_gas_relax_for_as_long_as_the_robot_did(compiled: Compiled
     assert np.max(np.abs(missed[dwell])) < 0.1 * largest
 
 
+def test_gas_is_as_warm_whichever_models_follow_the_runs(compiled: CompiledRobot, relaxing: Acting) -> None:
+    """Stiffness that hardly depends on the temperature made a model of each run, and each began with cool gas.
+
+    Whatever depends on temperatures had that in common, and with it a delay of the gauge, at more than 0.999.
+    """
+    effect = catalogue()["compliance_temperature"]
+    place = next(place for place in effect.places(compiled) if place.index == 0)
+    hardly = Acting(effect, place, {parameter.name: 1e-9 for parameter in effect.parameters})
+    replay = linearised(noise_free("session-study", acting=(relaxing,))).replay
+    together, one_by_one, cool = (
+        replay.predict(World(acting=acting)) for acting in ((relaxing,), (relaxing, hardly), (hardly,))
+    )
+    assert len(replay._courses(World(acting=(relaxing, hardly)))) > len(replay._courses(World(acting=(relaxing,))))
+    columns = [quantity.column for quantity in replay.quantities]
+    for column in ("gas_pressure_pa", "current_2_a"):
+        one = columns.index(column)
+        warms = np.max(np.abs(together - cool)[:, one])
+        np.testing.assert_allclose(one_by_one[:, one], together[:, one], rtol=0, atol=1e-3 * warms)
+
+
 def test_repeats_long_after_each_other_are_rests_of_their_own() -> None:
     campaign = noise_free("session-study")
     dwell = next(run for run in campaign.runs if run.name == "dwell")

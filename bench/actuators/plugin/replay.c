@@ -55,7 +55,7 @@ typedef struct Arm {
 // Motions one after the other, T instants in all.
 typedef struct Course {
   int32_t length;
-  const uint8_t* begins;       // (T) a motion begins: nothing is remembered from before
+  const uint8_t* begins;       // (T) a motion begins: nothing is remembered from before, but `gas_rise`
   const uint8_t* read;         // (T) it is written to `Seen`
   const double* time;          // (T) [s]
   const double* q;             // (T, n) motor angles
@@ -65,6 +65,7 @@ typedef struct Course {
   const double* link_acceleration;  // (T, n)
   const double* wrench;        // (T, 6) on the load point
   const double* guess;         // (T, 2, u) positions and slopes, or NULL
+  const double* gas_rise;      // (T) T / T0 - 1 of the gas where a motion begins, or NULL: none
 } Course;
 
 // What was found; K instants are read.
@@ -325,29 +326,21 @@ static void write_instant(const Work* w, Seen* seen, int row, const double* acce
   }
 }
 
-// Puts everything back to where nothing is remembered, but for the gas where motions follow each other: friction is told
-// again by the approach of each motion, heat that was compressed into the gas a second ago is not.
-static void begin(Work* w, bool is_first) {
-  enum { MOST_KEPT = 8 };
+// Puts everything back to where nothing is remembered, with gas that is as much warmer than its surroundings as given.
+static void begin(Work* w, double rise) {
   const mjModel* m = &w->model;
   mjData* d = w->data;
-  const int instance = w->arm->counterbalance >= 0 ? m->actuator_plugin[w->arm->counterbalance] : -1;
-  int count = 0, before = 0;
-  for (int i = 0; i < m->nactuator; i++) {
-    count += m->actuator_plugin[i] == instance;
-    before += m->actuator_plugin[i] == instance && i < w->arm->counterbalance;
-  }
-  const int nstate = instance >= 0 ? m->plugin_statenum[instance] / count : 0;
-  const int kept = nstate - FRICTION_STATES;
-  const bool keeps = !is_first && kept > 0 && kept <= MOST_KEPT;
-  const int first = keeps ? m->plugin_stateadr[instance] + before * nstate + FRICTION_STATES : 0;
-  mjtNum gas[MOST_KEPT];
-  if (keeps) {
-    mju_copy(gas, d->plugin_state + first, kept);
-  }
   mj_resetData(m, d);
-  if (keeps) {
-    mju_copy(d->plugin_state + first, gas, kept);
+  const int cylinder = w->arm->counterbalance;
+  if (rise != 0 && cylinder >= 0) {
+    const int instance = m->actuator_plugin[cylinder];
+    int count = 0, before = 0;
+    for (int i = 0; i < m->nactuator; i++) {
+      count += m->actuator_plugin[i] == instance;
+      before += m->actuator_plugin[i] == instance && i < cylinder;
+    }
+    const int nstate = m->plugin_statenum[instance] / count;
+    d->plugin_state[m->plugin_stateadr[instance] + before * nstate + FRICTION_STATES] = rise;
   }
   if (w->lean) {
     undriven_begin(m, d);
@@ -381,7 +374,7 @@ EXPORT int bench_replay(const mjModel* model, mjData* data, const Arm* arm, cons
     double* found = seen->found + 2 * (size_t)i * u;
     const double since = i ? course->time[i] - course->time[i - 1] : 0;  // [s]
     if (course->begins[i]) {
-      begin(&w, i == 0);
+      begin(&w, course->gas_rise ? course->gas_rise[i] : 0);
     }
     // gas relaxes over what the plugin takes for one step
     w.model.opt.timestep = fmax(since, own_step);

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from bench.diagnose.replay.average_friction import average_friction, bends
 from bench.diagnose.replay.courses import Course, Moved, count_of, courses_of, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
+from bench.diagnose.replay.gas_history import GasHistory
 from bench.diagnose.replay.instants import at_each_instant, slices_of
 from bench.diagnose.replay.jacobians import reflector_jacobians
 from bench.diagnose.replay.levels import world_in
@@ -77,6 +78,7 @@ class MotionReplay:
         for i, segment in enumerate(segments):
             self._recordings.setdefault(segment.recording, []).append(i)
         self._plans: Recent[Hashable, tuple[Course, ...]] = Recent(MOST_PLANS)
+        self._gas: GasHistory | None = None
         nominal = self._courses(NOMINAL)
         # where links and passive hinges of the nominal robot balance; every search starts there
         self._found = np.zeros((sum(len(segment.motion) for segment in segments), 2, 0))
@@ -84,6 +86,7 @@ class MotionReplay:
         self._found = np.empty((len(self._found), 2, parts[0].shape[2] if parts else 0))
         for course, found in zip(nominal, parts, strict=True):
             self._found[course.instants] = found
+        self._gas = GasHistory.of(segments, self._found[:, 0, : compiled.n_joints])
         # from there once more: what does not move the robot changes nothing then, to the last digit
         self._nominal = self._joined(nominal, [self._followed(NOMINAL, course)[0] for course in nominal])
 
@@ -203,6 +206,8 @@ class MotionReplay:
         rates_of = partial(self._rates_along, course)
         as_fitted, _ = moved(course.motion, self.fitted, rates_of=rates_of)
         motion, shift = moved(as_fitted, world, error.hung if error else 1.0, rates_of)
+        if self._gas and (rise := self._gas.rise(compiled)) is not None:
+            motion = replace(motion, gas_rise=rise[course.instants], time=self._gas.time[course.instants])
         trace, found, load = robot.follow(motion, self._guess(robot, course, shift))
         if np.any(course.spline.inner):
             speed, bend = course.spline.rates(load / compiled.stiffness)
