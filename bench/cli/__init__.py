@@ -5,6 +5,8 @@ import io
 import os
 import shutil
 import sys
+from contextlib import suppress
+from itertools import pairwise
 from pathlib import Path
 
 import tyro
@@ -61,8 +63,9 @@ INTERRUPTED = 130
 TERMINATED = 143
 NOT_READ = 141
 GRAPHICS = "MUJOCO_GL"
+PICTURES = {"MPLBACKEND": "agg"}  # all are files; what stands there may be a notebook's, or no backend at all
 NARROWEST = 20  # columns; tables of help take for ever to be laid out in one to four
-UNPRINTED = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EIO)
+UNPRINTED = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EBADF)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -73,6 +76,7 @@ def main(arguments: list[str] | None = None) -> int:
         print("bench: what it prints cannot be written: its output is closed; send it to /dev/null", file=sys.stderr)
         return InputError.exit_code
     _print_anything()
+    os.environ.update(PICTURES)
     try:
         code = _ended(arguments)
         sys.stdout.flush()  # an error of the output at the exit of Python would come too late to be told
@@ -83,7 +87,8 @@ def main(arguments: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left is flushed at the end
         if error.errno == errno.EPIPE:  # as with `bench ... | head`: nobody reads on
             return NOT_READ
-        print(f"bench: what it prints cannot be written: {error.strerror}", file=sys.stderr)
+        with suppress(OSError):  # where that is full as well
+            print(f"bench: what it prints cannot be written: {error.strerror}", file=sys.stderr, flush=True)
         return InputError.exit_code
 
 
@@ -123,6 +128,7 @@ def _run(arguments: list[str] | None) -> int:
         )
     finally:
         sys.stdout.flush()  # help ends the program here
+    _expect_no_empty(typed)
     expect_nameable(typed, Path(command.name) if isinstance(command, NewRobot) else getattr(command, "out", None))
     return_what_is_free()
     if not isinstance(command, TRYING_MODELS):
@@ -131,6 +137,18 @@ def _run(arguments: list[str] | None) -> int:
 
     with engine_silent():
         return command.run()
+
+
+def _expect_no_empty(typed: list[str]) -> None:
+    """Refuse an empty argument: a path that is empty is the current folder, which nobody meant.
+
+    Raises:
+        InputError: There is one.
+    """
+    for before, argument in pairwise(["", *typed]):
+        if not argument:
+            place = f"{before}: " if before.startswith("-") else ""
+            raise InputError(f"{place}an empty argument; is a variable of the shell empty? The folder here is a dot.")
 
 
 def _print_anything() -> None:

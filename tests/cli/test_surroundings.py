@@ -44,3 +44,26 @@ def test_graphics_that_are_none(tmp_path: Path) -> None:
     found = ended(f"{BENCH} diagnose {tmp_path} -o {tmp_path / 'out'}", MUJOCO_GL="foo")
     assert (found.returncode, "MUJOCO_GL: foo; egl" in found.stderr) == (2, True)
     assert "Traceback" not in found.stderr
+
+
+def test_pictures_for_a_screen_that_is_none() -> None:
+    """A backend that matplotlib does not know ended a diagnosis in a traceback, once all was computed."""
+    draw = "from bench.cli import main; main(['robots']); from bench.report.figures.style import small_figure as draw; "
+    found = ended(f'{sys.executable} -c "{draw}draw(1, 1, 2.0, 2.0)"', MPLBACKEND="nothing")
+    assert (found.returncode, found.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    "arguments", ["check ''", "apply '' -o out", "predict emps ''", "diagnose . --given '' -o out"]
+)
+def test_an_argument_that_is_empty_is_no_folder(arguments: str) -> None:
+    """What a variable of the shell that is not set leaves was taken for the folder here."""
+    found = ended(f"{BENCH} {arguments}")
+    assert (found.returncode, "an empty argument" in found.stderr) == (2, True)
+
+
+@pytest.mark.parametrize("output", [">/dev/full 2>/dev/full", "1</dev/null"])
+def test_output_that_takes_nothing_is_told_by_the_exit_code(output: str) -> None:
+    """A full disk for both outputs was called an error of the bench, one open for reading alone a traceback."""
+    found = ended(f"{BENCH} robots {output}")
+    assert (found.returncode, "Traceback" in found.stderr) == (2, False)

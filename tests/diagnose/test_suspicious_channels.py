@@ -13,6 +13,35 @@ from tests.diagnose.two_drives import picture_of
 
 CURRENTS = tuple(f"current_{i}_a" for i in range(1, 7))
 TRACKER = tuple(f"reflector_1_{axis}_m" for axis in "xyz")
+
+
+def clip(name: str) -> Change:
+    """Return what cuts a channel of each run off, a fifth of it at either end."""
+
+    def cut(columns: dict[str, Array]) -> None:
+        columns[name] = np.clip(columns[name], *np.quantile(columns[name], (0.2, 0.8)))
+
+    return cut
+
+
+def backwards(name: str) -> Change:
+    return lambda columns: columns.update({name: columns[name][::-1].copy()})
+
+
+def mirror(name: str) -> Change:
+    return lambda columns: columns.update({name: 2 * columns[name].mean() - columns[name]})
+
+
+def rest_in_the_middle(name: str) -> Change:
+    """Return what repeats a channel's reading after a third of each run for a fifth of it."""
+
+    def rest(columns: dict[str, Array]) -> None:
+        rows = len(columns[name])
+        columns[name][rows // 3 : rows // 3 + rows // 5] = columns[name][rows // 3]
+
+    return rest
+
+
 IN_SWEEPS: dict[str, tuple[Change, str, str]] = {
     "sign": (scale(-1, "current_2_a"), "current_2_a", "wrong sign"),
     "sign of a drive that stands": (scale(-1, "current_3_a"), "current_3_a", "wrong sign"),
@@ -27,6 +56,11 @@ IN_SWEEPS: dict[str, tuple[Change, str, str]] = {
     "one axis frozen": (freeze("reflector_1_x_m"), "reflector_1_x_m", "frozen?"),
     "gauge frozen": (freeze("gas_pressure_pa"), "gas_pressure_pa", "frozen?"),
     "gauge in kPa": (scale(1e-3, "gas_pressure_pa"), "gas_pressure_pa", "kPa?"),
+    "one axis saturated": (clip("reflector_1_x_m"), "reflector_1_x_m", "saturated?"),
+    "one axis frozen for a while": (rest_in_the_middle("reflector_1_z_m"), "reflector_1_z_m", "a part of run"),
+    "gauge saturated": (clip("gas_pressure_pa"), "gas_pressure_pa", "saturated?"),
+    "gauge frozen for a while": (rest_in_the_middle("gas_pressure_pa"), "gas_pressure_pa", "a part of run"),
+    "gauge mirrored": (mirror("gas_pressure_pa"), "gas_pressure_pa", "falls where the model's rises"),
 }
 IN_LOADS: dict[str, tuple[Change, str, str]] = {
     "sign": (scale(-1, "current_2_a"), "current_2_a", "wrong sign"),
@@ -62,6 +96,23 @@ def loads() -> Campaign:
 def test_healthy_campaigns_raise_no_doubt(sweeps: Campaign, loads: Campaign, robot: CompiledRobot) -> None:
     assert doubts_of(sweeps, robot) == ()
     assert doubts_of(loads, robot) == ()
+
+
+def test_a_gauge_that_shows_another_movement_is_told(sweeps: Campaign, robot: CompiledRobot) -> None:
+    """A gauge that was played backwards was believed; a gas that the model does not know moves as the model's does."""
+    assert [one.column for one in doubts_of(changed(sweeps, backwards("gas_pressure_pa")), robot)] == [
+        "gas_pressure_pa"
+    ]
+
+
+def test_instruments_that_are_slower_than_their_log_are_not_frozen(sweeps: Campaign, robot: CompiledRobot) -> None:
+    """A slow instrument repeats its last reading, as the format has it."""
+
+    def slow(columns: dict[str, Array]) -> None:
+        for name in (*TRACKER, "gas_pressure_pa"):
+            columns[name] = columns[name][np.arange(len(columns[name])) // 8 * 8]
+
+    assert not [one for one in doubts_of(changed(sweeps, slow), robot) if "frozen" in one.remedy]
 
 
 @pytest.mark.parametrize("name", HIDDEN)

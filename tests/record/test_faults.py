@@ -50,6 +50,16 @@ def small_movement_in_degrees(columns: Columns) -> None:
     columns["q_motor_2_rad"] = np.rad2deg(columns["q_cmd_2_rad"])
 
 
+def command_speeds(columns: Columns) -> None:
+    columns["q_cmd_2_rad"] = np.gradient(columns["q_cmd_2_rad"], columns["time_s"])
+
+
+def log_the_servo_error(columns: Columns) -> None:
+    columns["q_motor_2_rad"] = columns["q_motor_2_rad"] - columns["q_cmd_2_rad"]
+    for name in ("q_link_2_rad", "current_2_a", "tau_motor_2_nm"):
+        del columns[name]
+
+
 # Change -> level, column, first row, words of the message or the remedy.
 Faults = dict[str, tuple[Change, str, str, int | None, str]]
 
@@ -123,6 +133,8 @@ MOTION: Faults = {
     "early encoder": (shift("q_link_2_rad", 0.1), "warning", "q_link_2_rad", None, "0.096 s ahead of q_motor_2_rad"),
     "late encoder": (shift("q_link_2_rad", -0.1), "warning", "q_link_2_rad", None, "0.1 s behind q_motor_2_rad"),
     "late command": (shift("q_cmd_2_rad", -0.1), "warning", "q_motor_2_rad", None, "0.072 s ahead of q_cmd_2_rad"),
+    "speeds for a command": (command_speeds, "warning", "q_motor_2_rad", None, "does not follow q_cmd_2_rad"),
+    "servo error for an angle": (log_the_servo_error, "warning", "q_motor_2_rad", None, "does not follow q_cmd_2_rad"),
     "lost beam": (lose_beam, "error", "reflector_1_x_m", 7, "rows 7 and 8"),
     "tracker asleep": (park_tracker, "doubt", "reflector_1_x_m", None, "while the arm moves"),
 }
@@ -151,6 +163,7 @@ STATIC: Faults = {
         None,
         "straight up",
     ),
+    "another zero": (scale("q_motor_2_rad", 1, 0.05), "warning", "q_motor_2_rad", None, "0.05 rad beside q_cmd_2_rad"),
     "force turned": (scale("force_z_n", -1), "doubt", "force_z_n", None, "against load_z_n"),
     "force in kN": (scale("force_z_n", 1e-3), "error", "force_z_n", None, "kilonewtons in the sensor?"),
     "load in kN": (scale("load_z_n", 1e-3), "error", "force_z_n", None, "kilonewtons in the load?"),

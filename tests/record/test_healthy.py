@@ -133,3 +133,17 @@ def test_the_rounded_top_of_a_curve_is_no_saturation(highest: float, is_said: bo
     current = np.minimum(np.round(np.minimum(current, 4.01) / 0.01) * 0.01, highest)
     found = examine(motion({"time_s": time, "q_motor_1_rad": 0 * time, "q_motor_2_rad": angle, "current_2_a": current}))
     assert any("saturated" in str(finding) for finding in found) == is_said
+
+
+@pytest.mark.parametrize(("noise_a", "slope_a", "is_said"), [(0.02, 4.0, True), (0.0, 4.0, False), (0.0, 40.0, False)])
+def test_a_current_that_rests_on_its_slope_is_frozen_where_it_is_noisy(
+    noise_a: float, slope_a: float, is_said: bool
+) -> None:
+    """A third of a sweep without a change was believed; without noise, friction at one speed is constant."""
+    time = np.arange(150) * 0.02
+    angle = 0.4 * time
+    current = slope_a * angle + np.random.default_rng(1).normal(0.0, noise_a, len(time))
+    current = np.round(current / 0.01) * 0.01
+    current[45:90] = current[45]
+    found = examine(motion({"time_s": time, "q_motor_1_rad": 0 * time, "q_motor_2_rad": angle, "current_2_a": current}))
+    assert any("rows 46 to 90; frozen?" in str(finding) for finding in found) == is_said

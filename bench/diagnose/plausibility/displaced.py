@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 from bench.diagnose.plausibility.late_channels import SURE, as_if_in_time, late_reflectors
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.plausibility.physical_fit import FAR_BETTER
+from bench.diagnose.plausibility.unlike_gas import unlike_gas
 from bench.diagnose.replay.instants import run_of_each
 from bench.diagnose.replay.quantities import AXES
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL
 from bench.record.campaign import Array
 from bench.record.finding import Finding
+from bench.record.rules.stuck import AT_EXTREME
 
 FAR = 0.1  # assumed: [m]; a calibrated arm errs by millimetres, a nominal one by a centimetre
 # assumed: [m]; beyond a nominal arm, and everything listed (a frame by 0.5 mm, a jump of it by 5 mm)
@@ -26,7 +28,10 @@ CLOSE = FAR_BETTER**0.5  # derived: of a distance, whose square that is
 LENGTHS: Mapping[float, str] = {1e3: "millimetres", 100.0: "centimetres", 39.37: "inches", 3.281: "feet", 1e-3: "km"}
 PRESSURES: Mapping[float, str] = {1e-6: "MPa", 1e-5: "bar", 1e-3: "kPa"}
 GAS = 3.0  # assumed: times the nominal pressure, or a part of it: gas lost, warmed, or overfilled
-LOOK = "look at the tracker's frame, whether it was moved, the prism constant and the places of the reflectors"
+LOOK = (
+    "look at the tracker's frame, whether it was moved, the prism constant, the places of the reflectors, and zeros of "
+    "the joints"
+)
 STANDS = 0.25  # assumed: of a run; a channel that is late may repeat its first reading for a while
 
 
@@ -39,7 +44,8 @@ def displaced(replay: Replay) -> Iterator[Finding]:
     told_as_late = {one.column for one in late if one.explains_most}
     stopped = _stopped(replay, observed, nominal)
     for name, where in stopped.items():
-        yield doubt(name, f"does not change in {where} while the model's does", "frozen? look at its recording")
+        message = f"does not change in {where} while the model's does"
+        yield doubt(name, message, "frozen? saturated? look at its recording")
     for k in sorted({q.index for q in replay.quantities if q.kind == "reflector"}):
         columns = [c for c, q in enumerate(replay.quantities) if q.kind == "reflector" and q.index == k]
         names, axes = [replay.quantities[c].column for c in columns], [replay.quantities[c].axis for c in columns]
@@ -54,10 +60,9 @@ def displaced(replay: Replay) -> Iterator[Finding]:
     for c, quantity in enumerate(replay.quantities):
         rows = np.isfinite(observed[:, c])
         if quantity.kind == "gas_pressure" and np.any(rows) and quantity.column not in stopped:
-            throughout = list(_pressure(observed[rows, c], nominal[rows, c]))
-            yield from throughout or _pressure_in_one_run(
-                run_of_each(replay.segments)[rows], observed[rows, c], nominal[rows, c]
-            )
+            seen, there, run_of = observed[rows, c], nominal[rows, c], run_of_each(replay.segments)[rows]
+            found = list(_pressure(seen, there)) or list(_pressure_in_one_run(run_of, seen, there))
+            yield from found or unlike_gas(replay, run_of, seen, there)
 
 
 def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
@@ -71,9 +76,12 @@ def _stopped(replay: Replay, observed: Array, nominal: Array) -> dict[str, str]:
         for c, quantity in enumerate(replay.quantities):
             rows = (run_of == run) & np.isfinite(observed[:, c])
             edges = np.flatnonzero(np.diff(observed[rows, c])) + 1
-            for still in np.split(nominal[rows, c], edges):
-                if len(still) > STANDS * rows.sum() and np.ptp(still) > far.get(quantity.kind, np.inf):
-                    found.setdefault(quantity.column, f"run {run!r}")
+            parts = np.split(nominal[rows, c], edges)
+            usual = float(np.median([len(part) for part in parts]))  # an instrument may be slower than its log
+            for k, still in enumerate(parts):
+                is_long = len(still) > STANDS * rows.sum() or (k > 0 and len(still) >= AT_EXTREME * usual)
+                if is_long and np.ptp(still) > far.get(quantity.kind, np.inf):
+                    found.setdefault(quantity.column, f"run {run!r}" if k == 0 else f"a part of run {run!r}")
     for c, quantity in enumerate(replay.quantities):
         rows = np.isfinite(observed[:, c])
         if quantity.kind == "gas_pressure" and len(set(run_of[rows].tolist())) > 1:

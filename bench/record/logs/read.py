@@ -108,7 +108,8 @@ def _columns(file: str, table: Table, wanted: dict[str, Origin]) -> tuple[dict[s
             )
         elif source in table.columns:
             values = table.columns[source]
-            values = origin.factor * values + origin.offset
+            with np.errstate(over="ignore"):  # what is beyond all numbers is told as no reading, with its row
+                values = origin.factor * values + origin.offset
             columns[name] = filled(values, origin.fill, None) if origin.fill else values
     if missing:
         faults.append(_missing(file, table, wanted, missing))

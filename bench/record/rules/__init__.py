@@ -48,6 +48,7 @@ READING_RULES: tuple[Rule, ...] = (
     tracker.sees_reflectors,
     copies.identical,
     pairing.encoders_follow,
+    pairing.encoders_rest_at_their_command,
     pairing.sensors_agree,
     weights.masses_hang,
     weights.loads_are_felt,

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.record.campaign import Array
 from bench.record.finding import Finding
-from bench.record.rules.sheet import LOAD_N, Sheet
+from bench.record.rules.sheet import LOAD_N, TRAVEL, Sheet
 from bench.record.units import STANDARD_GRAVITY
 
 MANY = 10  # rows; fewer may agree by chance
@@ -50,8 +50,23 @@ def encoders_follow(sheet: Sheet) -> Iterator[Finding]:
             message = f"follows {'minus ' if sign < 0 else ''}{best}, not {own[0].name}"
             remedy = "look at the order of the joints" if best != own[0].name else "turn the sign of one of them"
             yield sheet.doubt(column.name, message, remedy)
-        else:
-            yield from _in_one_unit(sheet, column.name, own[0].name, ANGLES[column.unit])
+        elif in_another_unit := list(_in_one_unit(sheet, column.name, own[0].name, ANGLES[column.unit])):
+            yield from in_another_unit
+        elif own_misfit > np.std(values):  # it would be nearer to any constant
+            message = f"does not follow {own[0].name}: misses it by more than it moves itself"
+            yield sheet.warning(column.name, message, "is each the angle at every instant, of this joint?")
+
+
+def encoders_rest_at_their_command(sheet: Sheet) -> Iterator[Finding]:
+    """At rest a motor is where it was commanded to be, to within less than what counts as travel."""
+    if sheet.run.kind != "static":
+        return
+    for column, values in sheet.columns("q_motor"):
+        command = sheet.joint(column.index, "q_cmd")
+        off = np.median(values - command[1]) if command and len(values) else 0.0
+        if command and abs(off) > TRAVEL[column.unit]:
+            message = f"rests {off:+.3g} {column.unit} beside {command[0].name}"
+            yield sheet.warning(column.name, message, "have both the same zero? else the servo gives, or was settling")
 
 
 def sensors_agree(sheet: Sheet) -> Iterator[Finding]:

@@ -21,6 +21,10 @@ ROUNDED = 10  # steps; nine, and rounding
 # (two in three, in theory). Without noise an effort may keep its value at a smooth turning point, and nothing is said.
 EQUAL = 0.2
 BACK = 0.3
+# Noise beside a trend: its second differences change sign from row to row in arccos(-2/3) / pi = 0.73 of all, those of
+# a smooth curve hardly ever; rounding alone makes them two steps large at most.
+TURNS = 0.6
+BY_ROUNDING = 2  # exact: steps
 
 
 class Cause(NamedTuple):
@@ -43,7 +47,7 @@ def frozen_or_saturated(sheet: Sheet) -> Iterator[Finding]:
             continue
         low, high = sheet.run.extremes[column.name]
         if high > low:
-            if _repeats(values) and (not is_effort or is_noisy(values)):
+            if _repeats(values) and (not is_effort or is_noisy(values) or _is_noisy_beside_a_trend(values)):
                 yield from _resting(sheet, column.name, values, cause)
         elif np.ptp(cause.values) > cause.enough:
             what = f"is {values[0] + 0.0:g} in every row while {cause.name} changes"
@@ -86,12 +90,29 @@ def _repeats(values: Array) -> bool:
 
 def is_noisy(values: Array) -> bool:
     """Whether a channel goes up and down from row to row, as noise does; what rests at one value is left out."""
+    step = np.sign(np.diff(_without_rests(values)))
+    turns = step[step != 0]
+    return len(turns) > 1 and bool(np.mean(step == 0) < EQUAL and np.mean(turns[1:] != turns[:-1]) > BACK)
+
+
+def _is_noisy_beside_a_trend(values: Array) -> bool:
+    """Whether a channel that rises or falls all the time does so unevenly from row to row, as noise makes it."""
+    moving = _without_rests(values)
+    bends = np.diff(moving, 2)
+    if len(bends) < ANYWHERE or np.mean(np.diff(moving) == 0) >= EQUAL:
+        return False
+    step = float(np.min(np.diff(np.unique(moving))))
+    turns = np.sign(bends)[np.abs(bends) > step / 2]
+    return bool(np.median(np.abs(bends)) > BY_ROUNDING * step and np.mean(turns[1:] != turns[:-1]) > TURNS)
+
+
+def _without_rests(values: Array) -> Array:
+    """Return a channel with one sample of each stretch in which it rests."""
     starts, ends = _stretches(values)
     length, level = ends - starts, values[starts]
     is_extreme = (level == values.max()) | (level == values.min())
-    step = np.sign(np.diff(np.repeat(level, np.where(length >= np.where(is_extreme, AT_EXTREME, ANYWHERE), 1, length))))
-    turns = step[step != 0]
-    return len(turns) > 1 and bool(np.mean(step == 0) < EQUAL and np.mean(turns[1:] != turns[:-1]) > BACK)
+    rests = length >= np.where(is_extreme, AT_EXTREME, ANYWHERE)
+    return np.repeat(level, np.where(rests, 1, length))
 
 
 def _resting(sheet: Sheet, name: str, values: Array, cause: Cause) -> Iterator[Finding]:

@@ -84,9 +84,12 @@ def recording_to(
     if not rr.is_enabled(stream):
         raise InputError("RERUN: this environment variable turns Rerun off; unset it to write a recording.")
     with replacing(path) as partial:
-        stream.save(partial, default_blueprint=blueprint)
+        # Rerun's own writer waits for ever, or says nothing, where a disk is full
+        memory = stream.memory_recording()
         try:
+            stream.send_blueprint(blueprint, make_active=False, make_default=True)
             stream.send_recording_name(name)
             yield RecordingWriter(stream, rr.TimeColumn(TIMELINE, duration=time))
+            partial.write_bytes(memory.drain_as_bytes())
         finally:
             stream.disconnect()
