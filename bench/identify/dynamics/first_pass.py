@@ -13,14 +13,14 @@ from bench.identify.dynamics.base_parameters import BaseParameters, base_paramet
 from bench.identify.dynamics.bending import Bending, bending_of, bent
 from bench.identify.dynamics.chosen import with_its_delay
 from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
-from bench.identify.dynamics.equations import Equations, equations_of
+from bench.identify.dynamics.equations import OPTIONAL, Equations, equations_of
 from bench.identify.dynamics.folds import Folds, blocks_of, folds_of
 from bench.identify.dynamics.found_arm import FoundArm, found_arm
 from bench.identify.dynamics.gear_load import loaded
 from bench.identify.dynamics.held_out import SAME, HeldOut, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.prior import Prior, prior_of, weighed
+from bench.identify.dynamics.prior import NONE, Prior, prior_of, weighed
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, drive_rows
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
@@ -119,6 +119,12 @@ class FirstPass:
     def joints(self) -> tuple[str, ...]:
         """Names of the joints."""
         return self.nominal.bodies.names
+
+    @property
+    def has(self) -> dict[str, tuple[int, ...]]:
+        """Which drives have what of `OPTIONAL`, by name: what evidence and held-out errors want."""
+        there = np.reshape([width != NONE for width in self.solution.widths.optional], (len(OPTIONAL), self.layout.n))
+        return {name: tuple(np.flatnonzero(row).tolist()) for name, row in zip(OPTIONAL, there, strict=True)}
 
     def quantile(self, level: float = 0.9) -> float:
         """Return half the width of an interval in standard errors; Student's t with the independent readings left."""
