@@ -21,7 +21,6 @@ DRIVE = {  # column -> name, its unit for a hinge and for a slide
     "spring": ("stiffness of a dress pack", "Nm/rad", "N/m"),
     "offset": ("torque offset", "Nm", "N"),
 }
-ROUNDING = 1e-12  # rounding: [m^2] at most, of a factor of a sum of base parameters that is none
 RELATIVE = "relative"  # unit of a quantity that is a share
 
 
@@ -119,7 +118,7 @@ def _meaning(found: FirstPass, k: int) -> tuple[str, ...]:
     lead = int(base.lead[k])
     words = []
     for i in np.argsort(-np.abs(combine) * sigma):
-        if abs(combine[i]) > ROUNDING and i != lead:
+        if combine[i] != 0 and i != lead:
             name = f"rotor {int(np.flatnonzero(rotors == i)[0]) + 1}" if i in rotors else names[i]
             factor = "" if abs(abs(combine[i]) - 1) < 1e-6 else f"{abs(combine[i]):.3g} "
             words.append(f"{'-' if combine[i] < 0 else '+'} {factor}{name}")
