@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -13,8 +14,10 @@ from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.cross_validation.leave_out import REACH
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
+from bench.diagnose.linearise.candidates import as_far_as_told
 from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
 from bench.diagnose.linearise.signatures import Signatures
+from bench.diagnose.name.beginning import told_by
 from bench.diagnose.name.beside_unlisted import beside_unlisted
 from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
 from bench.diagnose.name.naming import Naming
@@ -121,6 +124,8 @@ def explained(
     """
     campaign, compiled, progress = task.campaign, signatures.compiled, task.progress
     quantities = signatures.quantities
+    told = told_by(task.first)
+    farther = partial(as_far_as_told, told=told, most=LARGER)
     segments = segments_of(campaign, compiled, quantities, task.most_bins)
     segments = with_known_segments(segments, campaign, compiled, quantities)
     segments = with_earlier(segments, quantities, signatures.nuisances)
@@ -135,9 +140,9 @@ def explained(
     progress("naming")
     recorded = recorded_by(campaign, compiled)
     measured = measured_by(campaign)
-    around = Neighbourhood(compiled, task.catalogue, measured, task.rate, task.executor, recorded, reach)
-    linear, screening = around.weighed(linear, signatures.causes, sensitivities)
-    naming = name_cause(linear, screening, around.about, progress, task.executor, earlier)
+    around = Neighbourhood(compiled, task.catalogue, measured, task.rate, task.executor, recorded, reach, farther)
+    linear, screening = around.weighed(linear, farther(signatures.causes), sensitivities)
+    naming = name_cause(linear, screening, around.about, progress, task.executor, earlier, told)
     found = Explained(signatures, segments, naming, naming.linear)
     try:
         if naming.stopped:

@@ -129,6 +129,24 @@ def causes_of(
     return tuple(found)
 
 
+def as_far_as_told(causes: Sequence[Cause], told: Mapping[tuple[str, int], float], most: float) -> tuple[Cause, ...]:
+    """Return causes, with those that go `most` times as far which a first pass has larger than is plausible.
+
+    What is plausible is scaled from a heavy robot's drive; a cable is as stiff on a small wrist.
+
+    Args:
+        causes: What is looked for.
+        told: Name of an effect and index of a drive -> its size.
+        most: Times what is plausible.
+    """
+
+    def is_larger(cause: Cause) -> bool:
+        size = told.get((cause.effect.name, cause.drive), 0.0)
+        return cause.reach == 1.0 and bool(cause.sizes) and size > cause.sizes[0].high
+
+    return tuple(cause.farther(most) if is_larger(cause) else cause for cause in causes)
+
+
 def unseen_of(catalogue: Iterable[Effect], measured: frozenset[str]) -> dict[str, tuple[str, ...]]:
     """Return the effects that need channels which the campaign has not: name -> those channels."""
     missing = {effect.name: tuple(need for need in effect.needs if need not in measured) for effect in catalogue}

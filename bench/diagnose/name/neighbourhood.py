@@ -46,6 +46,7 @@ class Neighbourhood:
         executor: Where to simulate.
         recorded: Runs and columns of the campaign.
         reach: Times what is plausible, that sizes are looked for up to.
+        farther: Returns causes, with those that go farther which are told to be larger.
     """
 
     def __init__(
@@ -57,6 +58,7 @@ class Neighbourhood:
         executor: Executor = SERIAL,
         recorded: Recorded = NOTHING_RECORDED,
         reach: float = 1.0,
+        farther: Callable[[Sequence[Cause]], tuple[Cause, ...]] = tuple,
     ) -> None:
         self.compiled = compiled
         self.catalogue = catalogue
@@ -65,6 +67,7 @@ class Neighbourhood:
         self.executor = executor
         self.recorded = recorded
         self.reach = reach
+        self.farther = farther
         self._causes: tuple[Cause, ...] = ()
         self._changes = Sensitivities(np.empty(0), ())
         self._tried: Tried | None = None
@@ -147,7 +150,11 @@ class Neighbourhood:
         return needs
 
     def _causes_of(self, robot: CompiledRobot) -> tuple[Cause, ...]:
+<<<<<<< HEAD
         return causes_of(self.catalogue.values(), robot, self.measured, self.recorded, self.reach, self.compiled)
+=======
+        return self.farther(causes_of(self.catalogue.values(), robot, self.measured, self.recorded, self.reach))
+>>>>>>> 875548839aa813eb00952ffee7fffd70a24adb3d
 
     def _looked_around(self, linear: LinearisedModel, white_of: Callable[[LinearisedModel], Array]) -> LinearisedModel:
         """Return the design with what not even everything together explains, by the instruments' standard errors."""

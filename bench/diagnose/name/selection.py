@@ -7,7 +7,7 @@
 Every finding then has to pay on what was held out, or it is refused and the search goes on without it.
 """
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -49,6 +49,7 @@ def name_cause(
     progress: Callable[[str], None] = lambda words: None,
     executor: Executor = SERIAL,
     earlier: Sequence[Fit] = (),
+    told: Collection[tuple[str, int]] = (),
 ) -> Naming:
     """Name what is wrong with the nominal model, or what of it was found when the work was stopped.
 
@@ -59,8 +60,9 @@ def name_cause(
         progress: Called with what is done next.
         executor: Where to fit.
         earlier: Fits of the campaign with other priors, to begin from.
+        told: What a first pass has: names of effects, each with the index of its drive.
     """
-    selection, why = _Selection(linear, screening, renew, progress, executor, earlier), ""
+    selection, why = _Selection(linear, screening, renew, progress, executor, earlier, told), ""
     try:
         selection.begin()
         selection.run()
@@ -76,7 +78,7 @@ class _Selection:
 
     Attributes:
         linear: The campaign about the best model, or about the one before that found a balance.
-        screening, renew, progress, executor, earlier: As of `name_cause`.
+        screening, renew, progress, executor, earlier, told: As of `name_cause`.
         models: Those that the last search simulated, the most probable first.
         findings: Of the best model, each held against what was held out.
         refusals: What did not pay.
@@ -93,6 +95,7 @@ class _Selection:
     progress: Callable[[str], None]
     executor: Executor
     earlier: Sequence[Fit] = ()
+    told: Collection[tuple[str, int]] = ()
     models: tuple[Model, ...] = ()
     findings: dict[Hashable, Finding] = field(default_factory=dict)
     refusals: Refusals = field(default_factory=Refusals)
@@ -141,7 +144,7 @@ class _Selection:
 
     def begin(self) -> None:
         """Take what drawings leave out of a robot all at once."""
-        self.best = with_what_drawings_leave_out(self.linear, self.screening, self.best, self.executor)
+        self.best = with_what_drawings_leave_out(self.linear, self.screening, self.best, self.executor, self.told)
         self._relinearise()
 
     def run(self) -> None:

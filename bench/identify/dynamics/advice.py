@@ -1,10 +1,11 @@
 """Which motion to add, for parameters that these data do not tell."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
+from bench.identify.dynamics.equations import drive_columns
 from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.quantities import Quantity
 from bench.identify.dynamics.regressor import N_INERTIAL, link_regressor, payload_columns
@@ -51,8 +52,7 @@ def advise(found: FirstPass, quantities: Sequence[Quantity]) -> tuple[Motion, ..
     motions = list(_candidates(found))
     information = [_information(found, motion) for motion in motions]
     widths = found.solution.widths  # a motion has to tell offsets and optional friction however large they are
-    free = replace(widths, offset=(0,) * len(widths.offset), optional=(0,) * len(widths.optional))
-    factor = found.prior.factor(free)
+    factor = found.prior.factor(widths.all_free())
     inner = np.eye(len(factor)) + factor.T @ found.solution.normal.gram @ factor
     chosen: list[Motion] = []
     while open_ones and len(chosen) < MOST:
@@ -125,14 +125,14 @@ def _information(found: FirstPass, motion: Motion) -> Array:
         return total
     spread = np.where(np.isfinite(spread), spread, np.nanmax(spread))
     every = np.arange(layout.size)
+    passed = found.rubbing.torque(found.rubbing.arm, position, velocity, acceleration)
+    own = drive_columns(position, velocity, acceleration, passed)
     for j in motion.joints:
-        v, a = velocity[:, j], acceleration[:, j]
         factors = np.zeros((len(time), layout.size))
         factors[:, layout.links] = links[:, j]
         if layout.has_payload:
             factors[:, layout.payload] = carried[:, j]
-        own = every[layout.drives][j * 5 : j * 5 + 5]
-        factors[:, own] = np.stack([a, np.sign(v), v, np.abs(v), np.ones_like(v)], axis=1)
+        factors[:, every[layout.drives].reshape(layout.n, -1)[j]] = own[:, j]
         if layout.has_gas and found.nominal.counterbalance is not None and found.nominal.counterbalance.joint == j:
             factors[:, layout.gas.start] = found.nominal.counterbalance.torque(position[:, j])
         total += factors.T @ factors / spread[j]

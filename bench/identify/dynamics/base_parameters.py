@@ -58,7 +58,8 @@ def base_parameters(arm: Arm, layout: Layout, load_point: str) -> BaseParameters
     combine[:, layout.of_drives("rotor")] = regrouped[:, N_INERTIAL * n :]
     if layout.has_payload:
         body, payload = payload_columns(arm, load_point)
-        combine[:, layout.payload] = combine[:, N_INERTIAL * body : N_INERTIAL * (body + 1)] @ payload
+        carried = combine[:, N_INERTIAL * body : N_INERTIAL * (body + 1)] @ payload
+        combine[:, layout.payload] = np.where(np.abs(carried) < SHOWN, 0.0, carried)
     is_rotor = kept >= N_INERTIAL * n
     rotor_of = np.arange(layout.size)[layout.of_drives("rotor")]
     return BaseParameters(

@@ -13,12 +13,14 @@ from bench.identify.dynamics.base_parameters import BaseParameters, base_paramet
 from bench.identify.dynamics.bending import Bending, bending_of, bent
 from bench.identify.dynamics.chosen import with_its_delay
 from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
-from bench.identify.dynamics.equations import Equations, equations_of
+from bench.identify.dynamics.equations import OPTIONAL, Equations, equations_of
 from bench.identify.dynamics.folds import Folds, blocks_of, folds_of
+from bench.identify.dynamics.found_arm import FoundArm, found_arm
+from bench.identify.dynamics.gear_load import loaded
 from bench.identify.dynamics.held_out import SAME, HeldOut, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.prior import Prior, prior_of, weighed
+from bench.identify.dynamics.prior import NONE, Prior, prior_of, weighed
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, drive_rows
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
@@ -65,6 +67,7 @@ class FirstPass:
         layout: Of the parameters.
         base: Its base parameters.
         band: The filter that model and data passed.
+        rubbing: The arm whose torque friction grows with.
         bending: How its gears wind up; None where what was held out is not surely predicted better for it.
         stretches: The thinned equations.
         problems: What was solved: prior, posterior, constraints, and plain least squares.
@@ -80,6 +83,7 @@ class FirstPass:
     layout: Layout
     base: BaseParameters
     band: Band
+    rubbing: FoundArm
     bending: Bending | None
     stretches: tuple[Equations, ...]
     problems: Problems
@@ -116,6 +120,12 @@ class FirstPass:
         """Names of the joints."""
         return self.nominal.bodies.names
 
+    @property
+    def has(self) -> dict[str, tuple[int, ...]]:
+        """Which drives have what of `OPTIONAL`, by name: what evidence and held-out errors want."""
+        there = np.reshape([width != NONE for width in self.solution.widths.optional], (len(OPTIONAL), self.layout.n))
+        return {name: tuple(np.flatnonzero(row).tolist()) for name, row in zip(OPTIONAL, there, strict=True)}
+
     def quantile(self, level: float = 0.9) -> float:
         """Return half the width of an interval in standard errors; Student's t with the independent readings left."""
         return float(stats.t.ppf(0.5 + level / 2, self.solution.freedom))
@@ -128,7 +138,7 @@ class FirstPass:
     def equations(self, samples: MotionSamples, band: Band | None = None) -> Equations:
         """Return the equations of a stretch that passes `band`, by default that of the fit."""
         band = band or self.band
-        found = equations_of(samples, band, self.arm, self.nominal, self.top_speed)
+        (found,) = loaded([equations_of(samples, band, self.arm, self.nominal, self.top_speed)], self.rubbing, band)
         return bent(found, self.bending, band) if self.bending else found
 
     def predict(self, campaign: Campaign) -> Torques:
@@ -190,9 +200,16 @@ def first_pass(
         )
     prior = prior_of(layout, nominal, arm, *_sizes(rows, layout, nominal.speed_limit))
     folds = folds_of(stretches)
+
+    def existing(found: Solution) -> FoundArm:
+        bodies = _bodies(layout, arm, prior, found, nominal)
+        return found_arm(nominal, arm, layout, _existing(bodies, found, prior))
+
+    rubbing = existing(solve(rows, prior, band.cutoff_hz, np.ones(layout.n), find_delay))
+    stretches = loaded(stretches, rubbing, band)
+    rows = _rows(stretches, layout, band, arm, nominal)
     solution, beside = with_its_delay(rows, prior, band, folds, find_delay=find_delay)
-    rigid = _existing(_bodies(layout, arm, prior, solution, nominal), solution, prior)
-    bending = bending_of(nominal, arm, layout, rigid)
+    bending = bending_of(existing(solution))
     bent_stretches = tuple(bent(part, bending, band) for part in stretches)
     while True:
         bent_rows = _rows(bent_stretches, layout, band, arm, nominal)
@@ -219,6 +236,7 @@ def first_pass(
         layout=layout,
         base=base,
         band=band,
+        rubbing=rubbing,
         bending=bending if is_bent else None,
         stretches=stretches,
         problems=problems,

@@ -75,11 +75,39 @@ def log_evidence(normal: Normal, prior: Prior, widths: Widths) -> float:
 
     With H = 1 + L^T G L and b = L^T (X^T W y - G mean): (b^T H^-1 b - log det H) / 2.
     """
+    explained, volume = _evidence(normal, prior, widths)
+    return explained / 2 - volume
+
+
+def evidence_gain(normal: Normal, prior: Prior, before: Widths, after: Widths, readings: float) -> float:
+    """Return by how much other widths raise the log evidence where nobody knows the noise.
+
+    Weights hold what widths `before` leave for noise, so what `after` explains of it can raise the evidence by half
+    the readings at most, though it leave next to nothing. With the noise that is left, squares S0 that become S1 count
+    (n - 1) / 2 log(S0 / S1), as in Student's t.
+
+    Args:
+        normal: The normal equations, weighted by the noise before.
+        prior: Of the parameters.
+        before: Widths that the weights belong to.
+        after: Widths that are tried.
+        readings: n, of the drive that is explained: its weighted squares before, one by one as independent ones count.
+    """
+    first, volume = _evidence(normal, prior, before)
+    second, other = _evidence(normal, prior, after)
+    share = (second - first) / readings if readings > 0 else 0.0
+    if not 0 < share < 1:
+        return (second - first) / 2 - (other - volume)
+    return -max(readings - 1, 0.0) / 2 * float(np.log1p(-share)) - (other - volume)
+
+
+def _evidence(normal: Normal, prior: Prior, widths: Widths) -> tuple[float, float]:
+    """Return the weighted squares that a prior lets parameters explain, and half its log det H."""
     factor = prior.factor(widths)
     inner = np.eye(len(factor)) + factor.T @ normal.gram @ factor
     lower = np.linalg.cholesky((inner + inner.T) / 2)
     explained = np.linalg.solve(lower, factor.T @ (normal.right - normal.gram @ prior.mean))
-    return float(explained @ explained / 2 - np.log(np.diag(lower)).sum())
+    return float(explained @ explained), float(np.log(np.diag(lower)).sum())
 
 
 def likeliest_widths(normal: Normal, prior: Prior, best: Widths) -> Widths:

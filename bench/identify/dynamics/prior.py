@@ -21,8 +21,11 @@ WIDER = np.sqrt(10.0)  # effort: between one width and the next that is tried
 WIDEST = 6  # effort: a thousand times what was stated; as good as unknown
 NARROWEST = -4  # assumed: a hundredth of the whole torque; less would claim to know that there is none
 AS_STATED = 0  # exact: once what was stated
-# exact: nothing beyond what is stated, of an offset; of optional friction, none at all
+# exact: nothing beyond what is stated, of an offset; of what is optional, none at all
 NONE = NARROWEST - 1
+# declared: of what is optional; friction bends somehow in every gear, few joints carry a dress pack, and nobody doubts
+# that the others have none
+SELDOM = ("spring",)
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ class Widths:
         offset: For each drive, of its torque offset beyond what is stated, which a first pass most easily takes for
             gravity; 0 or less.
         optional: Of each of `OPTIONAL`, for each drive; 0 or less. At `NONE`, where it begins, there is none: it bends
-            in what a model misses at low speed.
+            in what a model misses elsewhere.
         held: Drives whose width of the offset stays at its least.
         stated: Drives of whose offset an uncertainty is stated: there is nothing beyond it (`NONE`) until the evidence
             wants more.
@@ -59,6 +62,11 @@ class Widths:
         """Return the least width of a drive's offset."""
         return NONE if drive in self.stated else NARROWEST
 
+    def all_free(self) -> "Widths":
+        """Return these with offsets and optional friction as large as can be; what is `SELDOM` there as it is."""
+        optional = tuple(w if self._name(i) in SELDOM else 0 for i, w in enumerate(self.optional))
+        return replace(self, offset=(0,) * len(self.offset), optional=optional)
+
     def holding(self, drive: int) -> "Widths":
         """Return these with the offset of one more drive held."""
         return replace(self, offset=_with(self.offset, drive, self.least(drive)), held=self.held | {drive})
@@ -66,6 +74,9 @@ class Widths:
     def with_optional(self, place: int, width: int) -> "Widths":
         """Return these with another width of one optional friction of one drive."""
         return replace(self, optional=_with(self.optional, place, width))
+
+    def _name(self, place: int) -> str:
+        return OPTIONAL[place // len(self.offset)]
 
     def neighbours(self) -> tuple["Widths", ...]:
         """Return the widths one step away."""
@@ -91,16 +102,18 @@ class Widths:
         return figures, friction, *self.by_drive()
 
     def by_drive(self) -> tuple[tuple["Widths", ...], ...]:
-        """Return all values of the width of each offset, then of each optional friction, with the others as they are.
+        """Return all values of the width of each offset, then of what is optional, with the others as they are.
 
-        An offset with nothing beyond what is stated has one width: where data do not tell it, what is stated does.
+        An offset with nothing beyond what is stated has one width: where data do not tell it, what is stated does. So
+        has what is `SELDOM` there, and is not.
         """
         drives = range(len(self.offset))
         unsure = [i for i in drives if i not in self.stated or self.offset[i] != NONE]
         offsets = (
             tuple(replace(self, offset=_with(self.offset, i, k)) for k in range(self.least(i), 1)) for i in unsure
         )
-        optional = (tuple(self.with_optional(i, k) for k in range(NONE, 1)) for i in range(len(self.optional)))
+        there = (i for i, width in enumerate(self.optional) if width != NONE or self._name(i) not in SELDOM)
+        optional = (tuple(self.with_optional(i, k) for k in range(NONE, 1)) for i in there)
         return *offsets, *optional
 
     def wider_than(self, other: "Widths") -> bool:
@@ -129,7 +142,8 @@ class Prior:
         scale: Shape (p, p), of the scales of torques.
         stated_offset: Shape (p, p), of offsets as far as they are stated.
         offset: Shape (n, p, p), of each drive's offset beyond that.
-        optional: Shape (2 n, p, p), of each of `OPTIONAL`, drive after drive.
+        optional: Shape (4 n, p, p), of each of `OPTIONAL`, drive after drive. A dress pack rests anywhere in the range
+            of its joint, so with it comes an offset.
         free: Shape (p, p), of all others.
     """
 
@@ -159,7 +173,7 @@ class Prior:
         return np.asarray(stated + offset + optional + self.free)
 
     def covariance(self, widths: Widths) -> Array:
-        """Return the covariance before the data, shape (p, p), with any width of offsets and optional friction alike.
+        """Return the covariance before the data, shape (p, p), with any width of offsets and of what is optional.
 
         Scales of torques are as uncertain as stated.
         """
@@ -240,10 +254,14 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     offset, *optional = (np.zeros((n, layout.size, layout.size)) for _ in range(1 + len(OPTIONAL)))
     every = np.arange(layout.size)
     rolls = torque_rms / np.where(speed_rms > 0, speed_rms, 1.0) ** ROLLING_POWER
-    names = ("offset", *OPTIONAL)
-    for into, name, most in zip((offset, *optional), names, (torque_rms, drag, rolls), strict=True):
+    low, high = arm.bodies.limits.T
+    springs = torque_rms / np.where(high > low, (high - low) / 2, 1.0)  # the whole torque at either end of the range
+    names, all_of_it = ("offset", *OPTIONAL), np.ones(n)  # of what a gear passes on, friction cannot take more
+    for into, name, most in zip((offset, *optional), names, (torque_rms, drag, rolls, all_of_it, springs), strict=True):
         where = every[layout.of_drives(name)]
         into[np.arange(n), where, where] = most
+    rests = every[layout.of_drives("offset")]
+    optional[OPTIONAL.index("spring")][np.arange(n), rests, rests] = torque_rms
     return Prior(mean, figures, friction, scale, stated_offset, offset, np.concatenate(optional), free)
 
 

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.prior import SELDOM
 from bench.identify.dynamics.regressor import NAMES
 from bench.identify.told import is_told
 from bench.record.campaign import Array
@@ -16,6 +17,8 @@ DRIVE = {  # column -> name, its unit for a hinge and for a slide
     "viscous": ("viscous friction", "Nm s/rad", "N s/m"),
     "viscous_difference": ("viscous friction, half the difference of directions", "Nm s/rad", "N s/m"),
     "rolling": ("rolling friction, at 1 rad/s or 1 m/s", "Nm", "N"),
+    "load": ("friction by the torque passed on", "Nm/Nm", "N/N"),
+    "spring": ("stiffness of a dress pack", "Nm/rad", "N/m"),
     "offset": ("torque offset", "Nm", "N"),
 }
 RELATIVE = "relative"  # unit of a quantity that is a share
@@ -86,6 +89,8 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
         add("gas", "gas of the counterbalance", "of full", every[layout.gas.start])
     for column, (name, *units) in DRIVE.items():
         for joint, row in enumerate(every[layout.of_drives(column)]):
+            if column in SELDOM and row @ beforehand @ row == 0:
+                continue  # there is none
             add("friction", f"{name} ({found.joints[joint]})", units[_slides(found, joint)], row)
     base = found.base
     for k, name in enumerate(base.names):

@@ -10,6 +10,7 @@ from bench.identify.dynamics.band import Band
 from bench.identify.dynamics.bending import Bending
 from bench.identify.dynamics.equations import equations_of
 from bench.identify.dynamics.first_pass import first_pass
+from bench.identify.dynamics.found_arm import FoundArm
 from bench.identify.dynamics.quantities import quantities
 from bench.identify.dynamics.regressor import standard_parameters
 from bench.identify.dynamics.samples import motion_samples
@@ -99,7 +100,8 @@ def test_winding_is_the_torque_of_links_that_stand_elsewhere() -> None:
         links = Arm(nominal.bodies)
         equations = equations_of(samples, band, links, nominal, np.ones(N))
         rigid = equations.links @ standard_parameters(links.bodies)
-        winding = Bending(links, {}, nominal, 0.0, np.ones(N, dtype=np.bool_)).columns(equations, band).sum(axis=2)
+        found = FoundArm(links, {}, nominal, 0.0)
+        winding = Bending(found, np.ones(N, dtype=np.bool_)).columns(equations, band).sum(axis=2)
         left.append(np.linalg.norm(equations.torque - rigid - winding) / np.linalg.norm(equations.torque - rigid))
     assert left[0] < 0.05
     assert left[1] < 0.6 * left[0]

@@ -4,6 +4,7 @@ import numpy as np
 
 from bench.identify.arm import Arm
 from bench.identify.dynamics.consistency import bodies_of, inertial_parameters, nearest, pseudo_inertia
+from bench.identify.dynamics.equations import OPTIONAL
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.prior import Widths, prior_of
 from bench.identify.dynamics.regressor import standard_parameters
@@ -25,7 +26,7 @@ def test_a_rod_longer_than_its_inertia_allows_cannot_exist() -> None:
 def test_nearest_is_feasible_and_no_feasible_point_is_more_probable(rng: np.random.Generator) -> None:
     nominal, layout = robot(arm(), payload=20.0), Layout(N, True, False)
     prior = prior_of(layout, nominal, Arm(nominal.bodies), np.full(N, 100.0), np.full(N, 1.0))
-    factor = prior.factor(Widths(4, 0, (0,) * N, (0,) * 2 * N))
+    factor = prior.factor(Widths(4, 0, (0,) * N, (0,) * len(OPTIONAL) * N))
     sigma = np.sqrt(np.sum(factor**2, axis=1))
     bodies = bodies_of(layout, nominal.bodies.names, prior.mean, sigma, nominal.payload, 0.7)
     rows = rng.standard_normal((200, layout.size))

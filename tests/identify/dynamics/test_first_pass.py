@@ -7,8 +7,9 @@ import pytest
 
 from bench.errors import InputError
 from bench.identify.arm import Arm
-from bench.identify.dynamics.advice import _information, advise, sentence
+from bench.identify.dynamics.advice import _candidates, _information, advise, sentence
 from bench.identify.dynamics.consistency import inertial_parameters
+from bench.identify.dynamics.equations import DRIVE_COLUMNS
 from bench.identify.dynamics.first_pass import FirstPass, first_pass
 from bench.identify.dynamics.prior import weighed
 from bench.identify.dynamics.quantities import Quantity, quantities
@@ -177,6 +178,17 @@ def test_another_campaign_is_predicted_better_than_by_the_nominal_model() -> Non
     assert np.all(torques.rms("first_pass") < 2.5)  # the noise is 2 Nm, and some of it is filtered away
 
 
+def test_a_stretch_that_is_too_short_for_the_filter_predicts_nothing() -> None:
+    """A log of which a lost sample cuts off half a second ended in a traceback."""
+    nominal = robot(arm(), **UNCERTAIN)
+    found = first_pass(recorded(nominal, FRICTION, np.random.default_rng(4), runs=2), nominal)
+    (run,) = recorded(nominal, FRICTION, np.random.default_rng(5), runs=1).runs
+    columns = {name: values[:70] for name, values in run.columns.items()}
+    short = replace(run, columns=columns, name="short", start_s=100.0)
+    both, alone = (found.predict(Campaign("cut", runs)) for runs in ((run, short), (run,)))
+    np.testing.assert_array_equal(both.rms("first_pass"), alone.rms("first_pass"))
+
+
 def test_a_joint_that_stands_is_not_told_and_a_motion_is_named_that_would_tell_it() -> None:
     rng = np.random.default_rng(5)
     nominal = robot(arm(), **UNCERTAIN)
@@ -203,7 +215,7 @@ def test_a_motion_that_is_proposed_halves_the_variance_of_what_it_tells() -> Non
         replace(one, prior_sigma=0.9999 * np.sqrt(2) * one.sigma) for one in quantities(found) if one.kind == "inertia"
     ]
     motions = advise(found, short_of_it)
-    factor = found.prior.factor(replace(found.solution.widths, offset=(0,) * N, optional=(0,) * 2 * N))
+    factor = found.prior.factor(found.solution.widths.all_free())
     known = np.eye(len(factor)) + factor.T @ found.solution.normal.gram @ factor
     assert motions
     for motion in motions:
@@ -213,6 +225,15 @@ def test_a_motion_that_is_proposed_halves_the_variance_of_what_it_tells() -> Non
                 before, after = (np.linalg.solve(h, factor.T @ one.combine) for h in (known, more))
                 assert one.combine @ factor @ after < one.combine @ factor @ before / 2, (one.name, motion.joints)
         known = more
+
+
+def test_a_motion_informs_each_drive_of_its_own_friction() -> None:
+    """With a sixth column of drives, advice still counted five: friction of the elbow was that of the shoulder."""
+    found = first_pass(recorded(robot(arm()), FRICTION, np.random.default_rng(5), runs=2, **SHORT), robot(arm()))
+    motion = next(one for one in _candidates(found) if one.joints == (2,))
+    shown = np.diag(_information(found, motion)) > 0
+    for name in DRIVE_COLUMNS:
+        assert shown[found.layout.of_drives(name)].tolist() == [False, False, True], name
 
 
 def test_currents_serve_with_the_torque_constant() -> None:

@@ -1,5 +1,7 @@
 """Regressor times parameters is inverse dynamics, Pinocchio's and MuJoCo's; a payload is a body at the load point."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from bench.identify.arm import Arm
@@ -12,6 +14,7 @@ from bench.identify.dynamics.regressor import (
     payload_columns,
     standard_parameters,
 )
+from bench.robot.bodies import read_only
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.robot.links import rigid_bodies
@@ -80,3 +83,11 @@ def test_links_take_other_parameters_and_thin_bodies_too() -> None:
     thin[:, 4:] *= 1 - 1e-4  # a point's inertia about its joint, and less
     thin[0] = 0.0
     assert np.all(np.isfinite(Arm(links_with(bodies, thin)).gravity(np.zeros(len(own)))))
+
+
+def test_sums_of_base_parameters_have_no_rounding_in_them() -> None:
+    """A payload straight ahead of a wrist was told with "- 8.33e-17 payload my"."""
+    hook = replace(arm().points["hook"], position=read_only([0.0, 0.1, 0.0]))
+    model = Arm(replace(arm(), points={"hook": hook}))
+    combine = base_parameters(model, Layout(N, True, False), "hook").combine
+    assert np.abs(combine[combine != 0]).min() > 1e-6
