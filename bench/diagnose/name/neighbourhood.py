@@ -150,11 +150,8 @@ class Neighbourhood:
         return needs
 
     def _causes_of(self, robot: CompiledRobot) -> tuple[Cause, ...]:
-<<<<<<< HEAD
-        return causes_of(self.catalogue.values(), robot, self.measured, self.recorded, self.reach, self.compiled)
-=======
-        return self.farther(causes_of(self.catalogue.values(), robot, self.measured, self.recorded, self.reach))
->>>>>>> 875548839aa813eb00952ffee7fffd70a24adb3d
+        known = self.measured, self.recorded, self.reach, self.compiled
+        return self.farther(causes_of(self.catalogue.values(), robot, *known))
 
     def _looked_around(self, linear: LinearisedModel, white_of: Callable[[LinearisedModel], Array]) -> LinearisedModel:
         """Return the design with what not even everything together explains, by the instruments' standard errors."""
