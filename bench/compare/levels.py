@@ -34,8 +34,11 @@ class Slopes:
 
 
 def is_of_machine(nuisance: Nuisance) -> bool:
-    """Whether what may be off is the machine's, but for a drift: figures, torque constants. All else is set up anew."""
-    return nuisance.edit is not None or nuisance.name.startswith(GAIN)
+    """Whether what may be off is the machine's, but for a drift: figures, zeros of motors, torque constants.
+
+    All else is set up anew.
+    """
+    return nuisance.edit is not None or nuisance.encoder is not None or nuisance.name.startswith(GAIN)
 
 
 def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[np.intp], held: float) -> Slopes:

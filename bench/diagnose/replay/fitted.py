@@ -14,8 +14,9 @@ from pydantic import ValidationError
 
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
-from bench.effects.effect import Array
+from bench.effects.effect import Acting, Array, Place
 from bench.effects.fitted import fitted_acting
+from bench.effects.geometry import JointZero
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import Figures
@@ -43,12 +44,22 @@ def fitted_world(compiled: CompiledRobot) -> World:
     return World(deviations, fitted_acting(compiled))
 
 
+def zeros_in(world: World, compiled: CompiledRobot) -> tuple[Acting, ...]:
+    """Return the zeros of motor encoders that are off in a world, as the effect by which figures hold them."""
+    effect = JointZero()
+    return tuple(
+        Acting(effect, Place("joint", j, compiled.robot.figures.drives[j].joint), {effect.parameters[0].name: value})
+        for nuisance, value in world.deviations.items()
+        if (j := nuisance.encoder) is not None and value
+    )
+
+
 def figures_with(
     compiled: CompiledRobot, deviations: Mapping[Nuisance, float]
 ) -> tuple[FittedReadings, FittedWeights, tuple[Nuisance, ...]]:
     """Return deviations of readings and weights on top of those that a robot has, as figures.
 
-    Those that edit the model alone are not meant.
+    Those that edit the model alone are not meant, nor zeros of motors (`zeros_in`).
 
     Returns:
         Errors of readings, errors of weights, and the deviations that have no place in them.

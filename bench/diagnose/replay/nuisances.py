@@ -23,6 +23,8 @@ THERMOMETER_K = 2.0
 # of motor encoders
 UNKNOWN_ZERO = JointZero.parameters[0].high / 3**0.5
 
+MOTOR_ZERO = "zero of the motor encoder of "
+
 OnReading = Callable[[float, Reading], Reading]
 
 
@@ -63,6 +65,7 @@ class Nuisance:
         on_reading: How it changes readings, or None.
         scales_wrench: It is the relative error of what hangs at the load point.
         scales_payload: It is the relative error of what is bolted to it.
+        encoder: It is by what the encoder of this motor reads too much, all the while; None: it is something else.
         between: What becomes of it between two recordings, as of an effect (`effects/effect.py`).
         own: Standard deviation of the part that is another one in each recording, in its unit; 0 of what is the same.
         recording: Name of the only recording in which it acts; None: in all.
@@ -79,6 +82,7 @@ class Nuisance:
     on_reading: OnReading | None = None
     scales_wrench: bool = False
     scales_payload: bool = False
+    encoder: int | None = None
     between: Between = "same"
     recording: str | None = None
 
@@ -98,7 +102,7 @@ class Nuisance:
     @property
     def moves_robot(self) -> bool:
         """Whether a robot in which it is off moves differently, and has to be simulated anew."""
-        return self.edit is not None or self.scales_wrench or self.scales_payload
+        return self.edit is not None or self.scales_wrench or self.scales_payload or self.encoder is not None
 
     @property
     def is_simulated(self) -> bool:
@@ -135,7 +139,9 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))
     found.append(Nuisance("weights bolted on", "", load, scales_payload=True, between="anew", own=load))
-    found += _drives(compiled, kinds) + _tracker(compiled, quantities) + _force(compiled, kinds)
+    found += (
+        _motor_zeros(compiled) + _drives(compiled, kinds) + _tracker(compiled, quantities) + _force(compiled, kinds)
+    )
     if "gas_temperature" in kinds:
         found.append(Nuisance("thermometer of the gas", "K", THERMOMETER_K, on_reading=_thermometer))
     if "q_link" in kinds:
@@ -147,6 +153,14 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
         ]
         found += zeros if zeroing is None else [replace(zero, own=min(zeroing, sigma)) for zero in zeros]
     return tuple(nuisance for nuisance in found if nuisance.sigma > 0)
+
+
+def _motor_zeros(compiled: CompiledRobot) -> list[Nuisance]:
+    """Return the zeros of the motors' encoders, as well as they are stated; of a slide in m."""
+    encoder = compiled.robot.figures.instruments.encoder
+    sigma = encoder.offset_sigma_rad if encoder else 0.0
+    joints = [drive.joint for drive in compiled.robot.figures.drives]
+    return [Nuisance(f"{MOTOR_ZERO}{joint}", "rad", sigma, encoder=j) for j, joint in enumerate(joints)]
 
 
 def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
