@@ -54,7 +54,7 @@ def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[
         held: Share of those, as a standard deviation, that is new in each recording.
     """
     machine = np.array([is_of_machine(nuisance) for nuisance in nuisances], dtype=bool)
-    rests = np.array([not nuisance.is_simulated for nuisance in nuisances], dtype=bool)
+    rests = np.array([not (one.is_simulated or one.between == "anew") for one in nuisances], dtype=bool)
     drifting = np.array([nuisance.own / nuisance.sigma for nuisance in nuisances])
     share = np.where(machine, drifting, np.where(rests, held, 1.0))
     lasting = np.array([nuisance.lasting / nuisance.sigma for nuisance in nuisances])

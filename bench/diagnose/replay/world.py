@@ -138,6 +138,8 @@ def moved(
         motion = replace(motion, wrench=share * motion.wrench)
     shift = None
     for nuisance, value in world.deviations.items():
+        if nuisance.on_wrench and value:
+            motion = replace(motion, wrench=nuisance.on_wrench(value, motion.wrench))
         if nuisance.encoder is not None and value:
             error = value * np.eye(motion.q.shape[1])[nuisance.encoder]
             motion = replace(motion, q=motion.q - error)
