@@ -16,7 +16,7 @@ from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.beginning import what_is_left_out
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.neighbourhood import Neighbourhood
-from bench.diagnose.replay.fitted import figures_with
+from bench.diagnose.replay.fitted import figures_with, zeros_in
 from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.levels import as_of, with_recordings
 from bench.diagnose.replay.nuisances import nuisances_of
@@ -104,7 +104,7 @@ def _written(compiled: CompiledRobot, world: World, folder: Path) -> CompiledRob
         RobotError: The MJCF does not compile, its files are no longer what they were, or a figure is none.
     """
     robot, spec = compiled.robot, read_spec(compiled.robot)
-    acting = divided(compiled, world.acting)
+    acting = divided(compiled, (*world.acting, *zeros_in(world, compiled)))
     edits = edits_in(World(world.deviations, acting.in_model), Conditions.reference(compiled.n_joints))
     compile_spec(spec, robot, [*edits, payload_as_body])
     readings, weights, _ = figures_with(compiled, world.deviations)

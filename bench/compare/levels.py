@@ -34,8 +34,11 @@ class Slopes:
 
 
 def is_of_machine(nuisance: Nuisance) -> bool:
-    """Whether what may be off is the machine's, but for a drift: figures, torque constants. All else is set up anew."""
-    return nuisance.edit is not None or nuisance.name.startswith(GAIN)
+    """Whether what may be off is the machine's, but for a drift: figures, zeros of motors, torque constants.
+
+    All else is set up anew.
+    """
+    return nuisance.edit is not None or nuisance.encoder is not None or nuisance.name.startswith(GAIN)
 
 
 def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[np.intp], held: float) -> Slopes:
@@ -51,7 +54,7 @@ def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[
         held: Share of those, as a standard deviation, that is new in each recording.
     """
     machine = np.array([is_of_machine(nuisance) for nuisance in nuisances], dtype=bool)
-    rests = np.array([not nuisance.is_simulated for nuisance in nuisances], dtype=bool)
+    rests = np.array([not (one.is_simulated or one.between == "anew") for one in nuisances], dtype=bool)
     drifting = np.array([nuisance.own / nuisance.sigma for nuisance in nuisances])
     share = np.where(machine, drifting, np.where(rests, held, 1.0))
     lasting = np.array([nuisance.lasting / nuisance.sigma for nuisance in nuisances])

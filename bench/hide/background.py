@@ -10,6 +10,7 @@ import numpy as np
 from bench.effects.nominal import nominal_parameters
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
+from bench.simulate.pulls import Array, pulled
 
 
 @dataclass(frozen=True)
@@ -20,11 +21,15 @@ class Background:
         deviations: Name of a nominal parameter -> its deviation.
         hung: Relative error of the weights that are hung on.
         bolted: Relative error of the weights that are bolted on.
+        pulled: Relative error of loads that are pulled aside, beside that of all that hangs.
+        pull_turn: Shape (3,) [rad], by which they are turned about the world's axes.
     """
 
     deviations: Mapping[str, float]
     hung: float = 0.0
     bolted: float = 0.0
+    pulled: float = 0.0
+    pull_turn: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     @classmethod
     def draw(cls, compiled: CompiledRobot, rng: np.random.Generator) -> Self:
@@ -33,7 +38,15 @@ class Background:
             parameter.name: parameter.sigma * float(rng.standard_normal()) for parameter in nominal_parameters(compiled)
         }
         hung, bolted = (compiled.robot.figures.uncertainty.load * rng.standard_normal(2)).tolist()
-        return cls(deviations, hung, bolted)
+        known = compiled.robot.figures.uncertainty
+        if not (known.pull or known.pull_rad):  # draws of other robots stay what they were
+            return cls(deviations, hung, bolted)
+        more, *turn = rng.standard_normal(4).tolist()
+        return cls(deviations, hung, bolted, known.pull * more, tuple(known.pull_rad * angle for angle in turn))
+
+    def loads(self, nominal: Array) -> Array:
+        """Return true loads on the load point, shape (T, 6) [N, Nm] in world axes."""
+        return (1 + self.hung) * pulled(nominal, self.pulled, np.array(self.pull_turn))
 
     def off_by(self, compiled: CompiledRobot) -> dict[str, float]:
         """Return by how much each figure is off, in its unit; of what is known to a factor, as a share of it."""

@@ -102,7 +102,7 @@ def hide_campaign(
         instruments.errors = errors_in(compiled, Instruments(compiled, machine).errors, instruments.errors)
     day = WarmUp.draw(robot.n_joints, rng)
     edits = (*edits_of(session), *drawn.edits(compiled))
-    stays, log = plan(setup.legs, edits, 1 + drawn.hung, day)
+    stays, log = plan(setup.legs, edits, drawn.loads, day)
     step = before_end / 2 if timestep is None else timestep
     plants = Plants(robot, setup.spec, acting, stays, step)
     seen = [_measure(plants, stay, acting, instruments, before_end, shown, rng) for stay in stays]

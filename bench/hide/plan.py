@@ -1,6 +1,6 @@
 """A session as a list of sittings, each with its time, its model and the conditions under which it happens."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -10,6 +10,7 @@ import numpy as np
 from bench.effects.effect import Conditions
 from bench.hide.pieces import Piece, pieces_of
 from bench.hide.warm_up import Spell, WarmUp
+from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.folder import Robot
 from bench.scenario.files import Experiment
@@ -18,6 +19,8 @@ from bench.simulate.batch import Course, Rows, course_of
 from bench.simulate.drive import Log
 from bench.simulate.policy import Sitting, Step
 from bench.simulate.session import SITTINGS, edits_of
+
+Loads = Callable[[Array], Array]
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,7 @@ class Stay:
         begin: When it begins, from the start of the campaign [s].
         pieces: Of the course.
         conditions: Of each piece.
-        load: True weights over nominal ones, for what hangs on.
+        loads: From nominal loads on the load point, shape (P, 6) [N, Nm], to true ones.
     """
 
     course: Course
@@ -38,7 +41,7 @@ class Stay:
     begin: float
     pieces: tuple[Piece, ...]
     conditions: tuple[Conditions, ...]
-    load: float = 1.0
+    loads: Loads
 
     def read(self) -> Iterator[tuple[Conditions, Rows]]:
         """Yield the conditions of each piece, with which of the instants that are read lie in it."""
@@ -118,13 +121,13 @@ def legs_of(robot: Robot, session: Experiment) -> tuple[Leg, ...]:
     return setup_of(robot, session).legs
 
 
-def plan(legs: Sequence[Leg], edits: tuple[SpecEdit, ...], load: float, warm_up: WarmUp) -> tuple[list[Stay], Log]:
+def plan(legs: Sequence[Leg], edits: tuple[SpecEdit, ...], loads: Loads, warm_up: WarmUp) -> tuple[list[Stay], Log]:
     """Return the sittings with their times and conditions, and a log of the steps that will be read.
 
     Args:
         legs: The sittings.
         edits: Changes of the model that hold throughout; a payload comes before them.
-        load: True weights over nominal ones.
+        loads: From nominal loads on the load point to true ones.
         warm_up: How the day goes.
     """
     log, spells, stays, now = Log(), [], [], 0.0
@@ -136,7 +139,7 @@ def plan(legs: Sequence[Leg], edits: tuple[SpecEdit, ...], load: float, warm_up:
         edges = [*(piece.begins(course) for piece in leg.pieces), course.seconds]
         for moves, first, last in zip(leg.moves, edges[:-1], edges[1:], strict=True):
             spells.append(Spell(last - first, moves, leg.payload_kg))
-        stays.append(Stay(course, (*leg.edits, *edits), now, leg.pieces, (), load))
+        stays.append(Stay(course, (*leg.edits, *edits), now, leg.pieces, (), loads))
         log.steps += leg.steps
         log.payload_kg += [leg.payload_kg] * len(course.steps)
         now += course.seconds

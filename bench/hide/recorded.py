@@ -25,7 +25,7 @@ def recorded_of(
     robot, session, _ = reduced(robot, session, tuple(without), tuple(channels))
     setup = setup_of(robot, session)
     n, r = robot.n_joints, len(robot.figures.reflectors)
-    stays, log = plan(setup.legs, (), 1.0, WarmUp(np.zeros(n), np.zeros(n), 0.0))
+    stays, log = plan(setup.legs, (), lambda nominal: nominal, WarmUp(np.zeros(n), np.zeros(n), 0.0))
     time = np.concatenate([stay.begin + stay.course.ends[stay.course.marked] - setup.before_end for stay in stays])
     shapes = {"reflectors": (r, 3), "load_point": (3,), "wrench": (6,)}
     shapes |= {"counterbalance_force": (), "gas_force": (), "counterbalance_length": ()}

@@ -31,7 +31,7 @@ def background_in(
         if one.is_viscous:
             day = VISCOUS * DAY_K * float(rng.standard_normal())
             deviations[one.name] = (1 + deviations[one.name]) * (1 + day) - 1
-    return Background(deviations, machine.hung, own.bolted)
+    return Background(deviations, machine.hung, own.bolted, own.pulled, own.pull_turn)
 
 
 def errors_in(compiled: CompiledRobot, machine: SystematicErrors, own: SystematicErrors) -> SystematicErrors:

@@ -84,7 +84,7 @@ def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end:
     course = stay.course
     start, commands = true_commands(course, acting)
     path = course.path if commands is course.commands else smooth(start, commands)
-    wrenches = stay.load * course.wrenches
+    wrenches = stay.loads(course.wrenches)
     plant = plants.of(stay, stay.conditions[0])
     plants.arrive(plant, start, stay.begin)
     late = late_in(acting)

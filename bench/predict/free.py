@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.nuisances import PULL_DIRECTION, PULLED, Nuisance
 from bench.effects.effect import WHOLE, Effect
 from bench.effects.gas import GasLoss, GasTemperature
 from bench.errors import InputError, unknown_name
@@ -49,7 +49,8 @@ FREE: Mapping[str, Free] = {
     ),
     "stiffness": Free("stiffness of every elastic element", ("stiffness of",)),
     "weights": Free(
-        "what hangs or is bolted on, against what is written down", ("weights that hang", "weights bolted")
+        "what hangs or is bolted on, against what is written down",
+        ("weights that hang", "weights bolted", PULLED, PULL_DIRECTION),
     ),
     "payload": Free(
         "mass, inertia and centre of mass of what the model carries",

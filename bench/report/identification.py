@@ -14,6 +14,7 @@ from bench.identify.estimate import JointEstimate, StiffnessEstimate
 from bench.identify.from_campaign import static_readings
 from bench.identify.methods import METHODS
 from bench.identify.options import Options
+from bench.identify.weights_by_drives import WEIGH, weights_by_drives
 from bench.report.campaigns import open_usable
 from bench.report.jsonable import to_jsonable
 from bench.report.tables import print_wide, terminal
@@ -32,11 +33,13 @@ class Identification:
         campaign: Its folder.
         estimates: Method -> estimate.
         refused: Method -> why it could not be used on this campaign.
+        remarks: On the campaign, whatever the method; one sentence each.
     """
 
     campaign: Path
     estimates: Mapping[str, StiffnessEstimate]
     refused: Mapping[str, str]
+    remarks: tuple[str, ...] = ()
 
 
 def identify_campaign(
@@ -74,7 +77,9 @@ def identify_campaign(
                 if methods is not None:
                     raise
                 refused[name] = str(error)
-    return Identification(folder, estimates, refused)
+        weights = weights_by_drives(arm, compiled.counterbalance, readings, compiled.robot.figures.uncertainty.load)
+    remarks = (f"{weights.words}; {WEIGH}.",) if weights and weights.are_wrong else ()
+    return Identification(folder, estimates, refused, remarks)
 
 
 def as_json(estimate: StiffnessEstimate, level: float = 0.95) -> dict[str, object]:
@@ -105,6 +110,7 @@ def print_json(result: Identification, level: float) -> None:
     """Print the estimates as JSON."""
     content = {name: as_json(estimate, level) for name, estimate in result.estimates.items()}
     found = {"campaign": str(result.campaign), "estimates": content, "refused": dict(result.refused)}
+    found["remarks"] = list(result.remarks)
     print(json.dumps(found, indent=2))
 
 
@@ -126,6 +132,8 @@ def print_table(result: Identification, level: float) -> None:
     for name, estimate in result.estimates.items():
         for note in estimate.notes:
             console.print(f"{name}: {note}", highlight=False)
+    for remark in result.remarks:
+        console.print(remark, highlight=False)
     for name, reason in result.refused.items():
         console.print(f"{name}: not used: {reason}", highlight=False)
 

@@ -231,6 +231,12 @@ class Uncertainty(Strict):
     gas_constant: NonNegative = Field(0.01, le=SHARE, description="relative, of the counterbalance's C")
     critical_length_m: NonNegative = Field(0.5e-3, le=M, description="[m], of the counterbalance's l_c")
     load: NonNegative = Field(0.001, le=SHARE, description="relative, of weights hung or bolted on")
+    pull: NonNegative = Field(
+        0.0, le=SHARE, description="relative, of loads pulled aside (load cell, pulley), beside `load`; anew each time"
+    )
+    pull_rad: NonNegative = Field(
+        0.0, le=1, description="[rad], about each axis, of the direction of loads pulled aside; anew each time"
+    )
     payload_kg: NonNegative | None = Field(
         None, le=KG, description="[kg], largest payload that recordings may leave unstated; by default the rated load"
     )

@@ -47,11 +47,15 @@ class FittedReadings(Strict):
 class FittedWeights(Strict):
     """By how much what hangs at the load point, and what is bolted to it, is heavier than written down; relative.
 
+    Loads that are pulled aside may be larger beside that, and turned.
+
     Above -1, where there would be no weight.
     """
 
     hung: float = Field(0.0, gt=-1, le=MOST_WEIGHT)
     bolted: float = Field(0.0, gt=-1, le=MOST_WEIGHT)
+    pulled: float = Field(0.0, gt=-1, le=MOST_WEIGHT)
+    pull_turn_rad: tuple[Turn, Turn, Turn] = Field(ZERO, description="[rad], about the world's axes")
 
 
 NO_READINGS, NO_WEIGHTS = FittedReadings.model_validate({}), FittedWeights.model_validate({})

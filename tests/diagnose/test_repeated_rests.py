@@ -120,6 +120,19 @@ def test_what_repeats_nothing_has_no_share_and_what_hardly_repeats_may_have_any(
         assert repeating_share(*known, [0 * few.sigma] * n) == expected
 
 
+def test_rests_on_which_the_fast_algorithm_gives_up(linear: LinearisedModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stranger's unchanged days ended in "SVD did not converge", on finite numbers."""
+    residuals = [np.nan_to_num(segment.observed) * 1e-6 for segment in linear.segments]
+    known = (linear.replay.compiled, linear.segments, linear.responses, linear.quantities, linear.scatter, residuals)
+    expected = repeating_share(*known)
+
+    def gives_up(*_: object, **__: object) -> None:
+        raise np.linalg.LinAlgError("SVD did not converge")
+
+    monkeypatch.setattr(np.linalg, "svd", gives_up)
+    assert repeating_share(*known) == expected
+
+
 def test_visits_of_which_nothing_was_read_have_nothing_in_common(linear: LinearisedModel) -> None:
     first, _ = repeating_visits(linear.segments)[0]
     unread = replace(linear.segments[first], observed=linear.segments[first].observed * np.nan)

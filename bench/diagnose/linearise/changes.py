@@ -17,6 +17,7 @@ from bench.errors import BenchError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
+from bench.simulate.instruments import is_slanting
 from bench.store.store import Store
 
 Digits = NDArray[np.float32]
@@ -61,9 +62,13 @@ def _simulate(
     p = len(plan.nuisances)
     first_order = None if plan.simulates_torques else FirstOrder(replay, plan.around)
     worlds: dict[int, World] = {}
+    is_pulled = any(np.any(is_slanting(segment.motion.wrench)) for segment in segments)
     for i in which:
         if i < p:
             nuisance = plan.nuisances[i]
+            if nuisance.on_wrench and not is_pulled:
+                changes[:, :, i] = 0.0
+                continue
             worlds[i] = World({**off, nuisance: off.get(nuisance, 0.0) + nuisance.sigma}, acting)
             continue
         change = first_order.change(plan.acting[i - p]) if first_order else None

@@ -5,6 +5,7 @@ singular values c, and s = 1 - 1 / sqrt(1 + c^2).
 """
 
 import numpy as np
+from scipy.linalg import svd
 
 from bench.record.campaign import Array
 
@@ -19,9 +20,22 @@ def modes_of(common: Array) -> tuple[Array, Array]:
     """
     if not np.any(common):
         return np.zeros((len(common), 0)), np.zeros(0)
-    modes, size, _ = np.linalg.svd(common, full_matrices=False)
+    modes, size = left_modes(common)
     kept = size > TINY * size[0]
     return modes[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2)
+
+
+def left_modes(matrix: Array) -> tuple[Array, Array]:
+    """Return the left singular vectors of a matrix, shape (m, r), and its singular values, falling, shape (r,).
+
+    Args:
+        matrix: Shape (m, k); r is the lesser of both.
+    """
+    try:
+        modes, size, _ = np.linalg.svd(matrix, full_matrices=False)
+    except np.linalg.LinAlgError:  # LAPACK's gesdd, which is fast, gives up on some matrices of finite numbers
+        modes, size, _ = svd(matrix, full_matrices=False, lapack_driver="gesvd")
+    return modes, size
 
 
 def take_out(white: Array, modes: Array, shrink: Array) -> None:

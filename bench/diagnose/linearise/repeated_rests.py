@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from bench.diagnose.linearise.common_modes import modes_of, put_back, take_out
+from bench.diagnose.linearise.common_modes import left_modes, modes_of, put_back, take_out
 from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, measured_in, rest_friction, whitening_of
 from bench.diagnose.linearise.standing_joints import FEW
 from bench.diagnose.linearise.torque_response import TorqueResponse
@@ -119,7 +119,7 @@ def repeating_share(
         if not (len(noise) and np.all(noise > 0)):
             continue
         deviation = np.sqrt(noise)
-        modes, size, _ = np.linalg.svd(friction / deviation[:, None], full_matrices=False)
+        modes, size = left_modes(friction / deviation[:, None])
         difference = modes.T @ ((residuals[other] - residuals[one])[both] / deviation)
         variance = 1 + (1 - SHARES[:, None]) * size**2  # beside the modes, the share changes nothing
         likelihood -= 0.5 * np.sum(difference**2 / variance + np.log(variance), axis=1)

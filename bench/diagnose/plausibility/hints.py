@@ -11,7 +11,7 @@ from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
 from bench.diagnose.plausibility.known_temperature import known_temperatures
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_gauges, late_reflectors
-from bench.diagnose.plausibility.loads import unlike_weights
+from bench.diagnose.plausibility.loads import unlike_weights, weights_that_drives_doubt
 from bench.diagnose.plausibility.one_more_number import one_more_number
 from bench.diagnose.plausibility.one_run import unlike_other_runs
 from bench.diagnose.plausibility.reported_torques import unlike_currents
@@ -78,7 +78,8 @@ def hints_of(
             replay = Replay(compiled, paid, drives)
             picture = drive_picture(replay)
             at_rest = resting_torque(compiled, paid, drives)
-            found += _scaled(first_look(picture, at_rest), compiled)
+            scaled = tuple(_scaled(first_look(picture, at_rest), compiled))
+            found += scaled or weights_that_drives_doubt(campaign, compiled)  # currents of a wrong scale say nothing
             alone = (DriveDelay if compiled.n_joints == 1 else ChannelDelay).name
             found += _late(late_drives(replay, picture, at_rest), LATEST_DRIVE_S, alone)
             found += unlike_other_runs(picture, paid, at_rest)

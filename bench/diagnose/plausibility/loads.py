@@ -13,9 +13,15 @@ from bench.diagnose.plausibility.mistaken import NEAR, POUND_N, doubt
 from bench.diagnose.plausibility.mistaken_inputs import ELSEWHERE, Recording, with_loads
 from bench.diagnose.replay.instants import instants_of
 from bench.effects.recording_log import HungLoad
+from bench.errors import InputError
+from bench.identify.arm import Arm
+from bench.identify.from_campaign import static_readings
+from bench.identify.weights_by_drives import WEIGH, weights_by_drives
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.record.units import STANDARD_GRAVITY
+from bench.robot.compiled import CompiledRobot
+from bench.robot.links import rigid_bodies
 
 # derived: times; half way, on a logarithmic scale, from a load written down twice too small (hung_load) to pounds
 TOO_SMALL = ((1 + HungLoad.parameters[0].high) * POUND_N) ** 0.5
@@ -89,6 +95,23 @@ def _slope(y: Array, x: Array) -> float:
     """Return y over x by least squares, 0 where they do not go together."""
     power = float(np.sqrt((x @ x) * (y @ y)))
     return float(x @ y) / float(x @ x) if power > 0 and float(x @ y) > ALIKE * power else 0.0
+
+
+def weights_that_drives_doubt(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
+    """Yield a warning where drives paid for other weights than hung there by what was written down.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot, nominal.
+    """
+    try:
+        readings = static_readings(campaign, compiled.robot.figures)
+    except InputError:  # no rests, or none without a load
+        return
+    arm, known = Arm(rigid_bodies(compiled)), compiled.robot.figures.uncertainty.load
+    found = weights_by_drives(arm, compiled.counterbalance, readings, known)
+    if found and found.are_wrong:
+        yield Finding("warning", "all runs", None, "load_z_n", found.words, WEIGH)
 
 
 def unlike_weights(campaign: Campaign) -> Iterator[Finding]:

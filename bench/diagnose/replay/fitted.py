@@ -7,20 +7,23 @@ act on top of that.
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
 
-from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.nuisances import PULL_DIRECTION, PULLED, Nuisance
 from bench.diagnose.replay.world import World
-from bench.effects.effect import Array
+from bench.effects.effect import Acting, Array, Place
 from bench.effects.fitted import fitted_acting
+from bench.effects.geometry import JointZero
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import Figures
 from bench.robot.fitted import NO_READINGS, FittedReadings, FittedWeights
 from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
+from bench.simulate.pulls import pulled
 
 AXES = "xyz"
 Put = Callable[[dict[str, Any], float], None]
@@ -40,7 +43,23 @@ def fitted_world(compiled: CompiledRobot) -> World:
         deviations[Nuisance("weights that hang, as fitted", "", 0.0, scales_wrench=True)] = known.weights.hung
     if known.weights.bolted:
         deviations[Nuisance("weights bolted on, as fitted", "", 0.0, scales_payload=True)] = known.weights.bolted
+    if known.weights.pulled or any(known.weights.pull_turn_rad):
+        deviations[Nuisance("loads pulled aside, as fitted", "", 0.0, on_wrench=partial(_pulled, known.weights))] = 1.0
     return World(deviations, fitted_acting(compiled))
+
+
+def _pulled(known: FittedWeights, x: float, wrench: Array) -> Array:
+    return pulled(wrench, x * known.pulled, x * np.array(known.pull_turn_rad))
+
+
+def zeros_in(world: World, compiled: CompiledRobot) -> tuple[Acting, ...]:
+    """Return the zeros of motor encoders that are off in a world, as the effect by which figures hold them."""
+    effect = JointZero()
+    return tuple(
+        Acting(effect, Place("joint", j, compiled.robot.figures.drives[j].joint), {effect.parameters[0].name: value})
+        for nuisance, value in world.deviations.items()
+        if (j := nuisance.encoder) is not None and value
+    )
 
 
 def figures_with(
@@ -48,7 +67,7 @@ def figures_with(
 ) -> tuple[FittedReadings, FittedWeights, tuple[Nuisance, ...]]:
     """Return deviations of readings and weights on top of those that a robot has, as figures.
 
-    Those that edit the model alone are not meant.
+    Those that edit the model alone are not meant, nor zeros of motors (`zeros_in`).
 
     Returns:
         Errors of readings, errors of weights, and the deviations that have no place in them.
@@ -66,6 +85,12 @@ def figures_with(
             weights["hung"] = (1 + weights["hung"]) * (1 + value) - 1
         elif nuisance.scales_payload:
             weights["bolted"] += value
+        elif nuisance.name == PULLED:
+            weights["pulled"] = (1 + weights["pulled"]) * (1 + value) - 1
+        elif nuisance.on_wrench:
+            turned = weights["pull_turn_rad"]
+            which = [nuisance.name == f"{PULL_DIRECTION}{axis}" for axis in AXES]
+            weights["pull_turn_rad"] = tuple(angle + value * own for angle, own in zip(turned, which, strict=True))
         elif nuisance.on_reading:
             put = slots.get((nuisance.name, _changes_torque(compiled, nuisance)))
             if put:

@@ -5,6 +5,7 @@ What these can explain within their stated uncertainty is not a discovery.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -16,12 +17,17 @@ from bench.effects.nominal import factor_of, nominal_parameters, presliding_para
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
+from bench.simulate.pulls import pulled
 
 # assumed: [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold
 THERMOMETER_K = 2.0
 # derived: [rad] or [m], how well secondary encoders are zeroed where the figures do not say: as the catalogue expects
 # of motor encoders
 UNKNOWN_ZERO = JointZero.parameters[0].high / 3**0.5
+
+MOTOR_ZERO = "zero of the motor encoder of "
+PULLED = "loads pulled aside"
+PULL_DIRECTION = "direction of loads pulled aside, "
 
 OnReading = Callable[[float, Reading], Reading]
 
@@ -63,6 +69,8 @@ class Nuisance:
         on_reading: How it changes readings, or None.
         scales_wrench: It is the relative error of what hangs at the load point.
         scales_payload: It is the relative error of what is bolted to it.
+        on_wrench: How it changes the loads on the load point, shape (T, 6) [N, Nm] in world axes, or None.
+        encoder: It is by what the encoder of this motor reads too much, all the while; None: it is something else.
         between: What becomes of it between two recordings, as of an effect (`effects/effect.py`).
         own: Standard deviation of the part that is another one in each recording, in its unit; 0 of what is the same.
         recording: Name of the only recording in which it acts; None: in all.
@@ -79,6 +87,8 @@ class Nuisance:
     on_reading: OnReading | None = None
     scales_wrench: bool = False
     scales_payload: bool = False
+    on_wrench: Callable[[float, Array], Array] | None = None
+    encoder: int | None = None
     between: Between = "same"
     recording: str | None = None
 
@@ -98,7 +108,8 @@ class Nuisance:
     @property
     def moves_robot(self) -> bool:
         """Whether a robot in which it is off moves differently, and has to be simulated anew."""
-        return self.edit is not None or self.scales_wrench or self.scales_payload
+        changes = self.edit or self.on_wrench or self.scales_wrench or self.scales_payload
+        return bool(changes) or self.encoder is not None
 
     @property
     def is_simulated(self) -> bool:
@@ -135,7 +146,13 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
     load = compiled.robot.figures.uncertainty.load
     found.append(Nuisance("weights that hang", "", load, scales_wrench=True))
     found.append(Nuisance("weights bolted on", "", load, scales_payload=True, between="anew", own=load))
-    found += _drives(compiled, kinds) + _tracker(compiled, quantities) + _force(compiled, kinds)
+    found += (
+        _pulls(compiled)
+        + _motor_zeros(compiled)
+        + _drives(compiled, kinds)
+        + _tracker(compiled, quantities)
+        + _force(compiled, kinds)
+    )
     if "gas_temperature" in kinds:
         found.append(Nuisance("thermometer of the gas", "K", THERMOMETER_K, on_reading=_thermometer))
     if "q_link" in kinds:
@@ -147,6 +164,34 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
         ]
         found += zeros if zeroing is None else [replace(zero, own=min(zeroing, sigma)) for zero in zeros]
     return tuple(nuisance for nuisance in found if nuisance.sigma > 0)
+
+
+def _pulls(compiled: CompiledRobot) -> list[Nuisance]:
+    """Return size and direction of loads that are pulled aside, as well as they are stated."""
+    known = compiled.robot.figures.uncertainty
+
+    def error(name: str, unit: str, sigma: float, on_wrench: Callable[[float, Array], Array]) -> Nuisance:
+        return Nuisance(name, unit, sigma, on_wrench=on_wrench, between="anew", own=sigma)
+
+    return [
+        error(PULLED, "", known.pull, lambda x, wrench: pulled(wrench, x, np.zeros(3))),
+        *(
+            error(f"{PULL_DIRECTION}{name}", "rad", known.pull_rad, partial(_turned, axis))
+            for name, axis in zip("xyz", np.eye(3), strict=True)
+        ),
+    ]
+
+
+def _turned(axis: Array, x: float, wrench: Array) -> Array:
+    return pulled(wrench, 0.0, x * axis)
+
+
+def _motor_zeros(compiled: CompiledRobot) -> list[Nuisance]:
+    """Return the zeros of the motors' encoders, as well as they are stated; of a slide in m."""
+    encoder = compiled.robot.figures.instruments.encoder
+    sigma = encoder.offset_sigma_rad if encoder else 0.0
+    joints = [drive.joint for drive in compiled.robot.figures.drives]
+    return [Nuisance(f"{MOTOR_ZERO}{joint}", "rad", sigma, encoder=j) for j, joint in enumerate(joints)]
 
 
 def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:

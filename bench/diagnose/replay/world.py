@@ -137,6 +137,13 @@ def moved(
     if share != 1.0:
         motion = replace(motion, wrench=share * motion.wrench)
     shift = None
+    for nuisance, value in world.deviations.items():
+        if nuisance.on_wrench and value:
+            motion = replace(motion, wrench=nuisance.on_wrench(value, motion.wrench))
+        if nuisance.encoder is not None and value:
+            error = value * np.eye(motion.q.shape[1])[nuisance.encoder]
+            motion = replace(motion, q=motion.q - error)
+            shift = -error if shift is None else shift - error
     for acting in world.acting:
         error = acting.effect.encoder_error(acting.place, acting.values, motion.q, motion.velocity)
         if error is not None:

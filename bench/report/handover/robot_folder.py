@@ -9,7 +9,7 @@ import numpy as np
 
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.replay.fitted import figures_with
+from bench.diagnose.replay.fitted import figures_with, zeros_in
 from bench.diagnose.replay.given import EARLIER
 from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.levels import as_of
@@ -72,7 +72,7 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path, un
     compiled, last = linear.replay.compiled, recordings_of(linear.segments)[-1]
     world = as_of(fit.world(linear), last)
     robot = compiled.robot
-    division = divided(compiled, world.acting)
+    division = divided(compiled, (*world.acting, *zeros_in(world, compiled)))
     before, spec = read_spec(robot), read_spec(robot)
     before.compile()
     text = xml_of(before)

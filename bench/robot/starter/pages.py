@@ -16,6 +16,7 @@ from bench.robot.starter.source import Source
 LOAD_SHARE = 0.2  # assumed: of what the strongest drive holds, the rated load
 SHORTEST = 0.1  # assumed: [m], lever of a load, however short the arm
 DRAWING = {"mass": 0.05, "centre_of_mass_m": 5e-3, "geometry_m": 0.5e-3, "axis_rad": 5e-4, "friction": 0.2}  # assumed
+PULLS = {"pull": 0.005, "pull_rad": 0.005}  # assumed: as of a force sensor
 # Of the stiffness, which no file has: a factor of four. Joints of the HH-150 lie within a factor of 2.1 of the guess,
 # data sheets of gears alone five times above it
 STIFFNESS_GUESSED = 3.0
@@ -75,6 +76,7 @@ def figures_text(name: str, source: Source, drives: Sequence[DriveFigures], foun
             Uncertainty,
             "  ",
             **DRAWING,
+            **PULLS,
             stiffness=STIFFNESS_GUESSED,
             rotor_inertia=_of_rotors(drives),
             payload_kg=heaviest,

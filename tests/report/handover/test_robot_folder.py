@@ -15,6 +15,7 @@ import yaml
 from bench.cli import main
 from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.nuisances import MOTOR_ZERO
 from bench.diagnose.replay.replay import Replay
 from bench.effects.effect import WHOLE
 from bench.effects.sensing_drive import EncoderDelay
@@ -42,6 +43,25 @@ def test_the_folder_predicts_what_was_fitted(linear: LinearisedModel, name: str,
     assert tuple(one.effect for one in listed) == CASES[name].beside
     mujoco.MjModel.from_xml_path(str(tmp_path / "robot" / "small.xml"))
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "nominal.xml")).nv == linear.replay.compiled.model.nv
+
+
+def test_zeros_of_motors_are_handed_over(tmp_path: Path) -> None:
+    folder = write_small_robot(tmp_path / "own")
+    instruments = FIGURES["instruments"] | {"encoder": {"offset_sigma_rad": 1e-4}}
+    (folder / "figures.yaml").write_text(yaml.safe_dump(FIGURES | {"instruments": instruments}))
+    linear = design_for(compile_robot(load_robot(folder)))
+    fit = fit_of(linear, Case(()), np.random.default_rng(7))
+    handed = hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
+    assert handed.missing == ()
+    assert handed.disagreement < AGREES
+    held = {one.place: one.values for one in load_robot(tmp_path / "robot").figures.fitted.effects}
+    zeros = {
+        n.name.removeprefix(MOTOR_ZERO): {"offset": n.sigma * x}
+        for n, x in zip(linear.nuisances, fit.nuisances, strict=True)
+        if n.encoder is not None
+    }
+    assert held == zeros
+    assert len(zeros) == 2
 
 
 def test_friction_held_at_rest_is_left_out(linear: LinearisedModel, tmp_path: Path) -> None:
