@@ -201,6 +201,30 @@ def test_joints_by_name_without_a_robot(tmp_path: Path) -> None:
     assert form.columns["tau_motor_1_nm"].source == "effort.elbow"
 
 
+@pytest.mark.parametrize(
+    ("name", "part"),
+    [
+        ("joint_temperatures_{}", "gear"),
+        ("gearbox_temp_{}", "gear"),
+        ("motor_temp_{}", "motor"),
+        ("T_temp_{}", "motor"),
+    ],
+)
+def test_temperatures_of_joints_are_those_of_gears(tmp_path: Path, name: str, part: str) -> None:
+    """A stranger's `joint_temperatures` were windings, so friction that falls with the gears' was never looked for."""
+    time = np.arange(0, 4, 0.01)
+    columns = {"time": time, **{f"q_{j}": np.sin(time + j) for j in range(2)}}
+    columns |= {name.format(j): 30.0 + j + 0.1 * time for j in range(2)}
+    np.savetxt(
+        tmp_path / "log.csv", np.stack([*columns.values()], 1), delimiter=",", header=",".join(columns), comments=""
+    )
+    text = look(tmp_path / "log.csv").text
+    assert re.findall(r"(\w+)_temperature_(\d)_k: .*from: \"?" + re.escape(name[:4]), text) == [
+        (part, "1"),
+        (part, "2"),
+    ]
+
+
 def test_a_command_comes_first(tmp_path: Path) -> None:
     """No names: of two alike families the one that is ahead by 20 ms was commanded."""
     motion = stranger.moved(np.random.default_rng(6), SECONDS)

@@ -34,8 +34,8 @@ _INDEX = re.compile(r"\d+")
 
 def clocks(names: Sequence[str]) -> list[str]:
     """Return the columns that may be a clock by their names; first a stamp of the measurement, then one of the log."""
-    found = [name for name in names if (words := _words(name)) and (words[0] in CLOCKS or words[-1] in STAMPS)]
-    return sorted(found, key=lambda name: _words(name)[0] == "log")
+    found = [name for name in names if (words := words_of(name)) and (words[0] in CLOCKS or words[-1] in STAMPS)]
+    return sorted(found, key=lambda name: words_of(name)[0] == "log")
 
 
 def unit_of(name: str) -> str:
@@ -68,7 +68,7 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
     for stem, members in groups.items():
         members += _lettered(stem, members, others, range(first, first + len(joints)))
         unit = unit_of(members[0][1])
-        words = _words(stem)
+        words = words_of(stem)
         words = words[:-1] if unit and words and WORDS_OF_UNITS.get(words[-1], words[-1]) == unit else words
         measured = FOREIGN[unit].si if unit in FOREIGN else unit
         by_unit = BY_UNIT.get(measured, "unknown")
@@ -89,7 +89,7 @@ def _lettered(
     """Return the one column that a family lacks and its number: of "A1_I", "A2_I", "Z_I", "A4_I" the third."""
     missing = set(numbers) - {number for number, _ in members}
     rest = stem.partition("*")[2]
-    alike = [name for name in others if name.endswith(rest)] if _words(rest) else []
+    alike = [name for name in others if name.endswith(rest)] if words_of(rest) else []
     return [(missing.pop(), alike[0])] if len(missing) == len(alike) == 1 < len(members) else []
 
 
@@ -113,7 +113,7 @@ def _stem(name: str, joints: Sequence[str]) -> tuple[str, int | None]:
     return (f"{before}.*", 0) if dot and before in LISTS else (name, None)  # in the order of the log
 
 
-def _words(text: str) -> list[str]:
+def words_of(text: str) -> list[str]:
     """Return the words of a name: "actualQ_1" is actual, q."""
     spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)
     return [word.lower() for word in re.findall(r"[A-Za-z]+", spaced)]

@@ -8,6 +8,7 @@ import numpy as np
 from bench.record.campaign import Array
 from bench.record.channels import parse_column
 from bench.record.look.families import Family
+from bench.record.look.names import words_of
 from bench.record.turns import as_offset, in_words
 from bench.record.units import FOREIGN
 from bench.record.yaml_text import in_quotes
@@ -18,6 +19,8 @@ MAX_TRAVEL = 10.0  # [m] of a slide; tracks that carry arms are this long, and i
 KELVIN = 200.0  # a temperature above it is in kelvin, below in degrees Celsius; no winding has either in the other
 ANGLES = ("q_cmd", "q_motor", "q_link")
 UNTOLD = 0.3  # relative standard deviation of a factor that is no proposal (assumed: gears of one arm differ by less)
+GEARS = {"gear", "gears", "gearbox", "reducer", "oil", "getriebe", "joint", "joints", "axis", "achse"}
+WINDINGS = {"motor", "motors", "winding", "windings", "stator", "drive", "wicklung"}
 QUANTITY = {"link": "q_link", "current": "current", "torque": "tau_motor", "temperature": "motor_temperature"}
 
 
@@ -143,9 +146,15 @@ def as_logged(family: Family) -> Iterator[Line]:
 
 
 def temperatures(families: Sequence[Family], columns: Mapping[str, Array]) -> Iterator[Line]:
-    """Yield the lines of temperatures; those of windings, if nothing else is said."""
-    for family in [family for family in families if family.kind == "temperature"][:1]:
+    """Yield the lines of temperatures; those of a joint are its gearbox's, all others of windings, if nothing is said."""
+    first: dict[str, Family] = {}
+    for family in families:
+        if family.kind == "temperature":
+            words = set(words_of(family.sources[0]))
+            first.setdefault("gear" if words & GEARS and not words & WINDINGS else "motor", family)
+    for part, family in first.items():
         for number, source in zip(family.numbers, family.sources, strict=True):
             kelvin = family.unit == "k" or float(np.min(columns[source])) > KELVIN
-            why = f"{family.why}; taken as winding, in {'K' if kelvin else 'degrees Celsius'}"
-            yield Line(f"motor_temperature_{number}_k", source, 1.0, 0.0 if kelvin else 273.15, why)
+            taken = "gearbox, whose friction follows it" if part == "gear" else "winding"
+            why = f"{family.why}; taken as {taken}, in {'K' if kelvin else 'degrees Celsius'}"
+            yield Line(f"{part}_temperature_{number}_k", source, 1.0, 0.0 if kelvin else 273.15, why)
