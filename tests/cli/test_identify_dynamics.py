@@ -49,6 +49,9 @@ def test_text_has_errors_first(campaigns: tuple[Path, Path], capsys: pytest.Capt
     assert printed.index("plain least squares") < printed.index("Coulomb friction")
     assert "as stated" in printed
     assert "whole runs" in printed
+    assert "friction by the torque passed on" not in printed.split("Not needed: ")[0], (
+        "rows of zeros told nobody anything"
+    )
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 from bench.identify.dynamics.advice import sentence
 from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.prior import AS_STATED
-from bench.identify.dynamics.quantities import RELATIVE, Quantity
+from bench.identify.dynamics.quantities import DRIVE, RELATIVE, Quantity
 from bench.record.campaign import Array
 from bench.record.finding import counted
 from bench.report.diagnosis.numbers import shown, unit_name
@@ -39,17 +39,34 @@ def print_dynamics(result: Dynamics, level: float) -> None:
     print_wide(console, _errors(found, f"held out: {folds_words(found)}, each predicted by a fit without it", errors))
     for folder, torques in result.predicted.items():
         print_wide(console, _errors(found, f"predicted, nothing fitted: {folder}", {m: torques.rms(m) for m in MODELS}))
+    drives_without = _without(found)
+    without = {f"{DRIVE[what][0]} ({found.joints[j]})" for what, drives in drives_without.items() for j in drives}
     for title in dict.fromkeys(TITLES.values()):
-        mine = [one for one in result.quantities if TITLES[one.kind] == title and one.told]
+        mine = [one for one in result.quantities if TITLES[one.kind] == title and one.told and one.name not in without]
         if mine:
             print_wide(console, _parameters(f"{title}, {level:.0%} intervals", mine, found.quantile(level)))
-    open_ones = [one.name for one in result.quantities if not one.told and one.kind != "drive"]
+    if without:
+        words = [f"{DRIVE[what][0]} ({_joints(found, drives)})" for what, drives in drives_without.items() if drives]
+        console.print(f"Not needed: {'; '.join(words)}.", highlight=False)
+    open_ones = [
+        one.name for one in result.quantities if not one.told and one.kind != "drive" and one.name not in without
+    ]
     if open_ones:
         console.print(f"Not told by these data, left near what was stated: {', '.join(open_ones)}.", highlight=False)
     for motion in result.motions:
         console.print(sentence(motion, found), highlight=False)
     for note in notes_of(found, result.predicted):
         console.print(note, highlight=False)
+
+
+def _without(found: FirstPass) -> dict[str, list[int]]:
+    """Return which drives do without what a drive may have: by the name of its column, as of `FirstPass.has`."""
+    return {what: [j for j in range(len(found.joints)) if j not in has] for what, has in found.has.items()}
+
+
+def _joints(found: FirstPass, drives: Sequence[int]) -> str:
+    """Return the names of some joints, or that they are all."""
+    return "all joints" if len(drives) == len(found.joints) else ", ".join(found.joints[j] for j in drives)
 
 
 def _head(found: FirstPass) -> Iterator[str]:

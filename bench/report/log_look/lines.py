@@ -146,7 +146,7 @@ def as_logged(family: Family) -> Iterator[Line]:
 
 
 def temperatures(families: Sequence[Family], columns: Mapping[str, Array]) -> Iterator[Line]:
-    """Yield the lines of temperatures; those of a joint are its gearbox's, all others of windings, if nothing is said."""
+    """Yield the lines of temperatures; those of joints are of gearboxes, others of windings."""
     first: dict[str, Family] = {}
     for family in families:
         if family.kind == "temperature":
