@@ -30,7 +30,7 @@ def test_commands_exist(command: str, capsys: pytest.CaptureFixture[str]) -> Non
 PAGES = sorted(page.relative_to(ROOT) for folder in ("bench", "models") for page in (ROOT / folder).rglob("*.md"))
 
 
-@pytest.mark.parametrize("page", [Path("README.md"), Path("CONTRIBUTING.md"), *PAGES], ids=str)
+@pytest.mark.parametrize("page", [Path("README.md"), Path("CHANGELOG.md"), Path("CONTRIBUTING.md"), *PAGES], ids=str)
 def test_links_lead_somewhere(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / page).read_text(encoding="utf-8")):
         assert (ROOT / page.parent / target).exists(), target
