@@ -16,7 +16,7 @@ class Paper:
     replace: bool = False
     """Replace a results folder that stands there already."""
     in_time: bool = False
-    """Also run some protocols of the loading experiment in time, in each friction world: half a minute more."""
+    """Also run some protocols of the loading experiment in time, in each friction world: a minute more."""
     cores: int = 0
     """Processes; 0: one for each core."""
 
