@@ -1,13 +1,14 @@
 """Whether the parts that `figures.yaml` names play the roles that it gives them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.robot.figures import Drive
 from bench.robot.folder import Robot
-from bench.robot.plausible import OF_ELEMENTS, OF_SERVOS, OF_TORQUE_LIMITS
+from bench.robot.plausible import LEAST_MASS, OF_ELEMENTS, OF_SERVOS, OF_TORQUE_LIMITS, presliding_range
 
 JOINT_KINDS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 SITE, ON_TENDON = int(mujoco.mjtWrap.mjWRAP_SITE), int(mujoco.mjtTrn.mjTRN_TENDON)
@@ -69,6 +70,9 @@ def unlike_a_robot(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
         yield from OF_ELEMENTS.faults(
             [(f"{robot.figures_file}: drives[{i}].element: tendon {drive.element!r}", frequency)]
         )
+        body = int(model.jnt_bodyid[model.joint(drive.joint).id])
+        mass = float(np.sum(model.body_mass[model.body_weldid == body]))  # with all that is fixed on it
+        yield from LEAST_MASS.faults([(f"{robot.mjcf}: body {_name(model, 'body', body)!r}", mass)])
         if model.qpos0[model.jnt_qposadr[model.joint(drive.joint).id]] != 0:
             yield f"{robot.mjcf}: joint {drive.joint!r} has ref != 0; move its zero into the pose of its body."
     driven = {name for drive in robot.figures.drives for name in (drive.joint, drive.rotor)}
@@ -88,6 +92,24 @@ def unlike_a_robot(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
             f"{robot.mjcf}: shapes of bodies {bodies[0]!r} and {bodies[1]!r} touch with all joints at zero; write "
             'contype="0" conaffinity="0" at the geoms, contact is left out here.'
         )
+
+
+def unlike_friction(
+    robot: Robot, model: mujoco.MjModel, elements: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
+) -> Iterator[str]:
+    """Yield a sentence for every friction element that holds as no surfaces do.
+
+    Args:
+        robot: The robot.
+        model: Its compiled model.
+        elements: Levels [Nm] and presliding stiffnesses [Nm/rad] by side, motor or link, each of shape (n,).
+    """
+    for side, (levels, stiffness) in elements.items():
+        for i, drive in enumerate(robot.figures.drives):
+            name = drive.motor_friction if side == "motor" else drive.link_friction
+            limit = float(np.max(np.abs(model.actuator_forcerange[model.actuator(drive.servo).id])))
+            limits = presliding_range(float(levels[i]), limit)
+            yield from limits.faults([(f"{robot.mjcf}: actuator {name!r}", float(stiffness[i]))])
 
 
 def _name(model: mujoco.MjModel, kind: str, index: int) -> str:

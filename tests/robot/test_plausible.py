@@ -172,3 +172,26 @@ def test_ranges_in_radians_are_no_degrees(angle: str, are_told: bool) -> None:
     said = [words for words in implausible(mujoco.MjModel.from_xml_string(text)) if "widest range" in words]
     assert bool(said) == are_told
     assert all("12.6 degrees" in words and "radian" in words for words in said)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place"),
+    [
+        ('mass="25.0"', 'mass="1e-12"', "body 'fore': mass is 1e-12 kg"),
+        ('key="presliding_stiffness" value="4e5"', 'key="presliding_stiffness" value="1e300"', "is 1e+300 Nm/rad"),
+        ('key="presliding_stiffness" value="4e5"', 'key="presliding_stiffness" value="1e-300"', "is 1e-300 Nm/rad"),
+    ],
+)
+def test_what_hardly_weighs_or_never_or_at_once_slides_is_no_robot(
+    old: str, new: str, place: str, tmp_path: Path
+) -> None:
+    """They were believed."""
+    with pytest.raises(RobotError) as caught:
+        compile_robot(load_robot(robot_of(tmp_path / "robot", changed(MJCF, {old: new}))))
+    assert place in str(caught.value)
+    assert "small.xml: " in str(caught.value)
+
+
+def test_friction_that_a_diagnosis_took_away_holds_as_it_did(tmp_path: Path) -> None:
+    gone = changed(MJCF, {'key="coulomb" value="60.0"': 'key="coulomb" value="1e-9"'})
+    assert compile_robot(load_robot(robot_of(tmp_path / "robot", gone))).motor_presliding[0] == 4e5
