@@ -112,6 +112,48 @@ def unlike_friction(
             yield from limits.faults([(f"{robot.mjcf}: actuator {name!r}", float(stiffness[i]))])
 
 
+def unlike_errors(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
+    """Yield a sentence for each fitted error of a reading that no instrument on this robot has, at its key."""
+    readings = robot.figures.fitted.readings
+    place = f"{robot.figures_file}: fitted.readings"
+    for i, drive in enumerate(robot.figures.drives):
+        limit = float(np.max(np.abs(model.actuator_forcerange[model.actuator(drive.servo).id])))
+        for key, offset, most, unit in (
+            ("current_offset_a", readings.current_offset_a, limit / drive.torque_constant_nm_per_a, "A"),
+            ("torque_offset_nm", readings.torque_offset_nm, limit, "Nm"),
+        ):
+            if abs(value := offset.get(drive.joint, 0.0)) > most:
+                yield (
+                    f"{place}.{key}.{drive.joint}: is {value:g} {unit}, more than the drive can give ({most:g} {unit}, "
+                    f"drives[{i}]); take it out, or correct its unit."
+                )
+    reach = _reach(robot, model)
+    for name, offset in (
+        *((f"nest_m.{site}", offset) for site, offset in readings.nest_m.items()),
+        ("tracker_drift_m_per_h", readings.tracker_drift_m_per_h),
+    ):
+        if (away := float(np.linalg.norm(offset))) > reach:
+            yield (
+                f"{place}.{name}: is {away:g} m, more than the arm reaches ({reach:.3g} m); take it out, or "
+                f"give it in m."
+            )
+
+
+def _reach(robot: Robot, model: mujoco.MjModel) -> float:
+    """Return how far the load point can be from the base at most: the chain from body to body, stretched [m]."""
+    site = model.site(robot.figures.load_point).id
+    body, reach = int(model.site_bodyid[site]), float(np.linalg.norm(model.site_pos[site]))
+    while body:
+        reach += float(np.linalg.norm(model.body_pos[body]))
+        reach += sum(
+            float(np.ptp(model.jnt_range[joint]))
+            for joint in np.flatnonzero(model.jnt_bodyid == body)
+            if model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_SLIDE)
+        )
+        body = int(model.body_parentid[body])
+    return reach
+
+
 def _name(model: mujoco.MjModel, kind: str, index: int) -> str:
     return mujoco.mj_id2name(model, getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}"), index) or f"number {index}"
 

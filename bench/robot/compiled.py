@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bench.errors import RobotError, unknown_name
 from bench.robot.addresses import Addresses, addresses_of
-from bench.robot.checks import faulty_roles, negative_masses, unlike_a_robot, unlike_friction
+from bench.robot.checks import faulty_roles, negative_masses, unlike_a_robot, unlike_errors, unlike_friction
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.folder import Robot
 from bench.robot.hindrances import friction_holds, hindrances
@@ -141,6 +141,7 @@ def compile_robot(robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float 
         *hindrances(robot, compiled.model),
         *(friction_holds(robot, compiled.model, coulomb) if not edits else ()),
         *(unlike_friction(robot, compiled.model, elements) if not edits else ()),
+        *unlike_errors(robot, compiled.model),
     ):
         raise RobotError(faults)
     return compiled

@@ -195,3 +195,25 @@ def test_what_hardly_weighs_or_never_or_at_once_slides_is_no_robot(
 def test_friction_that_a_diagnosis_took_away_holds_as_it_did(tmp_path: Path) -> None:
     gone = changed(MJCF, {'key="coulomb" value="60.0"': 'key="coulomb" value="1e-9"'})
     assert compile_robot(load_robot(robot_of(tmp_path / "robot", gone))).motor_presliding[0] == 4e5
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "sound"),
+    [
+        ("nest_m.nest_1", [5, 0, 0], [0.3, 0, 0]),
+        ("current_offset_a.hinge_b", 200.0, 60.0),
+        ("torque_offset_nm.hinge_a", -2e4, -6e3),
+        ("tracker_drift_m_per_h", [0, 0, 4], [0, 0, 0.01]),
+    ],
+)
+def test_errors_of_readings_that_no_instrument_has(key: str, value: object, sound: object, tmp_path: Path) -> None:
+    """A reflector that sits five metres beside its nest was believed."""
+    for number, given in enumerate((sound, value)):
+        write_small_robot(tmp_path / str(number))
+        name, *rest = key.split(".")
+        content = yaml.safe_load(yaml.safe_dump(FIGURES))
+        content["fitted"] = {"readings": {name: {rest[0]: given} if rest else given}}
+        (tmp_path / str(number) / "figures.yaml").write_text(yaml.safe_dump(content))
+    assert compile_robot(load_robot(tmp_path / "0")).n_joints == 2
+    with pytest.raises(RobotError, match=f"figures.yaml: fitted.readings.{key}: is "):
+        compile_robot(load_robot(tmp_path / "1"))
