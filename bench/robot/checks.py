@@ -1,6 +1,6 @@
 """Whether the parts that `figures.yaml` names play the roles that it gives them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -187,13 +187,52 @@ def _counterbalance(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
             f"{file}: counterbalance.tendon: {named.tendon!r} must be <spatial> and run straight between two sites, "
             "from the fixed side to the moving one."
         )
-    elif model.actuator_trntype[actuator] != ON_TENDON or model.actuator_trnid[actuator, 0] != tendon:
+    elif named.joint in (joints := [drive.joint for drive in robot.figures.drives]):
+        yield from _not_across(
+            f"{file}: counterbalance", named.joint, joints, model, model.wrap_objid[start : start + 2]
+        )
+    if model.actuator_trntype[actuator] != ON_TENDON or model.actuator_trnid[actuator, 0] != tendon:
         yield f"{file}: counterbalance.actuator: {named.actuator!r} does not act on {named.tendon!r}; let it."
     if model.actuator_plugin[actuator] < 0:
         yield (
             f"{file}: counterbalance.actuator: {named.actuator!r} is no gas spring; write "
             '<plugin plugin="bench.gas_spring"> with its figures.'
         )
+
+
+def _not_across(
+    place: str, joint: str, joints: Sequence[str], model: mujoco.MjModel, anchors: NDArray[np.int32]
+) -> Iterator[str]:
+    """Yield a sentence where a cylinder does not run across the joint that is named, from the fixed side on.
+
+    Args:
+        place: Of the counterbalance.
+        joint: That is named.
+        joints: All driven ones.
+        model: Of the robot.
+        anchors: Shape (2,), sites at which the cylinder sits: on the fixed side, and on the moving one.
+    """
+    fixed, moving = (_moved_by(model, int(model.site_bodyid[site]), joints) for site in anchors)
+    if fixed ^ moving != {joint}:
+        across = " and ".join(map(repr, sorted(fixed ^ moving))) or "no driven joint"
+        yield (
+            f"{place}.joint: is {joint!r}, but the cylinder's tendon runs across {across}; name the joint that it "
+            "turns, one alone."
+        )
+    elif joint in fixed:
+        yield (
+            f"{place}.tendon: runs from the moving side of {joint!r} to the fixed one; exchange its sites in the MJCF."
+        )
+
+
+def _moved_by(model: mujoco.MjModel, body: int, joints: Sequence[str]) -> set[str]:
+    """Return which of some joints move a body."""
+    found = set()
+    while body:
+        first = model.body_jntadr[body]
+        found |= {_name(model, "joint", first + k) for k in range(model.body_jntnum[body])}
+        body = int(model.body_parentid[body])
+    return found & set(joints)
 
 
 def _speed(place: str, drive: Drive, model: mujoco.MjModel) -> Iterator[str]:

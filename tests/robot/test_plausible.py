@@ -217,3 +217,40 @@ def test_errors_of_readings_that_no_instrument_has(key: str, value: object, soun
     assert compile_robot(load_robot(tmp_path / "0")).n_joints == 2
     with pytest.raises(RobotError, match=f"figures.yaml: fitted.readings.{key}: is "):
         compile_robot(load_robot(tmp_path / "1"))
+
+
+@pytest.mark.parametrize("number", ["0x384", "9OO", "1_000"])
+def test_an_attribute_that_is_no_number_has_file_and_line(number: str, tmp_path: Path) -> None:
+    """The engine takes hexadecimal numbers, and what does not take them said neither file nor line."""
+    text = changed(MJCF, {'key="constant" value="900.0"': f'key="constant" value="{number}"'})
+    (line,) = [k for k, words in enumerate(text.splitlines(), start=1) if number in words]
+    with pytest.raises(RobotError, match=f"small.xml: line {line}: constant is {number!r}, which is no number"):
+        compile_robot(load_robot(robot_of(tmp_path / "robot", text)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("", "", r"figures.yaml: counterbalance.joint: is 'hinge_b', but the cylinder's tendon runs across 'hinge_a';"),
+        (
+            '<site site="anchor_a"/><site site="anchor_b"/>',
+            '<site site="anchor_a"/><site site="hook"/>',
+            "counterbalance.joint: is 'hinge_a', but the cylinder's tendon runs across 'hinge_a' and 'hinge_b'",
+        ),
+        (
+            '<site site="anchor_a"/><site site="anchor_b"/>',
+            '<site site="anchor_b"/><site site="anchor_a"/>',
+            "counterbalance.tendon: runs from the moving side of 'hinge_a' to the fixed one",
+        ),
+    ],
+)
+def test_a_cylinder_that_is_not_across_its_joint_is_told_at_the_key(
+    old: str, new: str, words: str, tmp_path: Path
+) -> None:
+    """`bench check` said that the nominal model cannot follow the motion, and to look at angles."""
+    folder = robot_of(tmp_path / "robot", changed(MJCF, {old: new}) if old else MJCF)
+    content = yaml.safe_load(yaml.safe_dump(FIGURES))
+    content["counterbalance"]["joint"] = "hinge_a" if old else "hinge_b"
+    (folder / "figures.yaml").write_text(yaml.safe_dump(content))
+    with pytest.raises(RobotError, match=words):
+        compile_robot(load_robot(folder))
