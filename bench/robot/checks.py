@@ -70,9 +70,9 @@ def unlike_a_robot(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
         yield from OF_ELEMENTS.faults(
             [(f"{robot.figures_file}: drives[{i}].element: tendon {drive.element!r}", frequency)]
         )
-        body = int(model.jnt_bodyid[model.joint(drive.joint).id])
-        mass = float(np.sum(model.body_mass[model.body_weldid == body]))  # with all that is fixed on it
-        yield from LEAST_MASS.faults([(f"{robot.mjcf}: body {_name(model, 'body', body)!r}", mass)])
+        link = int(model.jnt_bodyid[model.joint(drive.joint).id])
+        mass = float(np.sum(model.body_mass[model.body_weldid == link]))  # with all that is fixed on it
+        yield from LEAST_MASS.faults([(f"{robot.mjcf}: body {_name(model, 'body', link)!r}", mass)])
         if model.qpos0[model.jnt_qposadr[model.joint(drive.joint).id]] != 0:
             yield f"{robot.mjcf}: joint {drive.joint!r} has ref != 0; move its zero into the pose of its body."
     driven = {name for drive in robot.figures.drives for name in (drive.joint, drive.rotor)}
@@ -128,11 +128,11 @@ def unlike_errors(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
                     f"drives[{i}]); take it out, or correct its unit."
                 )
     reach = _reach(robot, model)
-    for name, offset in (
-        *((f"nest_m.{site}", offset) for site, offset in readings.nest_m.items()),
+    for name, vector in (
+        *((f"nest_m.{site}", nest) for site, nest in readings.nest_m.items()),
         ("tracker_drift_m_per_h", readings.tracker_drift_m_per_h),
     ):
-        if (away := float(np.linalg.norm(offset))) > reach:
+        if (away := float(np.linalg.norm(vector))) > reach:
             yield (
                 f"{place}.{name}: is {away:g} m, more than the arm reaches ({reach:.3g} m); take it out, or "
                 f"give it in m."
