@@ -10,6 +10,13 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 MOST_OF_NAME = 100  # characters of a name that a message repeats; some files have one of a million
+MORE_MEMORY = "give it more (ulimit -v, the limit of a container or of a job), or end what else runs"
+UNMAPPED = (
+    "cannot map",
+    "failed to map",
+    "annot allocate memory",
+    "cannot apply additional memory protection",
+)  # glibc
 UNPRINTABLE = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 
@@ -71,6 +78,30 @@ class MissingPluginError(BenchError):
     """The engine plugin with the counterbalance and friction actuators is not installed or was not built."""
 
     exit_code = 6
+
+
+class NoLibraryError(BenchError):
+    """A library that the bench needs cannot be loaded: memory is short, or it is not installed as it should be."""
+
+    exit_code = 6
+
+
+def interrupt_behind(error: BaseException | None) -> KeyboardInterrupt | None:
+    """Return the interrupt that an error is, or that led to it; None where there is none.
+
+    An extension that is interrupted while it is loaded says that it could not be, and so does a class while it is made.
+    """
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error
+
+
+def not_loaded(error: ImportError) -> str:
+    """Return the sentence for a library that cannot be loaded: the system's own words, and what to do."""
+    words = str(error)
+    of = f"{error.name}: " if error.name and error.name not in words else ""
+    remedy = MORE_MEMORY if any(sign in words for sign in UNMAPPED) else "install the bench again, with all it needs"
+    return f"a library cannot be loaded: {of}{words}; {remedy}."
 
 
 def printable(text: str) -> str:

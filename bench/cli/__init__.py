@@ -22,7 +22,7 @@ from bench.cli.diagnose import Diagnose
 from bench.cli.effects import Effects
 from bench.cli.hide import Hide
 from bench.cli.identify import Identify
-from bench.cli.memory import return_what_is_free
+from bench.cli.memory import return_what_is_free, short_of_memory
 from bench.cli.nameable import expect_nameable
 from bench.cli.new_robot import NewRobot
 from bench.cli.paper import Paper
@@ -30,11 +30,11 @@ from bench.cli.poses import Poses
 from bench.cli.predict import Predict
 from bench.cli.robots import Robots
 from bench.cli.run import Run
-from bench.cli.stopping import TerminatedError, ending_at_a_signal, interrupt_behind
+from bench.cli.stopping import TerminatedError, ending_at_a_signal
 from bench.cli.store import Store
 from bench.cli.study import Study
 from bench.cli.view import View
-from bench.errors import BenchError, InputError
+from bench.errors import BenchError, InputError, NoLibraryError, interrupt_behind, not_loaded
 
 Command = (  # in the order of the help; each goes by the name of its class
     Paper
@@ -100,11 +100,19 @@ def _ended(arguments: list[str] | None) -> int:
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)
         return error.exit_code
-    except (KeyboardInterrupt, ImportError, RuntimeError) as error:
+    except (KeyboardInterrupt, Exception) as error:
         interrupt = interrupt_behind(error)
-        if interrupt is None and GRAPHICS in str(error):  # as MuJoCo refuses it
+        if interrupt is None and (short := short_of_memory(error)):
+            print(f"bench: {short}", file=sys.stderr)
+            return InputError.exit_code
+        if (
+            interrupt is None and isinstance(error, ImportError | RuntimeError) and GRAPHICS in str(error)
+        ):  # as MuJoCo refuses it
             print(f"bench: {error}; egl, osmesa or glfw, or leave it out", file=sys.stderr)
             return InputError.exit_code
+        if interrupt is None and isinstance(error, ImportError) and not str(error.name).startswith(bench.__name__):
+            print(f"bench: {not_loaded(error)}", file=sys.stderr)
+            return NoLibraryError.exit_code
         if interrupt is None:
             raise
         is_typed = not isinstance(interrupt, TerminatedError)

@@ -62,6 +62,10 @@ class Convert:
         if self.out is None:
             print(proposed.text, end="")
         else:
+            try:
+                self.out.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise InputError(f"{self.out}: cannot be written: {error.strerror}; choose another folder.") from error
             with replacing(self.out) as partial:
                 partial.write_text(proposed.text, encoding="utf-8")
             for question in proposed.questions:

@@ -38,9 +38,11 @@ class Demo:
             demo = hide_and_seek(seed, lambda words: print(f"... {words}", file=sys.stderr), on_cores())
             write_hidden(demo.hidden, folder)
             (folder / "diagnosis").mkdir()
-            write_diagnosis(demo.diagnosis, folder / "diagnosis")
+            sentences = write_diagnosis(demo.diagnosis, folder / "diagnosis")
         for line in words_of(demo.diagnosis.verdict):
             print(line)
+        for sentence in sentences:
+            print(sentence)
         for one in demo.made.effects:
             print(f"\nHidden: {one.acting} ({one.size / one.limit:.0f} times what this session can just see)")
         print(judgement(demo.outcome))

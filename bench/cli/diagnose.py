@@ -85,7 +85,7 @@ class Diagnose:
         with ending_on_interrupt(stop), new_folder(self.out, VERDICT, replace=False) as folder, phases() as shown:
             executor = Watched(on_cores(self.cores), shows=shown.share)
             during = "reading the campaign"
-            moved: tuple[str, ...] = ()
+            sentences: tuple[str, ...] = ()
             taken = ""
 
             def phase(words: str) -> None:
@@ -113,7 +113,7 @@ class Diagnose:
                 )
                 verdict = found.verdict
                 taken = given_sentence(posterior, found.linear.nuisances) if posterior else ""
-                moved = write_diagnosis(found, folder, campaign, self.command)
+                sentences = write_diagnosis(found, folder, campaign, self.command)
             except Stopped as stopped:
                 verdict = unweighed(FALSE_ALARM_RATE, str(stopped), during)
                 write_unweighed(verdict, folder, campaign, compiled.robot.figures.title, self.command)
@@ -121,8 +121,8 @@ class Diagnose:
             print(line)
         if taken:
             print(taken)
-        for sentence in moved:
-            print(f"Moved: {sentence}")
+        for sentence in sentences:
+            print(sentence)
         for line in places_of(self.out):
             print(line)
         return UNFINISHED if verdict.unfinished else 0

@@ -56,6 +56,7 @@ class Predict:
         checked(self.free)
         campaign, model, nominal = self._opened()
         promises = read_promises(model.robot.folder)
+        sentences: tuple[str, ...] = ()
         with ExitStack() as stack:
             folder = stack.enter_context(new_folder(self.out, NUMBERS, replace=False)) if self.out else None
             shown = stack.enter_context(phases())
@@ -64,9 +65,11 @@ class Predict:
             )
             if folder:
                 shown.phase("writing")
-                write_prediction(prediction, folder, self.command)
+                sentences = write_prediction(prediction, folder, self.command)
         for line in words_of(prediction):
             print(line)
+        for sentence in sentences:
+            print(sentence)
         if self.out:
             for line in places_of(self.out, prediction):
                 print(line)

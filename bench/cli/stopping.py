@@ -65,16 +65,6 @@ class TerminatedError(KeyboardInterrupt):
     """A request to end that was not typed, from a scheduler or a system that shuts down."""
 
 
-def interrupt_behind(error: BaseException | None) -> KeyboardInterrupt | None:
-    """Return the interrupt that an error is, or that led to it; None where there is none.
-
-    An extension that is interrupted while it is loaded says that it could not be, and so does a class while it is made.
-    """
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__ or error.__context__
-    return error
-
-
 @contextmanager
 def ending_at_a_signal() -> Iterator[None]:
     """Let Ctrl-C and SIGTERM within the block end it, whatever the code that they interrupt makes of them.

@@ -12,6 +12,7 @@ from bench.record.finding import Finding
 from bench.record.limits import TABLE_BYTES
 from bench.record.log_format import LogFormat
 from bench.record.logs.likewise import likewise
+from bench.record.logs.mcap_table import MCAP
 from bench.record.logs.read import LogColumns, in_log, no_values, read_log
 from bench.record.plain_file import FileFault, expect_plain
 from bench.record.rules.sheet import Sheet
@@ -52,6 +53,7 @@ def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None)
     files = _logs(source, layout)
     if odd := [shown for file in files if (shown := not_utf_8(file.name))]:
         raise CampaignError(f"{name}: is no UTF-8, and runs are named after their logs; rename it" for name in odd)
+    _expect_topics_of(files, layout)
     findings: list[Finding] = []
     unused: dict[str, tuple[str, ...]] = {}
     runs: list[Run] = []
@@ -73,6 +75,20 @@ def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None)
     if not runs:
         raise CampaignError(f"{source}: nothing is left of it; look at `runs` and `resample` in the log.yaml")
     return Converted(Campaign(robot, tuple(runs), noise=layout.noise, notes=_notes(layout)), unused)
+
+
+def _expect_topics_of(files: Sequence[Path], layout: LogFormat) -> None:
+    """Refuse a format that names topics where no log has any.
+
+    Raises:
+        CampaignError: It does.
+    """
+    keys = ["topic"] if layout.topic else []
+    keys += [f"tables.{name}.topic" for name, beside in layout.tables.items() if beside.topic]
+    if keys and not any(file.suffix.lower() == MCAP for file in files):
+        raise CampaignError(
+            f"{files[0]}: is no MCAP recording, and the log.yaml names a topic of one ({', '.join(keys)}); take it out"
+        )
 
 
 def _logs(source: Path, layout: LogFormat) -> list[Path]:

@@ -1,13 +1,14 @@
 """Whether the parts that `figures.yaml` names play the roles that it gives them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.robot.figures import Drive
 from bench.robot.folder import Robot
-from bench.robot.plausible import OF_ELEMENTS, OF_SERVOS, OF_TORQUE_LIMITS
+from bench.robot.plausible import LEAST_MASS, OF_ELEMENTS, OF_SERVOS, OF_TORQUE_LIMITS, presliding_range
 
 JOINT_KINDS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 SITE, ON_TENDON = int(mujoco.mjtWrap.mjWRAP_SITE), int(mujoco.mjtTrn.mjTRN_TENDON)
@@ -69,6 +70,9 @@ def unlike_a_robot(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
         yield from OF_ELEMENTS.faults(
             [(f"{robot.figures_file}: drives[{i}].element: tendon {drive.element!r}", frequency)]
         )
+        link = int(model.jnt_bodyid[model.joint(drive.joint).id])
+        mass = float(np.sum(model.body_mass[model.body_weldid == link]))  # with all that is fixed on it
+        yield from LEAST_MASS.faults([(f"{robot.mjcf}: body {_name(model, 'body', link)!r}", mass)])
         if model.qpos0[model.jnt_qposadr[model.joint(drive.joint).id]] != 0:
             yield f"{robot.mjcf}: joint {drive.joint!r} has ref != 0; move its zero into the pose of its body."
     driven = {name for drive in robot.figures.drives for name in (drive.joint, drive.rotor)}
@@ -88,6 +92,66 @@ def unlike_a_robot(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
             f"{robot.mjcf}: shapes of bodies {bodies[0]!r} and {bodies[1]!r} touch with all joints at zero; write "
             'contype="0" conaffinity="0" at the geoms, contact is left out here.'
         )
+
+
+def unlike_friction(
+    robot: Robot, model: mujoco.MjModel, elements: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
+) -> Iterator[str]:
+    """Yield a sentence for every friction element that holds as no surfaces do.
+
+    Args:
+        robot: The robot.
+        model: Its compiled model.
+        elements: Levels [Nm] and presliding stiffnesses [Nm/rad] by side, motor or link, each of shape (n,).
+    """
+    for side, (levels, stiffness) in elements.items():
+        for i, drive in enumerate(robot.figures.drives):
+            name = drive.motor_friction if side == "motor" else drive.link_friction
+            limit = float(np.max(np.abs(model.actuator_forcerange[model.actuator(drive.servo).id])))
+            limits = presliding_range(float(levels[i]), limit)
+            yield from limits.faults([(f"{robot.mjcf}: actuator {name!r}", float(stiffness[i]))])
+
+
+def unlike_errors(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
+    """Yield a sentence for each fitted error of a reading that no instrument on this robot has, at its key."""
+    readings = robot.figures.fitted.readings
+    place = f"{robot.figures_file}: fitted.readings"
+    for i, drive in enumerate(robot.figures.drives):
+        limit = float(np.max(np.abs(model.actuator_forcerange[model.actuator(drive.servo).id])))
+        for key, offset, most, unit in (
+            ("current_offset_a", readings.current_offset_a, limit / drive.torque_constant_nm_per_a, "A"),
+            ("torque_offset_nm", readings.torque_offset_nm, limit, "Nm"),
+        ):
+            if abs(value := offset.get(drive.joint, 0.0)) > most:
+                yield (
+                    f"{place}.{key}.{drive.joint}: is {value:g} {unit}, more than the drive can give ({most:g} {unit}, "
+                    f"drives[{i}]); take it out, or correct its unit."
+                )
+    reach = _reach(robot, model)
+    for name, vector in (
+        *((f"nest_m.{site}", nest) for site, nest in readings.nest_m.items()),
+        ("tracker_drift_m_per_h", readings.tracker_drift_m_per_h),
+    ):
+        if (away := float(np.linalg.norm(vector))) > reach:
+            yield (
+                f"{place}.{name}: is {away:g} m, more than the arm reaches ({reach:.3g} m); take it out, or "
+                f"give it in m."
+            )
+
+
+def _reach(robot: Robot, model: mujoco.MjModel) -> float:
+    """Return how far the load point can be from the base at most: the chain from body to body, stretched [m]."""
+    site = model.site(robot.figures.load_point).id
+    body, reach = int(model.site_bodyid[site]), float(np.linalg.norm(model.site_pos[site]))
+    while body:
+        reach += float(np.linalg.norm(model.body_pos[body]))
+        reach += sum(
+            float(np.ptp(model.jnt_range[joint]))
+            for joint in np.flatnonzero(model.jnt_bodyid == body)
+            if model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_SLIDE)
+        )
+        body = int(model.body_parentid[body])
+    return reach
 
 
 def _name(model: mujoco.MjModel, kind: str, index: int) -> str:
@@ -123,13 +187,52 @@ def _counterbalance(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
             f"{file}: counterbalance.tendon: {named.tendon!r} must be <spatial> and run straight between two sites, "
             "from the fixed side to the moving one."
         )
-    elif model.actuator_trntype[actuator] != ON_TENDON or model.actuator_trnid[actuator, 0] != tendon:
+    elif named.joint in (joints := [drive.joint for drive in robot.figures.drives]):
+        yield from _not_across(
+            f"{file}: counterbalance", named.joint, joints, model, model.wrap_objid[start : start + 2]
+        )
+    if model.actuator_trntype[actuator] != ON_TENDON or model.actuator_trnid[actuator, 0] != tendon:
         yield f"{file}: counterbalance.actuator: {named.actuator!r} does not act on {named.tendon!r}; let it."
     if model.actuator_plugin[actuator] < 0:
         yield (
             f"{file}: counterbalance.actuator: {named.actuator!r} is no gas spring; write "
             '<plugin plugin="bench.gas_spring"> with its figures.'
         )
+
+
+def _not_across(
+    place: str, joint: str, joints: Sequence[str], model: mujoco.MjModel, anchors: NDArray[np.int32]
+) -> Iterator[str]:
+    """Yield a sentence where a cylinder does not run across the joint that is named, from the fixed side on.
+
+    Args:
+        place: Of the counterbalance.
+        joint: That is named.
+        joints: All driven ones.
+        model: Of the robot.
+        anchors: Shape (2,), sites at which the cylinder sits: on the fixed side, and on the moving one.
+    """
+    fixed, moving = (_moved_by(model, int(model.site_bodyid[site]), joints) for site in anchors)
+    if fixed ^ moving != {joint}:
+        across = " and ".join(map(repr, sorted(fixed ^ moving))) or "no driven joint"
+        yield (
+            f"{place}.joint: is {joint!r}, but the cylinder's tendon runs across {across}; name the joint that it "
+            "turns, one alone."
+        )
+    elif joint in fixed:
+        yield (
+            f"{place}.tendon: runs from the moving side of {joint!r} to the fixed one; exchange its sites in the MJCF."
+        )
+
+
+def _moved_by(model: mujoco.MjModel, body: int, joints: Sequence[str]) -> set[str]:
+    """Return which of some joints move a body."""
+    found = set()
+    while body:
+        first = model.body_jntadr[body]
+        found |= {_name(model, "joint", first + k) for k in range(model.body_jntnum[body])}
+        body = int(model.body_parentid[body])
+    return found & set(joints)
 
 
 def _speed(place: str, drive: Drive, model: mujoco.MjModel) -> Iterator[str]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bench.errors import RobotError, unknown_name
 from bench.robot.addresses import Addresses, addresses_of
-from bench.robot.checks import faulty_roles, negative_masses, unlike_a_robot
+from bench.robot.checks import faulty_roles, negative_masses, unlike_a_robot, unlike_errors, unlike_friction
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.folder import Robot
 from bench.robot.hindrances import friction_holds, hindrances
@@ -132,10 +132,16 @@ def compile_robot(robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float 
     """
     compiled = compile_spec(read_spec(robot), robot, edits, timestep)
     coulomb = compiled.motor_coulomb + compiled.link_coulomb
+    elements = {
+        "motor": (compiled.motor_coulomb, compiled.motor_presliding),
+        "link": (compiled.link_coulomb, compiled.link_presliding),
+    }
     if faults := (
         *unlike_a_robot(robot, compiled.model),
         *hindrances(robot, compiled.model),
         *(friction_holds(robot, compiled.model, coulomb) if not edits else ()),
+        *(unlike_friction(robot, compiled.model, elements) if not edits else ()),
+        *unlike_errors(robot, compiled.model),
     ):
         raise RobotError(faults)
     return compiled

@@ -16,6 +16,7 @@ COPIED = ("replicate", "composite", "flexcomp")  # elements that stand for `coun
 REMEDY = "give the file that `xacro ARM.xacro > ARM.urdf` makes"
 DIRECTORIES = ("meshdir", "texturedir", "assetdir")  # attributes of <compiler>
 XACRO = ("${", "$(")  # begin what xacro fills in
+OURS, WORDS = "bench.", ("element",)  # plugins of the bench, and what of their attributes is no number
 _NAN = re.compile(r"(?:^|\s)[+-]?(nan|inf)(?:inity|\(\w*\))?(?=\s|$)", re.IGNORECASE)
 
 
@@ -53,6 +54,7 @@ class _Reader:
         parser = expat.ParserCreate("utf-8")
         included: list[str] = []
         copies: list[int] = [1]
+        plugins: list[str] = [""]  # of each element that is open, by which plugin it is
 
         def refuse(what: str, remedy: str) -> None:
             raise RobotError(f"{file}: line {parser.CurrentLineNumber}: {what}; {remedy}.")
@@ -63,6 +65,13 @@ class _Reader:
             copies.append(copies[-1] * (_count(attributes) if tag in COPIED else 1))
             if MODEL_COPIES.exceeded(copies[-1]):
                 refuse(f"<{tag}> makes more than {MODEL_COPIES}", MODEL_COPIES.remedy)
+            plugins.append(attributes.get("plugin", plugins[-1]))
+            if tag == "config" and plugins[-1].startswith(OURS) and attributes.get("key") not in WORDS:
+                for word in attributes.get("value", "").split():
+                    if not _is_decimal(word):  # the engine takes hexadecimal ones
+                        refuse(
+                            f"{attributes.get('key')} is {word[:40]!r}, which is no number", "write it as 900 or 9e2"
+                        )
             if tag.startswith("xacro:"):
                 refuse(f"<{tag}> is for xacro", REMEDY)
             for name, value in attributes.items():
@@ -87,6 +96,7 @@ class _Reader:
 
         def end(tag: str) -> None:
             copies.pop()
+            plugins.pop()
 
         parser.StartElementHandler, parser.EndElementHandler = begin, end
         parser.StartDoctypeDeclHandler = lambda *_: refuse("has a document type", "remove it; entities are not read")
@@ -110,6 +120,14 @@ class _Reader:
                         expect_plain(place, ASSET_BYTES)
                     except FileFault as fault:
                         refuse(f"{name} {fault}", fault.remedy)
+
+
+def _is_decimal(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return "_" not in word
 
 
 def _count(attributes: Mapping[str, str]) -> int:

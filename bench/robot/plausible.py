@@ -128,6 +128,29 @@ OF_TORQUE_LIMITS = Range(
 OF_ELEMENTS = Range(
     "the frequency at which its rotor swings on it", "Hz", 0.5, 1e7, "correct stiffness, in Nm/rad, or armature"
 )
+LEAST_MASS = Range(  # a tenth of a millimetre of water each way weighs 1e-9 kg
+    "mass", "kg", 1e-9, 1e4, "what a drive turns weighs something; masses are in kg"
+)
+# How far a friction element gives before it slides: surfaces come off within micrometres, rubber and cables within a
+# turn. Atoms are 1e-10 m apart, which is no travel at any radius up to a metre.
+MOST_TRAVEL, LEAST_TRAVEL = float(2 * np.pi), 1e-10  # [rad] or [m]
+
+
+def presliding_range(level: float, limit: float) -> Range:
+    """Return between which presliding stiffnesses an element of friction holds [Nm/rad].
+
+    Args:
+        level: Its Coulomb friction [Nm]; of one that has none the smallest torque limit of any robot.
+        limit: Torque limit of the drive [Nm]; what holds more stops it.
+    """
+    least = max(level, OF_TORQUE_LIMITS.least) / MOST_TRAVEL
+    return Range(
+        "presliding_stiffness",
+        "Nm/rad",
+        least,
+        max(limit, level) / LEAST_TRAVEL,
+        f"friction of {level:g} Nm gives way after level / presliding_stiffness, in rad",
+    )
 
 
 def implausible(model: mujoco.MjModel) -> Iterator[str]:

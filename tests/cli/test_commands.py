@@ -154,7 +154,7 @@ def test_known_effects_are_listed_once(tmp_path: Path, capsys: pytest.CaptureFix
     assert said.count("Known: ") == 1
 
 
-@pytest.mark.parametrize("place", ["nowhere/log.yaml", "x.csv/log.yaml", "n" * 300])
+@pytest.mark.parametrize("place", ["x.csv/inner/log.yaml", "x.csv/log.yaml", "n" * 300])
 def test_a_proposal_that_cannot_be_written_is_one_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], place: str
 ) -> None:

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from bench.cli import TERMINATED, main
-from bench.cli.stopping import UNFINISHED, TerminatedError, ending_at_a_signal, interrupt_behind, seconds_of
+from bench.cli.stopping import UNFINISHED, TerminatedError, ending_at_a_signal, seconds_of
+from bench.errors import interrupt_behind
 from bench.report.diagnosis.file_names import REPORT, VERDICT
 
 STARTED_S = 60.0  # within which a run is under way on a busy machine

@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from bench.cli import main
+from bench.cli.memory import short_of_memory
+
 BENCH = Path(sys.executable).with_name("bench")
 
 
@@ -67,3 +70,45 @@ def test_output_that_takes_nothing_is_told_by_the_exit_code(output: str) -> None
     """A full disk for both outputs was called an error of the bench, one open for reading alone a traceback."""
     found = ended(f"{BENCH} robots {output}")
     assert (found.returncode, "Traceback" in found.stderr) == (2, False)
+
+
+UNMAPPED = "librerun.so: failed to map segment from shared object"
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "told"),
+    [
+        (ImportError(UNMAPPED, name="rerun_bindings"), 2, f"too little memory ({UNMAPPED}); give it more (ulimit -v"),
+        (ModuleNotFoundError("No module named 'rerun'", name="rerun"), 6, "install the bench again"),
+        (MemoryError("Unable to allocate 5. GiB"), 2, "too little memory (Unable to allocate 5. GiB); give it more"),
+    ],
+)
+def test_memory_that_is_too_little_is_one_sentence(
+    error: Exception, code: int, told: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`ulimit -v` ended in the traceback of an ImportError."""
+
+    def fails(_: object) -> int:
+        raise error
+
+    monkeypatch.setattr("bench.cli.robots.Robots.run", fails)
+    assert main(["robots"]) == code
+    assert told in capsys.readouterr().err
+
+
+def test_a_module_of_the_bench_that_is_not_there_is_an_error_of_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(_: object) -> int:
+        raise ImportError("cannot import name 'x' from 'bench.robot'", name="bench.robot")
+
+    monkeypatch.setattr("bench.cli.robots.Robots.run", fails)
+    with pytest.raises(ImportError):
+        main(["robots"])
+
+
+def test_a_limit_on_memory_is_what_the_engine_fails_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo's bindings say "unknown exception" of memory that they do not get: a traceback under `ulimit -v`."""
+    unknown = RuntimeError("Caught an unknown exception!")
+    assert not short_of_memory(unknown)
+    monkeypatch.setattr("resource.getrlimit", lambda which: (2**31, 2**31))
+    assert "give it more" in short_of_memory(unknown)
+    assert not short_of_memory(RuntimeError("anything else"))

@@ -60,6 +60,19 @@ def log_the_servo_error(columns: Columns) -> None:
         del columns[name]
 
 
+def other_unit(row: int, factor: float, began: float = 0.0) -> Change:
+    """Give a clock in another unit from a row on; it showed `began` where the run begins, which was taken off."""
+
+    def change(columns: Columns) -> None:
+        columns["time_s"] = (columns["time_s"] + began) * np.where(np.arange(2500) < row, 1.0, factor) - began
+
+    return change
+
+
+def exchange_rows(columns: Columns) -> None:
+    columns["time_s"][[99, 100]] = columns["time_s"][[100, 99]]
+
+
 # Change -> level, column, first row, words of the message or the remedy.
 Faults = dict[str, tuple[Change, str, str, int | None, str]]
 
@@ -72,7 +85,15 @@ MOTION: Faults = {
     "clock stands": (put("time_s", 9, 8 * STEP_S), "error", "time_s", 10, "same as in the row before"),
     "lost samples": (drop_rows(slice(100, 150)), "warning", "time_s", 101, "not 0.004 s after"),
     "boot clock": (scale("time_s", 1.0, 5e3), "warning", "time_s", None, "subtract"),
-    "milliseconds": (scale("time_s", 1e3), "doubt", "time_s", None, "milliseconds?"),
+    "milliseconds": (scale("time_s", 1e3), "doubt", "time_s", None, "milliseconds? multiply by 0.001"),
+    "microseconds": (scale("time_s", 1e6), "doubt", "time_s", None, "microseconds? multiply by 1e-06"),
+    "nanoseconds": (scale("time_s", 1e9), "doubt", "time_s", None, "nanoseconds? multiply by 1e-09"),
+    "milliseconds from there on": (other_unit(900, 1e3), "doubt", "time_s", 901, "milliseconds from there on?"),
+    "of a clock of the day": (other_unit(1600, 1e3, 3e4), "doubt", "time_s", 1601, "milliseconds from there on?"),
+    "nanoseconds from there on": (other_unit(1600, 1e9), "doubt", "time_s", 1601, "nanoseconds from there on?"),
+    "a date among numbers": (put("time_s", 5, 1.7e9), "error", "time_s", 6, "a date among numbers"),
+    "a date before numbers": (put("time_s", 0, 1.7e9), "error", "time_s", 1, "a date among numbers"),
+    "two rows exchanged": (exchange_rows, "error", "time_s", 101, "backwards"),
     "no time": (lambda columns: columns.pop("time_s"), "error", "time_s", None, "missing"),
     "degrees": (scale("q_link_2_rad", 180 / np.pi), "error", "q_link_2_rad", None, "pi / 180"),
     "small degrees": (small_movement_in_degrees, "error", "q_motor_2_rad", None, "degrees?"),

@@ -277,3 +277,30 @@ def test_plain_text_is_a_log_where_a_folder_has_no_others(tmp_path: Path) -> Non
     (tmp_path / "b.csv").write_text("t,q\n0,1\n0.1,2\n0.2,3\n")
     (tmp_path / "a.txt").write_text("notes")
     assert [run.name for run in convert(tmp_path, layout(), "mine").campaign.runs] == ["b"]
+
+
+@pytest.mark.parametrize(
+    ("more", "key"),
+    [
+        ({"topic": "/joint_states"}, "(topic)"),
+        ({"tables": {"force": {"topic": "/force", "time_s": {"from": "t"}}}}, "(tables.force.topic)"),
+    ],
+)
+def test_a_table_has_no_topics(tmp_path: Path, more: dict[str, Any], key: str) -> None:
+    """A topic was left aside without a word."""
+    with pytest.raises(CampaignError) as caught:
+        convert(log(tmp_path, "x.csv", "t,q\n0,0\n1,1\n"), layout(**more), "mine")
+    assert "x.csv: is no MCAP recording" in str(caught.value)
+    assert key in str(caught.value)
+
+
+def test_a_proposal_may_stand_in_a_folder_that_is_new(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`bench convert -o` makes folders; with `--look` it did not."""
+    time = np.arange(200) / 100
+    np.savetxt(tmp_path / "x.csv", np.stack([time, np.sin(time)], 1), delimiter=",", header="t,q", comments="")
+    place = tmp_path / "new" / "deep" / "l.yaml"
+    assert main(["convert", "--look", str(tmp_path / "x.csv"), "--topic", "/a", "-o", str(place)]) == 3
+    assert "leave --topic out" in capsys.readouterr().err
+    assert not place.parent.exists()
+    assert main(["convert", "--look", str(tmp_path / "x.csv"), "-o", str(place)]) == 0
+    assert place.is_file()

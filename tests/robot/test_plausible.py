@@ -172,3 +172,85 @@ def test_ranges_in_radians_are_no_degrees(angle: str, are_told: bool) -> None:
     said = [words for words in implausible(mujoco.MjModel.from_xml_string(text)) if "widest range" in words]
     assert bool(said) == are_told
     assert all("12.6 degrees" in words and "radian" in words for words in said)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place"),
+    [
+        ('mass="25.0"', 'mass="1e-12"', "body 'fore': mass is 1e-12 kg"),
+        ('key="presliding_stiffness" value="4e5"', 'key="presliding_stiffness" value="1e300"', "is 1e+300 Nm/rad"),
+        ('key="presliding_stiffness" value="4e5"', 'key="presliding_stiffness" value="1e-300"', "is 1e-300 Nm/rad"),
+    ],
+)
+def test_what_hardly_weighs_or_never_or_at_once_slides_is_no_robot(
+    old: str, new: str, place: str, tmp_path: Path
+) -> None:
+    """They were believed."""
+    with pytest.raises(RobotError) as caught:
+        compile_robot(load_robot(robot_of(tmp_path / "robot", changed(MJCF, {old: new}))))
+    assert place in str(caught.value)
+    assert "small.xml: " in str(caught.value)
+
+
+def test_friction_that_a_diagnosis_took_away_holds_as_it_did(tmp_path: Path) -> None:
+    gone = changed(MJCF, {'key="coulomb" value="60.0"': 'key="coulomb" value="1e-9"'})
+    assert compile_robot(load_robot(robot_of(tmp_path / "robot", gone))).motor_presliding[0] == 4e5
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "sound"),
+    [
+        ("nest_m.nest_1", [5, 0, 0], [0.3, 0, 0]),
+        ("current_offset_a.hinge_b", 200.0, 60.0),
+        ("torque_offset_nm.hinge_a", -2e4, -6e3),
+        ("tracker_drift_m_per_h", [0, 0, 4], [0, 0, 0.01]),
+    ],
+)
+def test_errors_of_readings_that_no_instrument_has(key: str, value: object, sound: object, tmp_path: Path) -> None:
+    """A reflector that sits five metres beside its nest was believed."""
+    for number, given in enumerate((sound, value)):
+        write_small_robot(tmp_path / str(number))
+        name, *rest = key.split(".")
+        content = yaml.safe_load(yaml.safe_dump(FIGURES))
+        content["fitted"] = {"readings": {name: {rest[0]: given} if rest else given}}
+        (tmp_path / str(number) / "figures.yaml").write_text(yaml.safe_dump(content))
+    assert compile_robot(load_robot(tmp_path / "0")).n_joints == 2
+    with pytest.raises(RobotError, match=f"figures.yaml: fitted.readings.{key}: is "):
+        compile_robot(load_robot(tmp_path / "1"))
+
+
+@pytest.mark.parametrize("number", ["0x384", "9OO", "1_000"])
+def test_an_attribute_that_is_no_number_has_file_and_line(number: str, tmp_path: Path) -> None:
+    """The engine takes hexadecimal numbers, and what does not take them said neither file nor line."""
+    text = changed(MJCF, {'key="constant" value="900.0"': f'key="constant" value="{number}"'})
+    (line,) = [k for k, words in enumerate(text.splitlines(), start=1) if number in words]
+    with pytest.raises(RobotError, match=f"small.xml: line {line}: constant is {number!r}, which is no number"):
+        compile_robot(load_robot(robot_of(tmp_path / "robot", text)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("", "", r"figures.yaml: counterbalance.joint: is 'hinge_b', but the cylinder's tendon runs across 'hinge_a';"),
+        (
+            '<site site="anchor_a"/><site site="anchor_b"/>',
+            '<site site="anchor_a"/><site site="hook"/>',
+            "counterbalance.joint: is 'hinge_a', but the cylinder's tendon runs across 'hinge_a' and 'hinge_b'",
+        ),
+        (
+            '<site site="anchor_a"/><site site="anchor_b"/>',
+            '<site site="anchor_b"/><site site="anchor_a"/>',
+            "counterbalance.tendon: runs from the moving side of 'hinge_a' to the fixed one",
+        ),
+    ],
+)
+def test_a_cylinder_that_is_not_across_its_joint_is_told_at_the_key(
+    old: str, new: str, words: str, tmp_path: Path
+) -> None:
+    """`bench check` said that the nominal model cannot follow the motion, and to look at angles."""
+    folder = robot_of(tmp_path / "robot", changed(MJCF, {old: new}) if old else MJCF)
+    content = yaml.safe_load(yaml.safe_dump(FIGURES))
+    content["counterbalance"]["joint"] = "hinge_a" if old else "hinge_b"
+    (folder / "figures.yaml").write_text(yaml.safe_dump(content))
+    with pytest.raises(RobotError, match=words):
+        compile_robot(load_robot(folder))

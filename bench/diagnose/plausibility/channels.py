@@ -191,8 +191,8 @@ def _beyond_speed(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Findi
         if top > _tolerated(compiled, "speed limit", drive) * limit:
             message = f"{drive} moves at {top:.3g} per s in run {run!r}, its limit is {limit:.3g}"
             remedy = (
-                "degrees or millimetres? give SI units; milliseconds in time_s? else correct speed_limit_rad_per_s in "
-                "figures.yaml"
+                "degrees or millimetres? give SI units; minutes or milliseconds in time_s? else correct "
+                "speed_limit_rad_per_s in figures.yaml"
             )
             yield doubt(f"q_motor_{j + 1}", message, remedy)
 

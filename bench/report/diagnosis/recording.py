@@ -18,6 +18,7 @@ from bench.report.recording.compared import log_compared
 from bench.report.recording.curves import JOINT_COLOURS, Plot, log_plots
 from bench.report.recording.events import log_events
 from bench.report.recording.layout import event_view, robot_view, with_plots
+from bench.report.recording.library import expect_rerun
 from bench.report.recording.poses import Poses, elastic_poses, rigid_poses
 from bench.report.recording.scene import floor_height, scene_of
 from bench.report.recording.write import MAGNIFICATION, extent_of
@@ -40,7 +41,9 @@ def write_diagnosis_recording(path: Path, diagnosis: Diagnosis, readings: Readin
     Raises:
         InputError: The file cannot be written.
         RobotError: The scene that the robot's figures name does not compile.
+        NoLibraryError: Rerun's library cannot be loaded.
     """
+    expect_rerun()
     compiled = diagnosis.linear.replay.compiled
     time = recording_clock_of(diagnosis.linear)
     trace, robot, ghost = _poses(diagnosis, time)

@@ -11,7 +11,7 @@ from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.verdict import Verdict
-from bench.errors import RobotError
+from bench.errors import NoLibraryError, RobotError
 from bench.predict.promises import write_promises
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.facts import facts_of, facts_without
@@ -54,7 +54,8 @@ def write_diagnosis(
         command: That made the diagnosis, for the report.
 
     Returns:
-        A sentence for each stated figure that was found further away than its uncertainty explains.
+        What to print of it: a sentence for each stated figure that was found further away than its uncertainty
+        explains, and one where there is no recording because Rerun's library cannot be loaded.
 
     Raises:
         InputError: The recording cannot be written.
@@ -65,12 +66,17 @@ def write_diagnosis(
     fit = diagnosis.extension or diagnosis.naming.null
     handed = _handed(diagnosis, fit, folder)
     figures = fitted_figures(diagnosis.linear, fit)
+    moved = tuple(moved_sentences(figures))
+    sentences = [f"Moved: {sentence}" for sentence in moved]
     _write(folder / FIGURES, csv_of(figures))
     handed_over = {"disagreement": handed.disagreement, "missing": handed.missing}
     content = diagnosis.verdict.as_json() | facts.as_json()
     content |= {"figures": [asdict(figure) for figure in figures], "handed_over": handed_over}
     _write(folder / VERDICT, json.dumps(to_jsonable(content), indent=2) + "\n")
-    write_diagnosis_recording(folder / RECORDING, diagnosis, readings)
+    try:
+        write_diagnosis_recording(folder / RECORDING, diagnosis, readings)
+    except NoLibraryError as error:  # all else that took minutes is worth having without it
+        sentences.append(str(error))
     learned = learned_of(diagnosis.naming, diagnosis.discrepancy)
     pictures = Pictures(
         worst=pictures_of(readings),
@@ -78,9 +84,8 @@ def write_diagnosis(
         turns_round=learned is not None and learned.turns_round,
     )
     made = {name: words for name, words in WORDS.items() if (folder / name).exists()}
-    moved = tuple(moved_sentences(figures))
     _write(folder / REPORT, page_of(diagnosis.verdict, facts, pictures, made, handed.difference, moved))
-    return moved
+    return tuple(sentences)
 
 
 def _handed(diagnosis: Diagnosis, fit: Fit, folder: Path) -> Handed:

@@ -104,6 +104,8 @@ def _without_clock(names: Sequence[str]) -> str:
 def _opened(file: Path, topic: str) -> tuple[Table, Dialect]:
     """Return the table of a log, and how it is written."""
     dialect = PLAIN
+    if topic and file.suffix.lower() != MCAP:
+        raise CampaignError(f"{file}: is no MCAP recording, and has no topic {topic!r}; leave --topic out")
     if file.suffix.lower() == MCAP:
         table = read_topic(file, topic)
     elif file.suffix.lower() == ".parquet":

@@ -13,6 +13,7 @@ from bench.report.recording.compared import log_compared
 from bench.report.recording.curves import JOINT_COLOURS, Curve, Plot, log_plots
 from bench.report.recording.events import log_events
 from bench.report.recording.layout import layout
+from bench.report.recording.library import expect_rerun
 from bench.report.recording.poses import elastic_poses, rigid_poses
 from bench.report.recording.scene import floor_height, scene_of
 from bench.report.recording.write import MAGNIFICATION, extent_of
@@ -29,7 +30,9 @@ def write_prediction_recording(path: Path, recording: PredictedRecording) -> Non
     Raises:
         InputError: The file cannot be written.
         RobotError: The scene that the robot's figures name does not compile.
+        NoLibraryError: Rerun's library cannot be loaded.
     """
+    expect_rerun()
     replay = recording.linear.replay
     compiled, clock = replay.compiled, recording_clock_of(recording.linear)
     trace = replay.trace(recording.world)[clock.frame]

@@ -70,5 +70,6 @@ def places_of(folder: Path, prediction: Prediction) -> Iterator[str]:
     yield f"report     {folder / REPORT}"
     for i in range(len(prediction.recordings)):
         name = recording_name(i + 1, len(prediction.recordings))
-        yield f"recording  {folder / name}   (bench view {folder})"
+        if (folder / name).is_file():
+            yield f"recording  {folder / name}   (bench view {folder})"
     yield f"numbers    {folder / NUMBERS}"

@@ -5,6 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from bench.errors import NoLibraryError
 from bench.predict.prediction import MaybeAnew, PredictedRecording, Prediction
 from bench.report.jsonable import to_jsonable
 from bench.report.prediction.file_names import NUMBERS, REPORT, recording_name
@@ -12,13 +13,16 @@ from bench.report.prediction.page import page_of
 from bench.report.prediction.recording import write_prediction_recording
 
 
-def write_prediction(prediction: Prediction, folder: Path, command: str = "") -> None:
+def write_prediction(prediction: Prediction, folder: Path, command: str = "") -> tuple[str, ...]:
     """Write the files of a prediction into an existing folder.
 
     Args:
         prediction: What to write.
         folder: Where to.
         command: That made it, for the page.
+
+    Returns:
+        What to print of it: a sentence where there is no recording because Rerun's library cannot be loaded.
 
     Raises:
         InputError: A recording cannot be written.
@@ -27,10 +31,16 @@ def write_prediction(prediction: Prediction, folder: Path, command: str = "") ->
     text = json.dumps(to_jsonable(json_of(prediction) | {"command": command}), indent=2)
     (folder / NUMBERS).write_text(text + "\n", encoding="utf-8")
     names = []
+    missing: dict[str, None] = {}
     for i, recording in enumerate(prediction.recordings):
-        names.append(recording_name(i + 1, len(prediction.recordings)))
-        write_prediction_recording(folder / names[-1], recording)
+        name = recording_name(i + 1, len(prediction.recordings))
+        try:
+            write_prediction_recording(folder / name, recording)
+            names.append(name)
+        except NoLibraryError as error:  # the numbers are worth having without it
+            missing[str(error)] = None
     (folder / REPORT).write_text(page_of(prediction, [NUMBERS, *names], command), encoding="utf-8")
+    return tuple(missing)
 
 
 def json_of(prediction: Prediction) -> dict[str, Any]:

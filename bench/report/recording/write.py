@@ -11,6 +11,7 @@ from bench.report.recording.curves import log_plots, plots_of
 from bench.report.recording.deflection import deflection_of, is_standing
 from bench.report.recording.events import log_events
 from bench.report.recording.layout import layout
+from bench.report.recording.library import expect_rerun
 from bench.report.recording.poses import Poses, elastic_poses, rigid_poses
 from bench.report.recording.scene import floor_height, scene_of
 from bench.report.recording.surroundings import Colour, log_path, log_point, log_tracker
@@ -40,7 +41,9 @@ def write_recording(path: Path, compiled: CompiledRobot, film: Film, magnificati
     Raises:
         InputError: The film is empty, or the file cannot be written.
         RobotError: The scene that the robot's figures name does not compile.
+        NoLibraryError: Rerun's library cannot be loaded.
     """
+    expect_rerun()
     if not len(film.trace):
         raise InputError(f"{path}: the film holds no instant, so there is nothing to write.")
     plots = plots_of(film, compiled)

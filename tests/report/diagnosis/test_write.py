@@ -1,6 +1,7 @@
 """The files of a real diagnosis, of what was found, of nothing, and of something unlisted."""
 
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -114,6 +115,18 @@ def test_what_is_no_robot_costs_nobody_the_verdict(
     said = json.loads((tmp_path / VERDICT).read_text())["handed_over"]["missing"]
     assert said == ["everything: what was fitted is no robot: a stiffness that no part has"]
     assert any(line.startswith("robot      none") for line in places_of(tmp_path))
+
+
+def test_a_library_that_cannot_be_loaded_costs_nobody_the_verdict(
+    found: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where memory was short for Rerun's library, a diagnosis that was done ended in a traceback and left nothing."""
+    monkeypatch.setitem(sys.modules, "rerun.blueprint", None)  # an ImportError where it is loaded
+    (told,) = [line for line in write_diagnosis(found, tmp_path) if not line.startswith("Moved: ")]
+    assert told.startswith("no Rerun recording is written: a library cannot be loaded: ")
+    assert {VERDICT, REPORT, ROBOT} <= {path.name for path in tmp_path.iterdir()}
+    assert not (tmp_path / RECORDING).exists()
+    assert RECORDING not in (tmp_path / REPORT).read_text()
 
 
 def test_a_robot_of_a_diagnosis_that_was_not_done_says_so(found: Diagnosis, folder: Path, tmp_path: Path) -> None:
