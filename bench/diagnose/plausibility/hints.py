@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.diagnose.plausibility.between_runs import too_far_apart
 from bench.diagnose.plausibility.channels import BINS
+from bench.diagnose.plausibility.cold_gears import cold_gears
 from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
 from bench.diagnose.plausibility.known_temperature import known_temperatures
@@ -54,7 +55,7 @@ def hints_of(
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
     found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled), *unlike_weights(campaign)]
-    found += [*known_temperatures(campaign), *noise_as_stated(campaign)]
+    found += [*known_temperatures(campaign), *cold_gears(campaign), *noise_as_stated(campaign)]
     told = {finding.column for finding in known}
     found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     found += [hint for hint in beyond_guessed_limits(campaign, compiled) if hint.column not in told]
