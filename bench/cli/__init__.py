@@ -102,23 +102,27 @@ def _ended(arguments: list[str] | None) -> int:
         return error.exit_code
     except (KeyboardInterrupt, Exception) as error:
         interrupt = interrupt_behind(error)
-        if interrupt is None and (short := short_of_memory(error)):
-            print(f"bench: {short}", file=sys.stderr)
-            return InputError.exit_code
-        if (
-            interrupt is None and isinstance(error, ImportError | RuntimeError) and GRAPHICS in str(error)
-        ):  # as MuJoCo refuses it
-            print(f"bench: {error}; egl, osmesa or glfw, or leave it out", file=sys.stderr)
-            return InputError.exit_code
-        if interrupt is None and isinstance(error, ImportError) and not str(error.name).startswith(bench.__name__):
-            print(f"bench: {not_loaded(error)}", file=sys.stderr)
-            return NoLibraryError.exit_code
         if interrupt is None:
-            raise
+            if (told := _of_surroundings(error)) is None:
+                raise
+            words, code = told
+            print(f"bench: {words}", file=sys.stderr)
+            return code
         is_typed = not isinstance(interrupt, TerminatedError)
         word = "interrupted" if is_typed else "terminated"
         print(f"bench: {word}; nothing half-written was left behind.", file=sys.stderr)
         return INTERRUPTED if is_typed else TERMINATED
+
+
+def _of_surroundings(error: BaseException) -> tuple[str, int] | None:
+    """Return the sentence and the exit code for what the machine does not give; None for an error of the bench."""
+    if short := short_of_memory(error):
+        return short, InputError.exit_code
+    if isinstance(error, ImportError | RuntimeError) and GRAPHICS in str(error):  # as MuJoCo refuses it
+        return f"{error}; egl, osmesa or glfw, or leave it out", InputError.exit_code
+    if isinstance(error, ImportError) and not str(error.name).startswith(bench.__name__):
+        return not_loaded(error), NoLibraryError.exit_code
+    return None
 
 
 def _run(arguments: list[str] | None) -> int:

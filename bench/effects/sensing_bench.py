@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Place, Values
 from bench.robot.compiled import CompiledRobot
-from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
+from bench.simulate.instruments import HOUR, Reading, is_slanting, small_rotation
 from bench.simulate.plant import Trace
 
 
@@ -104,7 +104,7 @@ class ForceTilt(_OfForce):
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
         turn = small_rotation(vector_of(values, ""))
         force = trace.wrench[:, :3]
-        slants = np.hypot(force[:, :1], force[:, 1:2]) > VERTICAL_TOLERANCE * np.abs(force[:, 2:])
+        slants = is_slanting(force)
         return replace(
             reading,
             force=np.where(slants, reading.force @ turn.T, reading.force),

@@ -14,7 +14,7 @@ from bench.robot.folder import Robot
 from bench.simulate.batch import Course, follow, read_steps, smooth
 from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.instruments import Instruments, Reading
-from bench.simulate.plant import Array, Plant, Trace
+from bench.simulate.plant import Array, Left, Plant, Trace
 from bench.simulate.policy import Step
 
 ITERATIONS = 3  # an encoder's error changes over some arc minutes much less than over a turn
@@ -36,7 +36,7 @@ class Plants:
     ) -> None:
         self._robot, self._spec, self._acting, self._timestep = robot, spec, tuple(acting), timestep
         self._alike: dict[Hashable, Plant] = {}
-        self._left: tuple[float, Array, float] | None = None  # when, where, and with gas how warm
+        self.left: Left | None = None  # by the last sitting
         self._depend_on_temperature = _depends_on_temperature(robot, spec, stays[0], acting)
 
     def of(self, stay: Stay, conditions: Conditions) -> Plant:
@@ -49,25 +49,6 @@ class Plants:
         if not self._depend_on_temperature:
             self._alike[key] = plant
         return plant
-
-    def arrive(self, plant: Plant, start: Array, now: float) -> None:
-        """Put a plant at rest where a sitting begins; it came there right after the last one, and waited.
-
-        Args:
-            plant: The first of the sitting.
-            start: Shape (n,), motor angles [rad].
-            now: From the start of the campaign [s].
-        """
-        rise, balance = 0.0, plant.compiled.counterbalance
-        if self._left and balance and balance.heat_capacity_ratio > 1:
-            then, there, left = self._left
-            angles = np.array([there, start, start])[:, balance.joint]
-            rise = float(balance.temperature_rise(angles, [0.0, now - then], left)[-1])
-        plant.reset(start, rise)
-
-    def leave(self, plant: Plant, there: Array, now: float) -> None:
-        """Remember what a sitting leaves: see `arrive`."""
-        self._left = now, there, plant.gas_rise
 
 
 def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end: float) -> tuple[Trace, Trace]:
@@ -86,7 +67,7 @@ def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end:
     path = course.path if commands is course.commands else smooth(start, commands)
     wrenches = stay.loads(course.wrenches)
     plant = plants.of(stay, stay.conditions[0])
-    plants.arrive(plant, start, stay.begin)
+    plant.arrive(start, stay.begin, plants.left)
     late = late_in(acting)
     parts: list[Trace] = []
     seen: list[Trace] = []
@@ -102,7 +83,7 @@ def true_trace(plants: Plants, stay: Stay, acting: Sequence[Acting], before_end:
         for one in late:
             truth = one.shown(truth, there, every, read, piece)
         seen.append(truth)
-    plants.leave(plant, commands[-1], stay.begin + course.ends[-1])
+    plants.left = plant.left(stay.begin + course.seconds)
     times = stay.begin + course.ends[course.marked] - before_end
     return replace(Trace.concatenate(parts), time=times), replace(Trace.concatenate(seen), time=times)
 

@@ -233,7 +233,7 @@ class Instruments:
 
 
 def is_slanting(wrench: Array) -> NDArray[np.bool_]:
-    """Return whether loads, shape (T, 6) [N, Nm], pull aside, shape (T, 1)."""
+    """Return whether loads, shape (T, 6) [N, Nm] or (T, 3) [N], pull aside, shape (T, 1)."""
     aside: NDArray[np.bool_] = np.hypot(wrench[:, :1], wrench[:, 1:2]) > VERTICAL_TOLERANCE * np.abs(wrench[:, 2:3])
     return aside
 

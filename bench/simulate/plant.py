@@ -108,6 +108,21 @@ def gas_force(compiled: CompiledRobot, pull: Array, length: Array) -> Array:
     return balance.gas_force(pull, length) if balance else pull
 
 
+@dataclass(frozen=True)
+class Left:
+    """What a sitting leaves behind for the next one, which may have another plant.
+
+    Attributes:
+        time_s: When it ended [s].
+        q: Shape (n,) [rad], where the motors were sent last.
+        gas_rise: T / T0 - 1 of the gas of the cylinder.
+    """
+
+    time_s: float
+    q: Array
+    gas_rise: float
+
+
 class Plant:
     """One simulated robot. Commands are interpolated within a control period, as a drive's fine interpolator does.
 
@@ -229,13 +244,30 @@ class Plant:
         gained = seen.velocities[:, self.compiled.at.q_dof] - trace.q_velocity
         return replace(trace, motor_torque=trace.motor_torque - self._servo_damping * gained)
 
-    @property
-    def gas_rise(self) -> float:
-        """T / T0 - 1 of the gas of the cylinder; 0 where it does not warm up."""
-        balance = self.compiled.counterbalance
-        if balance is None or balance.heat_capacity_ratio == 1:
-            return 0.0
-        return float(state_of(self.model, self.data, self.compiled.at.counterbalance)[TEMPERATURE_RISE])
+    def left(self, now: float) -> "Left":
+        """Return what it leaves behind at the end of a sitting.
+
+        Args:
+            now: [s], on the clock of the session.
+        """
+        balance, rise = self.compiled.counterbalance, 0.0
+        if balance and balance.heat_capacity_ratio > 1:
+            rise = float(state_of(self.model, self.data, self.compiled.at.counterbalance)[TEMPERATURE_RISE])
+        return Left(now, self._command.copy(), rise)
+
+    def arrive(self, q: Array, now: float, before: "Left | None") -> None:
+        """Put the robot at rest where a sitting begins: it went there right after the last one, and waited.
+
+        Args:
+            q: Shape (n,) [rad], of the motors.
+            now: [s], on the clock of the session.
+            before: What the last sitting left, of this plant or of one with another payload; None: it is the first.
+        """
+        balance, rise = self.compiled.counterbalance, 0.0
+        if before and balance and balance.heat_capacity_ratio > 1:
+            angles = np.array([before.q, q, q])[:, balance.joint]
+            rise = float(balance.temperature_rise(angles, [0.0, now - before.time_s], before.gas_rise)[-1])
+        self.reset(q, rise)
 
     def wait(self, seconds: float) -> None:
         """Let time pass in which the robot only stands: its gas relaxes at the volume it has, nothing else moves."""

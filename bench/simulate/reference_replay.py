@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.actuators.state import TEMPERATURE_RISE, state_of
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.equilibrium import evaluate_forces
@@ -51,6 +52,8 @@ class Reference:
         links = links or (motion.velocity, motion.acceleration)
         model, data, at = self.compiled.model, self._data, self.compiled.at
         mujoco.mj_resetData(model, data)
+        if motion.gas_rise is not None and at.counterbalance >= 0:
+            state_of(model, data, at.counterbalance)[TEMPERATURE_RISE] = motion.gas_rise[0]
         n = self.compiled.n_joints
         found, load = np.empty((len(motion), 2, len(self._dofs))), np.empty((len(motion), n))
         rows = np.flatnonzero(motion.read)

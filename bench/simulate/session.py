@@ -20,7 +20,7 @@ from bench.simulate.instruments import Instruments, Reading
 from bench.simulate.line import line_sittings
 from bench.simulate.loading import loading_sittings
 from bench.simulate.parts import session_sittings
-from bench.simulate.plant import Plant, Trace
+from bench.simulate.plant import Left, Plant, Trace
 from bench.simulate.policy import Mark, Sitting
 from bench.simulate.rotation import rotation_sittings
 from bench.simulate.tables import Joints, run_of, with_link_angles
@@ -129,6 +129,7 @@ def _period_by_period(
     """Drive the environment."""
     log, now = Log(), 0.0
     instruments: Instruments | None = None
+    left: Left | None = None
     for i, sitting in enumerate(sittings):
         env = BenchEnv(
             str(compiled.robot.folder),
@@ -141,7 +142,9 @@ def _period_by_period(
             instruments = env.instruments
         env.instruments = instruments  # the same ones throughout a session, with the same errors
         now += sitting.pause_s if i else 0.0
+        env.plant.arrive(sitting.start, now, left)
         now = drive(env, sitting, now, log, lambda share, i=i: progress((i + share) / len(sittings)))  # type: ignore[misc]
+        left = env.plant.left(now)
     assert instruments is not None
     film = Film(Trace.concatenate(log.film), stacked(log.film_observations, log.film), tuple(log.events))
     reading = stacked(log.observations, log.instants)
@@ -156,12 +159,13 @@ def _in_stretches(
     rng = None if scenario.perfect_instruments else np.random.default_rng(scenario.seed)
     instruments = Instruments(compiled, rng)
     film = []
+    left: Left | None = None
     spec = bare_spec(compiled.robot)
     for i, sitting in enumerate(sittings):
         course = course_of(sitting)
         plant = Plant(compiled.robot, (*edits_of(scenario), *sitting.edits), spec=spec)
-        plant.reset(course.start)
         now += sitting.pause_s if i else 0.0
+        plant.arrive(course.start, now, left)
         kept = np.union1d(course.marked, np.arange(0, len(course), every))
         trace = follow(plant, course.path, 0, course.wrenches, kept, waits=course.waits)
         trace = replace(trace, time=now + course.ends[kept] - plant.timestep)
@@ -171,6 +175,7 @@ def _in_stretches(
         log.payload_kg += [sitting.payload_kg] * len(course.steps)
         log.events += [(now + time, words) for time, words in course.events]
         now += course.seconds
+        left = plant.left(now)
         progress((i + 1) / len(sittings))
     instants, frames = Trace.concatenate(log.instants), Trace.concatenate(film)
     reading = read_steps(instruments, log.steps, instants)

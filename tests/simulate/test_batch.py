@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import fields
 from itertools import pairwise
 from pathlib import Path
+from shutil import copytree
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from bench.record.check import check_campaign
 from bench.record.write import write_campaign
 from bench.robot.folder import load_robot
+from bench.scenario.files import Experiment
 from bench.simulate.bare import bare_spec
 from bench.simulate.batch import course_of, follow, linear
 from bench.simulate.drive import Log, drive
@@ -21,6 +23,7 @@ from bench.simulate.plant import Plant, Trace
 from bench.simulate.policy import Sitting
 from bench.simulate.rotation import rotation_sittings
 from bench.simulate.session import Session, run_session
+from tests.simulate.rotation_small import small_rotation
 from tests.simulate.session_small import small_session
 from tests.small_robot import K
 
@@ -170,3 +173,27 @@ def test_same_seed_same_campaign(session: Session, small_robot: Path) -> None:
     for run, other in zip(session.campaign.runs, again.campaign.runs, strict=True):
         for name, values in run.columns.items():
             np.testing.assert_array_equal(other.columns[name], values)
+
+
+@pytest.mark.parametrize("small", [small_session, small_rotation])
+def test_gas_that_was_compressed_is_warm_in_the_next_sitting(
+    small: Callable[[Path], Experiment], small_robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another payload is another plant; what the cylinder holds is the same gas, a pause later."""
+    robot = tmp_path / "warm"
+    copytree(small_robot, robot)
+    file = next(robot.glob("*.xml"))
+    text = file.read_text()
+    warms = '<config key="heat_capacity_ratio" value="1.1"/><config key="relaxation_time" value="1000"/>'
+    file.write_text(text.replace('plugin="bench.gas_spring">', f'plugin="bench.gas_spring">{warms}'))
+    assert warms in file.read_text()
+    began: list[float] = []
+    reset = Plant.reset
+
+    def noted(plant: Plant, q: np.ndarray, gas_rise: float = 0.0) -> None:
+        began.append(gas_rise)
+        reset(plant, q, gas_rise)
+
+    monkeypatch.setattr(Plant, "reset", noted)
+    run_session(small(robot))
+    assert any(rise != 0.0 for rise in began[1:])

@@ -112,6 +112,18 @@ def test_c_and_numpy_agree(kind: str, guessed: bool, rng: np.random.Generator) -
     _agree(compiled, _motion(compiled.n_joints, rng), guessed)
 
 
+def test_c_and_numpy_agree_on_gas_that_is_warm_at_first(rng: np.random.Generator) -> None:
+    compiled = _compiled("warming gas")
+    motion = _motion(compiled.n_joints, rng)
+    warm = replace(motion, gas_rise=np.full(LENGTH, 0.03))
+    _agree(compiled, warm, False)
+    cool, told = (Prescribed(compiled).follow(one) for one in (motion, warm))
+    assert compiled.counterbalance
+    theta, dt = told[1][:, 0, compiled.counterbalance.joint], np.diff(motion.time)
+    rises = [compiled.counterbalance.temperature_rise(theta, dt, first)[motion.read] for first in (0.0, 0.03)]
+    np.testing.assert_allclose(told[0].gas_force / cool[0].gas_force, (1 + rises[1]) / (1 + rises[0]), rtol=1e-4)
+
+
 @pytest.mark.parametrize("robot", ["emps", "kr300"])
 def test_c_and_numpy_agree_on_other_robots(robot: str, rng: np.random.Generator) -> None:
     compiled = _compiled("nominal", robot)

@@ -22,7 +22,7 @@ from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import Figures
 from bench.robot.fitted import NO_READINGS, FittedReadings, FittedWeights
-from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
+from bench.simulate.instruments import HOUR, Reading, is_slanting, small_rotation
 from bench.simulate.pulls import pulled
 
 AXES = "xyz"
@@ -209,7 +209,7 @@ def _shown(figures: Figures, reading: Reading) -> Reading:
     reflectors = reading.reflectors
     nests = np.array([known.nest_m.get(site, (0.0, 0.0, 0.0)) for site in figures.reflectors]).reshape(-1, 3)
     force, moment = reading.force * (1 + known.force_gain), reading.moment * (1 + known.force_gain)
-    slanting = np.hypot(force[:, :1], force[:, 1:2]) > VERTICAL_TOLERANCE * np.abs(force[:, 2:])
+    slanting = is_slanting(force)
     for i, direction in enumerate(np.eye(3)):
         turn = small_rotation(known.tracker_turn_rad[i] * direction)
         drift = known.tracker_drift_m_per_h[i] / HOUR * reading.time[:, None, None]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bench.diagnose.replay.instants import slices_of
 from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
-from bench.robot.compiled import CompiledRobot
+from bench.robot.counterbalance import Counterbalance
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +63,12 @@ class GasHistory:
             recordings.append((np.concatenate([[mine[0], *mine] for mine in ordered]), np.array(passed[1:])))
         return cls(theta, time, tuple(recordings))
 
-    def rise(self, compiled: CompiledRobot) -> Array | None:
-        """Return T / T0 - 1 of the gas at each instant, shape (T,); None where it does not warm up.
+    def rise(self, cylinder: Counterbalance) -> Array:
+        """Return T / T0 - 1 of the gas at each instant, shape (T,).
 
         Args:
-            compiled: The robot, with its cylinder.
+            cylinder: With gas that warms up.
         """
-        cylinder = compiled.counterbalance
-        if cylinder is None or cylinder.heat_capacity_ratio == 1:
-            return None
         found = np.empty(len(self.theta))
         for instants, passed in self.recordings:
             found[instants] = cylinder.temperature_rise(self.theta[instants, cylinder.joint], passed)

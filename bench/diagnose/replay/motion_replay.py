@@ -35,16 +35,18 @@ from bench.effects.followed import Followed
 from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
+from bench.robot.counterbalance import Counterbalance
 from bench.robot.links import rigid_bodies
 from bench.robot.patched import Structure
 from bench.robot.recent import Recent
 from bench.simulate.bare import bare_spec
 from bench.simulate.plant import Trace
-from bench.simulate.prescribed import TOLERANCE, Prescribed
+from bench.simulate.prescribed import TOLERANCE, Motion, Prescribed
 
 MOST_KNOWN = 4  # effort: motions kept, for worlds that only read differently
 MOST_PLANS = 64  # effort: ways kept in which worlds share models, 0.1 MB each for 700 instants of six joints
 MOST_RATES = 16  # effort: errors of encoders, of which what they add to speeds and accelerations is kept
+MOST_GASES = 16  # effort: cylinders, of which how warm their gas is is kept
 MOST_LINKS = 64  # effort: sets of inertial parameters kept
 
 
@@ -78,7 +80,8 @@ class MotionReplay:
         for i, segment in enumerate(segments):
             self._recordings.setdefault(segment.recording, []).append(i)
         self._plans: Recent[Hashable, tuple[Course, ...]] = Recent(MOST_PLANS)
-        self._gas: GasHistory | None = None
+        self._gas: GasHistory | None = None  # not known before the nominal robot was followed
+        self._gas_rises: Recent[Counterbalance, Array] = Recent(MOST_GASES)
         nominal = self._courses(NOMINAL)
         # where links and passive hinges of the nominal robot balance; every search starts there
         self._found = np.zeros((sum(len(segment.motion) for segment in segments), 2, 0))
@@ -206,8 +209,7 @@ class MotionReplay:
         rates_of = partial(self._rates_along, course)
         as_fitted, _ = moved(course.motion, self.fitted, rates_of=rates_of)
         motion, shift = moved(as_fitted, world, error.hung if error else 1.0, rates_of)
-        if self._gas and (rise := self._gas.rise(compiled)) is not None:
-            motion = replace(motion, gas_rise=rise[course.instants], time=self._gas.time[course.instants])
+        motion = self._with_warm_gas(motion, compiled, course)
         trace, found, load = robot.follow(motion, self._guess(robot, course, shift))
         if np.any(course.spline.inner):
             speed, bend = course.spline.rates(load / compiled.stiffness)
@@ -216,6 +218,14 @@ class MotionReplay:
         rows = slices_of(count_of(segment) for segment in segments)
         stretches = [(here, None if s.is_static else s.standing) for s, here in zip(segments, rows, strict=True)]
         return Moved(expected(compiled, trace, stretches), self._excess(compiled, segments, rows)), found
+
+    def _with_warm_gas(self, motion: Motion, compiled: CompiledRobot, course: Course) -> Motion:
+        """Return the motion of a course with gas as warm as it was; most courses of a world share a cylinder."""
+        cylinder, gas = compiled.counterbalance, self._gas
+        if gas is None or cylinder is None or cylinder.heat_capacity_ratio == 1:
+            return motion
+        rise = self._gas_rises.get(cylinder, lambda: gas.rise(cylinder))
+        return replace(motion, gas_rise=rise[course.instants], time=gas.time[course.instants])
 
     def _rates_along(self, course: Course, acting: Acting) -> tuple[Array, Array]:
         """Return what an error of the encoders adds to speeds and accelerations along a course, shape (T, n) each."""

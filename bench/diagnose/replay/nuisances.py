@@ -10,13 +10,27 @@ from functools import partial
 import numpy as np
 
 from bench.diagnose.replay.quantities import Quantity
+from bench.diagnose.replay.reading_errors import (
+    OnReading,
+    current_gain,
+    current_offset,
+    force_gain,
+    force_tilt,
+    frame_drift,
+    frame_shift,
+    frame_turn,
+    link_zero,
+    nest_shift,
+    thermometer_zero,
+    torque_gain,
+    torque_offset,
+)
 from bench.effects.drifts import BETWEEN, DAY_K, VISCOUS, own_part
 from bench.effects.effect import IN_RECORDING, Between
 from bench.effects.geometry import JointZero
 from bench.effects.nominal import factor_of, nominal_parameters, presliding_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
-from bench.simulate.instruments import HOUR, VERTICAL_TOLERANCE, Reading, small_rotation
 from bench.simulate.pulls import pulled
 
 # assumed: [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold
@@ -28,8 +42,6 @@ UNKNOWN_ZERO = JointZero.parameters[0].high / 3**0.5
 MOTOR_ZERO = "zero of the motor encoder of "
 PULLED = "loads pulled aside"
 PULL_DIRECTION = "direction of loads pulled aside, "
-
-OnReading = Callable[[float, Reading], Reading]
 
 
 @dataclass(frozen=True)
@@ -154,13 +166,13 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
         + _force(compiled, kinds)
     )
     if "gas_temperature" in kinds:
-        found.append(Nuisance("thermometer of the gas", "K", THERMOMETER_K, on_reading=_thermometer))
+        found.append(Nuisance("thermometer of the gas", "K", THERMOMETER_K, on_reading=thermometer_zero))
     if "q_link" in kinds:
         fitted = compiled.robot.figures.instruments.link_encoder
         sigma, zeroing = (fitted.offset_sigma_rad, fitted.zeroing_sigma_rad) if fitted else (UNKNOWN_ZERO, None)
         joints = [quantity.index for quantity in quantities if quantity.kind == "q_link"]
         zeros = [
-            _error("link_encoder_offset", f"zero of link encoder {j + 1}", "rad", sigma, _link_zero(j)) for j in joints
+            _error("link_encoder_offset", f"zero of link encoder {j + 1}", "rad", sigma, link_zero(j)) for j in joints
         ]
         found += zeros if zeroing is None else [replace(zero, own=min(zeroing, sigma)) for zero in zeros]
     return tuple(nuisance for nuisance in found if nuisance.sigma > 0)
@@ -203,15 +215,15 @@ def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
             gain = float(np.hypot(drive.torque_constant_error, current.gain_sigma if current else 0.0))
             offset = current.offset_sigma_a if current else 0.0
             found += [
-                _error("current_gain", f"torque constant of {drive.joint}", "", gain, _current_gain(j)),
-                _error("current_offset", f"current offset of {drive.joint}", "A", offset, _current_offset(j)),
+                _error("current_gain", f"torque constant of {drive.joint}", "", gain, current_gain(j)),
+                _error("current_offset", f"current offset of {drive.joint}", "A", offset, current_offset(j)),
             ]
         if "tau_motor" in kinds:
             gain = torque.gain_sigma if torque else drive.torque_constant_error
             offset = torque.offset_sigma_of(compiled.n_joints)[j] if torque else 0.0
             found += [
-                _error("torque_gain", f"torque constant of {drive.joint}", "", gain, _torque_gain(j)),
-                _error("torque_offset", f"torque offset of {drive.joint}", "Nm", offset, _torque_offset(j)),
+                _error("torque_gain", f"torque constant of {drive.joint}", "", gain, torque_gain(j)),
+                _error("torque_offset", f"torque offset of {drive.joint}", "Nm", offset, torque_offset(j)),
             ]
     return found
 
@@ -226,16 +238,16 @@ def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[
     reflectors = sorted({quantity.index for quantity in quantities if quantity.kind == "reflector"})
     if tracker is None or not reflectors:
         return []
-    found = []
+    found, nests = [], tracker.placement_sigma_m
     for axis, name in enumerate("xyz"):
         along = np.eye(3)[axis]
         found += [
-            _error("frame_shift", f"tracker frame, shift {name}", "m", tracker.frame_sigma_m, _shift(along)),
-            _error("frame_rotation", f"tracker frame, turn {name}", "rad", tracker.frame_sigma_rad, _turn(along)),
-            _error("frame_drift", f"tracker drift {name}", "m/h", tracker.drift_m_per_h, _drift(along)),
+            _error("frame_shift", f"tracker frame, shift {name}", "m", tracker.frame_sigma_m, frame_shift(along)),
+            _error("frame_rotation", f"tracker frame, turn {name}", "rad", tracker.frame_sigma_rad, frame_turn(along)),
+            _error("frame_drift", f"tracker drift {name}", "m/h", tracker.drift_m_per_h, frame_drift(along)),
         ]
         found += [
-            _error("placement", f"nest of reflector {k + 1}, {name}", "m", tracker.placement_sigma_m, _nest(k, axis))
+            _error("placement", f"nest of reflector {k + 1}, {name}", "m", nests, nest_shift(k, axis))
             for k in reflectors
         ]
     return found
@@ -247,83 +259,9 @@ def _force(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
         return []
     tilt = force.direction_sigma_rad
     return [
-        _error("force_gain", "gain of the force sensor", "", force.gain_sigma, _force_gain),
+        _error("force_gain", "gain of the force sensor", "", force.gain_sigma, force_gain),
         *(
-            _error("force_tilt", f"tilt of the force sensor, {name}", "rad", tilt, _tilt(np.eye(3)[i]))
+            _error("force_tilt", f"tilt of the force sensor, {name}", "rad", tilt, force_tilt(np.eye(3)[i]))
             for i, name in enumerate("xyz")
         ),
     ]
-
-
-def _column(values: Array, j: int, change: Callable[[Array], Array]) -> Array:
-    changed = values.copy()
-    changed[:, j] = change(values[:, j])
-    return changed
-
-
-def _current_gain(j: int) -> OnReading:
-    return lambda x, reading: replace(reading, current=_column(reading.current, j, lambda c: c * (1 + x)))
-
-
-def _current_offset(j: int) -> OnReading:
-    return lambda x, reading: replace(reading, current=_column(reading.current, j, lambda c: c + x))
-
-
-def _torque_gain(j: int) -> OnReading:
-    return lambda x, reading: replace(reading, torque=_column(reading.torque, j, lambda c: c * (1 + x)))
-
-
-def _torque_offset(j: int) -> OnReading:
-    return lambda x, reading: replace(reading, torque=_column(reading.torque, j, lambda c: c + x))
-
-
-def _link_zero(j: int) -> OnReading:
-    return lambda x, reading: replace(reading, q_link=_column(reading.q_link, j, lambda c: c + x))
-
-
-def _thermometer(x: float, reading: Reading) -> Reading:
-    return replace(reading, gas_temperature=reading.gas_temperature + x)
-
-
-def _shift(direction: Array) -> OnReading:
-    return lambda x, reading: replace(reading, reflectors=reading.reflectors + x * direction)
-
-
-def _turn(direction: Array) -> OnReading:
-    return lambda x, reading: replace(reading, reflectors=reading.reflectors @ small_rotation(x * direction).T)
-
-
-def _drift(direction: Array) -> OnReading:
-    return lambda x, reading: replace(
-        reading, reflectors=reading.reflectors + x / HOUR * reading.time[:, None, None] * direction
-    )
-
-
-def _nest(k: int, axis: int) -> OnReading:
-    def change(x: float, reading: Reading) -> Reading:
-        reflectors = reading.reflectors.copy()
-        reflectors[:, k, axis] += x
-        return replace(reading, reflectors=reflectors)
-
-    return change
-
-
-def _force_gain(x: float, reading: Reading) -> Reading:
-    return replace(reading, force=reading.force * (1 + x), moment=reading.moment * (1 + x))
-
-
-def _tilt(direction: Array) -> OnReading:
-    """Return the error of the sensor's direction; a load that hangs is known to hang, whatever the sensor says."""
-
-    def change(x: float, reading: Reading) -> Reading:
-        turn = small_rotation(x * direction).T
-        slanting = np.hypot(reading.force[:, :1], reading.force[:, 1:2]) > VERTICAL_TOLERANCE * np.abs(
-            reading.force[:, 2:]
-        )
-        return replace(
-            reading,
-            force=np.where(slanting, reading.force @ turn, reading.force),
-            moment=np.where(slanting, reading.moment @ turn, reading.moment),
-        )
-
-    return change

@@ -1,7 +1,8 @@
 """A log of readings at rest, known by the names of its columns: a pose, and what tells the readings in it apart."""
 
-import re
 from collections.abc import Sequence
+
+from bench.record.look.names import words_of
 
 # Words of a column's name, in the order in which they are looked for; German as in other looks at names
 STATES = {
@@ -21,12 +22,8 @@ def rest_columns(names: Sequence[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for column, words in STATES.items():
         for word in words:
-            alike = [name for name in names if name not in found.values() and _words(name)[:2].count(word)]
+            alike = [name for name in names if name not in found.values() and words_of(name)[:2].count(word)]
             if alike:
                 found[column] = alike[0]
                 break
     return found if "pose" in found and len(found) > 1 else {}
-
-
-def _words(name: str) -> list[str]:
-    return re.findall(r"[a-z]+", name.lower())
