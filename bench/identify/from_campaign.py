@@ -142,7 +142,7 @@ class _Noise:
         if self._given_reflector is not None:
             return self._given_reflector
         seen = np.stack([state.reflectors[0] for state in states])
-        if self._tracker is None or not np.isfinite(seen).any():
+        if self._tracker is None or not np.isfinite(seen).all(axis=1).any():
             return 0.0
         distance = np.linalg.norm(seen - np.array(self._tracker.position_m), axis=1)
         return float(self._tracker.sigma_per_distance * np.nanmean(distance))

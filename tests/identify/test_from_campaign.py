@@ -113,6 +113,12 @@ def test_missing_channels_are_nan(rng):
     assert np.isnan(readings.reflectors).all()
 
 
+def test_a_coordinate_alone_has_no_distance_from_the_tracker(rng):
+    """NumPy warned of the mean of nothing, in `bench check` too, which now asks what drives paid for weights."""
+    alone = columns(rng, reflector_1_y_m=None, reflector_1_z_m=None)
+    assert static_readings(campaign(alone), FIGURES).sigma_reflector == 0.0
+
+
 def test_without_static_runs_there_is_nothing_to_identify():
     with pytest.raises(InputError, match="no static run"):
         static_readings(Campaign("two", ()), FIGURES)
