@@ -1,6 +1,6 @@
 """From what was found to the verdict, as plain data."""
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -63,16 +63,19 @@ def verdict_of(
     shares = dict(zip([m.keys for m in naming.models], fitted_probabilities(naming.models), strict=True))
     if discrepancy and discrepancy.fit and discrepancy.is_gain:
         fits[:1], linear = [discrepancy.fit] if near else [], discrepancy.linear
+    findings = _findings(naming, near, fits)
     return Verdict(
         kind=naming.kind,
         false_alarm_rate=rate,
         threshold=naming.screening.threshold,
         noise_scale=float(np.mean(linear.inflation**2)),
-        explanations=tuple(_explanation(m, fit, shares) for m, fit in zip(near, fits, strict=True)),
+        explanations=tuple(_explanation(m, fit, shares, findings) for m, fit in zip(near, fits, strict=True)),
         rivals=tuple(
-            _explanation(m, m.listed_fit(naming.linear), shares) for m in naming.models if m.causes and m not in near
+            _explanation(m, m.listed_fit(naming.linear), shares, findings)
+            for m in naming.models
+            if m.causes and m not in near
         ),
-        findings=_findings(naming, near, fits),
+        findings=findings,
         unlisted=_unlisted(naming, discrepancy),
         missing=missing,
         not_simulated=not_simulated,
@@ -117,7 +120,7 @@ def _findings(naming: Naming, near: Sequence[Model], fits: Sequence[Fit]) -> tup
         )
         for group in naming.groups
     ]
-    return tuple(sorted(found, key=lambda group: (group.is_small, -float(np.nan_to_num(group.names[0].cause.sigmas)))))
+    return tuple(sorted(found, key=lambda group: group.rank, reverse=True))
 
 
 def unfinished_of(naming: Naming, why: str, during: str) -> Unfinished:
@@ -164,9 +167,22 @@ def _unlisted(naming: Naming, discrepancy: Discrepancy | None) -> Unlisted | Non
     return Unlisted(block.place, block.kind, block.depends_on, parameters, runs, words, shape.stands_out)
 
 
-def _explanation(model: Model, fit: Fit, shares: Mapping[frozenset[Hashable], float]) -> Explanation:
-    causes = tuple(sorted((_named(cause, fit) for cause in model.causes), key=lambda cause: -cause.share))
+def _explanation(
+    model: Model, fit: Fit, shares: Mapping[frozenset[Hashable], float], findings: Sequence[AmbiguityGroup]
+) -> Explanation:
+    causes = in_order((_named(cause, fit) for cause in model.causes), findings)
     return Explanation(causes, model.probability, model.log_evidence, shares[model.keys], model.log_posterior)
+
+
+def in_order(causes: Iterable[NamedCause], findings: Sequence[AmbiguityGroup]) -> tuple[NamedCause, ...]:
+    """Return causes in the order of findings, each where it is the likeliest name of one; the others by their share."""
+
+    def rank(cause: NamedCause) -> tuple[float, float]:
+        named = ((one.probability, group) for group in findings for one in group.names if one.cause.name == cause.name)
+        _, group = max(named, key=lambda one: one[0], default=(0.0, None))
+        return group.rank if group else (float(np.nan_to_num(cause.share)), 0.0)
+
+    return tuple(sorted(causes, key=rank, reverse=True))
 
 
 def _named(cause: Cause, fit: Fit) -> NamedCause:

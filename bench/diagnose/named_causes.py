@@ -6,6 +6,7 @@ from math import isfinite
 # declared: of the plausible range, as the report says (of 16 large effects hidden in messes the smallest came out at
 # 0.196: DESIGN 6.1)
 SMALL = 0.2
+LIKELY = 0.9  # declared: of the probability of a finding, that the names hold by which it is as large as it surely is
 
 
 @dataclass(frozen=True)
@@ -97,9 +98,27 @@ class AmbiguityGroup:
 
     @property
     def is_small(self) -> bool:
-        """Whether it is reported after the large ones: every cause of it that was fitted is small."""
+        """Whether it is told as small: every cause of it that was fitted is."""
         fitted = [one.cause for one in self.names if isfinite(one.cause.share)]
         return bool(fitted) and all(cause.is_small for cause in fitted)
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """How large it surely is, and how sure it is: findings are told in this order, the greatest first.
+
+        What may be a large offset of a current or a small torque on a joint is surely no larger than the latter: the
+        smallest share counts of the fewest names that together hold `LIKELY` of it. A finding that was not fitted has
+        no size and comes last.
+        """
+        held, shares, all_names = 0.0, list[float](), sum(one.probability for one in self.names)
+        for one in sorted(self.names, key=lambda one: -one.probability):
+            if isfinite(one.cause.share):
+                shares.append(one.cause.share)
+            held += one.probability
+            if shares and held >= LIKELY * all_names:
+                break
+        sigmas = self.names[0].cause.sigmas
+        return min(shares, default=-1.0), sigmas if isfinite(sigmas) else 0.0
 
 
 @dataclass(frozen=True)
@@ -107,7 +126,7 @@ class Explanation:
     """One or several causes together.
 
     Attributes:
-        causes: That act together, the largest of its plausible range first.
+        causes: That act together, in the order of the findings.
         probability: Among everything that was weighed, fitted or not.
         log_evidence: Logarithm of the Bayes factor against the nominal model.
         fitted_probability: Among the explanations that were fitted, which share what all of them have; as with the

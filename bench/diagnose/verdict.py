@@ -139,8 +139,8 @@ class Verdict:
         noise_scale: Variance that is left against what the instruments explain, at least 1.
         explanations: That cannot be told apart, the likeliest first.
         rivals: Fitted, and behind.
-        findings: The same finding by finding: of each, the causes that may be behind it. Large findings first, and the
-            surest of these.
+        findings: The same finding by finding: of each, the causes that may be behind it; by how large they
+            surely are (`AmbiguityGroup.rank`).
         unlisted: Where nothing listed explains the data.
         missing: Effect -> channels without which it was not looked for.
         not_simulated: Causes whose model found no balance along the measured motion.

@@ -1,4 +1,4 @@
-"""The headline of a verdict: large, confirmed findings, the surest first, in two lines; what is missing in two more."""
+"""The headline of a verdict: large, confirmed findings, the largest first, in two lines; what is missing in two."""
 
 from collections.abc import Sequence
 
@@ -28,7 +28,7 @@ UNDECIDED = ", which these data cannot tell apart"
 def headline(verdict: Verdict) -> str:
     """Return the verdict in one sentence of `MOST` characters; of one that is unfinished, that first.
 
-    Large findings that are confirmed stand in it, the surest first; the others are counted, and named only where there
+    Large findings that are confirmed stand in it, the largest first; the others are counted, and named only where there
     is no such finding. Where least squares predicts better for sure, a second sentence says so, and so does one where
     figures have changed since the diagnosis from which this one started.
     """

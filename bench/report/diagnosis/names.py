@@ -110,11 +110,6 @@ def title_of(figure: str) -> tuple[str, str]:
     return (title, place) if title and not found_before else (figure.removesuffix(BEFORE), "")
 
 
-def ordered(causes: Sequence[NamedCause]) -> list[NamedCause]:
-    """Return causes as they are reported: the large ones first, the surest before the others."""
-    return sorted(causes, key=lambda cause: (cause.is_small, -np.nan_to_num(cause.sigmas)))
-
-
 def remark_text(cause: NamedCause, group: AmbiguityGroup) -> str:
     """Return what is to be said beside a name of a finding: that it is small, that only some runs show it, or ""."""
     hangs = cause is group.names[0].cause and not group.is_confirmed
@@ -128,7 +123,7 @@ def small_text(cause: NamedCause) -> str:
 
 def explanation_name(explanation: Explanation) -> str:
     """Return the causes of an explanation in a row."""
-    return " with ".join(cause_names(ordered(explanation.causes)))
+    return " with ".join(cause_names(explanation.causes))
 
 
 def name_beside(explanation: Explanation, best: Explanation) -> str:

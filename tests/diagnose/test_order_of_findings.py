@@ -1,0 +1,52 @@
+"""In which order findings are told: by how large they surely are, whichever of their names is the true one."""
+
+from dataclasses import replace
+
+from bench.diagnose.conclude import in_order
+from bench.diagnose.named_causes import AmbiguityGroup, NamedCause, PossibleCause
+
+
+def cause(effect: str, share: float, sigmas: float = 5.0) -> NamedCause:
+    return NamedCause(effect, effect, "joint 1", (), share=share, sigmas=sigmas)
+
+
+def finding(*names: tuple[NamedCause, float]) -> AmbiguityGroup:
+    return AmbiguityGroup(tuple(PossibleCause(one, p) for one, p in names), sum(p for _, p in names))
+
+
+CURRENT, TORQUE, BY_LOAD = cause("current_offset", 0.4), cause("torque_offset", 0.04), cause("load_friction", 0.17)
+OPEN, LARGE = finding((CURRENT, 0.51), (TORQUE, 0.4)), finding((BY_LOAD, 1.0))
+
+
+def test_a_finding_is_as_large_as_the_smallest_of_its_likely_names() -> None:
+    """A small torque stood before the larger cause: as the offset of a current it is a large share of its range."""
+    assert OPEN.rank == (0.04, 5.0)
+    assert LARGE.rank > OPEN.rank
+
+
+def test_a_name_that_is_not_likely_makes_no_finding_small() -> None:
+    assert finding((CURRENT, 0.95), (TORQUE, 0.04)).rank == (0.4, 5.0)
+    assert finding((CURRENT, 0.89), (TORQUE, 0.11)).rank == (0.04, 5.0)
+
+
+def test_of_equals_the_surer_one_stands_first() -> None:
+    assert finding((cause("a", 0.4, sigmas=9.0), 1.0)).rank > finding((CURRENT, 1.0)).rank
+
+
+def test_what_was_not_fitted_has_no_size() -> None:
+    nobody = replace(CURRENT, share=float("nan"), sigmas=float("nan"))
+    assert finding((nobody, 1.0)).rank < finding((cause("a", 0.0, sigmas=0.0), 1.0)).rank
+    assert finding((nobody, 0.6), (TORQUE, 0.4)).rank == (0.04, 0.0)
+
+
+def test_causes_of_an_explanation_stand_as_findings_do() -> None:
+    for name in (CURRENT, TORQUE):
+        assert in_order([name, BY_LOAD], [LARGE, OPEN]) == (BY_LOAD, name)
+    beside = cause("ripple", 0.1)  # of no finding: by its own share
+    assert in_order([CURRENT, beside, BY_LOAD], [LARGE, OPEN]) == (BY_LOAD, beside, CURRENT)
+
+
+def test_a_cause_stands_where_it_is_the_likeliest_name() -> None:
+    own = finding((TORQUE, 0.99), (CURRENT, 0.01))
+    elsewhere = finding((cause("seal", 0.5), 0.98), (TORQUE, 0.02))
+    assert in_order([TORQUE, BY_LOAD], [elsewhere, LARGE, own]) == (BY_LOAD, TORQUE)
