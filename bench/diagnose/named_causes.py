@@ -107,8 +107,8 @@ class AmbiguityGroup:
         """How large it surely is, and how sure it is: findings are told in this order, the greatest first.
 
         What may be a large offset of a current or a small torque on a joint is surely no larger than the latter: the
-        smallest share counts of the fewest names that together hold `LIKELY` of it. A finding that was not fitted has
-        no size and comes last.
+        smallest share counts of the fewest names that together hold `LIKELY` of it. A finding that was not fitted
+        stands between the large ones and the small ones.
         """
         held, shares, all_names = 0.0, list[float](), sum(one.probability for one in self.names)
         for one in sorted(self.names, key=lambda one: -one.probability):
@@ -118,7 +118,7 @@ class AmbiguityGroup:
             if shares and held >= LIKELY * all_names:
                 break
         sigmas = self.names[0].cause.sigmas
-        return min(shares, default=-1.0), sigmas if isfinite(sigmas) else 0.0
+        return min(shares, default=SMALL), sigmas if isfinite(sigmas) else 0.0
 
 
 @dataclass(frozen=True)

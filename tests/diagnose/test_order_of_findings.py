@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from bench.diagnose.conclude import in_order
-from bench.diagnose.named_causes import AmbiguityGroup, NamedCause, PossibleCause
+from bench.diagnose.named_causes import SMALL, AmbiguityGroup, NamedCause, PossibleCause
 
 
 def cause(effect: str, share: float, sigmas: float = 5.0) -> NamedCause:
@@ -33,9 +33,10 @@ def test_of_equals_the_surer_one_stands_first() -> None:
     assert finding((cause("a", 0.4, sigmas=9.0), 1.0)).rank > finding((CURRENT, 1.0)).rank
 
 
-def test_what_was_not_fitted_has_no_size() -> None:
+def test_what_was_not_fitted_stands_between_large_and_small() -> None:
     nobody = replace(CURRENT, share=float("nan"), sigmas=float("nan"))
-    assert finding((nobody, 1.0)).rank < finding((cause("a", 0.0, sigmas=0.0), 1.0)).rank
+    small, large = (finding((cause("a", SMALL + by), 1.0)).rank for by in (-0.001, 0.001))
+    assert small < finding((nobody, 1.0)).rank < large
     assert finding((nobody, 0.6), (TORQUE, 0.4)).rank == (0.04, 0.0)
 
 

@@ -89,13 +89,23 @@ def _counted(groups: Sequence[AmbiguityGroup], room: int) -> str:
 
 
 def _of_headline(verdict: Verdict) -> list[AmbiguityGroup]:
-    """Return the large and confirmed findings, without those that may be a part of the unlisted cause that it names."""
+    """Return the large and confirmed findings, without those that may be a part of the unlisted cause that it names.
+
+    What is surely larger than one that may be large stands with it.
+    """
     is_named = verdict.unlisted is not None and verdict.unlisted.stands_out
-    return [
+    large = [
         group
         for group in verdict.findings
         if not (group.is_small or _is_unconfirmed(group) or (is_named and group.may_be_unlisted))
     ]
+    least = min((group.rank for group in large), default=None)
+    return [group for group in verdict.findings if group in large or (least and _leads(group, least))]
+
+
+def _leads(group: AmbiguityGroup, least: tuple[float, float]) -> bool:
+    """Whether a small finding is confirmed and surely larger than a large one may be."""
+    return group.is_small and group.is_confirmed and not group.may_be_unlisted and group.rank > least
 
 
 def _is_unconfirmed(group: AmbiguityGroup) -> bool:
@@ -105,7 +115,8 @@ def _is_unconfirmed(group: AmbiguityGroup) -> bool:
 
 def _rest_words(verdict: Verdict) -> str:
     """Return how many findings there are beside the large and confirmed ones, "" where there is none."""
-    small = sum(group.is_small for group in verdict.findings)
+    told = _of_headline(verdict)
+    small = sum(group.is_small and group not in told for group in verdict.findings)
     unconfirmed = sum(map(_is_unconfirmed, verdict.findings))
     words = [f"{small} small one{'s' * (small > 1)}"] if small else []
     words += [f"{unconfirmed} not confirmed"] if unconfirmed else []
@@ -117,7 +128,7 @@ def _large(verdict: Verdict, room: int) -> str:
     large = _of_headline(verdict)
     others = verdict.other_explanations
     if not others and all(len(group.names) == 1 for group in large):
-        kind = "large causes" if any(group.is_small for group in verdict.findings) else "causes"
+        kind = "large causes" if any(group.is_small for group in verdict.findings if group not in large) else "causes"
         return _together([group.names[0].cause for group in large], room, kind)
     words = UNDECIDED if not others else f", or another explanation{UNDECIDED}"
     names = [[_names(group) for group in large], [in_short(_causes(group)) for group in large]]

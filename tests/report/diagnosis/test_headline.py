@@ -107,6 +107,15 @@ def test_a_finding_that_may_be_large_is_large() -> None:
     assert words.startswith("Mass of a link (upper arm) and either zero of a joint (joint 2) or loss of gas, which")
 
 
+def test_what_is_surely_larger_than_one_that_may_be_large_stands_with_it() -> None:
+    """The headline of a messy arm told a small torque that may be a large offset, and not the cause that was hidden."""
+    hidden = finding(replace(MASS, share=0.17))
+    open_names = finding(replace(ZERO, share=0.4), replace(GAS, share=0.04))
+    tiny = finding(replace(OIL, share=0.02))
+    words = headline(replace(VERDICTS["several"], findings=(hidden, open_names, tiny)))
+    assert words == "Mass of a link (upper arm) and zero of a joint (joint 2) or 1 other; and 1 small one."
+
+
 def test_a_cause_that_was_not_fitted_makes_no_small_finding_large() -> None:
     open_names = finding(replace(GAS, share=0.1), replace(WARM, parameters=()))
     assert headline(replace(VERDICTS["set"], findings=(open_names,))).startswith(
