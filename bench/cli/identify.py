@@ -36,7 +36,7 @@ class Identify:
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Dynamics: folder to write dynamics.json into; must not exist yet."""
     despite_doubts: bool = False
-    """Dynamics: go on although channels failed plausibility checks; by default that ends in an error."""
+    """Go on although channels failed plausibility checks; by default that ends in an error."""
     json: bool = False
     """Print JSON instead of a table."""
 
@@ -52,17 +52,23 @@ class Identify:
             return self._dynamics(0.9 if self.level is None else self.level)
         if self.weights == "equal" and self.method not in {"current", "force"}:
             raise InputError("--weights equal needs --method current or --method force.")
-        if len(self.campaign) > 1 or self.held_out or self.cutoff_hz is not None or self.out or self.despite_doubts:
-            raise InputError(
-                "several campaigns, --held-out, --cutoff-hz, --out and --despite-doubts are for --method dynamics."
-            )
+        if len(self.campaign) > 1 or self.held_out or self.cutoff_hz is not None or self.out:
+            raise InputError("several campaigns, --held-out, --cutoff-hz and --out are for --method dynamics.")
+        from bench.cli.doubts import heed
         from bench.identify.options import PLAIN, Options
         from bench.report.identification import identify_campaign, print_json, print_table
+        from bench.report.joint_campaign import open_checked
 
-        methods = None if self.method == "all" else [self.method]
-        options = PLAIN if self.weights == "equal" else Options()
-        among_loaded = self.reference == "first-load"
-        result = identify_campaign(self.campaign[0], methods, self.robot, options, among_loaded)
+        opened = open_checked(self.campaign[0], self.robot)
+        heed(opened.warnings, opened.doubts, despite_doubts=self.despite_doubts)
+        result = identify_campaign(
+            self.campaign[0],
+            opened.campaign,
+            opened.compiled,
+            None if self.method == "all" else [self.method],
+            PLAIN if self.weights == "equal" else Options(),
+            among_loaded=self.reference == "first-load",
+        )
         (print_json if self.json else print_table)(result, 0.95 if self.level is None else self.level)
         return 0
 

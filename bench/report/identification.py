@@ -15,9 +15,10 @@ from bench.identify.from_campaign import static_readings
 from bench.identify.methods import METHODS
 from bench.identify.options import Options
 from bench.identify.weights_by_drives import WEIGH, weights_by_drives
-from bench.report.campaigns import open_usable
+from bench.record.campaign import Campaign
 from bench.report.jsonable import to_jsonable
 from bench.report.tables import print_wide, terminal
+from bench.robot.compiled import CompiledRobot
 from bench.robot.links import rigid_bodies
 
 DEFAULTS = Options()
@@ -44,26 +45,26 @@ class Identification:
 
 def identify_campaign(
     folder: Path,
+    campaign: Campaign,
+    compiled: CompiledRobot,
     methods: Iterable[str] | None = None,
-    robot: str = "",
     options: Options = DEFAULTS,
     among_loaded: bool = False,
 ) -> Identification:
     """Identify the stiffness from the static runs of a campaign.
 
     Args:
-        folder: Campaign folder.
+        folder: Where the campaign was read.
+        campaign: A usable campaign.
+        compiled: Its robot.
         methods: Names of methods; None takes every one and notes which the campaign has not the channels for.
-        robot: Name or folder of the robot to take; "": the one that the campaign names.
         options: Of the methods.
         among_loaded: Loaded readings of a visit are held against its first load, not against the unloaded reading.
 
     Raises:
-        CampaignError: The folder is not a usable campaign; every fault is listed.
         InputError: A method that was asked for by name lacks a channel, or no pose was read under two loads.
         ConvergenceError: A method that was asked for by name does not settle.
     """
-    campaign, compiled = open_usable(folder, robot)
     arm = Arm(rigid_bodies(compiled))
     readings = static_readings(campaign, compiled.robot.figures)
     if among_loaded:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -100,6 +101,25 @@ def test_identify_by_plain_least_squares_and_from_the_first_load(
     assert found("--reference", "first-load") != usual
     assert main(["identify", str(results / "campaign"), "--weights", "equal"]) == 2
     assert "--weights equal needs --method current or --method force" in capsys.readouterr().err
+
+
+def test_stiffness_is_not_identified_from_what_check_fails(
+    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Reflectors 1.4 m from where the model has them gave a table of stiffnesses without a word."""
+    shutil.copytree(results / "campaign", folder := tmp_path / "mirrored")
+    for table in (folder / "runs").iterdir():
+        header, *rows = (line.split(",") for line in table.read_text().splitlines())
+        seen = {i for i, name in enumerate(header) if name.startswith("reflector_")}
+        for row in rows:
+            row[:] = [repr(-float(cell)) if i in seen and cell else cell for i, cell in enumerate(row)]
+        table.write_text("\n".join(map(",".join, [header, *rows])) + "\n")
+    command = ["identify", str(folder), "--method", "force", "--json"]
+    assert main(command) == 3
+    assert "reflector_1_x_m" in (said := capsys.readouterr().err)
+    assert "--despite-doubts" in said
+    assert main([*command, "--despite-doubts"]) == 0
+    assert capsys.readouterr().err.startswith("failed check")
 
 
 def test_identify_prints_a_table(results: Path, capsys: pytest.CaptureFixture[str]) -> None:

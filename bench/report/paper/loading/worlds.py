@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.executor.contract import Executor, Progress, in_order
 from bench.identify.estimate import StiffnessEstimate
+from bench.report.campaigns import open_usable
 from bench.report.identification import identify_campaign
 from bench.report.paper.methods.protocols import in_words
 from bench.report.results import CAMPAIGN, TRUTH, run_and_forget
@@ -86,6 +87,7 @@ def run_worlds(scenario: str, folder: Path, progress: Progress, executor: Execut
 
 
 def _identified(world: World, folder: Path, protocol: str) -> WorldResult:
-    estimates = dict(identify_campaign(folder / CAMPAIGN).estimates)
+    campaign, compiled = open_usable(folder / CAMPAIGN)
+    estimates = dict(identify_campaign(folder / CAMPAIGN, campaign, compiled).estimates)
     scores = {name: score_stiffness(estimate, folder / TRUTH) for name, estimate in estimates.items()}
     return WorldResult(world, estimates, scores, protocol)
