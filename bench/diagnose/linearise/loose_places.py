@@ -6,10 +6,9 @@ left), a play that charges for such scatter loses to whatever else bends the gea
 there may be is read from the runs themselves, before any play is known.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from bench.diagnose.linearise.noise_covariance import Whitening, begins_of, measured_in, of_links
@@ -51,55 +50,42 @@ def most_placed(
         jacobian: Shape (m, p), of nuisances with a prior of one, whitened.
         white: Shape (m,), whitened, what the robot leaves of the readings.
     """
-    joints: list[NDArray[np.intp]] = []
-    plain, left, shared = [], [], []  # of places: what they explain by themselves, and together with nuisances
+    told: dict[int, list[tuple[Array, Array, Array]]] = {}  # by joint: places by themselves, and with nuisances
     end = 0
     for segment, response, whitening in zip(segments, responses, whitenings, strict=True):
         start, end = end, end + len(whitening.modes)
-        columns, which = _places(compiled, segment, response, quantities)
-        if not len(which):
-            continue
-        changes, slopes = whitening(columns), jacobian[start:end]
-        joints.append(which)
-        plain.append(changes.T @ changes)
-        left.append(changes.T @ white[start:end])
-        shared.append(slopes.T @ changes)
+        for j, columns in _places(compiled, segment, response, quantities):
+            changes = whitening(columns)
+            parts = changes.T @ changes, changes.T @ white[start:end], jacobian[start:end].T @ changes
+            told.setdefault(j, []).append(parts)
     found = np.full(compiled.n_joints, np.inf)
-    if not joints:
+    if not told:
         return found
-    of, every, joint = np.concatenate(left), np.concatenate(shared, axis=1), np.concatenate(joints)
-    taken = np.linalg.solve(jacobian.T @ jacobian + np.eye(jacobian.shape[1]), every)
-    precision = block_diag(*plain) - every.T @ taken
-    of = of - taken.T @ (jacobian.T @ white)
-    for j in np.unique(joint):
-        mine = np.flatnonzero(joint == j)
-        weight, axes = np.linalg.eigh(precision[np.ix_(mine, mine)])
-        found[j] = _most(weight, (axes.T @ of[mine]) ** 2)
+    normal, slope = jacobian.T @ jacobian + np.eye(jacobian.shape[1]), jacobian.T @ white
+    for j, every in told.items():
+        plain, left, shared = zip(*every, strict=True)
+        together = np.concatenate(shared, axis=1)
+        taken = np.linalg.solve(normal, together)
+        weight, axes = np.linalg.eigh(block_diag(*plain) - together.T @ taken)
+        found[j] = _most(weight, (axes.T @ (np.concatenate(left) - taken.T @ slope)) ** 2)
     return found
 
 
 def _places(
     compiled: CompiledRobot, segment: Segment, response: TorqueResponse, quantities: tuple[Quantity, ...]
-) -> tuple[Array, NDArray[np.intp]]:
-    """Return what each place of a loose link changes in a motion, shape (T, c, k), per rad or m, and the joints, (k,).
+) -> Iterator[tuple[int, Array]]:
+    """Yield joints, and what each place of its link changes in a motion, shape (T, c, k), per rad or m.
 
-    A link has a place for as long as nothing pushes it.
+    A loose link has a place for as long as nothing pushes it.
     """
-    nothing = np.zeros(0, dtype=np.intp)
     stands = segment.standing & (compiled.play == 0) & (not segment.is_static)
     if not np.any(stands):
-        return np.zeros((*segment.observed.shape, 0)), nothing
+        return
     loose = is_loose(compiled, response.link_load) & stands
     moved = of_links(compiled, response, measured_in(segment, quantities), quantities)
-    found, which = [], []
     for j in np.flatnonzero(loose.any(axis=0)):
         begins = begins_of(loose[:, j])
-        firsts = np.unique(begins[begins >= 0])
-        found.append(moved[:, :, [j]] * (begins[:, None] == firsts)[:, None])
-        which.append(np.full(len(firsts), j))
-    if not which:
-        return np.zeros((*segment.observed.shape, 0)), nothing
-    return np.concatenate(found, axis=2), np.concatenate(which)
+        yield int(j), moved[:, :, [j]] * (begins[:, None] == np.unique(begins[begins >= 0]))[:, None]
 
 
 def _most(weight: Array, square: Array) -> float:
