@@ -9,11 +9,13 @@ from bench.diagnose.cross_validation.floor import floor_variance
 from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.generic import blocks_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, with_scatter
+from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play, with_scatter
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.noise_covariance import LINK_REST, LINK_VISIT, MOTOR_REST, MOTOR_VISIT
+from bench.diagnose.linearise.rattling import PLACED
 from bench.diagnose.linearise.repeated_rests import ANYTHING, SHARES, repeating_share, repeating_visits, whitenings_of
 from bench.diagnose.linearise.threshold import LEAST
+from bench.diagnose.replay.play import is_loose
 from bench.record.campaign import Array
 from bench.record.joined import joined
 from tests.diagnose.noise_free import linearised, noise_free
@@ -63,7 +65,26 @@ def test_a_visit_of_very_many_rests_counts_as_new_each_time(
     assert not any(len(linear.segments[i]) == longest for visits in found for i in visits)
 
 
-def test_the_covariance_is_shared_between_visits_and_the_same_within_each(linear: LinearisedModel) -> None:
+def places_of(linear: LinearisedModel, i: int) -> Array:
+    """Return what the places of loose links change in a visit, shape (T * c, k), with a deviation of one each."""
+    compiled, response = linear.replay.compiled, linear.responses[i]
+    gaps = response.link * compiled.stiffness * linear.scatter.play
+    gaps[:, [quantity.is_drive for quantity in linear.quantities]] = 0.0
+    loose = is_loose(compiled, response.link_load)
+    length, c, n = gaps.shape
+    columns = np.zeros((length, c, length, n))
+    for j in range(n):
+        first = 0
+        for t in range(length):
+            first = first if t and loose[t - 1, j] else t
+            columns[t, :, first, j] = PLACED * gaps[t, :, j] * loose[t, j]
+    return columns.reshape(length * c, -1)
+
+
+@pytest.mark.parametrize("gap", [0.0, 3e-4], ids=["friction", "and play"])
+def test_the_covariance_is_shared_between_visits_and_the_same_within_each(linear: LinearisedModel, gap: float) -> None:
+    """Places of loose links repeat too: a second visit that found them there again was charged for it as for luck."""
+    linear = with_play(linear, gap * (np.arange(linear.replay.compiled.n_joints) == 0))
     about, alone = repeating(linear, SHARE), repeating(linear, 0.0)
     one, other = repeating_visits(linear.segments)[0]
     m = sum(len(whitening.modes) for whitening in about.whitenings)
@@ -73,7 +94,9 @@ def test_the_covariance_is_shared_between_visits_and_the_same_within_each(linear
         first, second = ([at[edges[j] : edges[j + 1]].reshape(-1, m) for at in maps] for j in (i, k))
         found, independent = (a @ b.T for a, b in zip(first, second, strict=True))
         rows = np.ix_(about.whitenings[i].rows, about.whitenings[k].rows)
-        expected = independent if i == k else SHARE * friction_of(linear, i) @ friction_of(linear, k).T
+        mine, theirs = (np.concatenate([friction_of(linear, j), places_of(linear, j)], axis=1) for j in (i, k))
+        expected = independent if i == k else SHARE * mine @ theirs.T
+        assert np.any(places_of(linear, i)) == (gap > 0)
         scale = np.abs(independent[rows]).max() if i == k else np.abs(expected[rows]).max()
         np.testing.assert_allclose(found[rows], expected[rows], atol=1e-9 * scale)
 

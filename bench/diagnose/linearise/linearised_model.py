@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bench.diagnose.linearise.each_weight import each_weight
 from bench.diagnose.linearise.held_friction import held_friction, levels_of
+from bench.diagnose.linearise.loose_places import most_placed
 from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, scatters_alike
 from bench.diagnose.linearise.repeated_rests import RepeatedRests, repeating_share, whitenings_of
 from bench.diagnose.linearise.roughness import with_roughness
@@ -176,7 +177,15 @@ def linearised_model_of(
     repeats = repeating_share(replay.compiled, replay.segments, responses, replay.quantities, scatter, parts)
     plain = with_scatter(plain, replace(scatter, repeats=repeats)) if repeats else plain
     # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
-    return roughened(plain, residual - plain.sensitivities @ fit(plain), [segment.rings for segment in replay.segments])
+    rings = [segment.rings for segment in replay.segments]
+    found = roughened(plain, residual - plain.sensitivities @ fit(plain), rings)
+    return replace(found, scatter=replace(found.scatter, placed=_most_placed(found)))
+
+
+def _most_placed(linear: LinearisedModel) -> Array:
+    """Return how far apart loose links of standing joints lie at most, shape (n,) [rad] or [m]."""
+    known = (linear.replay.compiled, linear.weighed, linear.responses, linear.quantities, linear.whitenings)
+    return most_placed(*known, linear.jacobian, linear.white)
 
 
 def relinearised(linear: LinearisedModel, which: Sequence[int], sensitivities: Array) -> LinearisedModel:

@@ -49,8 +49,10 @@ class Scatter:
         levels: Shape (2, n) [Nm] or [N], up to which friction holds.
         shaken: Share of its friction that a standing joint takes anew at every instant (`standing_joints.py`).
         new: Share of the scatter at rest that counts: less than all of it where rests repeat.
-        repeats: Share of the variance of friction at rest that visits have in common that repeat each other
+        repeats: Share of the variance at rest that visits have in common that repeat each other
             (`repeated_rests.py`).
+        placed: Shape (n,) [rad] or [m], by how much the places of loose links may differ from run to run of a joint
+            that stands (`loose_places.py`), at most; None: within their gaps, anywhere.
     """
 
     play: Array
@@ -58,6 +60,7 @@ class Scatter:
     shaken: float
     new: float = 1.0
     repeats: float = 0.0
+    placed: Array | None = None
 
 
 def scatters_alike(one: Array, other: Array) -> bool:
@@ -134,8 +137,7 @@ def whitening_of(
     slowly = np.ones((length, 1), dtype=np.float64) if segment.is_static else slow(length)
     once, lasting = rest_friction(compiled, segment, response, quantities, scatter)
     loose = is_loose(compiled, response.link_load) & stands & (play > 0)
-    moves = measured & np.array([not quantity.is_drive for quantity in quantities])  # a drive feels no torque of it
-    gaps = np.where(moves[:, :, None], response.link * compiled.stiffness * play, 0.0)
+    gaps = of_links(compiled, response, measured, quantities) * play
     stirs = np.where(loose, STIRS, 0.0)
     if not segment.is_static and np.any(play):
         stirs += rattling(compiled, segment, response, play)
@@ -144,8 +146,8 @@ def whitening_of(
     covariance = once @ once.transpose(0, 2, 1)
     covariance += stirred @ stirred.transpose(0, 2, 1)
     error = segment.acceleration_error
-    of_links, of_rotors = (error, error) if segment.drive_error is None else segment.drive_error
-    links = np.where(is_drive[:, None], of_links[:, None, :], error[:, None, :])
+    felt, of_rotors = (error, error) if segment.drive_error is None else segment.drive_error
+    links = np.where(is_drive[:, None], felt[:, None, :], error[:, None, :])
     for inertial in (
         response.link * response.link_inertia[:, None] * links,
         response.motor * response.rotor_inertia * of_rotors[:, None, :],
@@ -157,13 +159,41 @@ def whitening_of(
     rows = measured.reshape(-1)
     part = lasting[:, :, np.any(lasting != 0, axis=(0, 1))]
     shared = [part * slowly[:, m, None, None] for m in range(slowly.shape[1])]
+    placed = np.full(compiled.n_joints, PLACED * scatter.new)
+    if not segment.is_static and scatter.placed is not None:
+        placed = np.minimum(PLACED, scatter.placed / np.where(play > 0, play, 1.0))
     for j in np.flatnonzero(loose.any(axis=0)):
-        gap = gaps[:, :, [j]] * loose[:, j, None, None]
-        spell = np.cumsum(np.diff(loose[:, j], prepend=False))  # odd while loose: until it is pushed, a link stays
-        shared.append(PLACED * gap * (spell[:, None] == np.unique(spell[loose[:, j]]))[:, None])
-        shared += [CREEPS * gap * slowly[:, m, None, None] for m in range(1, min(SLOWNESS, slowly.shape[1]))]
+        gap, begins = gaps[:, :, [j]], begins_of(loose[:, j])
+        shared.append(placed[j] * gap * (begins[:, None] == np.unique(begins[begins >= 0]))[:, None])
+        creeps = CREEPS * gap * loose[:, j, None, None]
+        shared += [creeps * slowly[:, m, None, None] for m in range(1, min(SLOWNESS, slowly.shape[1]))]
     common = np.concatenate([factors @ mode for mode in shared], axis=2)
     return Whitening(rows, factors, *modes_of(common.reshape(length * c, -1)[rows]))
+
+
+def of_links(
+    compiled: CompiledRobot, response: TorqueResponse, measured: NDArray[np.bool_], quantities: tuple[Quantity, ...]
+) -> Array:
+    """Return what each reading shows of a link that lies elsewhere in its gap, shape (T, c, n), per rad or m.
+
+    Args:
+        compiled: The robot.
+        response: Of the readings to torques.
+        measured: Shape (T, c), entries that count.
+        quantities: What is compared.
+    """
+    moves = measured & np.array([not quantity.is_drive for quantity in quantities])  # a drive feels no torque of it
+    return np.where(moves[:, :, None], response.link * compiled.stiffness, 0.0)
+
+
+def begins_of(loose: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Return since which instant a link has been loose, shape (T,), -1 where it is not: until it is pushed, it stays.
+
+    Args:
+        loose: Shape (T,).
+    """
+    first = loose & ~np.concatenate([[False], loose[:-1]])
+    return np.where(loose, np.maximum.accumulate(np.where(first, np.arange(len(loose)), -1)), -1)
 
 
 def measured_in(segment: Segment, quantities: tuple[Quantity, ...]) -> NDArray[np.bool_]:

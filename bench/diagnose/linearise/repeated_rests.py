@@ -15,10 +15,20 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from bench.diagnose.linearise.common_modes import left_modes, modes_of, put_back, take_out
-from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, measured_in, rest_friction, whitening_of
+from bench.diagnose.linearise.noise_covariance import (
+    Scatter,
+    Whitening,
+    begins_of,
+    measured_in,
+    of_links,
+    rest_friction,
+    whitening_of,
+)
+from bench.diagnose.linearise.rattling import PLACED
 from bench.diagnose.linearise.standing_joints import FEW
 from bench.diagnose.linearise.torque_response import TorqueResponse
 from bench.diagnose.replay.alike import ALIKE
+from bench.diagnose.replay.play import is_loose
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
@@ -165,9 +175,19 @@ def _part(
     quantities: tuple[Quantity, ...],
     scatter: Scatter,
 ) -> Array:
-    """Return what friction at rest changes, shape (T, c, k), each column with a deviation of one."""
+    """Return what friction and play at rest change, shape (T, c, k), each column with a deviation of one.
+
+    A loose link lies where it came to rest first, as friction is as it was left: a column for each rest where that may
+    have been.
+    """
     once, lasting = rest_friction(compiled, segment, response, quantities, scatter)
     length, c, k = once.shape
     each = np.zeros((length, c, length, k))
     each[np.arange(length), :, np.arange(length)] = once
-    return np.concatenate([each.reshape(length, c, length * k), lasting], axis=2)
+    parts = [each.reshape(length, c, length * k), lasting]
+    loose = is_loose(compiled, response.link_load)
+    gaps = of_links(compiled, response, measured_in(segment, quantities), quantities) * scatter.play
+    for j in np.flatnonzero(scatter.play):
+        here = begins_of(loose[:, j])[:, None] == np.arange(length)
+        parts.append(PLACED * scatter.new * gaps[:, :, [j]] * here[:, None])
+    return np.concatenate(parts, axis=2)
