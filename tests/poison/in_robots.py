@@ -171,6 +171,17 @@ def noise_of_instruments(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("noise of instruments", line, append, "error", (place,))
 
 
+def noise_that_a_robot_states(rng: np.random.Generator) -> Iterator[Variant]:
+    """State noise in milli; a current that scatters by 20 A tells nothing of any drive, and nothing was said."""
+    for key, old, new in (
+        ("current.sigma_a", "sigma_a: 0.02", "sigma_a: 20"),
+        ("force.sigma_n", "force: {}", "force: {sigma_n: 500}"),
+        ("force.sigma_nm", "force: {}", "force: {sigma_nm: 200}"),
+    ):
+        words = (f"instruments.{key}", "times as much as its readings scatter")
+        yield Variant("noise that a robot states", new, _figures(old, new), "harmless", words)
+
+
 def errors_as_fitted(rng: np.random.Generator) -> Iterator[Variant]:
     """State as fitted what no instrument errs by; each was believed."""
     for key, value in (
@@ -188,4 +199,11 @@ def errors_as_fitted(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("errors as fitted", f"{key}: {value}", spoil, "error", place)
 
 
-FAMILIES = (figures, robots_of_strangers, numbers_of_yaml, noise_of_instruments, errors_as_fitted)
+FAMILIES = (
+    figures,
+    robots_of_strangers,
+    numbers_of_yaml,
+    noise_of_instruments,
+    noise_that_a_robot_states,
+    errors_as_fitted,
+)
