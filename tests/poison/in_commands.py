@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.poison.in_results import PREDICT
 from tests.poison.in_scenarios import LOG, ROWS
 from tests.poison.variant import Variant
 
@@ -68,4 +69,18 @@ def devices_for_files(rng: np.random.Generator) -> Iterator[Variant]:
             yield Variant("devices for files", f"{file} for {name}", spoil, "error", (f"{file}: {words}",), command)
 
 
-FAMILIES = (the_same_twice, filters_that_filter_nothing, names_that_are_no_utf_8, devices_for_files)
+def robots_of_other_campaigns(rng: np.random.Generator) -> Iterator[Variant]:
+    """Hold a campaign against a nominal robot with other drives; it ended in a traceback."""
+    for robot, words in (("hh150", "no angle of drive 3, 4, 5, 6"), ("emps", "joint 1 is a slide")):
+        command = (*PREDICT, "--nominal", robot)
+        places = (f"--nominal {robot}", words)
+        yield Variant("robots of other campaigns", robot, lambda folder: None, "error", places, command)
+
+
+FAMILIES = (
+    the_same_twice,
+    filters_that_filter_nothing,
+    names_that_are_no_utf_8,
+    devices_for_files,
+    robots_of_other_campaigns,
+)

@@ -23,7 +23,7 @@ FAR = BEYOND_GUESS["torque limit"]
 
 
 class _Stated(NamedTuple):
-    """A standard deviation of single readings, as somebody stated it: its file and key, channels (of one drive, or of all), and value."""
+    """A standard deviation of single readings as stated: file and key, channels (of one drive or all), and value."""
 
     file: str
     key: str
