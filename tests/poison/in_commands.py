@@ -30,6 +30,14 @@ def filters_that_filter_nothing(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("filters that filter nothing", cutoff, lambda folder: None, "error", place, command)
 
 
+def numbers_that_are_none(rng: np.random.Generator) -> Iterator[Variant]:
+    """Ask what numbers of the code move that nobody named so; the answer was nothing, and success."""
+    for pattern in ("zzz", ""):
+        command = ("study", "-o", "../study", f"--vary={pattern}")
+        words = (f"--vary {pattern}: no number is named so",) if pattern else ("--vary", "no number is named so")
+        yield Variant("numbers that are none", repr(pattern), lambda folder: None, "error", words, command)
+
+
 def names_that_are_no_utf_8(rng: np.random.Generator) -> Iterator[Variant]:
     """Give commands that write such names; one ended in a traceback after minutes of simulation."""
     odd, shown = os.fsdecode(b"ru\xff"), r"ru\xff: is no UTF-8"
@@ -77,10 +85,28 @@ def robots_of_other_campaigns(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("robots of other campaigns", robot, lambda folder: None, "error", places, command)
 
 
+def files_that_are_there(rng: np.random.Generator) -> Iterator[Variant]:
+    """Name what is there as a file to write; a manifest was replaced, a folder ended in a traceback."""
+    for out in ("campaign.yaml", "runs", "robot/figures.yaml", "link"):
+        for name, command in {
+            "poses": ("poses", "--robot", "robot", "-n", "3"),
+            "a log.yaml": ("convert", "--look", "log.csv", "--robot", "robot"),
+        }.items():
+
+            def spoil(folder: Path) -> None:
+                (folder / "log.csv").write_text(ROWS)
+                (folder / "link").symlink_to("nowhere")
+
+            words = (f"{out}: is there already",)
+            yield Variant("files that are there", f"{out} for {name}", spoil, "error", words, (*command, "-o", out))
+
+
 FAMILIES = (
     the_same_twice,
     filters_that_filter_nothing,
+    numbers_that_are_none,
     names_that_are_no_utf_8,
     devices_for_files,
     robots_of_other_campaigns,
+    files_that_are_there,
 )
