@@ -65,7 +65,7 @@ NOT_READ = 141
 GRAPHICS = "MUJOCO_GL"
 PICTURES = {"MPLBACKEND": "agg"}  # all are files; what stands there may be a notebook's, or no backend at all
 NARROWEST = 20  # columns; tables of help take for ever to be laid out in one to four
-UNPRINTED = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EBADF)
+UNPRINTED = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -118,6 +118,8 @@ def _of_surroundings(error: BaseException) -> tuple[str, int] | None:
     """Return the sentence and the exit code for what the machine does not give; None for an error of the bench."""
     if short := short_of_memory(error):
         return short, InputError.exit_code
+    if isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE):
+        return f"{error.strerror}; let it open more (ulimit -n), and end what holds many", InputError.exit_code
     if isinstance(error, ImportError | RuntimeError) and GRAPHICS in str(error):  # as MuJoCo refuses it
         return f"{error}; egl, osmesa or glfw, or leave it out", InputError.exit_code
     if isinstance(error, ImportError) and not str(error.name).startswith(bench.__name__):

@@ -45,17 +45,15 @@ class Convert:
         return self._convert(self.source, self.out)
 
     def _look(self, log: Path) -> int:
-        import os
-
         from bench.errors import InputError, printable
-        from bench.report.files import replacing
+        from bench.report.files import refuse_to_overwrite, replacing
         from bench.report.log_look.look import look
         from bench.robot.compiled import compile_robot
         from bench.robot.folder import load_robot
         from bench.robot.nominal_dynamics import nominal_dynamics
 
-        if self.out is not None and os.path.exists(self.out):  # noqa: PTH110  a name may be too long for pathlib
-            raise InputError(f"{self.out}: is there already; name a file that is not.")
+        if self.out is not None:
+            refuse_to_overwrite(self.out)
         robot = self.of or self.robot
         nominal = nominal_dynamics(compile_robot(load_robot(robot))) if robot else None
         proposed = look(log, self.topic, nominal)

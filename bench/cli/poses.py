@@ -18,7 +18,7 @@ class Poses(PoseRequest):
     against: str | None = "loading"
     """Loading scenario to compare with, by name or path; left out where it is for another robot."""
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Scenario file to write, for `bench run`."""
+    """Scenario file to write, for `bench run`; must not exist yet."""
     json: bool = False
     """Print JSON instead of tables."""
 
@@ -26,12 +26,15 @@ class Poses(PoseRequest):
         """Design and print; return the exit code."""
         from bench.cli.seeds import checked_seed
         from bench.errors import InputError
+        from bench.report.files import refuse_to_overwrite
         from bench.report.measuring_poses.plan import plan_poses
         from bench.report.measuring_poses.tables import print_json, print_plan, write_scenario
 
         if self.count < 1:
             raise InputError(f"-n {self.count}: give how many poses to choose, 1 or more.")
         checked_seed(self.seed)
+        if self.out is not None:
+            refuse_to_overwrite(self.out)
         plan = plan_poses(self)
         if self.out is not None:
             write_scenario(plan, self.out)

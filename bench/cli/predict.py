@@ -83,7 +83,8 @@ class Predict:
             RobotError: A robot is unknown or broken.
         """
         from bench.cli.doubts import heed
-        from bench.report.campaigns import robot_of
+        from bench.errors import CampaignError
+        from bench.report.campaigns import open_usable, robot_of
         from bench.report.joint_campaign import open_joint
         from bench.report.prediction.model import load_model
         from bench.robot.compiled import compile_robot
@@ -92,6 +93,11 @@ class Predict:
         joint = open_joint(self.campaign, load_model(self.model))
         heed(joint.warnings, joint.doubts, despite_doubts=self.despite_doubts)
         stated = joint.campaign.robot
+        for folder in self.campaign if self.nominal else ():
+            try:
+                open_usable(folder, self.nominal)
+            except CampaignError as error:
+                raise CampaignError(f"--nominal {self.nominal}: is another robot. {error}") from error
         nominal = load_robot(self.nominal) if self.nominal else robot_of(self.campaign[0], stated)
         return joint.campaign, joint.compiled, compile_robot(nominal)
 

@@ -86,6 +86,11 @@ class Study:
             raise InputError(
                 f"--recordings {self.recordings}: a machine has to be recorded twice at least; give 2 or more."
             )
+        if self.vary is not None:
+            from bench.study.constants import constants_of
+
+            if not constants_of(self.vary):
+                raise InputError(f"--vary {self.vary}: no number is named so; give a pattern such as 'name.*'.")
         worlds = self.world or ("plain",)
         counts = Counts(self.seeds, self.nulls, self.unlisted, self.pairs, self.twins, self.effects, worlds)
         if self.small:

@@ -8,14 +8,14 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 from bench.errors import CampaignError, InputError
 from bench.record.campaign import Array, Run
 from bench.record.folder import new_folder
-from bench.record.manifest import MANIFEST
+from bench.record.manifest import MANIFEST, RUN_NAME
 from bench.record.strict import read_as
 from bench.record.table import FORMATS, read_table
 from bench.record.yaml_text import dump_yaml
@@ -112,4 +112,4 @@ class _File(BaseModel):
     format: Literal["1"]
     effects: tuple[str, ...] = ()
     parameters: dict[str, _Value] = {}
-    runs: tuple[str, ...] = ()
+    runs: tuple[Annotated[str, Field(pattern=RUN_NAME)], ...] = ()

@@ -19,7 +19,8 @@ from bench.record.limits import YAML_BYTES, YAML_DEPTH, YAML_VALUES, Limit
 from bench.record.plain_file import FileFault, read_plain
 
 LONGEST_NUMBER = 100  # characters; 17 digits are all that a number keeps, and PyYAML is slow with thousands
-BOOL, INT, FLOAT, STR = (f"tag:yaml.org,2002:{name}" for name in ("bool", "int", "float", "str"))
+TAG = "tag:yaml.org,2002:"
+BOOL, INT, FLOAT, STR, TIMESTAMP = (f"{TAG}{name}" for name in ("bool", "int", "float", "str", "timestamp"))
 DECIMAL = re.compile(r"[-+]?((0|[1-9]\d*)|(\d+\.\d*|\.\d+)([eE][-+]?\d+)?|\.(inf|Inf|INF))|\.(nan|NaN|NAN)", re.ASCII)
 _PARTED = re.compile(r"[-+]?\d[\d_]*_[\d_]*(\.[\d_]*)?([eE][-+]?[\d_]+)?", re.ASCII)  # pydantic reads 1_0e1 as 100
 _LED_BY_ZERO = re.compile(r"[-+]?0\d", re.ASCII)
@@ -123,11 +124,21 @@ class _TypedLoader(_Guarded, yaml.SafeLoader):
         if len(node.value) > LONGEST_NUMBER and node.tag != STR:
             problem = f"{node.value[:20]!r}... is no number of up to {LONGEST_NUMBER} characters"
             raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
+        if not self._is_of_its_tag(node):
+            problem = f"{node.value!r} is no !!{node.tag.removeprefix(TAG)}"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
         is_number = node.style is None and (node.tag in (INT, FLOAT) or _PARTED.fullmatch(node.value))
         if is_number and not DECIMAL.fullmatch(node.value):
             remedy = "write a number in decimal digits without 0 in front or _ between them, and a name in quotes"
             raise _RefusedError(f"{node.value!r} is no decimal number", remedy, node.start_mark)
         return node
+
+    def _is_of_its_tag(self, node: yaml.ScalarNode) -> bool:
+        """Whether a scalar whose type is written before it, as in !!int 5, is one; PyYAML stumbles over others."""
+        if node.tag == BOOL:
+            return node.value.lower() in self.bool_values
+        plain = self.resolve(yaml.ScalarNode, node.value, (True, False))  # type: ignore[no-untyped-call]
+        return node.tag not in (INT, FLOAT, TIMESTAMP) or plain == node.tag or (node.tag, plain) == (FLOAT, INT)
 
 
 class _Dumper(yaml.SafeDumper):

@@ -1,10 +1,21 @@
 """Files that appear whole or not at all."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from bench.errors import InputError
+
+
+def refuse_to_overwrite(path: Path) -> None:
+    """Refuse a file to write that is there already, or a folder; before the work that would be lost.
+
+    Raises:
+        InputError: It is.
+    """
+    if os.path.lexists(path):  # a name may be too long for pathlib
+        raise InputError(f"{path}: is there already; name a file that is not.")
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from bench.robot.addresses import Addresses, addresses_of
 from bench.robot.checks import faulty_roles, negative_masses, unlike_a_robot, unlike_errors, unlike_friction
 from bench.robot.counterbalance import Counterbalance
 from bench.robot.folder import Robot
-from bench.robot.hindrances import friction_holds, hindrances
+from bench.robot.hindrances import friction_holds, hindrances, uncounted
 from bench.robot.plain_words import plain_words
 from bench.robot.plugins import attributes_of, number_of, numbers_of
 from bench.robot.trial import expect_harmless
@@ -139,7 +139,7 @@ def compile_robot(robot: Robot, edits: Iterable[SpecEdit] = (), timestep: float 
     if faults := (
         *unlike_a_robot(robot, compiled.model),
         *hindrances(robot, compiled.model),
-        *(friction_holds(robot, compiled.model, coulomb) if not edits else ()),
+        *((*friction_holds(robot, compiled.model, coulomb), *uncounted(robot, compiled.model)) if not edits else ()),
         *(unlike_friction(robot, compiled.model, elements) if not edits else ()),
         *unlike_errors(robot, compiled.model),
     ):

@@ -1,7 +1,8 @@
 """What stands in a model between a drive and its joint, and the figures know nothing of.
 
-The bench takes a servo's force for the torque at the joint and its set point for the motor's angle. A gear, a narrower
-range or a limit besides is computed by MuJoCo without a word, and not by what holds a recording against the robot.
+The bench takes a servo's force for the torque at the joint and its set point for the motor's angle, inertia of drives
+from their rotors alone, and Coulomb friction from its own law alone. A gear, a narrower range, a limit, an armature or
+frictionloss besides is computed by MuJoCo without a word, and not by what holds a recording against the robot.
 """
 
 from collections.abc import Iterator
@@ -73,6 +74,46 @@ def _ranges(place: str, drive: Drive, model: mujoco.MjModel) -> Iterator[str]:
         if ends[0] > low + room or ends[1] < high - room:
             words = f'is "{ends[0]:g} {ends[1]:g}", and {drive.joint!r} turns from {low:g} to {high:g}'
             yield f"{place}.{part}: {what} {words}; write the joint's range, or leave it out."
+
+
+def uncounted(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
+    """Yield a sentence for each load, inertia and friction that stands where only MuJoCo's own simulation counts it.
+
+    Effects may put some there, for both.
+    """
+    for i, drive in enumerate(robot.figures.drives):
+        yield from _element(f"{robot.figures_file}: drives[{i}]", drive, model)
+    yield from _elsewhere(robot, model)
+
+
+def _element(place: str, drive: Drive, model: mujoco.MjModel) -> Iterator[str]:
+    """Yield what an elastic element does besides giving way: it is no stop, and no load where both sides agree."""
+    element = model.tendon(drive.element).id
+    low, high = (float(end) for end in model.tendon_lengthspring[element])
+    if low > 0 or high < 0:
+        words = f"is at rest where {drive.rotor!r} is {low if low > 0 else high:g} ahead of {drive.joint!r}"
+        yield f"{place}.element: {drive.element!r} {words}; take out springlength, and springref of the joints."
+    if model.tendon_limited[element]:
+        yield f"{place}.element: {drive.element!r} has a range, and no gear stops; play is written as springlength."
+
+
+def _elsewhere(robot: Robot, model: mujoco.MjModel) -> Iterator[str]:
+    """Yield friction that is not `bench.friction`, and inertia of drives that is not their rotors'."""
+    rotors = {model.joint(drive.rotor).id for drive in robot.figures.drives}
+    driven = {model.joint(drive.joint).id for drive in robot.figures.drives}
+    joints = [(f"joint {model.joint(j).name!r}", model.jnt_dofadr[j], j) for j in range(model.njnt)]
+    friction = [(name, float(model.dof_frictionloss[dof])) for name, dof, _ in joints]
+    inertia = [(name, float(model.dof_armature[dof])) for name, dof, j in joints if j in driven - rotors]
+    for i in range(model.ntendon):
+        name = f"tendon {model.tendon(i).name!r}"
+        friction.append((name, float(model.tendon_frictionloss[i])))
+        inertia.append((name, float(model.tendon_armature[i])))
+    for name, value in friction:
+        if value > 0:
+            yield f"{robot.mjcf}: {name} has frictionloss={value:g}; write it as coulomb of a bench.friction."
+    for name, value in inertia:
+        if value > 0:
+            yield f"{robot.mjcf}: {name} has armature={value:g}; add it to that of the rotor."
 
 
 def _limits(place: str, drive: Drive, model: mujoco.MjModel) -> Iterator[str]:

@@ -72,6 +72,13 @@ def test_output_that_takes_nothing_is_told_by_the_exit_code(output: str) -> None
     assert (found.returncode, "Traceback" in found.stderr) == (2, False)
 
 
+def test_output_that_may_not_grow_is_one_sentence(tmp_path: Path) -> None:
+    """A limit of the size of files (`ulimit -f`, a FAT disk) ended in a traceback, where a full disk did not."""
+    found = ended(f"sh -c 'ulimit -f 1; exec {BENCH} effects > {tmp_path / 'out'}'")
+    assert (found.returncode, "what it prints cannot be written" in found.stderr) == (2, True)
+    assert "Traceback" not in found.stderr
+
+
 UNMAPPED = "librerun.so: failed to map segment from shared object"
 
 
@@ -80,6 +87,7 @@ UNMAPPED = "librerun.so: failed to map segment from shared object"
     [
         (ImportError(UNMAPPED, name="rerun_bindings"), 2, f"too little memory ({UNMAPPED}); give it more (ulimit -v"),
         (ModuleNotFoundError("No module named 'rerun'", name="rerun"), 6, "install the bench again"),
+        (OSError(24, "Too many open files", "x.so"), 2, "Too many open files; let it open more (ulimit -n)"),
         (MemoryError("Unable to allocate 5. GiB"), 2, "too little memory (Unable to allocate 5. GiB); give it more"),
     ],
 )

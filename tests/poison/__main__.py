@@ -1,5 +1,6 @@
 """Print what came of every variant: python -m tests.poison [SEED]."""
 
+import argparse
 import sys
 from collections import Counter
 from pathlib import Path
@@ -10,7 +11,9 @@ from tests.poison.run import SEED, run, variants, write_base
 
 def main() -> int:
     """Run all; return 1 if one of them went wrong."""
-    seed = int(sys.argv[1]) if len(sys.argv) > 1 else SEED
+    parser = argparse.ArgumentParser(prog="python -m tests.poison", description=__doc__)
+    parser.add_argument("seed", type=int, nargs="?", default=SEED, help="of all that is random (default: %(default)s)")
+    seed = parser.parse_args().seed
     count: Counter[str] = Counter()
     families: set[str] = set()
     slowest = 0.0

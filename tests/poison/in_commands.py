@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.poison.in_results import PREDICT
 from tests.poison.in_scenarios import LOG, ROWS
 from tests.poison.variant import Variant
 
@@ -27,6 +28,14 @@ def filters_that_filter_nothing(rng: np.random.Generator) -> Iterator[Variant]:
         command = ("identify", ".", "--method", "dynamics", "--cutoff-hz", cutoff)
         place = ("cut-off",)
         yield Variant("filters that filter nothing", cutoff, lambda folder: None, "error", place, command)
+
+
+def numbers_that_are_none(rng: np.random.Generator) -> Iterator[Variant]:
+    """Ask what numbers of the code move that nobody named so; the answer was nothing, and success."""
+    for pattern in ("zzz", ""):
+        command = ("study", "-o", "../study", f"--vary={pattern}")
+        words = (f"--vary {pattern}: no number is named so",) if pattern else ("--vary", "no number is named so")
+        yield Variant("numbers that are none", repr(pattern), lambda folder: None, "error", words, command)
 
 
 def names_that_are_no_utf_8(rng: np.random.Generator) -> Iterator[Variant]:
@@ -68,4 +77,36 @@ def devices_for_files(rng: np.random.Generator) -> Iterator[Variant]:
             yield Variant("devices for files", f"{file} for {name}", spoil, "error", (f"{file}: {words}",), command)
 
 
-FAMILIES = (the_same_twice, filters_that_filter_nothing, names_that_are_no_utf_8, devices_for_files)
+def robots_of_other_campaigns(rng: np.random.Generator) -> Iterator[Variant]:
+    """Hold a campaign against a nominal robot with other drives; it ended in a traceback."""
+    for robot, words in (("hh150", "no angle of drive 3, 4, 5, 6"), ("emps", "joint 1 is a slide")):
+        command = (*PREDICT, "--nominal", robot)
+        places = (f"--nominal {robot}", words)
+        yield Variant("robots of other campaigns", robot, lambda folder: None, "error", places, command)
+
+
+def files_that_are_there(rng: np.random.Generator) -> Iterator[Variant]:
+    """Name what is there as a file to write; a manifest was replaced, a folder ended in a traceback."""
+    for out in ("campaign.yaml", "runs", "robot/figures.yaml", "link"):
+        for name, command in {
+            "poses": ("poses", "--robot", "robot", "-n", "3"),
+            "a log.yaml": ("convert", "--look", "log.csv", "--robot", "robot"),
+        }.items():
+
+            def spoil(folder: Path) -> None:
+                (folder / "log.csv").write_text(ROWS)
+                (folder / "link").symlink_to("nowhere")
+
+            words = (f"{out}: is there already",)
+            yield Variant("files that are there", f"{out} for {name}", spoil, "error", words, (*command, "-o", out))
+
+
+FAMILIES = (
+    the_same_twice,
+    filters_that_filter_nothing,
+    numbers_that_are_none,
+    names_that_are_no_utf_8,
+    devices_for_files,
+    robots_of_other_campaigns,
+    files_that_are_there,
+)

@@ -219,6 +219,33 @@ def what_hinders_drives(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("what hinders drives", name, _mjcf(old, f"{old} {new}"), "harmless", (" 0 warnings",))
 
 
+def what_only_mujoco_counts(rng: np.random.Generator) -> Iterator[Variant]:
+    """Put inertia and friction where `bench run` counts them, and what holds a recording against the robot does not."""
+    hinge, rotor = '<joint name="hinge_a"', '<joint name="rotor_a"'
+    element, balance, tendons = '<fixed name="element_a"', '<spatial name="balance"', "</tendon>"
+    both = '<joint joint="hinge_a" coef="1"/><joint joint="hinge_b" coef="-1"/></fixed></tendon>'
+    added: dict[str, tuple[str, str, str]] = {
+        "an armature of a link": (hinge, f'{hinge} armature="500"', "joint 'hinge_a' has armature=500"),
+        "an armature of all": (
+            "<worldbody>",
+            '<default><joint armature="1000"/></default><worldbody>',
+            "joint 'hinge_b' has armature=1000",
+        ),
+        "an armature of an element": (element, f'{element} armature="50"', "tendon 'element_a' has armature=50"),
+        "an armature of the gas": (balance, f'{balance} armature="50"', "tendon 'balance' has armature=50"),
+        "an armature of two joints": (tendons, f'<fixed name="c" armature="9">{both}', "tendon 'c' has armature=9"),
+        "rubbing of a link": (hinge, f'{hinge} frictionloss="50"', "joint 'hinge_a' has frictionloss=50"),
+        "rubbing of a rotor": (rotor, f'{rotor} frictionloss="50"', "joint 'rotor_a' has frictionloss=50"),
+        "rubbing of an element": (element, f'{element} frictionloss="50"', "tendon 'element_a' has frictionloss=50"),
+        "rubbing of two joints": (tendons, f'<fixed name="c" frictionloss="9">{both}', "tendon 'c' has frictionloss=9"),
+        "a stop of an element": (element, f'{element} range="-1e-4 1e-4"', "'element_a' has a range"),
+        "an element that is wound": (element, f'{element} springlength="0.1"', "'element_a' is at rest where"),
+        "a joint's springref": (hinge, f'{hinge} springref="1"', "'element_a' is at rest where 'rotor_a' is -1 ahead"),
+    }
+    for name, (old, new, place) in added.items():
+        yield Variant("what only MuJoCo counts", name, _mjcf(old, new), "error", ("robot/", place))
+
+
 def other_machines(rng: np.random.Generator) -> Iterator[Variant]:
     """Make something else of the robot: what no serial arm has is refused, what changes nothing is harmless."""
     loose = '<body name="loose" pos="0 0 5"><freejoint/><geom size="0.5" mass="100"/></body>'
@@ -271,5 +298,5 @@ def other_machines(rng: np.random.Generator) -> Iterator[Variant]:
 
 FAMILIES = (
     *(mjcf_that_crashes_its_reader, damaged_mjcf, attributes_of_plugins, parts_of_robots),
-    *(numbers_of_no_robot, laws_switched_off, what_hinders_drives, other_machines),
+    *(numbers_of_no_robot, laws_switched_off, what_hinders_drives, what_only_mujoco_counts, other_machines),
 )

@@ -41,6 +41,9 @@ def figures(rng: np.random.Generator) -> Iterator[Variant]:
         "a long number": (f"x: {'9' * 20_000}\n", ("characters",)),
         "a date that is none": ("x: 2024-99-99\n", ("month",)),
         "code": ("x: !!python/object/apply:os.system [id]\n", ("python/object",)),
+        "a word as a time": ("x: !!timestamp soon\n", ("'soon' is no !!timestamp",)),
+        "a word as a truth": ("x: !!bool perhaps\n", ("'perhaps' is no !!bool",)),
+        "nothing as a number": ("x: !!int ''\n", ("'' is no !!int",)),
         "half a pair": ('x: "\\udc00"\n', ("surrogate",)),
         "an uncertainty below zero": ("uncertainty: {mass: -1}\n", ("uncertainty.mass",)),
         "an uncertainty of nan": ("uncertainty: {mass: .nan}\n", ("uncertainty.mass",)),
@@ -171,6 +174,17 @@ def noise_of_instruments(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("noise of instruments", line, append, "error", (place,))
 
 
+def noise_that_a_robot_states(rng: np.random.Generator) -> Iterator[Variant]:
+    """State noise in milli; a current that scatters by 20 A tells nothing of any drive, and nothing was said."""
+    for key, old, new in (
+        ("current.sigma_a", "sigma_a: 0.02", "sigma_a: 20"),
+        ("force.sigma_n", "force: {}", "force: {sigma_n: 500}"),
+        ("force.sigma_nm", "force: {}", "force: {sigma_nm: 200}"),
+    ):
+        words = (f"instruments.{key}", "times as much as its readings scatter")
+        yield Variant("noise that a robot states", new, _figures(old, new), "harmless", words)
+
+
 def errors_as_fitted(rng: np.random.Generator) -> Iterator[Variant]:
     """State as fitted what no instrument errs by; each was believed."""
     for key, value in (
@@ -188,4 +202,11 @@ def errors_as_fitted(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("errors as fitted", f"{key}: {value}", spoil, "error", place)
 
 
-FAMILIES = (figures, robots_of_strangers, numbers_of_yaml, noise_of_instruments, errors_as_fitted)
+FAMILIES = (
+    figures,
+    robots_of_strangers,
+    numbers_of_yaml,
+    noise_of_instruments,
+    noise_that_a_robot_states,
+    errors_as_fitted,
+)

@@ -175,6 +175,11 @@ def logs_to_look_at(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("logs to look at", f"{count} rows", _file("log.csv", rows(count)), "harmless", (), command)
     huge = rows(40).replace("\n0.0", "\n1e3000")
     yield Variant("logs to look at", "clock cells beyond all numbers", _file("log.csv", huge), "harmless", (), command)
+    tiny = "t,q1,q2,i1,i2\n" + "".join(
+        f"{i / 100},{np.sin(i / 30)},{np.cos(i / 50)},{np.cos(i / 30)}e-300,{np.sin(i / 20)}\n" for i in range(400)
+    )
+    words = ("current_1_a", "stands still")
+    yield Variant("logs to look at", "a current of 1e-300", _file("log.csv", tiny), "harmless", words, command)
 
 
 def models_of_others(rng: np.random.Generator) -> Iterator[Variant]:

@@ -40,6 +40,7 @@ from tests.poison import (
     in_robots,
     in_runs,
     in_scenarios,
+    in_statistics,
     in_stops,
     in_tables,
     in_values,
@@ -54,7 +55,7 @@ SEED = 20261122
 FAMILIES: Sequence[Family] = (
     *(*in_tables.FAMILIES, *in_channels.FAMILIES, *in_cross_checks.FAMILIES, *in_runs.FAMILIES),
     *(*in_manifests.FAMILIES, *in_files.FAMILIES, *in_parquet.FAMILIES, *in_readings.FAMILIES, *in_models.FAMILIES),
-    *(*in_stops.FAMILIES, *in_values.FAMILIES),
+    *(*in_stops.FAMILIES, *in_statistics.FAMILIES, *in_values.FAMILIES),
     *(*in_robots.FAMILIES, *in_scenarios.FAMILIES, *in_results.FAMILIES, *in_loads.FAMILIES, *in_commands.FAMILIES),
 )
 PROMISE = PredictedError("current_1_a", "A", "motion", 4, 0.02, 0.01, 0.05)

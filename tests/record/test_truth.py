@@ -51,6 +51,16 @@ def test_damaged_truth_is_named(tmp_path: Path) -> None:
     assert len(caught.value.problems) == 2
 
 
+@pytest.mark.parametrize("name", ["sweep/", "../sweep", ""])
+def test_runs_of_a_truth_have_names(name: str, tmp_path: Path) -> None:
+    """A name that ends in a slash ended in a KeyError."""
+    write_truth(TRUTH, tmp_path / "truth")
+    file = tmp_path / "truth" / "truth.yaml"
+    file.write_text(file.read_text().replace("- sweep", f'- "{name}"'))
+    with pytest.raises(CampaignError, match=r"truth.yaml: runs.0: has characters"):
+        read_truth(tmp_path / "truth")
+
+
 def test_missing_truth_is_named(tmp_path: Path) -> None:
     with pytest.raises(CampaignError, match=r"truth.yaml: cannot be read"):
         read_truth(tmp_path)

@@ -55,7 +55,7 @@ def hints_of(
     campaign = with_payloads(campaign)
     every = quantities_of(campaign.runs, compiled)
     found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled), *unlike_weights(campaign)]
-    found += [*known_temperatures(campaign), *cold_gears(campaign), *noise_as_stated(campaign)]
+    found += [*known_temperatures(campaign), *cold_gears(campaign), *noise_as_stated(campaign, compiled.robot)]
     told = {finding.column for finding in known}
     found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     found += [hint for hint in beyond_guessed_limits(campaign, compiled) if hint.column not in told]

@@ -1,9 +1,10 @@
-"""Noise that a campaign states of its instruments, held against how their readings scatter.
+"""Noise that a campaign or a robot states of its instruments, held against how their readings scatter.
 
 A bench takes what is stated: noise in millimetres explains everything that a tracker in metres can read.
 """
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,38 +15,69 @@ from bench.record.channels import columns_of
 from bench.record.finding import Finding
 from bench.record.manifest import MANIFEST
 from bench.record.rules.labels import STATE
+from bench.robot.folder import FIGURES_FILE, Robot
 
 # Times what readings scatter: nearer, on a logarithmic scale, to what another unit would make of it (mA, mm) than to 1.
 # Accuracy that is stated for repeatability is ten times as much with good instruments.
 FAR = BEYOND_GUESS["torque limit"]
 
 
-def noise_as_stated(campaign: Campaign) -> Iterator[Finding]:
-    """Yield a warning for each quantity whose stated noise is far from how its channels scatter in the median run.
+class _Stated(NamedTuple):
+    """A standard deviation of single readings as stated: file and key, channels (of one drive or all), and value."""
+
+    file: str
+    key: str
+    quantity: str
+    drive: int | None
+    value: float
+
+
+def noise_as_stated(campaign: Campaign, robot: Robot) -> Iterator[Finding]:
+    """Yield a warning for each noise that was stated far from how its channels scatter in the median run.
 
     Args:
         campaign: A checked campaign.
+        robot: Its robot; what its figures state counts where the campaign states nothing, and where it is too much.
     """
-    for quantity, stated in campaign.noise.items():
+    of_robot = [one for one in _of_figures(robot) if one.quantity not in campaign.noise]
+    of_campaign = [_Stated(MANIFEST, f"noise.{name}", name, None, value) for name, value in campaign.noise.items()]
+    for stated in (*of_campaign, *of_robot):
         scatters = [
             _scatter(run.kind == "static", run.columns[column.name], labels)
             for run in campaign.runs
             for labels in [[run.columns[name] for name in STATE if name in run.columns]]
-            for column in columns_of(run.columns, quantity)
+            for column in columns_of(run.columns, stated.quantity)
+            if stated.drive in (None, column.index)
         ]
         known = [one for one in scatters if one > 0]
         if not known:
             continue
         least, usual = min(known), float(np.median(known))  # an arm that sways scatters by more than its instruments
-        if stated > FAR * usual:
-            how = f"{stated / usual:.2g} times as much as its readings scatter ({usual:.2g})"
-        elif FAR * stated < least:
-            how = f"{least / stated:.2g} times less than any of its readings scatter ({least:.2g})"
+        if stated.value > FAR * usual:
+            how = f"{stated.value / usual:.2g} times as much as its readings scatter ({usual:.2g})"
+        elif FAR * stated.value < least and stated.file == MANIFEST:
+            how = f"{least / stated.value:.2g} times less than any of its readings scatter ({least:.2g})"
         else:
             continue
-        message = f"{stated:g} is {how}"
+        message = f"{stated.value:g} is {how}"
         remedy = "milli or kilo? noise is in the unit of the column: A, Nm, N, m, rad, Pa"
-        yield Finding("warning", MANIFEST, None, f"noise.{quantity}", message, remedy)
+        yield Finding("warning", stated.file, None, stated.key, message, remedy)
+
+
+def _of_figures(robot: Robot) -> Iterator[_Stated]:
+    """Yield what figures state of sensors of drives and loads; a default that nobody looked at says nothing."""
+    instruments, file = robot.figures.instruments, f"{robot.folder.name}/{FIGURES_FILE}"
+    for name, sensor, kinds in (
+        ("current", instruments.current, {"sigma_a": "current"}),
+        ("force", instruments.force, {"sigma_n": "force", "sigma_nm": "moment"}),
+    ):
+        for key, quantity in kinds.items():
+            if sensor is not None and key in sensor.model_fields_set:
+                yield _Stated(file, f"instruments.{name}.{key}", quantity, None, getattr(sensor, key))
+    if instruments.torque:
+        each = instruments.torque.sigma_of(robot.n_joints)
+        for i, value in enumerate(each, start=1):
+            yield _Stated(file, "instruments.torque.sigma_nm", "tau_motor", i, value)
 
 
 def _scatter(is_static: bool, values: Array, labels: list[Array]) -> float:

@@ -56,6 +56,11 @@ def without_holes(values: Array, time: Array) -> Array:
     return filled(np.where(np.abs(values) < HUGE, values, np.nan), "line", time)
 
 
+def readable(values: Array) -> Array:
+    """Return a column as an instrument can have read it: zero where all of it is less than any resolves."""
+    return values if np.max(np.abs(values)) > 1 / HUGE else 0 * values
+
+
 def moving(columns: Mapping[str, Array]) -> list[str]:
     """Return the columns that are numbers throughout and do not stand still."""
     return [name for name, values in columns.items() if np.max(np.abs(values)) < HUGE and np.ptp(values) > 0]

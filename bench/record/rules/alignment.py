@@ -38,8 +38,27 @@ def leads(sheet: Sheet) -> Iterator[Finding]:
             yield sheet.warning(column.name, message, "were both recorded by one clock, and is the command complete?")
 
 
+def least_misfit(values: Array, source: Array, step: float) -> float:
+    """Return the standard deviation of the difference that the best shift in time leaves, of half a second at most.
+
+    Args:
+        values: Shape (n,), an angle.
+        source: Shape (n,), what it follows.
+        step: From row to row [s].
+    """
+    misfits, _, _ = _misfits(values, source, step)
+    return float(np.min(misfits))
+
+
 def _lead(values: Array, source: Array, step: float) -> float:
     """Return by how much `values` is ahead of `source` [s]; 0 where a shift does not explain the difference."""
+    misfits, span, step = _misfits(values, source, step)
+    best = int(np.argmin(misfits))
+    return (best - span) * step if bool(misfits[best] < BETTER * misfits[span]) else 0.0
+
+
+def _misfits(values: Array, source: Array, step: float) -> tuple[Array, int, float]:
+    """Return what shifts by -span, ..., span samples leave, shape (2 span + 1,), and the span and step [s] of those."""
     every = max(1, round(SEARCH_S / step / N_LAGS))
     values, source, step = values[::every], source[::every], step * every
     span = min(N_LAGS, int(SEARCH_S / step), len(values) // 4)
@@ -51,8 +70,7 @@ def _lead(values: Array, source: Array, step: float) -> float:
         misfits = np.full(len(shifted), np.inf)
         for lag in {*_likely(source[middle], shifted).tolist(), span}:
             misfits[lag] = np.std(source[middle] - shifted[lag])
-    best = int(np.argmin(misfits))
-    return (best - span) * step if bool(misfits[best] < BETTER * misfits[span]) else 0.0
+    return misfits, span, step
 
 
 def _likely(source: Array, shifted: Array) -> NDArray[np.intp]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.record.campaign import Array
 from bench.record.finding import Finding
+from bench.record.rules.alignment import least_misfit
 from bench.record.rules.sheet import LOAD_N, TRAVEL, Sheet
 from bench.record.units import STANDARD_GRAVITY
 
@@ -33,10 +34,14 @@ def encoders_follow(sheet: Sheet) -> Iterator[Finding]:
     for column, values in sheet.columns("q_motor", "q_link"):
         source = "q_cmd" if column.channel.quantity == "q_motor" else "q_motor"
         own = sheet.joint(column.index, source)
-        if own is None or not sheet.moves(own[0].name) or not sheet.moves(column.name):
+        frozen = [values] if own is None or source == "q_cmd" else [values, own[1]]  # encoders; told elsewhere
+        if own is None or any(np.ptp(one) == 0 for one in frozen):
             continue
-        own_misfit = float(np.std(values - own[1]))
-        if own_misfit <= WRONG * np.std(values):
+        own_misfit, moved = float(np.std(values - own[1])), float(max(np.std(values), np.std(own[1])))
+        both_move = sheet.moves(own[0].name) and sheet.moves(column.name)
+        if not both_move and own_misfit <= TRAVEL[column.unit]:
+            continue
+        if own_misfit <= WRONG * moved:
             yield from _in_one_unit(sheet, column.name, own[0].name, ANGLES[column.unit])
             continue
         misfits = {
@@ -45,16 +50,27 @@ def encoders_follow(sheet: Sheet) -> Iterator[Finding]:
             for sign in (1, -1)
             if sheet.moves(other.name)
         }
-        (sign, best), misfit = min(misfits.items(), key=lambda item: item[1])
+        (sign, best), misfit = min(misfits.items(), key=lambda item: item[1], default=((1, own[0].name), own_misfit))
         if misfit < CLEAR * own_misfit:
             message = f"follows {'minus ' if sign < 0 else ''}{best}, not {own[0].name}"
             remedy = "look at the order of the joints" if best != own[0].name else "turn the sign of one of them"
             yield sheet.doubt(column.name, message, remedy)
         elif in_another_unit := list(_in_one_unit(sheet, column.name, own[0].name, ANGLES[column.unit])):
             yield from in_another_unit
-        elif own_misfit > np.std(values):  # it would be nearer to any constant
+        elif own_misfit >= np.std(values):  # it would be nearer to any constant
             message = f"does not follow {own[0].name}: misses it by more than it moves itself"
             yield sheet.warning(column.name, message, "is each the angle at every instant, of this joint?")
+        elif (left := _left_by_shifts(sheet, values, own[1])) > max(WRONG * moved, TRAVEL[column.unit]):
+            message = f"does not follow {own[0].name}: misses it by {left / moved:.0%} of the movement, at any delay"
+            yield sheet.warning(column.name, message, "is each the angle at every instant, of this joint?")
+
+
+def _left_by_shifts(sheet: Sheet, values: Array, source: Array) -> float:
+    """Return what an angle misses another one by at the best delay, as a standard deviation; at rest there is none."""
+    time = sheet.get("time_s")
+    if sheet.run.kind != "motion" or time is None or len(time) < MANY:
+        return float(np.std(values - source))
+    return least_misfit(values, source, float(np.median(np.diff(time))))
 
 
 def encoders_rest_at_their_command(sheet: Sheet) -> Iterator[Finding]:

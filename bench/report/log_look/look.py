@@ -14,7 +14,7 @@ from bench.record.logs.mcap_table import MCAP, read_topic
 from bench.record.look.families import Family, span
 from bench.record.look.names import clocks, families_by_name, unit_of
 from bench.record.look.rests import rest_columns
-from bench.record.look.values import clock_factor, clock_of, families_by_value, moving, without_holes
+from bench.record.look.values import clock_factor, clock_of, families_by_value, moving, readable, without_holes
 from bench.record.plain_file import FileFault, read_plain
 from bench.record.table import Table
 from bench.report.log_look.drives import drives, readings_of
@@ -65,6 +65,7 @@ def look(file: Path, topic: str = "", nominal: NominalDynamics | None = None) ->
     remarks: list[str] = []
     if holes := [name for name, values in read.items() if name not in others or np.any(others[name] != values)]:
         remarks.append(f"no number in every row: {', '.join(holes)}; of a slow instrument write `fill: hold` behind it")
+    others = {name: readable(values) for name, values in others.items()}
     families = _families(time, others, dialect, nominal)
     readings = readings_of(families)
     known = geared(list(positions(families, others, nominal)), readings, time, others, nominal)
