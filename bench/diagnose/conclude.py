@@ -175,12 +175,12 @@ def _explanation(
 
 
 def in_order(causes: Iterable[NamedCause], findings: Sequence[AmbiguityGroup]) -> tuple[NamedCause, ...]:
-    """Return causes in the order of findings, each where it is the likeliest name of one; the others by their share."""
+    """Return causes in the order of findings, each where it is the likeliest name of one; the others by their size."""
 
     def rank(cause: NamedCause) -> tuple[float, float]:
         named = ((one.probability, group) for group in findings for one in group.names if one.cause.name == cause.name)
         _, group = max(named, key=lambda one: one[0], default=(0.0, None))
-        return group.rank if group else (float(np.nan_to_num(cause.share)), 0.0)
+        return group.rank if group else (cause.sure_share, 0.0)
 
     return tuple(sorted(causes, key=rank, reverse=True))
 

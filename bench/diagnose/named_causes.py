@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from math import isfinite
 
+from bench.diagnose.extend.size import NORMAL_95
+
 # declared: of the plausible range, as the report says (of 16 large effects hidden in messes the smallest came out at
 # 0.196: DESIGN 6.1)
 SMALL = 0.2
@@ -64,6 +66,11 @@ class NamedCause:
         return self.effect, self.place
 
     @property
+    def sure_share(self) -> float:
+        """How large it surely is, as a share of the plausible range: the nearer end of its 95 % interval, or 0."""
+        return self.share * max(0.0, 1 - NORMAL_95 / self.sigmas) if self.sigmas > 0 else 0.0
+
+    @property
     def is_small(self) -> bool:
         """Whether it is a small finding, which is reported after the large ones; one that was not fitted is not."""
         return self.share < SMALL
@@ -107,13 +114,13 @@ class AmbiguityGroup:
         """How large it surely is, and how sure it is: findings are told in this order, the greatest first.
 
         What may be a large offset of a current or a small torque on a joint is surely no larger than the latter: the
-        smallest share counts of the fewest names that together hold `LIKELY` of it. A finding that was not fitted
-        stands between the large ones and the small ones.
+        smallest counts of the fewest names that together hold `LIKELY` of it. A finding that was not fitted stands
+        between the large ones and the small ones.
         """
         held, shares, all_names = 0.0, list[float](), sum(one.probability for one in self.names)
         for one in sorted(self.names, key=lambda one: -one.probability):
             if isfinite(one.cause.share):
-                shares.append(one.cause.share)
+                shares.append(one.cause.sure_share)
             held += one.probability
             if shares and held >= LIKELY * all_names:
                 break

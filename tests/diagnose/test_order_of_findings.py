@@ -2,7 +2,10 @@
 
 from dataclasses import replace
 
+import pytest
+
 from bench.diagnose.conclude import in_order
+from bench.diagnose.extend.size import NORMAL_95
 from bench.diagnose.named_causes import SMALL, AmbiguityGroup, NamedCause, PossibleCause
 
 
@@ -20,24 +23,32 @@ OPEN, LARGE = finding((CURRENT, 0.51), (TORQUE, 0.4)), finding((BY_LOAD, 1.0))
 
 def test_a_finding_is_as_large_as_the_smallest_of_its_likely_names() -> None:
     """A small torque stood before the larger cause: as the offset of a current it is a large share of its range."""
-    assert OPEN.rank == (0.04, 5.0)
+    assert OPEN.rank == finding((TORQUE, 0.91)).rank
     assert LARGE.rank > OPEN.rank
 
 
 def test_a_name_that_is_not_likely_makes_no_finding_small() -> None:
-    assert finding((CURRENT, 0.95), (TORQUE, 0.04)).rank == (0.4, 5.0)
-    assert finding((CURRENT, 0.89), (TORQUE, 0.11)).rank == (0.04, 5.0)
+    assert finding((CURRENT, 0.95), (TORQUE, 0.04)).rank == finding((CURRENT, 0.99)).rank
+    assert finding((CURRENT, 0.89), (TORQUE, 0.11)).rank == finding((TORQUE, 1.0)).rank
+
+
+def test_a_finding_is_as_large_as_the_nearer_end_of_its_interval() -> None:
+    """An eccentricity of 9 to 33 thousandths of a degree stood before a payload of 134 to 167 kg."""
+    assert finding((cause("a", 0.5, sigmas=2 * NORMAL_95), 1.0)).rank[0] == pytest.approx(0.25)
+    vague, sure = cause("a", 0.5, sigmas=NORMAL_95 + 0.01), cause("b", 0.3, sigmas=50.0)
+    assert finding((sure, 1.0)).rank > finding((vague, 1.0)).rank
+    assert cause("a", 0.5, sigmas=1.0).sure_share == 0.0
 
 
 def test_of_equals_the_surer_one_stands_first() -> None:
-    assert finding((cause("a", 0.4, sigmas=9.0), 1.0)).rank > finding((CURRENT, 1.0)).rank
+    assert finding((cause("a", 0.0, sigmas=1.5), 1.0)).rank > finding((cause("a", 0.0, sigmas=1.0), 1.0)).rank
 
 
 def test_what_was_not_fitted_stands_between_large_and_small() -> None:
     nobody = replace(CURRENT, share=float("nan"), sigmas=float("nan"))
-    small, large = (finding((cause("a", SMALL + by), 1.0)).rank for by in (-0.001, 0.001))
+    small, large = (finding((cause("a", SMALL + by, sigmas=1e6), 1.0)).rank for by in (-0.001, 0.001))
     assert small < finding((nobody, 1.0)).rank < large
-    assert finding((nobody, 0.6), (TORQUE, 0.4)).rank == (0.04, 0.0)
+    assert finding((nobody, 0.6), (TORQUE, 0.4)).rank == (TORQUE.sure_share, 0.0)
 
 
 def test_causes_of_an_explanation_stand_as_findings_do() -> None:

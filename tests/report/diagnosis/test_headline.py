@@ -109,7 +109,7 @@ def test_a_finding_that_may_be_large_is_large() -> None:
 
 def test_what_is_surely_larger_than_one_that_may_be_large_stands_with_it() -> None:
     """The headline of a messy arm told a small torque that may be a large offset, and not the cause that was hidden."""
-    hidden = finding(replace(MASS, share=0.17))
+    hidden = finding(replace(MASS, share=0.17, sigmas=45.0))
     open_names = finding(replace(ZERO, share=0.4), replace(GAS, share=0.04))
     tiny = finding(replace(OIL, share=0.02))
     words = headline(replace(VERDICTS["several"], findings=(hidden, open_names, tiny)))
