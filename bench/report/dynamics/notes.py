@@ -8,6 +8,7 @@ import numpy as np
 from bench.identify.dynamics.first_pass import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
 from bench.identify.dynamics.prior import WIDER
+from bench.identify.dynamics.warming import Warming, warming_of
 from bench.report.dynamics.words import REPETITION
 
 BARELY = 1.02  # an error larger by less is the same within what folds differ by (assumed)
@@ -23,6 +24,7 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
     yield from rivals_notes(found.joints, "what was held out", found.held_out)
     for folder, torques in predicted.items():
         yield from rivals_notes(found.joints, str(folder), torques)
+    yield from warming_notes(found.joints, warming_of(found))
     if found.folds.repeats:
         yield f"{REPETITION}; give one with --held-out."
     for joint, noise in zip(found.joints, found.solution.noise, strict=True):
@@ -63,6 +65,19 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
             else "all runs are taken to carry the same."
         )
         yield f"The payload is told against the stated masses of the links; {carried}"
+
+
+def warming_notes(joints: Sequence[str], warming: Warming | None) -> Iterator[str]:
+    """Yield how much friction falls from run to run; nothing where it does not."""
+    if warming is None:
+        return
+    fell = {joint: one[0] - one[-1] for joint, one in zip(joints, warming.scale, strict=True) if one[0] > one[-1]}
+    shares = ", ".join(f"{joint} {share:.1%}" for joint, share in fell.items())
+    yield (
+        f"Friction falls from run to run, as of drives that warm up, and the model here has one friction for all: from "
+        f"{warming.runs[0]!r} to {warming.runs[-1]!r} by {shares}. A warmer or colder recording is missed by as "
+        "much: warm up first, or log temperatures of gears (gear_temperature_i_k)."
+    )
 
 
 def rivals_notes(joints: Sequence[str], what: str, torques: HeldOut | Torques) -> Iterator[str]:
